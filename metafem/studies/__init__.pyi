@@ -1,3 +1,4 @@
+from .combined import Requirement as Requirement
 from .combined import combined as combined
 from .element_checks import Check as Check
 from .element_checks import Convergence as Convergence
@@ -10,6 +11,7 @@ from .interaction import interaction as interaction
 from .manufacturing import manufacturing as manufacturing
 from .misalignment import misalignment as misalignment
 from .sampling.batches import Execution as Execution
+from .sampling.points import Draws as Draws
 from .summaries import Summary as Summary
 from .summaries import summary as summary
 from .uncertainty import uncertainty as uncertainty

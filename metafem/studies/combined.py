@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,10 +25,10 @@ from metafem.progress import doing
 from metafem.studies.largest_tolerances import ALL, Largest, factors, quantile
 from metafem.studies.made_laws import MadeLaws, Runs, share_error
 from metafem.studies.sampling.batches import Execution, opened
-from metafem.studies.sampling.dataset import QUANTILES, dataset
+from metafem.studies.sampling.dataset import QUANTILES, Variables, dataset, of_law, with_error
 from metafem.studies.sampling.inputs import Inputs
-from metafem.studies.sampling.moments import Sums, moments
-from metafem.studies.sampling.points import batch_size, entropy
+from metafem.studies.sampling.moments import moments
+from metafem.studies.sampling.points import Draws, batch_size, entropy
 from metafem.studies.sampling.slope import Slope
 from metafem.studies.sampling.store import inputs_hash
 from metafem.surface import Surface
@@ -42,20 +43,52 @@ MOST_POINTS = 256
 FIRST_DRAWS = 4_096
 
 
+@dataclass(frozen=True)
+class Requirement:
+    """What made surfaces shall do: meet the target within a misfit, with a probability.
+
+    Parameters
+    ----------
+    misfit : float
+        Largest misfit with which a made surface meets the target [-], positive; default: 0.1, the largest
+        difference that the source counts as a success.
+    probability : float
+        Wanted probability [-], above 0 and below 1; default: 0.9.
+
+    Raises
+    ------
+    InvalidInput
+        If a value is outside its range.
+
+    Examples
+    --------
+    >>> Requirement(0.02)
+    Requirement(misfit=0.02, probability=0.9)
+    """
+
+    misfit: float = MISSED
+    probability: float = 0.9
+
+    def __post_init__(self) -> None:
+        check.member(self, "misfit", above=0.0)
+        check.member(self, "probability", above=0.0)
+        if self.probability >= 1.0:
+            given, most = (formatted("probability", number) for number in (self.probability, 1.0))
+            raise InvalidInput(f"{label('probability')} = {given} must be below {most}")
+
+
 @doing("drawing made surfaces")
 @checked_call
 def combined(
     design: Design,
     tolerances: Tolerances,
     *,
-    misfit: float = MISSED,
-    probability: float = 0.9,
+    requirement: Requirement | None = None,
     parameters: Mapping[str, float] | None = None,
-    draws: int = 10_000,
+    draws: int | Draws = 10_000,
     model: Model | None = None,
     load_range: tuple[float, float] | None = None,
     rng: Any = 0,
-    error: float | None = None,
     execution: Execution | None = None,
 ) -> xr.Dataset:
     """Probability that the made surface meets the target, and the largest tolerances for a wanted one.
@@ -77,18 +110,16 @@ def combined(
     design : Design
     tolerances : Tolerances
         Errors of the made surface and of its alignment.
-    misfit : float
-        Largest misfit with which the made surface meets the target [-], positive; default: 0.1, the largest
-        difference that the source counts as a success.
-    probability : float
-        Wanted probability [-], above 0 and below 1; default: 0.9.
+    requirement : metafem.studies.Requirement, optional
+        Largest misfit and wanted probability; default: ``Requirement(misfit=0.1, probability=0.9)``.
     parameters : mapping of str to float, optional
         Standard deviations of ``composite_modulus`` [MPa], ``radius`` [mm] (all radii change by the same
         factor; of the mean radius), ``shear_strength`` [MPa] and ``area_ratio`` [-], as for `uncertainty`.
         They change the law at given forces, which is compared with the target at nominal values. The
         factors do not apply to them. Default: none.
-    draws : int
-        Number of draws, at least 2; default: 10,000.
+    draws : int or metafem.studies.Draws
+        Number of draws, at least 2; default: 10,000. With an error, draws are added until it is that of the
+        probability.
     model : Model, optional
         Default: that of the design's law.
     load_range : (float, float), optional
@@ -96,9 +127,6 @@ def combined(
         which the plane reaches the lowest summit.
     rng : int or numpy.random.Generator
         Seed or generator; default: 0.
-    error : float, optional
-        Wanted sampling error of the probability [-], in place of `draws`: draws are added until it is
-        reached, at most a million.
     execution : metafem.studies.Execution, optional
         Processes or cluster, and folder of a run that can be resumed; default: this process.
 
@@ -127,37 +155,28 @@ def combined(
     >>> import metafem as mf
     >>> template = mf.Surface.square_lattice(0.12, (4, 4), radius=0.526, material=mf.Material(1.36))
     >>> design = mf.design(mf.PowerLaw(0.9, (0.02, 0.06)), template)
-    >>> found = combined(design, mf.Tolerances(height_sd=0.003), misfit=0.02, draws=500)
+    >>> found = combined(design, mf.Tolerances(height_sd=0.003), requirement=Requirement(0.02), draws=500)
     >>> found.tolerance.values.tolist(), bool(0.0 < found.probability < 1.0)
     (['all', 'height_sd'], True)
     """
     check.instance("design", design, Design, "a metafem.Design")
     check.instance("tolerances", tolerances, Tolerances, "metafem.Tolerances")
-    allowed = check.number("misfit", misfit, above=0.0)
-    wanted = check.number("probability", probability, above=0.0)
-    if wanted >= 1.0:
-        given, most = (formatted("probability", number) for number in (wanted, 1.0))
-        raise InvalidInput(f"{label('probability')} = {given} must be below {most}")
-    number = check.integer("draws", draws, at_least=2)
-    goal = None if error is None else check.number("error", error, above=0.0)
+    wish, number = requirement or Requirement(), Draws.of(draws)
+    allowed, wanted, goal = wish.misfit, wish.probability, number.error
     surface = design.surface
     used = design.law.model if model is None else checked_model(model)
-    notes: list[Note] = []
-    slope = None
-    if load_range is None and np.ptp(surface.height) == 0.0:
-        notes.append(information("no slope: all summits have one height, and no load_range is given"))
-    else:
-        slope = Slope.of(surface, load_range, used)
-    first = number if goal is None else FIRST_DRAWS
-    size = min(batch_size(first), MOST_POINTS)
-    task = MadeLaws.of(
-        design,
+    slope, notes = Slope.if_any(surface, load_range, used)
+    first = number.number if goal is None else FIRST_DRAWS
+    task = MadeLaws(
+        surface,
         used,
         tolerances,
         _inputs(surface, parameters),
+        design.target_law,
+        tuple(branch for branch, _ in design.fits),
         slope,
         seed=entropy(rng),
-        size=size,
+        size=min(batch_size(first), MOST_POINTS),
         draws=first,
     )
     key = inputs_hash((task, allowed, wanted, goal))
@@ -169,26 +188,23 @@ def combined(
         raise NotConverged("fewer than two draws have a solution")
     notes += _notes(found, wanted, allowed)
     if slope is not None:
-        low, high = slope.load_range
-        notes.append(information(f"the slope is fitted over P/E* = {low:.4g} to {high:.4g} mm^2"))
+        notes.append(slope.note)
     if sums.failed.any():
         notes.append(Note(f"{sums.failed[0]} draws have no solution under this model: they miss the target"))
     met, count = float((drawn <= allowed).mean()), len(drawn)
     if goal is not None and share_error(met, count) > goal:
         notes.append(Note(f"the error {goal:g} of the probability is not reached within {count} draws"))
+    factors_found = np.array([value[:2] for value in found.values()]).reshape(-1, 2)
     levels, load, over = [quantile(drawn, share) for share in QUANTILES], "rescaled_load", ("tolerance",)
-    variables: dict[str, tuple[tuple[str, ...], Any]] = {
-        "probability": ((), met),
-        "probability_error": ((), share_error(met, count)),
-        "misfit_quantile": (("quantile",), [level.value for level in levels]),
-        "misfit_quantile_error": (("quantile",), [level.error for level in levels]),
+    variables: Variables = {
+        **with_error("probability", (), (met, share_error(met, count))),
+        **with_error("misfit_quantile", ("quantile",), list(np.transpose(levels))),
+        **with_error("factor", over, list(factors_found.T)),
         "nominal_misfit": ((), task.nominal[0]),
-        "factor": (over, [value.factor for value in found.values()]),
-        "factor_error": (over, [value.error for value in found.values()]),
         "given": (over, [1.0 if name == ALL else getattr(tolerances, name) for name in found]),
         "failed": ((), sums.failed[0]),
         "draws": ((), sums.count[0]),
-        **_moments(task, sums),
+        **of_law(moments(sums, plain=True), task.nominal[1], slope=slope is not None),
     }
     result = dataset(
         "combined",
@@ -207,20 +223,6 @@ def combined(
         tolerances=repr(tolerances),
         parameters=repr(dict(parameters or {})),
     )
-
-
-def _moments(task: MadeLaws, sums: Sums) -> dict[str, tuple[tuple[str, ...], Any]]:
-    """Return the means and standard deviations of the slope and of the areas, and their nominal values."""
-    found, nominal = moments(sums, plain=True), task.nominal[1]
-    variables: dict[str, tuple[tuple[str, ...], Any]] = {}
-    for name, part, axes in (("slope", 0, ()), ("area", slice(1, None), ("rescaled_load",))):
-        if name == "slope" and task.slope is None:
-            continue
-        variables[f"nominal_{name}"] = axes, nominal[part]
-        for moment, estimate, origin in (("mean", found.mean, 1.0), ("sd", found.sd, 0.0)):
-            variables[f"{name}_{moment}"] = axes, nominal[part] * (origin + estimate.value[0, part])
-            variables[f"{name}_{moment}_error"] = axes, nominal[part] * estimate.error[0, part]
-    return variables
 
 
 def _inputs(surface: Surface, parameters: Mapping[str, float] | None) -> Inputs | None:

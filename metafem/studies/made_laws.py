@@ -10,7 +10,6 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.errors import NotConverged
-from metafem.inversion import Design
 from metafem.inversion.assessment import misfits
 from metafem.inversion.candidate import Branch
 from metafem.inversion.targets.target_law import TargetLaw
@@ -49,24 +48,6 @@ class MadeLaws:
     draws: int  # the last batch may be smaller
     first: int = 0  # number of the first batch
     described: bool = True  # whether slopes and areas are computed, too
-
-    @staticmethod
-    def of(
-        design: Design,
-        model: Model,
-        tolerances: Tolerances,
-        inputs: Inputs | None,
-        slope: Slope | None,
-        *,
-        seed: int,
-        size: int,
-        draws: int,
-    ) -> MadeLaws:
-        """Return the batches of a design."""
-        branches = tuple(branch for branch, _ in design.fits)
-        return MadeLaws(
-            design.surface, model, tolerances, inputs, design.target_law, branches, slope, seed, size, draws
-        )
 
     @property
     def batches(self) -> range:

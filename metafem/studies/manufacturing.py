@@ -12,18 +12,18 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._given import formatted, label
-from metafem.errors import InvalidInput, NotConverged
+from metafem.errors import NotConverged
 from metafem.models import Independent, Model
 from metafem.models.model import checked_model
-from metafem.notes import Note, information
+from metafem.notes import Note
 from metafem.prediction import Tolerances
 from metafem.progress import doing
 from metafem.studies.largest_tolerances import ALLOWED, MOST, Largest, Level, largest
 from metafem.studies.sampling.batches import Execution, opened
-from metafem.studies.sampling.dataset import QUANTILES, dataset
-from metafem.studies.sampling.draws import ROUND_POINTS, SlopeDraws, summed
+from metafem.studies.sampling.dataset import QUANTILES, dataset, of_law, with_error
+from metafem.studies.sampling.draws import ROUND_POINTS, SlopeDraws, linear_response, summed
 from metafem.studies.sampling.moments import Sums, moments, quantiles
-from metafem.studies.sampling.points import FEWEST_BATCHES, batch_size, entropy
+from metafem.studies.sampling.points import FEWEST_BATCHES, Draws, batch_size, entropy
 from metafem.studies.sampling.schedulers import Run
 from metafem.studies.sampling.slope import Slope
 from metafem.studies.sampling.store import inputs_hash
@@ -32,6 +32,9 @@ from metafem.surface import Surface
 if TYPE_CHECKING:
     import xarray as xr
 
+# No errors.
+EXACT = Tolerances()
+
 
 @doing("drawing made surfaces")
 @checked_call
@@ -39,14 +42,11 @@ def manufacturing(
     surface: Surface,
     height_sd: ArrayLike,
     *,
-    draws: int = 10_000,
+    draws: int | Draws = 10_000,
     model: Model | None = None,
     load_range: Any = None,
-    radius_sd: float = 0.0,
-    position_sd: float = 0.0,
+    others: Tolerances = EXACT,
     rng: Any = 0,
-    error: float | None = None,
-    plain: bool = False,
     execution: Execution | None = None,
 ) -> xr.Dataset:
     """Mean and scatter of the friction law of surfaces whose heights, radii and positions have errors.
@@ -68,22 +68,18 @@ def manufacturing(
     surface : Surface
     height_sd : float or array_like
         Standard deviations of the heights [mm], one or many, not negative. All use the same random numbers.
-    draws : int
-        Number of draws at each value, at least 2, rounded up to whole batches; default: 10,000.
+    draws : int or metafem.studies.Draws
+        Number of draws at each value, at least 2, rounded up to whole batches; default: 10,000. With an
+        error, draws are added until it is that of `slope_sd`, relative, at each value of `height_sd`.
     model : Model, optional
         Default: independent asperities.
     load_range : (float, float), optional
         Range of the rescaled load of the fit [mm^2]. Default: 25 to 100 % of the load at which the plane
         reaches the lowest summit, under independent asperities. The paper does not print its range.
-    radius_sd, position_sd : float
-        Standard deviations of the radii, and of x and y of the sites [mm]; default: 0.
+    others : Tolerances
+        Errors besides those of the heights, such as ``Tolerances(radius_sd=0.001)``; default: none.
     rng : int or numpy.random.Generator
         Seed or generator; default: 0.
-    error : float, optional
-        Wanted relative sampling error of `slope_sd` [-], in place of `draws`: draws are added until it is
-        reached at each value of `height_sd`, at most a million.
-    plain : bool
-        Use plain random numbers without control variates, for comparison; default: False.
     execution : metafem.studies.Execution, optional
         Processes or cluster, and folder of a run that can be resumed; default: this process.
 
@@ -119,17 +115,16 @@ def manufacturing(
     check.instance("surface", surface, Surface, "a metafem.Surface")
     used = checked_model(Independent() if model is None else model)
     deviations = np.atleast_1d(check.array("height_sd", np.atleast_1d(height_sd), shape=(None,)))
-    tolerances = [Tolerances(float(sd), 0.0, radius_sd, position_sd) for sd in deviations]
-    number = check.integer("draws", draws, at_least=2)
-    if error is not None:
-        error = check.number("error", error, above=0.0)
-        if plain:
-            raise InvalidInput("error cannot be given with plain=True; state the number of draws")
-    seed, slope = entropy(rng), Slope.of(surface, load_range, used)
-    dimensions = Tolerances(1.0, 0.0, radius_sd, position_sd).dimensions(surface)
-    size = batch_size(number, dimensions) if error is None else ROUND_POINTS
-    task = SlopeDraws.of(surface, used, slope, tolerances, seed=seed, draws=number, size=size, plain=plain)
-    own = (surface, used, slope.load_range, task.tolerances, seed, size, number, plain, error)
+    tolerances = tuple(replace(others, height_sd=float(sd)) for sd in deviations)
+    wanted, seed, slope = Draws.of(draws), entropy(rng), Slope.of(surface, load_range, used)
+    error, plain = wanted.error, wanted.plain
+    dimensions = replace(others, height_sd=1.0).dimensions(surface)
+    size = batch_size(wanted.number, dimensions) if error is None else ROUND_POINTS
+    task = SlopeDraws(
+        surface, used, slope, tolerances, *linear_response(used, surface, slope), seed, size, wanted.number,
+        plain, (True,) * len(tolerances),
+    )  # fmt: skip
+    own = (surface, used, slope.load_range, tolerances, seed, size, wanted)
     inputs = inputs_hash(("manufacturing", *own))
     with opened(execution, "manufacturing", inputs) as compute:
         sums, done = summed(compute, task, error)
@@ -140,7 +135,7 @@ def manufacturing(
             f"{label('height_sd')} = {formatted('height_sd', float(deviation))}"
         )
     found, levels = moments(sums, plain=plain), quantiles(sums, np.array(QUANTILES))
-    nominal, areas = task.nominal[0], task.nominal[1:]
+    nominal = task.nominal[0]
     notes = []
     if sums.failed.any():
         notes.append(Note(f"{sums.failed.sum()} draws have no solution under this model and are left out"))
@@ -148,32 +143,22 @@ def manufacturing(
         notes.append(
             Note(f"the relative error {error:g} of slope_sd is not reached within {sums.count.max()} draws")
         )
-    low, high = slope.load_range
-    notes.append(information(f"the slope is fitted over P/E* = {low:.4g} to {high:.4g} mm^2"))
-    sd, load, both = ("height_sd",), "rescaled_load", ("height_sd", "rescaled_load")
+    notes.append(slope.note)
+    saving = np.column_stack([found.saving_of_mean[:, 0], found.saving_of_sd[:, 0]])
     variables = {
-        "slope_mean": (sd, nominal * (1.0 + found.mean.value[:, 0])),
-        "slope_mean_error": (sd, nominal * found.mean.error[:, 0]),
-        "slope_sd": (sd, nominal * found.sd.value[:, 0]),
-        "slope_sd_error": (sd, nominal * found.sd.error[:, 0]),
-        "area_mean": (both, areas * (1.0 + found.mean.value[:, 1:])),
-        "area_mean_error": (both, areas * found.mean.error[:, 1:]),
-        "area_sd": (both, areas * found.sd.value[:, 1:]),
-        "area_sd_error": (both, areas * found.sd.error[:, 1:]),
-        "slope_quantile": (("height_sd", "quantile"), nominal * (1.0 + levels.value)),
-        "slope_quantile_error": (("height_sd", "quantile"), nominal * levels.error),
-        "saving": (
-            ("height_sd", "moment"),
-            np.column_stack([found.saving_of_mean[:, 0], found.saving_of_sd[:, 0]]),
-        ),
-        "largest_height_sd": ((), limit.factor),
-        "largest_height_sd_error": ((), limit.error),
-        "nominal_slope": ((), nominal),
-        "nominal_area": ((load,), areas),
-        "failed": (sd, sums.failed),
-        "draws": (sd, sums.count),
+        **of_law(found, task.nominal, ("height_sd",)),
+        **with_error("slope_quantile", ("height_sd", "quantile"), levels, nominal, 1.0),
+        **with_error("largest_height_sd", (), limit[:2]),
+        "saving": (("height_sd", "moment"), saving),
+        "failed": (("height_sd",), sums.failed),
+        "draws": (("height_sd",), sums.count),
     }
-    coordinates = {"height_sd": deviations, load: slope.load, "quantile": QUANTILES, "moment": ["mean", "sd"]}
+    coordinates = {
+        "height_sd": deviations,
+        "rescaled_load": slope.load,
+        "quantile": QUANTILES,
+        "moment": ["mean", "sd"],
+    }
     return dataset(
         "manufacturing", variables, coordinates, model=used, load_range=slope.load_range, seed=seed,
         draws=int(sums.count.max()), inputs=inputs, notes=notes,

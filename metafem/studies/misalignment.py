@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -12,21 +10,20 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._given import shown
-from metafem._validate import FloatArray, IntArray
-from metafem.errors import InvalidInput, NotConverged
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
 from metafem.models import Independent, Model
 from metafem.models.model import checked_model, contact_of
 from metafem.notes import Note, information
 from metafem.progress import doing
 from metafem.studies.largest_tolerances import ALLOWED, Largest
 from metafem.studies.sampling.batches import Execution, opened
-from metafem.studies.sampling.dataset import QUANTILES, dataset
+from metafem.studies.sampling.dataset import QUANTILES, Variables, dataset, with_error
 from metafem.studies.sampling.moments import Estimate
 from metafem.studies.sampling.points import entropy
-from metafem.studies.sampling.schedulers import Run
 from metafem.studies.sampling.slope import Slope
 from metafem.studies.sampling.store import inputs_hash
-from metafem.studies.sampling.uniform_angle import within
+from metafem.studies.sampling.tilts import Tilts, both_signs, largest_angle, within
 from metafem.surface import STEEPEST, Surface
 
 if TYPE_CHECKING:
@@ -34,18 +31,6 @@ if TYPE_CHECKING:
 
 # Equal steps up to the largest angle, as in the source paper: 2,001 angles with both signs.
 STEPS = 1000
-
-# Steps up to an angle in the search for the largest one, which ends with it among the last three quarters of
-# them, where its error is below 1e-3; and the most searches: each finds it in steps 1/200 as large, or is
-# followed by one up to twice the angle.
-SEARCH_STEPS, SEARCHES = 400, 12
-
-# Shuffled placements of one batch: 2,001 angles and 20 loads of 64 independent asperities take a quarter of a
-# second. A batch of coupled asperities, which take a hundred times as long, is a single one.
-AT_ONCE = 10
-
-# Heights that are solved at once: 32 MiB.
-MOST_HEIGHTS = 2**22
 
 # Slopes along x and along y over the tangent of the angle.
 DIRECTIONS = {"both": (1.0, 1.0), "x": (1.0, 0.0), "y": (0.0, 1.0)}
@@ -134,7 +119,7 @@ def misalignment(
     check.instance("surface", surface, Surface, "a metafem.Surface")
     if not isinstance(axes, str) or axes not in DIRECTIONS:
         raise InvalidInput(f"axes = {shown(axes)} must be one of {', '.join(map(repr, DIRECTIONS))}")
-    signed = _both_signs(_angles(angle))
+    signed = both_signs(_angles(angle))
     used = checked_model(Independent() if model is None else model)
     fit = Slope.of(surface, load_range, used)
     task = Tilts(
@@ -149,7 +134,7 @@ def misalignment(
     inputs = inputs_hash(task)
     with opened(execution, "misalignment", inputs) as compute:
         batches = list(compute(task, range(task.batches)))
-        limit = _largest_angle(compute, task)
+        limit = largest_angle(compute, task)
     slopes = np.concatenate([batch["slope"] for batch in batches])
     failed = int(sum(batch["failed"].sum() for batch in batches))
     return _dataset(task, slopes, batches[0]["area"][0], failed, limit, inputs)
@@ -165,120 +150,16 @@ def _angles(angle: ArrayLike) -> FloatArray:
     return angles
 
 
-def _both_signs(angle: FloatArray) -> FloatArray:
-    return np.concatenate([-angle[::-1], [0.0], angle])
-
-
-def _largest_angle(compute: Run, task: Tilts) -> Largest:
-    """Return the least angle with which the slope as made scatters by `ALLOWED`, and its error [rad]."""
-    surface = task.surface
-    width = float(np.ptp(surface.position @ task.direction))
-    end = min(STEEPEST, math.atan2(float(surface.radius.mean()), width))
-    for number in range(task.batches, task.batches + SEARCHES):
-        angle = end * np.arange(1, SEARCH_STEPS + 1) / SEARCH_STEPS
-        trial = replace(task, angle=_both_signs(angle), shuffles=0, first=number)
-        (slope,) = next(iter(compute(trial, [number])))["slope"]
-        scatter = Estimate(*(each / slope[SEARCH_STEPS] for each in within(trial.angle, slope)[1]))
-        beyond = np.flatnonzero(scatter.value > ALLOWED)
-        if not beyond.size:
-            if end == STEEPEST:
-                return Largest(math.inf, 0.0)
-            end = min(2.0 * end, STEEPEST)
-            continue
-        i = int(beyond[0])
-        if 4 * i >= SEARCH_STEPS:
-            rate = float(scatter.value[i] - scatter.value[i - 1]) / float(angle[0])
-            over = float(scatter.value[i]) - ALLOWED
-            return Largest(float(angle[i]) - over / rate, float(scatter.error[i]) / rate)
-        end = 2.0 * float(angle[i])
-    return Largest(math.nan, 0.0)
-
-
-@dataclass(frozen=True, eq=False)
-class Tilts:
-    """Laws of a surface at all angles, as made (batch 0) and for shuffled placements (further batches)."""
-
-    surface: Surface
-    model: Model
-    direction: FloatArray  # (2,), slopes along x and along y over the tangent of the angle
-    angle: FloatArray  # (a,) [rad]
-    fit: Slope
-    shuffles: int
-    seed: int
-    first: int = 0  # number of the first batch
-
-    @property
-    def tilt(self) -> FloatArray:
-        """Slopes along x and along y [-], (a, 2)."""
-        return np.outer(np.tan(self.angle), self.direction)
-
-    @property
-    def at_once(self) -> int:
-        """Number of shuffled placements of a batch."""
-        return 1 if self.model.couples else AT_ONCE
-
-    @property
-    def batches(self) -> int:
-        """Number of batches."""
-        return 1 + -(-self.shuffles // self.at_once)
-
-    def __call__(self, batch: int) -> dict[str, FloatArray]:
-        """Return the slopes (p, a) of the placements of a batch, and the areas of batch 0, (1, a, k)."""
-        batch -= self.first
-        placements = range(self.at_once * (batch - 1), min(self.at_once * batch, self.shuffles))
-        n = self.surface.count
-        orders = [np.arange(n)]
-        if batch > 0:
-            seeds = [np.random.SeedSequence(self.seed, spawn_key=(k,)) for k in placements]
-            orders = [np.random.default_rng(seed).permutation(n) for seed in seeds]
-        found = [self._law(order) for order in orders]
-        areas = np.array([area for area, _ in found])
-        return {
-            # no product of matrices: its last bits depend on the number of threads
-            "slope": np.einsum("pak,k->pa", areas, self.fit.weight),
-            "area": areas if batch == 0 else areas[:0],
-            "failed": np.array([failed for _, failed in found]),
-        }
-
-    def _law(self, order: IntArray) -> tuple[FloatArray, int]:
-        """Return A0 (a, k) with interpolated values where there is no solution, and the number of these."""
-        area = self._areas(order)
-        solved = np.isfinite(area).all(axis=1)
-        if solved.sum() < 2:
-            raise NotConverged("fewer than two angles of a placement have a solution")
-        if not solved.all():
-            for column in area.T:
-                column[~solved] = np.interp(self.angle[~solved], self.angle[solved], column[solved])
-        return area, int((~solved).sum())
-
-    def _areas(self, order: IntArray) -> FloatArray:
-        surface = self.surface
-        rise = self.tilt @ surface.position.T
-        radius = None if np.ptp(surface.radius) == 0.0 else surface.radius[order]
-        rows = max(1, MOST_HEIGHTS // surface.count)
-        parts = []
-        for start in range(0, len(rise), rows):
-            height = surface.height[order] + rise[start : start + rows]
-            radii = None if radius is None else np.broadcast_to(radius, height.shape)
-            parts.append(self.model.areas(surface, self.fit.load, height, radii))
-        return np.concatenate(parts)
-
-
 def _dataset(
     task: Tilts, slopes: FloatArray, area: FloatArray, failed: int, limit: Largest, inputs: str
 ) -> xr.Dataset:
     """Return the dataset of slopes (p, a) and of the areas as made (a, k)."""
     middle = len(task.angle) // 2
     by_slope, by_area = within(task.angle, slopes), within(task.angle, area.T)
-    variables: dict[str, tuple[tuple[str, ...], Any]] = {}
-    for k, moment in enumerate(("mean", "sd")):
-        for name, found in (
-            (f"slope_{moment}", by_slope[k].value),
-            (f"slope_{moment}_error", by_slope[k].error),
-        ):
-            variables[name] = ("placement", "angle"), found
-        for name, found in ((f"area_{moment}", by_area[k].value), (f"area_{moment}_error", by_area[k].error)):
-            variables[name] = ("angle", "rescaled_load"), found.T
+    variables: Variables = {}
+    for moment, slope, law in zip(("mean", "sd"), by_slope, by_area, strict=True):
+        variables |= with_error(f"slope_{moment}", ("placement", "angle"), slope)
+        variables |= with_error(f"area_{moment}", ("angle", "rescaled_load"), (law.value.T, law.error.T))
     coordinates: dict[str, Any] = {
         "placement": ["as made", *(f"shuffle {k}" for k in range(1, len(slopes)))],
         "angle": task.angle[middle + 1 :],
@@ -286,10 +167,9 @@ def _dataset(
     }
     if len(slopes) > 2:
         quantile = _quantiles(by_slope[1].value[1:])
-        variables["slope_sd_quantile"] = ("quantile", "angle"), quantile.value
-        variables["slope_sd_quantile_error"] = ("quantile", "angle"), quantile.error
+        variables |= with_error("slope_sd_quantile", ("quantile", "angle"), quantile)
         coordinates["quantile"] = list(QUANTILES)
-    variables["largest_angle"], variables["largest_angle_error"] = ((), limit.factor), ((), limit.error)
+    variables |= with_error("largest_angle", (), limit[:2])
     variables["nominal_slope"] = (), slopes[0, middle]
     variables["nominal_area"] = ("rescaled_load",), area[middle]
     variables["failed"] = (), failed

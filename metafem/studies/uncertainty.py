@@ -15,14 +15,14 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.models import Independent, Model
 from metafem.models.model import checked_model, contact_of
-from metafem.notes import Note, information
+from metafem.notes import Note
 from metafem.prediction.friction_law import default_loads
 from metafem.progress import doing
 from metafem.studies.sampling.batches import Execution, opened
-from metafem.studies.sampling.dataset import dataset
+from metafem.studies.sampling.dataset import Variables, dataset, with_error
 from metafem.studies.sampling.inputs import Inputs
-from metafem.studies.sampling.law_draws import LawDraws
-from metafem.studies.sampling.points import MOST_DRAWS, entropy
+from metafem.studies.sampling.law_draws import LawDraws, Response
+from metafem.studies.sampling.points import MOST_DRAWS, Draws, entropy
 from metafem.studies.sampling.slope import Slope
 from metafem.studies.sampling.sobol_indices import SobolIndices, estimated, plan
 from metafem.studies.sampling.store import inputs_hash
@@ -39,16 +39,14 @@ FIRST_DRAWS = 5_000
 @checked_call
 def uncertainty(
     surface: Surface,
-    parameters: Mapping[str, ArrayLike] | Sequence[str],
+    parameters: Mapping[str, ArrayLike] | tuple[Sequence[str], ArrayLike],
     *,
-    covariance: ArrayLike | None = None,
-    draws: int = 10_000,
+    draws: int | Draws = 10_000,
     model: Model | None = None,
     load: ArrayLike | None = None,
     friction_force: ArrayLike | None = None,
     load_range: tuple[float, float] | None = None,
     rng: Any = 0,
-    error: float | None = None,
     execution: Execution | None = None,
 ) -> xr.Dataset:
     """Error bars of the rescaled law from Gaussian errors of its parameters, and the share of each parameter.
@@ -66,15 +64,14 @@ def uncertainty(
     ----------
     surface : Surface
         With the mean values of R, E*, sigma and B.
-    parameters : mapping of str to float, or sequence of str
+    parameters : mapping of str to float, or (sequence of str, array_like (p, p))
         Standard deviations of ``radius`` [mm] (all radii change by the same factor; of the mean radius),
         ``composite_modulus`` [MPa], ``load`` [N], ``shear_strength`` [MPa] and ``area_ratio`` [-], and of
-        ``friction_force`` [N] for measured pairs; or the names of the rows of `covariance`. Those of the
-        forces may be arrays (k,). Parameters that are not named have no error.
-    covariance : array_like, (p, p), optional
-        Covariance matrix of the named parameters, in these units.
-    draws : int
-        Number of evaluations, at least 2, rounded up to whole batches; default: 10,000.
+        ``friction_force`` [N] for measured pairs; or the names of parameters and their covariance matrix, in
+        these units. Deviations of the forces may be arrays (k,). Parameters that are not named have no error.
+    draws : int or metafem.studies.Draws
+        Number of evaluations, at least 2, rounded up to whole batches; default: 10,000. With an error, draws
+        are added until it is that of ``area_sd``, relative, at all loads.
     model : Model, optional
         Default: `Independent()`.
     load : array_like, (k,), optional
@@ -86,9 +83,6 @@ def uncertainty(
         the plane reaches the lowest summit.
     rng : int or numpy.random.Generator
         Seed or generator; default: 0.
-    error : float, optional
-        Wanted relative sampling error of ``area_sd`` [-], in place of `draws`: draws are added until all
-        loads reach it, at most about a million.
     execution : metafem.studies.Execution, optional
         Processes or cluster, and folder of a run that can be resumed; default: this process.
 
@@ -124,8 +118,9 @@ def uncertainty(
     """
     check.instance("surface", surface, Surface, "a metafem.Surface")
     used = checked_model(Independent() if model is None else model)
-    number = check.integer("draws", draws, at_least=2)
-    wanted = None if error is None else check.number("error", error, above=0.0)
+    number = Draws.of(draws)
+    wanted = number.error
+    errors, covariance = parameters if isinstance(parameters, tuple) else (parameters, None)
     modulus = surface.material.composite_modulus
     if load is None:
         if friction_force is not None:
@@ -143,23 +138,19 @@ def uncertainty(
     missing = {
         name: needs for name in ("shear_strength", "area_ratio", "friction_force") if name not in means
     }
-    inputs = Inputs.of(parameters, covariance, means, missing)
+    inputs = Inputs.of(errors, covariance, means, missing)
     law = contact_of(used)
-    if "composite_modulus" in parameters and law.scales_with_stress:
+    if "composite_modulus" in inputs.names and law.scales_with_stress:
         raise InvalidInput(
             f"parameters: composite_modulus also changes the law {law!r}, whose energy or stress is compared "
             "with it; take a law without them (contact hertz), use the study combined, which solves each "
             "draw with its own modulus, or leave the modulus out"
         )
-    notes: list[Note] = []
-    fit = None
-    if load_range is None and np.ptp(surface.height) == 0.0:
-        notes.append(information("no slope: all summits have one height, and no load_range is given"))
-    else:
-        fit = Slope.of(surface, load_range, used)
+    fit, notes = Slope.if_any(surface, load_range, used)
     groups = len(inputs.groups)
-    size = plan(number if wanted is None else FIRST_DRAWS, groups)
-    task = LawDraws.of(surface, used, inputs, fit, loads, forces, size.points, entropy(rng))
+    size = plan(number.number if wanted is None else FIRST_DRAWS, groups)
+    response = Response.reaching(surface, used, inputs, loads, fit)
+    task = LawDraws(surface, inputs, response, fit, loads, forces, size.points, entropy(rng))
     key = inputs_hash((task, used, size, wanted))
     first = 0
     with opened(execution, "uncertainty", key) as compute:
@@ -197,16 +188,14 @@ def _dataset(
 ) -> xr.Dataset:
     """Return the dataset of the estimates of all outputs."""
     k = len(task.load)
-    variables: dict[str, tuple[tuple[str, ...], Any]] = {}
+    variables: Variables = {}
     for i, name in enumerate(task.outputs):
         # the slope is the last output, and a single number
         part, over = (-1, ()) if name == "slope" else (slice(i * k, (i + 1) * k), ("rescaled_load",))
-        for moment, estimate in (("mean", found.mean), ("sd", found.sd)):
-            variables[f"{name}_{moment}"] = over, estimate.value[part]
-            variables[f"{name}_{moment}_error"] = over, estimate.error[part]
-        for index, estimate in (("first_order", found.first_order), ("total", found.total)):
-            variables[f"{name}_{index}"] = ("parameter", *over), estimate.value[:, part]
-            variables[f"{name}_{index}_error"] = ("parameter", *over), estimate.error[:, part]
+        for statistic, estimate in found._asdict().items():
+            axes = over if statistic in ("mean", "sd") else ("parameter", *over)
+            own = estimate.value[..., part], estimate.error[..., part]
+            variables |= with_error(f"{name}_{statistic}", axes, own)
         variables[f"nominal_{name}"] = over, task.nominal[part]
     variables.pop("nominal_rescaled_load", None)  # the coordinate
     sd, error = found.sd.value[:k], found.sd.error[:k]

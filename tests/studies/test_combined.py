@@ -8,6 +8,7 @@ import pytest
 from scipy.stats import norm
 
 import metafem as mf
+from metafem.studies import Draws, Requirement
 from metafem.studies.largest_tolerances import Level, largest, quantile
 
 SOFT = mf.Material(1.36, 0.5)
@@ -49,7 +50,7 @@ def met(design, allowed, height_sd, angle, draws=4000, rng=123):
 
 
 def test_probability_and_largest_tolerances_agree_with_draws(design):
-    found = mf.studies.combined(design, TOLERANCES, misfit=0.012, draws=2000)
+    found = mf.studies.combined(design, TOLERANCES, requirement=Requirement(0.012), draws=2000)
     share, error = met(design, 0.012, 0.003, 0.001)
     assert abs(found.probability - share) <= 3.0 * math.hypot(error, found.probability_error)
     assert 0.01 < share < 0.99
@@ -68,7 +69,7 @@ def test_probability_and_largest_tolerances_agree_with_draws(design):
 def test_exact_surfaces_meet_the_target_or_do_not(design):
     misfit = design.misfit
     for allowed, share in ((1.01 * misfit, 1.0), (0.99 * misfit, 0.0)):
-        found = mf.studies.combined(design, mf.Tolerances(), misfit=allowed, draws=2)
+        found = mf.studies.combined(design, mf.Tolerances(), requirement=Requirement(allowed), draws=2)
         assert found.probability == share
         assert found.nominal_misfit == pytest.approx(misfit, rel=1e-9)
         assert found.sizes["tolerance"] == 0
@@ -96,7 +97,9 @@ def test_parameters_of_a_single_contact_have_a_closed_form(contact, name, sd, po
     # (1 + e)^power is within 1 -+ allowed
     ends = sorted((1.0 + sign * allowed) ** (1.0 / power) - 1.0 for sign in (1.0, -1.0))
     expected = norm.cdf(ends[1] / 0.05) - norm.cdf(ends[0] / 0.05)
-    found = mf.studies.combined(contact, TOLERANCES, misfit=allowed, parameters={name: sd}, draws=2000)
+    found = mf.studies.combined(
+        contact, TOLERANCES, requirement=Requirement(allowed), parameters={name: sd}, draws=2000
+    )
     assert abs(found.probability - expected) <= 3.0 * found.probability_error
     # the height does not change the law of one contact
     assert np.isnan(found.factor).all()
@@ -104,20 +107,24 @@ def test_parameters_of_a_single_contact_have_a_closed_form(contact, name, sd, po
 
 
 def test_tolerances_without_effect_have_no_limit(contact):
-    found = mf.studies.combined(contact, mf.Tolerances(height_sd=0.003), misfit=0.01, draws=100)
+    found = mf.studies.combined(
+        contact, mf.Tolerances(height_sd=0.003), requirement=Requirement(0.01), draws=100
+    )
     assert found.probability == 1.0
     assert np.isinf(found.factor).all()
     assert "is exceeded up to the largest multiple of all tolerances" in found.notes
 
 
 def test_draws_are_added_until_the_error_is_reached(design):
-    found = mf.studies.combined(design, mf.Tolerances(height_sd=0.003), misfit=0.02, error=0.005)
+    found = mf.studies.combined(
+        design, mf.Tolerances(height_sd=0.003), requirement=Requirement(0.02), draws=Draws(error=0.005)
+    )
     assert found.probability_error <= 0.005
     assert found.draws in (4096, 8192, 16384)
 
 
 def test_a_stopped_run_goes_on_with_the_same_numbers(design, tmp_path, monkeypatch):
-    arguments = {"misfit": 0.02, "draws": 600, "rng": 7}
+    arguments = {"requirement": Requirement(0.02), "draws": 600, "rng": 7}
     whole = mf.studies.combined(design, TOLERANCES, **arguments)
     execution = mf.studies.Execution(folder=tmp_path / "run")
     calls, areas = count(), mf.Independent.areas
@@ -193,10 +200,7 @@ def test_misfits_without_a_solution_count_as_infinite():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"misfit": 0.0}, "misfit = 0 must be greater than 0"),
-        ({"probability": 1.0}, "probability = 1 must be below 1"),
         ({"draws": 1}, "draws = 1 must be a whole number of at least 2"),
-        ({"error": -1.0}, "error = -1 must be greater than 0"),
         ({"parameters": {"load": 0.1}}, "parameters has no parameter 'load'"),
         ({"parameters": {"radius": 0.2}}, "parameters.radius"),
         ({"tolerances": 0.003}, "tolerances = 0.003 must be metafem.Tolerances"),
@@ -207,3 +211,9 @@ def test_bad_inputs_are_refused(design, changes, words):
     with pytest.raises(mf.InvalidInput) as refused:
         mf.studies.combined(**{"design": design, "tolerances": TOLERANCES, **changes})
     assert words in str(refused.value)
+
+
+def test_bad_requirements_are_refused():
+    for given, words in ((0.0, 0.9), "misfit = 0 must be greater than 0"), ((0.1, 1.0), "must be below 1"):
+        with pytest.raises(mf.InvalidInput, match=words):
+            Requirement(*given)

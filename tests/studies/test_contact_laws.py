@@ -43,7 +43,9 @@ def test_designs_are_compared_with_their_own_law(surface):
     fidelity = mf.studies.fidelity(design)
     np.testing.assert_allclose(fidelity.area.sel(model="independent"), alone, rtol=1e-9)
     assert "fe is left out" in fidelity.attrs["notes"]
-    chances = mf.studies.combined(design, mf.Tolerances(0.001), misfit=0.1, draws=32)
+    chances = mf.studies.combined(
+        design, mf.Tolerances(0.001), requirement=mf.studies.Requirement(0.1), draws=32
+    )
     assert (chances.area_sd > 0.0).all()
 
 

@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
+from metafem.studies import Draws
 from metafem.studies.sampling import draws
 from tests.conftest import MATERIAL, RADIUS
 
@@ -24,7 +25,7 @@ def linear():
 
 def test_plain_draws_are_those_of_numpy(linear):
     """The slope of each draw by a line fitted by numpy."""
-    study = mf.studies.manufacturing(linear, 0.003, draws=64, plain=True, rng=3)
+    study = mf.studies.manufacturing(linear, 0.003, draws=Draws(64, plain=True), rng=3)
     from scipy.special import ndtri
 
     from metafem.studies.sampling.points import batch_size, unit_points
@@ -51,7 +52,9 @@ def test_one_asperity_does_not_depend_on_its_height():
 def test_errors_of_the_radius_of_one_asperity_are_exact():
     """A0 is proportional to R^(2/3), whose moments are those of a series to fourth order."""
     one = mf.Surface([[0.0, 0.0]], [0.1], RADIUS, MATERIAL)
-    study = mf.studies.manufacturing(one, 0.0, draws=4096, radius_sd=0.02, load_range=(0.01, 0.02))
+    study = mf.studies.manufacturing(
+        one, 0.0, draws=4096, others=mf.Tolerances(radius_sd=0.02), load_range=(0.01, 0.02)
+    )
     s = 0.02 / RADIUS
     shift = (study.slope_mean / study.nominal_slope).item() - 1.0
     assert shift == pytest.approx(-(s**2) / 9.0 - 7.0 / 81.0 * s**4, abs=3e-5)
@@ -87,7 +90,7 @@ def test_small_errors_have_the_linear_response(linear, model):
 
 def test_control_variates_and_sobol_points_agree_with_plain_draws(linear):
     sds = [0.0, 0.0009, 0.003]
-    plain = mf.studies.manufacturing(linear, sds, plain=True)
+    plain = mf.studies.manufacturing(linear, sds, draws=Draws(plain=True))
     found = mf.studies.manufacturing(linear, sds, draws=2000)
     for name in ("slope_mean", "slope_sd", "area_mean", "area_sd"):
         error = np.hypot(plain[f"{name}_error"], found[f"{name}_error"])
@@ -102,7 +105,7 @@ def test_control_variates_and_sobol_points_agree_with_plain_draws(linear):
 
 
 def test_draws_are_added_until_the_error_is_reached(linear):
-    study = mf.studies.manufacturing(linear, [0.0001, 0.01], error=0.01)
+    study = mf.studies.manufacturing(linear, [0.0001, 0.01], draws=Draws(error=0.01))
     assert (study.slope_sd_error <= 0.01 * study.slope_sd).all()
     assert study.draws[1] > study.draws[0]
     assert study.attrs["draws"] == study.draws.max()
@@ -128,7 +131,7 @@ def test_errors_cover_the_mean_of_many_studies():
 
 def test_a_wanted_error_that_is_not_reached_is_noted(linear, monkeypatch):
     monkeypatch.setattr(draws, "MOST_DRAWS", 200)
-    study = mf.studies.manufacturing(linear, 0.003, error=1e-4)
+    study = mf.studies.manufacturing(linear, 0.003, draws=Draws(error=1e-4))
     assert study.draws.item() == 256
     assert "warning: the relative error 0.0001 of slope_sd is not reached within 256" in study.attrs["notes"]
 
@@ -188,13 +191,13 @@ def test_a_study_states_where_its_numbers_come_from(linear):
         ({"height_sd": -0.001}, r"height_sd = -0.001 must be at least 0"),
         ({"height_sd": [0.001, -0.002]}, r"height_sd = -0.002 must be at least 0"),
         ({"height_sd": 0.001, "draws": 1}, "draws = 1 must be a whole number of at least 2"),
-        ({"height_sd": 0.001, "radius_sd": -1.0}, "radius_sd = -1 must be at least 0"),
-        ({"height_sd": 0.001, "radius_sd": 0.1}, "must be at most a tenth of the smallest radius"),
-        ({"height_sd": 0.001, "error": 0.0}, "error = 0 must be greater than 0"),
+        (
+            {"height_sd": 0.001, "others": mf.Tolerances(radius_sd=0.1)},
+            "must be at most a tenth of the smallest radius",
+        ),
         ({"height_sd": 0.001, "model": "layer"}, "model = 'layer' must be a model"),
         ({"height_sd": 0.001, "execution": 2}, "execution = 2 must be a metafem.studies.Execution"),
         ({"height_sd": 0.001, "rng": -1}, "rng = -1 must be a non-negative seed"),
-        ({"height_sd": 0.001, "error": 0.1, "plain": True}, "error cannot be given with plain=True"),
     ],
 )
 def test_bad_input(linear, arguments, words):

@@ -34,7 +34,12 @@ def test_the_largest_multiple_of_all_errors_does_not_depend_on_those_given():
     template = mf.Surface.square_lattice(0.12, (4, 4), radius=RADIUS, material=MATERIAL)
     design = mf.design(mf.PowerLaw(0.9, (0.02, 0.06)), template)
     found = [
-        sd * float(mf.studies.combined(design, mf.Tolerances(sd), misfit=0.02, draws=1000).factor[0])
+        sd
+        * float(
+            mf.studies.combined(
+                design, mf.Tolerances(sd), requirement=mf.studies.Requirement(0.02), draws=1000
+            ).factor[0]
+        )
         for sd in (0.0003, 0.003, 0.03)
     ]
     assert max(found) / min(found) - 1.0 < 0.01

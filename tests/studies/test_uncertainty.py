@@ -98,10 +98,10 @@ def test_measured_pairs_have_errors_in_both_directions(surface):
 def test_correlated_parameters_are_one_entry(surface):
     covariance = np.diag([0.005**2, 0.04**2, 0.005**2])
     names = ["radius", "composite_modulus", "load"]
-    alone = mf.studies.uncertainty(surface, names, covariance=covariance, load=LOAD)
+    alone = mf.studies.uncertainty(surface, (names, covariance), load=LOAD)
     assert alone.equals(mf.studies.uncertainty(surface, {name: SD[name] for name in names}, load=LOAD))
     covariance[0, 1] = covariance[1, 0] = 0.9 * 0.005 * 0.04
-    found = mf.studies.uncertainty(surface, names, covariance=covariance, load=LOAD)
+    found = mf.studies.uncertainty(surface, (names, covariance), load=LOAD)
     assert list(found.parameter.values) == ["radius + composite_modulus", "load"]
     # A0 grows with the radius and falls with the modulus
     assert (found.area_sd < alone.area_sd - alone.area_sd_error).all()
@@ -116,11 +116,11 @@ def test_results_repeat_and_belong_to_the_seed(surface, tmp_path):
 
 
 def test_draws_are_added_until_the_error_is_reached(surface):
-    found = mf.studies.uncertainty(surface, SD, load=LOAD, error=2e-3)
+    found = mf.studies.uncertainty(surface, SD, load=LOAD, draws=mf.studies.Draws(error=2e-3))
     assert (found.area_sd_error <= 2e-3 * found.area_sd).all()
     assert found.attrs["draws"] > 10_000
     assert found.attrs["notes"] == ""
-    few = mf.studies.uncertainty(surface, SD, load=LOAD, error=0.05)
+    few = mf.studies.uncertainty(surface, SD, load=LOAD, draws=mf.studies.Draws(error=0.05))
     assert few.attrs["draws"] < 10_000
 
 
@@ -136,7 +136,6 @@ def test_summits_of_one_height_have_no_slope(surface):
     ("changes", "message"),
     [
         ({"draws": 1}, "draws = 1 must be a whole number of at least 2"),
-        ({"error": 0.0}, "error = 0 must be greater than 0"),
         ({"load": [0.1, -0.1]}, r"load\[1\] = -0.1 must be greater than 0"),
         ({"friction_force": [0.1]}, "friction_force must be given with the load"),
         ({"load": [0.1], "friction_force": [0.1, 0.2]}, r"friction_force has shape \(2,\)"),

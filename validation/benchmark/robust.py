@@ -61,7 +61,9 @@ def long_rows() -> list[Row]:
     for name, allowed in ALLOWED.items():
         design = mf.design(LAWS[name], TEMPLATE)
         start = time.perf_counter()
-        study = mf.studies.combined(design, TOLERANCES, misfit=allowed, draws=DRAWS)
+        study = mf.studies.combined(
+            design, TOLERANCES, requirement=mf.studies.Requirement(allowed), draws=DRAWS
+        )
         taken = time.perf_counter() - start
         share = _share(design, allowed, HEIGHT_SD, ANGLE)
         error = math.hypot(math.sqrt(share * (1.0 - share) / PLAIN_DRAWS), float(study.probability_error))

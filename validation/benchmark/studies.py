@@ -53,10 +53,10 @@ def long_rows() -> list[Row]:
     measured, total = [], 0.0
     for colour in ("blue", "red"):
         start = time.perf_counter()
-        study = _study(colour, model=LAYER, error=OF_SD)
+        study = _study(colour, model=LAYER, draws=mf.studies.Draws(error=OF_SD))
         total += time.perf_counter() - start
         drawn = study.sel(height_sd=LEVELS[1:], method="nearest")
-        plain = _study(colour, COMPARED, model=LAYER, plain=True)
+        plain = _study(colour, COMPARED, model=LAYER, draws=mf.studies.Draws(plain=True))
         here = study.sel(height_sd=np.array(COMPARED), method="nearest")
         what = f"{colour}, layer, order 3"
         for name, bound in (("slope_sd", OF_SD), ("slope_mean", OF_MEAN)):

@@ -59,12 +59,13 @@ def _tilts(surface: mf.Surface, random: np.random.Generator, draws: int) -> tupl
 def _combined(design: mf.Design, seed: int, draws: int) -> tuple[str, float, float]:
     stated = []
     for sd in HEIGHT_SD:
-        found = mf.studies.combined(
-            design, mf.Tolerances(height_sd=sd), misfit=MISFIT, probability=PROBABILITY
-        )
+        requirement = mf.studies.Requirement(MISFIT, PROBABILITY)
+        found = mf.studies.combined(design, mf.Tolerances(height_sd=sd), requirement=requirement)
         stated.append(sd * float(found.factor.sel({"tolerance": "all"})))
-    task = MadeLaws.of(
-        design, design.law.model, mf.Tolerances(height_sd=float(np.mean(stated))), None, None,
+    tolerances = mf.Tolerances(height_sd=float(np.mean(stated)))
+    branches = tuple(branch for branch, _ in design.fits)
+    task = MadeLaws(
+        design.surface, design.law.model, tolerances, None, design.target_law, branches, None,
         seed=seed + 1, size=AT_ONCE, draws=draws,
     )  # fmt: skip
     misfit = np.concatenate([task(batch)["misfit"] for batch in task.batches])

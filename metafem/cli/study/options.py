@@ -123,6 +123,7 @@ def run_arguments(options: Mapping[str, Any]) -> dict[str, Any]:
     if len(found) == 2:
         raise InvalidInput("--draws and --error cannot be given together; give one of them")
     if "error" in found:
-        found["error"] = quantity("--error", found["error"], "%", "1 %")
+        error = quantity("--error", found.pop("error"), "%", "1 %")
+        found["draws"] = mf.studies.Draws(error=error)
     execution = mf.studies.Execution(options["workers"], options["scheduler"], options["kept"])
     return {"rng": options["seed"], "execution": execution, **found}

@@ -100,8 +100,8 @@ def uncertainty(design: Design, **options: Any) -> Dataset:
                     "no error is given; write for example --sd radius=2um, or --calibration calibration.json"
                 )
             return mf.studies.uncertainty(design.surface, deviations, **arguments)
-        names, covariance = with_calibration(options["calibration"], deviations, design.surface)
-        return mf.studies.uncertainty(design.surface, names, covariance=covariance, **arguments)
+        correlated = with_calibration(options["calibration"], deviations, design.surface)
+        return mf.studies.uncertainty(design.surface, correlated, **arguments)
 
 
 @study.command(short_help="How good the machine must be.")
@@ -145,8 +145,8 @@ def combined(design: Design, **options: Any) -> Dataset:
         raise InvalidInput("no error is given; write for example --height-sd 3um --angle 0.05deg")
     tolerances = mf.Tolerances(**given)
     arguments = {**law_arguments(design, options), **run_arguments(options)}
-    for name in ("misfit", "probability"):
-        arguments[name] = quantity(f"--{name}", options[name], "%")
+    wanted = {name: quantity(f"--{name}", options[name], "%") for name in ("misfit", "probability")}
+    arguments["requirement"] = mf.studies.Requirement(**wanted)
     with given_deviations(options["sd"], MADE, design.surface.material) as deviations:
         return mf.studies.combined(design, tolerances, parameters=deviations or None, **arguments)
 

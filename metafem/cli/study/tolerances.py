@@ -62,8 +62,7 @@ def manufacturing(design: Design, **options: Any) -> Dataset:
     return mf.studies.manufacturing(
         design.surface,
         errors("height_sd", options["height_sd"]) or LEVELS,
-        radius_sd=error("radius_sd", options["radius_sd"]),
-        position_sd=error("position_sd", options["position_sd"]),
+        others=mf.Tolerances(**{name: error(name, options[name]) for name in ("radius_sd", "position_sd")}),
         **law_arguments(design, options),
         **run_arguments(options),
     )

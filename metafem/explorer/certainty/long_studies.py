@@ -65,9 +65,9 @@ def made_surfaces(design: Design, tolerances: Tolerances | None) -> Found:
     from metafem.studies import manufacturing, summary
 
     sd = 0.0 if tolerances is None else tolerances.height_sd
-    others = {} if tolerances is None else {n: getattr(tolerances, n) for n in ("radius_sd", "position_sd")}
+    others = Tolerances() if tolerances is None else replace(tolerances, angle=0.0)
     levels = [factor * sd for factor in MULTIPLES] if sd else list(DEVIATIONS)
-    study = manufacturing(design.surface, levels, draws=DRAWS, model=design.law.model, **others)
+    study = manufacturing(design.surface, levels, draws=DRAWS, model=design.law.model, others=others)
     return _found(summary(study), manufacturing_figure({"": study}))
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from metafem._validate import FloatArray
 from metafem.models import Model
 from metafem.notes import Note, to_lines
+from metafem.studies.sampling.moments import Estimate, Moments
 from metafem.studies.sampling.store import own_version
 
 if TYPE_CHECKING:
@@ -81,6 +83,37 @@ def described(name: str) -> dict[str, str]:
     words += ["without errors"] * name.startswith("nominal_")
     words += ["largest with the allowed scatter of the slope"] * name.startswith("largest_")
     return {"units": "1" if share else units, "long_name": ", ".join([quantity, *words])}
+
+
+# Dimensions and values of each variable.
+Variables = dict[str, tuple[tuple[str, ...], Any]]
+
+
+def with_error(
+    name: str, axes: tuple[str, ...], estimate: Sequence[Any], nominal: Any = 1.0, origin: float = 0.0
+) -> Variables:
+    """Return an estimate and its sampling error, of the value over the nominal one, less `origin`."""
+    value, error = estimate
+    return {name: (axes, nominal * (origin + value)), f"{name}_error": (axes, nominal * error)}
+
+
+def of_law(
+    found: Moments, nominal: FloatArray, over: tuple[str, ...] = (), *, slope: bool = True
+) -> Variables:
+    """Return the moments of the slope and of the areas, the quantities (l, q), over a dimension of levels.
+
+    Without a dimension they are those of the only level.
+    """
+    variables: Variables = {}
+    for name, part, axes in (("slope", 0, ()), ("area", slice(1, None), ("rescaled_load",))):
+        if name == "slope" and not slope:
+            continue
+        variables[f"nominal_{name}"] = axes, nominal[part]
+        for moment, estimate, origin in (("mean", found.mean, 1.0), ("sd", found.sd, 0.0)):
+            value, error = (values[..., part] if over else values[0, part] for values in estimate)
+            own = Estimate(value, error)
+            variables |= with_error(f"{name}_{moment}", (*over, *axes), own, nominal[part], origin)
+    return variables
 
 
 def dataset(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -37,36 +36,14 @@ class SlopeDraws:
     model: Model
     slope: Slope
     tolerances: tuple[Tolerances, ...]
-    active: tuple[bool, ...]  # levels that are drawn; the others have no draws
     nominal: FloatArray  # (q,)
     response: FloatArray  # (q, n), derivatives of the quantities by the heights, over the nominal values
     seed: int
     size: int
     draws: int  # the last batch of plain draws may be smaller
     plain: bool
+    active: tuple[bool, ...]  # levels that are drawn; the others have no draws
     first: int = 0  # number of the first batch
-
-    @staticmethod
-    def of(
-        surface: Surface,
-        model: Model,
-        slope: Slope,
-        tolerances: Sequence[Tolerances],
-        *,
-        seed: int,
-        draws: int,
-        size: int,
-        plain: bool = False,
-    ) -> SlopeDraws:
-        """Return the batches; NotConverged is raised if the model has no solution for the surface itself."""
-        curve = model.curve(surface, slope.load).checked()
-        nominal = np.concatenate([[slope.weight @ curve.area], curve.area])
-        gradient = _gradient(model, surface, slope.load)
-        response = np.vstack([slope.weight @ gradient, gradient]) / nominal[:, None]
-        active = (True,) * len(tolerances)
-        return SlopeDraws(
-            surface, model, slope, tuple(tolerances), active, nominal, response, seed, size, draws, plain
-        )
 
     def at(self, tolerances: Tolerances, first: int) -> SlopeDraws:
         """Return the batches of the same points at another level, with numbers of their own."""
@@ -99,6 +76,17 @@ class SlopeDraws:
                 response /= np.where(self.scale[level] > 0.0, self.scale[level], 1.0)
             levels.append(Sums.of(difference, response))
         return {name: np.array([sums[name] for sums in levels]) for name in levels[0]}
+
+
+def linear_response(model: Model, surface: Surface, slope: Slope) -> tuple[FloatArray, FloatArray]:
+    """Return the slope and the areas (q,), and their derivatives by the heights over these (q, n).
+
+    NotConverged is raised if the model has no solution for the surface.
+    """
+    curve = model.curve(surface, slope.load).checked()
+    nominal = np.concatenate([[slope.weight @ curve.area], curve.area])
+    gradient = _gradient(model, surface, slope.load)
+    return nominal, np.vstack([slope.weight @ gradient, gradient]) / nominal[:, None]
 
 
 def _gradient(model: Model, surface: Surface, load: FloatArray) -> FloatArray:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
 
 # Bits of the coordinates of Sobol points; the default of scipy.
 BITS = 30
@@ -24,6 +26,47 @@ MOST_POINTS, MOST_NUMBERS = 4096, 2**20
 
 # Most draws where a wanted error decides their number.
 MOST_DRAWS = 10**6
+
+
+@dataclass(frozen=True)
+class Draws:
+    """How many draws a study makes.
+
+    Parameters
+    ----------
+    number : int
+        At least 2, rounded up to whole batches; default: 10,000.
+    error : float, optional
+        Wanted sampling error [-], in place of a number: draws are added until it is reached, at most a
+        million. Which error it is, each study states.
+    plain : bool
+        Use plain random numbers without control variates, for comparison; default: False.
+
+    Raises
+    ------
+    InvalidInput
+        For fewer than two draws, an error that is not positive, and an error of plain draws.
+
+    Examples
+    --------
+    >>> Draws(error=0.01).number
+    10000
+    """
+
+    number: int = 10_000
+    error: float | None = None
+    plain: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "number", check.integer("draws", self.number, at_least=2))
+        check.member(self, "error", optional=True, above=0.0)
+        if self.error is not None and self.plain:
+            raise InvalidInput("error cannot be given with plain=True; state the number of draws")
+
+    @staticmethod
+    def of(draws: int | Draws) -> Draws:
+        """Return the draws of an argument that may be their number."""
+        return draws if isinstance(draws, Draws) else Draws(draws)
 
 
 def entropy(rng: Any) -> int:

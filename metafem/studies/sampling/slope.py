@@ -13,6 +13,7 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of
+from metafem.notes import Note, information
 from metafem.surface import Surface
 
 # Number of loads of a fit. With 20 the slopes of the source paper's Fig. 4 differ by 0.1 %, and their scatter
@@ -62,3 +63,17 @@ class Slope:
         load = np.linspace(low, high, LOADS)
         deviation = load - load.mean()
         return Slope(load, deviation / (deviation @ deviation), (low, high))
+
+    @staticmethod
+    def if_any(surface: Surface, load_range: Any, model: Model) -> tuple[Slope | None, list[Note]]:
+        """Return the slope, or None and a note where there is no range and all summits have one height."""
+        if load_range is None and np.ptp(surface.height) == 0.0:
+            words = "no slope: all summits have one height, and no load_range is given"
+            return None, [information(words)]
+        return Slope.of(surface, load_range, model), []
+
+    @property
+    def note(self) -> Note:
+        """The range of loads in words."""
+        low, high = self.load_range
+        return information(f"the slope is fitted over P/E* = {low:.4g} to {high:.4g} mm^2")

@@ -1,14 +1,135 @@
-"""Mean and deviation of a function of an angle that is uniform in an interval around zero."""
+"""Laws of a tilted surface, and mean and deviation of the slope where the angle is uniform around zero."""
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass, replace
+
 import numpy as np
 
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
+from metafem.errors import NotConverged
+from metafem.models import Model
+from metafem.studies.largest_tolerances import ALLOWED, Largest
 from metafem.studies.sampling.moments import Estimate
+from metafem.studies.sampling.schedulers import Run
+from metafem.studies.sampling.slope import Slope
+from metafem.surface import STEEPEST, Surface
+
+# Steps up to an angle in the search for the largest one, which ends with it among the last three quarters of
+# them, where its error is below 1e-3; and the most searches: each finds it in steps 1/200 as large, or is
+# followed by one up to twice the angle.
+SEARCH_STEPS, SEARCHES = 400, 12
+
+# Shuffled placements of one batch: 2,001 angles and 20 loads of 64 independent asperities take a quarter of a
+# second. A batch of coupled asperities, which take a hundred times as long, is a single one.
+AT_ONCE = 10
+
+# Heights that are solved at once: 32 MiB.
+MOST_HEIGHTS = 2**22
 
 # Neighbouring angles on each side whose errors count, too.
 NEIGHBOURS = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Tilts:
+    """Laws of a surface at all angles, as made (batch 0) and for shuffled placements (further batches)."""
+
+    surface: Surface
+    model: Model
+    direction: FloatArray  # (2,), slopes along x and along y over the tangent of the angle
+    angle: FloatArray  # (a,) [rad]
+    fit: Slope
+    shuffles: int
+    seed: int
+    first: int = 0  # number of the first batch
+
+    @property
+    def tilt(self) -> FloatArray:
+        """Slopes along x and along y [-], (a, 2)."""
+        return np.outer(np.tan(self.angle), self.direction)
+
+    @property
+    def at_once(self) -> int:
+        """Number of shuffled placements of a batch."""
+        return 1 if self.model.couples else AT_ONCE
+
+    @property
+    def batches(self) -> int:
+        """Number of batches."""
+        return 1 + -(-self.shuffles // self.at_once)
+
+    def __call__(self, batch: int) -> dict[str, FloatArray]:
+        """Return the slopes (p, a) of the placements of a batch, and the areas of batch 0, (1, a, k)."""
+        batch -= self.first
+        placements = range(self.at_once * (batch - 1), min(self.at_once * batch, self.shuffles))
+        n = self.surface.count
+        orders = [np.arange(n)]
+        if batch > 0:
+            seeds = [np.random.SeedSequence(self.seed, spawn_key=(k,)) for k in placements]
+            orders = [np.random.default_rng(seed).permutation(n) for seed in seeds]
+        found = [self._law(order) for order in orders]
+        areas = np.array([area for area, _ in found])
+        return {
+            # no product of matrices: its last bits depend on the number of threads
+            "slope": np.einsum("pak,k->pa", areas, self.fit.weight),
+            "area": areas if batch == 0 else areas[:0],
+            "failed": np.array([failed for _, failed in found]),
+        }
+
+    def _law(self, order: IntArray) -> tuple[FloatArray, int]:
+        """Return A0 (a, k) with interpolated values where there is no solution, and the number of these."""
+        area = self._areas(order)
+        solved = np.isfinite(area).all(axis=1)
+        if solved.sum() < 2:
+            raise NotConverged("fewer than two angles of a placement have a solution")
+        if not solved.all():
+            for column in area.T:
+                column[~solved] = np.interp(self.angle[~solved], self.angle[solved], column[solved])
+        return area, int((~solved).sum())
+
+    def _areas(self, order: IntArray) -> FloatArray:
+        surface = self.surface
+        rise = self.tilt @ surface.position.T
+        radius = None if np.ptp(surface.radius) == 0.0 else surface.radius[order]
+        rows = max(1, MOST_HEIGHTS // surface.count)
+        parts = []
+        for start in range(0, len(rise), rows):
+            height = surface.height[order] + rise[start : start + rows]
+            radii = None if radius is None else np.broadcast_to(radius, height.shape)
+            parts.append(self.model.areas(surface, self.fit.load, height, radii))
+        return np.concatenate(parts)
+
+
+def both_signs(angle: FloatArray) -> FloatArray:
+    """Return increasing angles with both signs and 0, (2 k + 1,)."""
+    return np.concatenate([-angle[::-1], [0.0], angle])
+
+
+def largest_angle(compute: Run, task: Tilts) -> Largest:
+    """Return the least angle with which the slope as made scatters by `ALLOWED`, and its error [rad]."""
+    surface = task.surface
+    width = float(np.ptp(surface.position @ task.direction))
+    end = min(STEEPEST, math.atan2(float(surface.radius.mean()), width))
+    for number in range(task.batches, task.batches + SEARCHES):
+        angle = end * np.arange(1, SEARCH_STEPS + 1) / SEARCH_STEPS
+        trial = replace(task, angle=both_signs(angle), shuffles=0, first=number)
+        (slope,) = next(iter(compute(trial, [number])))["slope"]
+        scatter = Estimate(*(each / slope[SEARCH_STEPS] for each in within(trial.angle, slope)[1]))
+        beyond = np.flatnonzero(scatter.value > ALLOWED)
+        if not beyond.size:
+            if end == STEEPEST:
+                return Largest(math.inf, 0.0)
+            end = min(2.0 * end, STEEPEST)
+            continue
+        i = int(beyond[0])
+        if 4 * i >= SEARCH_STEPS:
+            rate = float(scatter.value[i] - scatter.value[i - 1]) / float(angle[0])
+            over = float(scatter.value[i]) - ALLOWED
+            return Largest(float(angle[i]) - over / rate, float(scatter.error[i]) / rate)
+        end = 2.0 * float(angle[i])
+    return Largest(math.nan, 0.0)
 
 
 def within(angle: FloatArray, value: FloatArray) -> tuple[Estimate, Estimate]:

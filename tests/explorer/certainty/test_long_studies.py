@@ -26,9 +26,7 @@ def design():
 def test_draws_are_those_of_the_study(design, monkeypatch):
     monkeypatch.setattr(long_studies, "DRAWS", 64)
     found = run("draws", design, TOLERANCES)
-    study = mf.studies.manufacturing(
-        design.surface, [0.0005, 0.001, 0.002], draws=64, model=design.law.model, radius_sd=0.0
-    )
+    study = mf.studies.manufacturing(design.surface, [0.0005, 0.001, 0.002], draws=64, model=design.law.model)
     expected = mf.studies.summary(study)
     assert (found.answer, found.rows, found.notes) == (expected.answer, expected.rows, expected.notes)
     assert found.picture.startswith("<svg ")

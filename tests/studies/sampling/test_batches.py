@@ -13,7 +13,7 @@ import pytest
 
 import metafem as mf
 from metafem.progress import listening
-from metafem.studies import Execution
+from metafem.studies import Draws, Execution
 from metafem.studies.sampling import store
 from metafem.studies.sampling.batches import opened
 from tests.conftest import MATERIAL, RADIUS
@@ -23,8 +23,8 @@ SURFACE = mf.Surface.square_lattice(
 )
 
 
-def study(execution=None, **arguments):
-    return mf.studies.manufacturing(SURFACE, [0.001, 0.003], draws=200, execution=execution, **arguments)
+def study(execution=None, draws=200, rng=0):
+    return mf.studies.manufacturing(SURFACE, [0.001, 0.003], draws=draws, rng=rng, execution=execution)
 
 
 def squares(batch):
@@ -43,7 +43,7 @@ def test_results_come_in_the_order_of_the_batches():
 @pytest.mark.slow
 def test_two_processes_give_the_numbers_of_one():
     assert study(Execution(workers=2)).identical(study())
-    assert study(Execution(workers=2), error=0.02).identical(study(error=0.02))
+    assert study(Execution(workers=2), Draws(error=0.02)).identical(study(draws=Draws(error=0.02)))
 
 
 def test_a_batch_whose_process_ended_is_computed_again(tmp_path):
@@ -94,13 +94,13 @@ def test_finished_batches_are_read(tmp_path):
 
 def test_rounds_that_were_stopped_go_on_at_the_levels_that_want_draws(tmp_path):
     """A run to a wanted error decides after each round which levels get more draws."""
-    whole = study(Execution(folder=tmp_path), error=0.01)
+    whole = study(Execution(folder=tmp_path), Draws(error=0.01))
     kept = sorted(tmp_path.glob("batch-*.npz"))
     assert len(kept) > 16
     assert whole.draws[0] != whole.draws[1]
     for path in kept[10:]:
         path.unlink()
-    assert study(Execution(folder=tmp_path), error=0.01).identical(whole)
+    assert study(Execution(folder=tmp_path), Draws(error=0.01)).identical(whole)
 
 
 def test_the_folder_of_another_run_is_refused(tmp_path):

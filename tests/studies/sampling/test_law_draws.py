@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.studies.sampling.response import Response
+from metafem.studies.sampling.law_draws import Response
 
 
 @pytest.fixture(scope="module")

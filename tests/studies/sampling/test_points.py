@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from metafem.studies.sampling.points import batch_size, entropy, unit_points
+from metafem.errors import InvalidInput
+from metafem.studies.sampling.points import Draws, batch_size, entropy, unit_points
 
 
 @pytest.mark.parametrize("plain", [True, False])
@@ -42,3 +43,13 @@ def test_the_size_of_a_batch_leaves_enough_batches():
 def test_the_seed_is_a_number_or_drawn():
     assert entropy(5) == 5
     assert entropy(np.random.default_rng(1)) == entropy(np.random.default_rng(1))
+
+
+def test_bad_numbers_of_draws_are_refused():
+    for arguments, words in (
+        ({"number": 1}, "draws = 1 must be a whole number of at least 2"),
+        ({"error": 0.0}, "error = 0 must be greater than 0"),
+        ({"error": 0.1, "plain": True}, "error cannot be given with plain=True"),
+    ):
+        with pytest.raises(InvalidInput, match=words):
+            Draws(**arguments)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from metafem.studies.sampling.uniform_angle import within
+from metafem.studies.sampling.tilts import within
 
 
 def test_errors_fall_with_the_square_of_the_step():

@@ -13,7 +13,7 @@ def test_the_input_with_the_largest_share_is_named(template):
 
 def test_correlated_inputs_are_named_together(template):
     inputs, covariance = ["composite_modulus", "radius"], [[1.6e-3, 4e-5], [4e-5, 4e-6]]
-    found = summary(mf.studies.uncertainty(template, inputs, covariance=covariance, draws=500, load=[0.3]))
+    found = summary(mf.studies.uncertainty(template, (inputs, covariance), draws=500, load=[0.3]))
     assert found.answer.startswith(
         "The composite modulus E* and the radius R matter most: their errors account for 100 %"
     )

@@ -43,7 +43,7 @@ def test_no_limit_is_stated_where_there_is_none(surface):
         "No errors were found with which the slope scatters by"
     )
     few = surface.replaced(position=surface.position[:4], height=surface.height[::16], radius=RADIUS)
-    found = mf.studies.manufacturing(few, **made, radius_sd=0.05)
+    found = mf.studies.manufacturing(few, **made, others=mf.Tolerances(radius_sd=0.05))
     assert np.isnan(found.largest_height_sd)
     assert mf.studies.summary(found).answer.startswith("No errors are small enough for a slope")
     few = mf.studies.summary(mf.studies.manufacturing(surface, 0.001, draws=8)).answer
