@@ -14,7 +14,7 @@ import numpy as np
 import metafem as mf
 from metafem._kernels import continuation
 from metafem.models.contact_tables import tables
-from metafem.models.interacting.kept_coupling import coupling_between
+from metafem.models.interacting.influence import coupling_between
 from metafem.models.interacting.large import NOT_RECORDED
 
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
+from scipy.optimize import elementwise
 
 from metafem import _validate as check
 from metafem._calls import checked_class
@@ -19,9 +21,8 @@ from metafem.contact.law import Contact, Values
 from metafem.errors import InvalidInput
 from metafem.material import Material
 
-# Largest number of steps of a bracket, each by a factor of WIDER in the indentation, and of the search in it.
-MOST_WIDENINGS, WIDER = 60, 64.0
-MOST_STEPS = 100
+# Twice the width of the first bracket of an indentation, in its logarithm.
+WIDTH = 1.0
 
 
 @checked_class
@@ -131,17 +132,15 @@ class JKR(Contact):
         """
         given = (np.asarray(value, dtype=np.float64) for value in (indentation, radius, curvature))
         d, size, extra = np.broadcast_arrays(*given)
-        found = np.zeros(d.shape)
-        closed = d >= 0.0
         if self.length == 0.0:
             return self.cap.contact_radius(d, size, extra)
+        found, closed = np.zeros(d.shape), d >= 0.0
+
+        def excess(a: FloatArray, inner: FloatArray, *given: FloatArray) -> FloatArray:
+            return np.asarray(np.log(inner / (given[2] + self.deficit(a))))
+
         if closed.any():
-            depth = d[closed]
-
-            def excess(a: FloatArray, inner: FloatArray) -> FloatArray:
-                return np.asarray(np.log(inner / (depth + self.deficit(a))))
-
-            found[closed] = self._radius_where(excess, depth, size[closed], extra[closed])
+            found[closed] = self._radius_where(excess, size[closed], extra[closed], d[closed])
         return found[()]
 
     def indentation(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
@@ -152,10 +151,6 @@ class JKR(Contact):
         """Rescaled load P/E* = P_cap/E* - 2 a s [mm^2]."""
         a = np.asarray(contact_radius)
         return np.asarray(self.cap.load(a, radius, curvature) - 2.0 * a * self.deficit(a))[()]
-
-    def area(self, contact_radius: Values) -> FloatArray:
-        """Contact area pi a^2 [mm^2]."""
-        return self.cap.area(contact_radius)
 
     def second_moment(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Second moment of the pressure over E*, that of the cap minus 4/3 a^3 s [mm^4]."""
@@ -185,20 +180,18 @@ class JKR(Contact):
     def _steep(self, share: float, radius: Values, curvature: Values) -> FloatArray:
         """Return the contact radius [mm] at which c = share s/a."""
 
-        def excess(a: FloatArray, _: FloatArray) -> FloatArray:
-            return np.asarray(np.log(self.profile_slope(a, *given) * a / (share * self.deficit(a))))
+        def excess(a: FloatArray, _: FloatArray, *given: FloatArray) -> FloatArray:
+            return np.asarray(np.log(self.profile_slope(a, *given[:2]) * a / (share * self.deficit(a))))
 
-        given = self._spread(radius, curvature)
-        return self._radius_where(excess, np.zeros(given[0].shape), *given)[()]
+        return self._radius_where(excess, radius, curvature)
 
     def zero_load_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius [mm] of the stable contact without load."""
 
-        def excess(a: FloatArray, _: FloatArray) -> FloatArray:
-            return np.asarray(np.log(self.cap.load(a, *given) / (2.0 * a * self.deficit(a))))
+        def excess(a: FloatArray, _: FloatArray, *given: FloatArray) -> FloatArray:
+            return np.asarray(np.log(self.cap.load(a, *given[:2]) / (2.0 * a * self.deficit(a))))
 
-        given = self._spread(radius, curvature)
-        return self._radius_where(excess, np.zeros(given[0].shape), *given)[()]
+        return self._radius_where(excess, radius, curvature)
 
     def _rates(self, contact_radius: Values, radius: Values, curvature: Values) -> tuple[FloatArray, ...]:
         """Return a [mm], c and s/a [-]; where a contact is open 1 and 0 for the last two."""
@@ -208,58 +201,40 @@ class JKR(Contact):
             drop = np.where(a > 0.0, self.deficit(a) / a, 0.0)
         return a, slope, drop
 
-    @staticmethod
-    def _spread(radius: Values, curvature: Values) -> tuple[FloatArray, FloatArray]:
-        size, extra = np.broadcast_arrays(
-            np.asarray(radius, dtype=np.float64), np.asarray(curvature, dtype=np.float64)
-        )
-        return size, extra
-
     def _radius_where(
-        self,
-        excess: Callable[[FloatArray, FloatArray], FloatArray],
-        depth: FloatArray,
-        radius: FloatArray,
-        curvature: FloatArray,
+        self, excess: Callable[..., FloatArray], radius: Values, curvature: Values, depth: Values = 0.0
     ) -> FloatArray:
-        """Return the contact radius at which excess(a, z) is 0, to rounding.
+        """Return the contact radius at which excess(a, z, radius, curvature, depth) is 0, to rounding.
 
-        z is the cap's own indentation at a, and the excess increases with its logarithm, nearly linearly:
-        false position inside a bracket, in which the value of an end that stays is halved (Illinois).
+        z is the cap's own indentation at a. The excess increases with the logarithm of z, nearly linearly.
         """
-        top = np.log(np.asarray(self.cap.largest_indentation(radius), dtype=np.float64))
-        x = np.minimum(np.log(depth + np.cbrt(self.length**2 * radius)), top)
+        given = np.broadcast_arrays(*(np.asarray(v, dtype=np.float64) for v in (radius, curvature, depth)))
+        top = np.log(np.asarray(self.cap.largest_indentation(given[0]), dtype=np.float64))
 
-        def at(x: FloatArray) -> FloatArray:
+        def at(x: FloatArray, *given: FloatArray) -> FloatArray:
             inner = np.exp(x)
-            return excess(self.cap.contact_radius(inner, radius, curvature), inner)
+            return excess(self.cap.contact_radius(inner, *given[:2]), inner, *given)
 
-        low, high, below, above = x, x, at(x), at(x)
-        for _ in range(MOST_WIDENINGS):
-            long, short = below > 0.0, above < 0.0
-            if not (long | short).any():
-                break
-            if (high[short] >= np.broadcast_to(top, high.shape)[short]).any():
-                raise InvalidInput(
-                    f"adhesion_energy = {self.adhesion_energy:g} N/mm pulls the contact beyond the range of "
-                    f"{self.cap!r}; use a smaller energy or a wider profile"
-                )
-            # an end on the wrong side becomes the other one
-            high, above = np.where(long, low, high), np.where(long, below, above)
-            low, below = np.where(short, high, low), np.where(short, above, below)
-            low = np.where(long, low - math.log(WIDER), low)
-            high = np.where(short, np.minimum(high + math.log(WIDER), top), high)
-            below, above = np.where(long, at(low), below), np.where(short, at(high), above)
-        for _ in range(MOST_STEPS):
-            with np.errstate(invalid="ignore", divide="ignore"):
-                new = np.where(above > below, high - above * (high - low) / (above - below), high)
-            value = at(new)
-            narrow = high - low <= 4.0 * np.finfo(np.float64).eps * np.maximum(np.abs(new), 1.0)
-            up = value > 0.0
-            low, high = np.where(up, low, new), np.where(up, new, high)
-            below = np.where(up, 0.5 * below, value)
-            above = np.where(up, value, 0.5 * above)
-            x = new
-            if (narrow | (value == 0.0)).all():
-                break
-        return np.asarray(self.cap.contact_radius(np.exp(x), radius, curvature))
+        if (np.isfinite(top) & (at(np.minimum(top, 0.0), *given) < 0.0)).any():
+            raise InvalidInput(
+                f"adhesion_energy = {self.adhesion_energy:g} N/mm pulls the contact beyond the range of "
+                f"{self.cap!r}; use a smaller energy or a wider profile"
+            )
+        guess = np.minimum(np.log(given[2] + np.cbrt(self.length**2 * given[0])), top - WIDTH)
+        ends = elementwise.bracket_root(at, guess, guess + 0.5 * WIDTH, xmax=top, args=given).bracket
+        x = elementwise.find_root(at, ends, args=given).x
+        return np.asarray(self.cap.contact_radius(np.exp(x), *given[:2]))[()]
+
+
+def branch_ends(law: JKR, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the contact radii (n,) [mm] after the jump into contact, and at the smallest indentation."""
+    sizes, which = np.unique(radius, return_inverse=True)
+    entry, end = _branch_ends(law, tuple(sizes.tolist()))
+    return entry[which], end[which]
+
+
+@lru_cache(maxsize=64)
+def _branch_ends(law: JKR, sizes: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
+    """Return the same for each size of the summits, once for the many heights of a design."""
+    radius = np.array(sizes)
+    return law.contact_radius(np.zeros(len(sizes)), radius), law.break_radius(radius)

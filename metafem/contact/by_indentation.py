@@ -65,10 +65,6 @@ class LawByIndentation(Contact):
         load, _ = self._load_at(self._depth_at(math.pi * a**2, size), size)
         return np.asarray(np.where(closed, load, 0.0))[()]
 
-    def area(self, contact_radius: Values) -> FloatArray:
-        """Contact area pi a^2 [mm^2]."""
-        return np.asarray(math.pi * np.square(contact_radius))[()]
-
     def second_moment(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Second moment over E* of a uniform pressure, 1/2 P/E* a^2 [mm^4], an upper bound."""
         return np.asarray(0.5 * np.square(contact_radius) * self.load(contact_radius, radius))[()]

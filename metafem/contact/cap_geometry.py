@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import elementwise
 
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
@@ -35,43 +36,8 @@ def sphere_profile(r: FloatArray, radius: Values) -> FloatArray:
     return np.asarray(r**2 / (radius + np.sqrt((radius - r) * (radius + r))))
 
 
-class CapShape(Protocol):
-    """Shape of caps of heights h and radii R, (n,) [mm], on their base plane."""
-
-    def tallest(self, radius: FloatArray) -> FloatArray:
-        """Largest height of a cap [mm]."""
-        ...
-
-    def foot_radius(self, height: FloatArray, radius: FloatArray) -> FloatArray:
-        """Radius of the circle in which a cap meets its base plane [mm]."""
-        ...
-
-    def depth_at(self, distance: FloatArray, radius: float) -> FloatArray:
-        """Depth below the summit at distances from the axis within the foot [mm]."""
-        ...
-
-    def volume(self, height: FloatArray, radius: FloatArray) -> FloatArray:
-        """Volume between a cap and its base plane [mm^3]."""
-        ...
-
-    def largest_area(self, height: FloatArray, radius: FloatArray) -> FloatArray:
-        """Area of a cap, or more [mm^2]."""
-        ...
-
-    def ring_count(self, height: FloatArray, radius: FloatArray, chord_error: float) -> FloatArray:
-        """Number of rings of a mesh that keep its triangles within the chord error [mm] of a cap.
-
-        The rings of 6, 12, 18, ... points are at equal distances along the meridian.
-        """
-        ...
-
-    def rings(self, height: FloatArray, radius: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
-        """Distances of the summit and the rings from the axis, and their heights, (n, count + 1) [mm]."""
-        ...
-
-
 class Spheres:
-    """Spherical caps of height h <= R."""
+    """Spherical caps of heights h <= R and radii R, (n,) [mm], on their base plane."""
 
     def tallest(self, radius: FloatArray) -> FloatArray:
         """Largest height of a cap, R [mm]."""
@@ -94,8 +60,9 @@ class Spheres:
         return np.asarray(2.0 * math.pi * radius * height)
 
     def ring_count(self, height: FloatArray, radius: FloatArray, chord_error: float) -> FloatArray:
-        """Number of rings that keep triangles within the chord error [mm] of the spheres.
+        """Number of rings of a mesh that keep its triangles within the chord error [mm] of the spheres.
 
+        The rings of 6, 12, 18, ... points are at equal distances along the meridian.
         Neighbouring rings are at most D apart along a meridian and pi/3 D along a ring, so no triangle has a
         circumradius above that of the right triangle of these sides, which lies
         ``(1 + (pi/3)^2) D^2 / (8 R)`` below the sphere.
@@ -131,7 +98,7 @@ class _Meridian(NamedTuple):
 
 @dataclass(frozen=True)
 class ProfileCaps:
-    """Caps with any increasing profile f(rho) from the summit down.
+    """Caps with any increasing profile f(rho) from the summit down; as `Spheres`.
 
     `profile` returns depths at distances for the scale 1. If `scaled`, lengths scale with R; otherwise all
     caps have this one profile. It ends at `extent` [mm], if there is one.
@@ -197,26 +164,22 @@ class ProfileCaps:
         return np.asarray(radius) if self.scaled else np.ones_like(radius)
 
     def _foot(self, height: FloatArray) -> FloatArray:
-        """Distance at which the depth is the height, by bisection to rounding; all over the scale."""
-        if math.isinf(self.extent):
-            high = np.array(height, dtype=np.float64)
-            while (short := self.profile(high) < height).any():
-                high = np.where(short, 2.0 * high, high)
-        else:
-            most = float(self.profile(np.array(self.extent)))
-            if (height > most).any():
-                raise InvalidInput(
-                    f"contact.profile: the profile ends {most:.4g} mm below the summit, at its extent of "
-                    f"{self.extent:g} mm; a cap of the height {height.max():.4g} mm needs a wider profile"
-                )
-            high = np.full_like(height, self.extent, dtype=np.float64)
-        low = np.zeros_like(high)
-        while True:
-            middle = 0.5 * (low + high)
-            if ((middle == low) | (middle == high)).all():
-                return high
-            deep = self.profile(middle) >= height
-            low, high = np.where(deep, low, middle), np.where(deep, middle, high)
+        """Distance at which the depth is the height, to rounding; all over the scale."""
+        most = float(self.profile(np.array(self.extent))) if math.isfinite(self.extent) else math.inf
+        if (height > most).any():
+            raise InvalidInput(
+                f"contact.profile: the profile ends {most:.4g} mm below the summit, at its extent of "
+                f"{self.extent:g} mm; a cap of the height {height.max():.4g} mm needs a wider profile"
+            )
+
+        def missing(distance: FloatArray, height: FloatArray) -> FloatArray:
+            return self.profile(distance) - height
+
+        wide = np.minimum(height, self.extent)
+        while (short := missing(wide, height) < 0.0).any():
+            wide = np.where(short, np.minimum(2.0 * wide, self.extent), wide)
+        found = elementwise.find_root(missing, (np.zeros_like(wide), wide), args=(height,))
+        return np.asarray(found.x)
 
     def _meridian(self, height: FloatArray) -> tuple[_Meridian, FloatArray]:
         """Return the meridian down to the foot of the tallest cap, and all feet; all over the scale.
@@ -240,3 +203,6 @@ class ProfileCaps:
         )
         error = np.maximum.accumulate(spacing**2 / 8.0 * bend)
         return _Meridian(across, along, spacing, error), foot
+
+
+CapShape = Spheres | ProfileCaps

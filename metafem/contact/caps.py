@@ -96,10 +96,6 @@ class ElasticCap(Contact):
         a, size = np.asarray(contact_radius), np.asarray(radius)
         return np.asarray(self._load(a, size) + 4.0 / 3.0 * curvature * a**3)[()]
 
-    def area(self, contact_radius: Values) -> FloatArray:
-        """Contact area pi a^2 [mm^2]."""
-        return np.asarray(math.pi * np.square(contact_radius))[()]
-
     def second_moment(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Second moment of the pressure over E*, 4/3 int_0^a s^3 D' ds + 8/15 k a^5 [mm^4]."""
         a, size = np.asarray(contact_radius), np.asarray(radius)

@@ -53,10 +53,6 @@ class Hertz(Contact):
         """Rescaled load P/E* = 4/3 a d [mm^2]."""
         return np.asarray(4.0 / 3.0 * contact_radius * self.indentation(contact_radius, radius, curvature))
 
-    def area(self, contact_radius: Values) -> FloatArray:
-        """Contact area pi a^2 [mm^2]."""
-        return np.asarray(math.pi * np.square(contact_radius))
-
     def second_moment(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Second moment of the pressure over E*, 2/5 P/E* a^2 [mm^4]."""
         return np.asarray(0.4 * np.square(contact_radius) * self.load(contact_radius, radius, curvature))

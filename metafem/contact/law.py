@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar, Protocol, runtime_checkable
+from typing import ClassVar, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from metafem.contact.cap_geometry import SPHERES, CapShape, Values
 from metafem.material import Material
 from metafem.notes import Note
 
-__all__ = ["Contact", "Values"]
+__all__ = ["Contact", "Contacts", "Values", "contacts"]
 
 
 @runtime_checkable
@@ -110,8 +110,8 @@ class Contact(Protocol):
         ...
 
     def area(self, contact_radius: Values) -> FloatArray:
-        """Real contact area [mm^2]."""
-        ...
+        """Real contact area pi a^2 [mm^2]."""
+        return np.asarray(math.pi * np.square(contact_radius))[()]
 
     def second_moment(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Second moment of the pressure over E*, the integral of ``p rho^2`` over the contact [mm^4]."""
@@ -124,3 +124,21 @@ class Contact(Protocol):
     def area_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Derivative of the real contact area by the indentation [mm]; 0 for an open contact."""
         ...
+
+
+class Contacts(NamedTuple):
+    """Contacts at given indentations, all arrays of one shape."""
+
+    load: FloatArray  # P/E* [mm^2]
+    area: FloatArray  # [mm^2]
+    stiffness: FloatArray  # derivative of the load by the indentation [mm]
+    contact_radius: FloatArray  # [mm]
+
+
+def contacts(law: Contact, indentation: FloatArray, radius: FloatArray) -> Contacts:
+    """Return the undisturbed contacts at indentations [mm]; a negative one is an open contact."""
+    a = law.contact_radius(indentation, radius)
+    stiffness = law.stiffness(a, radius)
+    # to first order in the rounding of a: near the equator of a sphere the load alone loses its digits
+    missing = np.where(a > 0.0, indentation - law.indentation(a, radius), 0.0)
+    return Contacts(law.load(a, radius) + stiffness * missing, law.area(a), stiffness, a)

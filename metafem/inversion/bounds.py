@@ -39,10 +39,10 @@ from scipy.optimize import brentq
 
 from metafem._validate import FloatArray
 from metafem.contact import Contact
+from metafem.contact.law import Contacts, contacts
 from metafem.inversion.limits import Limits
 from metafem.inversion.radii import Radii
 from metafem.models import Independent
-from metafem.models.contact_sums import Contacts, contacts
 
 # A value this close to a bound counts as the bound: rounding must not refuse values taken from a surface.
 ROUNDING = 1e-9

@@ -23,8 +23,8 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact import Contact
+from metafem.contact.law import Contacts, contacts
 from metafem.errors import InvalidInput
-from metafem.models.contact_sums import Contacts, contacts
 from metafem.models.model import PARABOLOID
 
 __all__ = [

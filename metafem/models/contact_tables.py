@@ -15,8 +15,8 @@ from metafem._kernels.contact.tabulated import BY_DEPTH, HEADER, LEVER_EDGE, Law
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
+from metafem.contact.law import contacts
 from metafem.errors import InvalidInput
-from metafem.models.contact_sums import contacts
 
 # Degree of the polynomials in a panel, and the largest coefficient of the last two degrees of one that
 # resolves the logarithm of a function: a digit above the rounding of the functions.

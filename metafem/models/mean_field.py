@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
 from typing import ClassVar
 
 import numpy as np
@@ -13,23 +12,19 @@ from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
-from metafem.errors import InvalidInput
-from metafem.models.adhesion.curves import adhesive_law, independent_curve
-from metafem.models.curve import Curve, RescaledState, Sensitivity, controlled
-from metafem.models.independent import TOLERANCE, Independent
-from metafem.models.model import Uncoupled
+from metafem.models.curve import Curve
+from metafem.models.independent import Uncoupled
 from metafem.notes import information
 from metafem.surface import Surface
 
 # Mean of 1/(pi r) over all pairs of points of a unit square: 4/pi [ln(1 + sqrt 2) - (sqrt 2 - 1)/3].
 MEAN_DISPLACEMENT = 4.0 / math.pi * (math.log(1.0 + math.sqrt(2.0)) - (math.sqrt(2.0) - 1.0) / 3.0)
 
-# Most Newton steps: where the load is convex the iterates decrease monotonically to the root, in far fewer.
-MAX_STEPS = 200
+NO_NEIGHBOURS = information("one asperity has no neighbours: the mean field is zero")
 
 
 @checked_class
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MeanField(Uncoupled):
     """Independent asperities on a base that sinks by ``c p sqrt(A)/E*``, p = P/A the nominal pressure.
 
@@ -52,26 +47,9 @@ class MeanField(Uncoupled):
     (True, 0.029)
     """
 
-    unloads: ClassVar[bool] = True
+    title: ClassVar[str] = "mean-field"
 
     contact: Contact = PARABOLOID
-
-    def __post_init__(self) -> None:
-        _ = self._asperities  # checks the law
-
-    def __repr__(self) -> str:
-        """Return the constructor's call, without the default law."""
-        return repr(self._asperities).replace("Independent", "MeanField", 1)
-
-    @property
-    def name(self) -> str:
-        """Name of the model in texts and for ``--model``, with a law other than Hertz's."""
-        return self._asperities.name.replace("independent", "mean-field", 1)
-
-    @cached_property
-    def _asperities(self) -> Independent:
-        """The asperities on the base that sinks."""
-        return Independent(self.contact)
 
     def curve(
         self,
@@ -85,83 +63,14 @@ class MeanField(Uncoupled):
 
         unloading: at these on the way back from the largest; loads of adhesive contacts may be negative.
         """
-        values, by_load = controlled(load, approach)
-        if by_load:
-            return self._sunk(surface, self._asperities.curve(surface, values, unloading=unloading))
-        adhesive = adhesive_law(self.contact, surface.material)
-        if adhesive is not None:
-            sinking = _compliance(surface)
-            return independent_curve(self, adhesive, surface, values, by_load, unloading, sinking)
-        local = self._asperities.curve(surface, approach=self._local(surface, values))
-        sunk = self._sunk(surface, local)
-        error = np.abs(sunk.approach - values) / np.where(local.approach > 0.0, local.approach, 1.0)
-        return replace(sunk, approach=np.array(values), residual=error)
+        found = super().curve(surface, load, approach=approach, unloading=unloading)
+        if surface.count > 1:
+            return found
+        return replace(found, compute_last=lambda: replace(found.last, notes=(NO_NEIGHBOURS,)))
 
-    def sensitivity(
-        self, surface: Surface, load: FloatArray, height: FloatArray | None = None
-    ) -> Sensitivity:
-        """Law at increasing rescaled loads (k,), and dA0/dh at fixed load, that of `Independent`.
-
-        height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
-        """
-        found = self._asperities.sensitivity(surface, load, height)
-        return replace(found, curve=self._sunk(surface, found.curve))
-
-    def areas(
-        self,
-        surface: Surface,
-        load: FloatArray,
-        height: FloatArray,
-        radius: FloatArray | None = None,
-        position: FloatArray | None = None,
-    ) -> FloatArray:
-        """A0 [mm^2] at increasing rescaled loads (k,) for many surfaces, (m, k), that of `Independent`."""
-        return self._asperities.areas(surface, load, height, radius)
-
-    def _sunk(self, surface: Surface, curve: Curve) -> Curve:
-        """Return the curve of independent asperities on the base that sinks."""
-        compliance = _compliance(surface)
-        return replace(
-            curve,
-            approach=curve.approach + compliance * curve.load,
-            stiffness=curve.stiffness / (1.0 + compliance * curve.stiffness),
-            compute_last=partial(self._last, surface, curve),
-        )
-
-    def _last(self, surface: Surface, curve: Curve) -> RescaledState:
-        lone = information("one asperity has no neighbours: the mean field is zero")
-        return replace(curve.last, model=self, notes=() if surface.count > 1 else (lone,))
-
-    def _local(self, surface: Surface, approach: FloatArray) -> FloatArray:
-        """Return the approaches y relative to the sunken base, y + compliance P(y) = approach.
-
-        By Newton's method from above, which decreases to the root where P is convex; inside a bracket, as
-        the load of contacts that yield is not convex.
-        """
-        compliance, gap = _compliance(surface), surface.gap
-        law = self.contact.for_material(surface.material)
-        most = float((gap + law.largest_indentation(surface.radius)).min())
-        local = np.minimum(approach, most)
-        low, high = np.minimum(0.0, approach), local
-        for _ in range(MAX_STEPS):
-            curve = self._asperities.curve(surface, approach=local)
-            excess = local + compliance * curve.load - approach
-            short = (local == most) & (excess < 0.0)
-            if short.any():
-                raise InvalidInput(
-                    f"the approach {approach[short].max():.4g} mm needs more than {most:.4g} mm relative to "
-                    f"the sunken base, up to which {law!r} describes all contacts; use smaller approaches or "
-                    "a law with a larger range"
-                )
-            step = excess / (1.0 + compliance * curve.stiffness)
-            low, high = np.where(excess < 0.0, local, low), np.where(excess > 0.0, local, high)
-            far = (excess > 0.0) | (step < -TOLERANCE * np.abs(local))
-            new = np.where(far, local - step, local)
-            new = np.where((new >= low) & (new <= high), new, 0.5 * (low + high))
-            if (new == local).all() or (np.abs(step) <= np.finfo(float).eps * np.abs(local)).all():
-                return new
-            local = new
-        return local
+    def _compliance(self, surface: Surface) -> float:
+        """Return the mean sinking per unit of P/E*, c/sqrt(A) [1/mm]."""
+        return MEAN_DISPLACEMENT / math.sqrt(nominal_area(surface))
 
 
 def nominal_area(surface: Surface) -> float:
@@ -186,8 +95,3 @@ def nominal_area(surface: Surface) -> float:
     whole, product = (xx + yy) / n, max(xx * yy - xy * xy, 0.0)
     rest = 1.0 - 1.0 / n**2
     return (whole + math.sqrt(whole**2 + 4.0 * rest * product)) / (2.0 * rest)
-
-
-def _compliance(surface: Surface) -> float:
-    """Return the mean sinking per unit of P/E*, c/sqrt(A) [1/mm]."""
-    return MEAN_DISPLACEMENT / math.sqrt(nominal_area(surface))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 from functools import cached_property
-from typing import Any, ClassVar, Protocol, Self, cast, runtime_checkable
+from typing import Any, ClassVar, Protocol, cast, runtime_checkable
 
 from metafem import _validate as check
 from metafem._given import shown
@@ -118,23 +118,6 @@ class Sensitive(Model, Protocol):
         height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
         """
         ...
-
-
-class Uncoupled:
-    """A model of asperities that do not interact, with sensitivities of its own."""
-
-    couples: ClassVar[bool] = False
-    contact: Contact
-
-    @property
-    def gradient_model(self) -> Self:
-        """The model itself."""
-        return self
-
-    @property
-    def reference(self) -> Interacting:
-        """Interacting contacts of the same law on the half-space, of order 3 if the law has one."""
-        return Interacting(self.contact.largest_order, contact=self.contact)
 
 
 class WithoutGradients:

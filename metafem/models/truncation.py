@@ -11,7 +11,7 @@ from metafem._kernels.truncation import SMALL, pair_sum
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
-from metafem.models.interacting.kept_coupling import coupling_between
+from metafem.models.interacting.influence import coupling_between
 from metafem.models.interacting.model import DENSE_LIMIT
 from metafem.models.tilt import area_change
 from metafem.substrate import Substrate

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
+from scipy.special import stdtrit
 
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
@@ -82,7 +82,7 @@ def fit_branch(
     slope = float(((x - centre) * (y - y.mean())).sum() / spread)
     intercept = float(y.mean() - slope * centre)
     variance = float(((y - intercept - slope * x) ** 2).sum()) / (count - 2)
-    student = float(scipy.special.stdtrit(count - 2, UPPER))
+    student = float(stdtrit(count - 2, UPPER))
     slope_error = student * math.sqrt(variance / spread)
     intercept_error = student * math.sqrt(variance * (1.0 / count + centre**2 / spread))
     slopes = slope - slope_error, slope + slope_error

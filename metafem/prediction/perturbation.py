@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-import scipy
+from scipy.special import ndtri
 
 from metafem import _validate as check
 from metafem._calls import checked_class
@@ -143,13 +143,13 @@ class Tolerances:
         height = np.broadcast_to(surface.height, (len(unit), n))
         radius = position = slope = None
         if self.height_sd > 0.0:
-            height = height + self.height_sd * scipy.special.ndtri(columns(n))
+            height = height + self.height_sd * ndtri(columns(n))
         if self.angle > 0.0:
             slope = np.tan(self.angle * (2.0 * columns(2) - 1.0))
         if self.radius_sd > 0.0:
-            radius = surface.radius + self.radius_sd * scipy.special.ndtri(columns(n))
+            radius = surface.radius + self.radius_sd * ndtri(columns(n))
         if self.position_sd > 0.0:
-            moved = self.position_sd * scipy.special.ndtri(columns(2 * n))
+            moved = self.position_sd * ndtri(columns(2 * n))
             position = surface.position + moved.reshape(-1, n, 2)
         if slope is not None:
             x, y = np.moveaxis(surface.position if position is None else position, -1, 0)

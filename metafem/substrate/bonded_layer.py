@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-import scipy
+from scipy.special import j0, j1
 
 from metafem import _validate as check
 from metafem._calls import checked_class
@@ -146,7 +146,7 @@ def regular_table(poisson_ratio: float) -> FloatArray:
     table = np.empty((3, start.size, DEGREE + 1))
     for piece, s in enumerate(start[:, None] + 0.5 * WIDTH * (node + 1.0)):
         phase = np.outer(s, x)
-        zero, one = scipy.special.j0(phase), scipy.special.j1(phase)
+        zero, one = j0(phase), j1(phase)
         table[0, piece] = powers @ -(zero @ weight)
         table[1, piece] = powers @ (one @ (weight * x))
         table[2, piece] = powers @ ((zero - one / phase) @ (weight * x**2))

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import metafem as mf
+from metafem.contact.law import contacts
 from metafem.inversion.height_density import (
     TruncatedExponential,
     TwoBranchExponential,
@@ -18,7 +19,6 @@ from metafem.inversion.height_density import (
     slope_excess,
     uniform_slope,
 )
-from metafem.models.contact_sums import contacts
 from metafem.reference import height_densities as printed
 
 TOP, RADIUS = 0.12, 0.526

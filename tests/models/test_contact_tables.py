@@ -5,7 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem._kernels.contact import tabulated as kernel
-from metafem.models.contact_sums import contacts
+from metafem.contact.law import contacts
 from metafem.models.contact_tables import tables
 
 R = 0.526

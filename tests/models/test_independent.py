@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose
 
 import metafem as mf
+from metafem.models.independent import load_equation
+from tests.models.scenes import LAWS, scene
 
 MATERIAL = mf.Material(1.36)
 
@@ -115,3 +118,17 @@ def test_bad_requests_are_named(rough, arguments, words):
 def test_bad_batches_are_named(arguments, words):
     with pytest.raises(mf.InvalidInput, match=words):
         mf.Independent().curves(*arguments)
+
+
+@pytest.mark.parametrize("name", ["hertz", *LAWS])
+def test_contacts_are_those_of_single_equilibria(name):
+    contact = mf.Hertz() if name == "hertz" else LAWS[name](1.0, 1.0)
+    surface = scene()
+    load = np.array([0.002, 0.02, 0.1])
+    law = contact.for_material(surface.material)
+    rescaled = load / surface.material.composite_modulus
+    size, indentation = load_equation(law).contacts(surface.height, surface.radius, rescaled)
+    for k, each in enumerate(load.tolist()):
+        state = mf.equilibrium(surface, mf.Independent(contact=contact), load=each)
+        assert_allclose(law.area(size[k]), state.asperity_area, rtol=1e-9, atol=1e-12)
+        assert_allclose(indentation[k], state.approach - surface.gap, rtol=1e-9, atol=1e-12)

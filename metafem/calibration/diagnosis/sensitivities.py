@@ -13,7 +13,7 @@ from metafem._validate import FloatArray
 from metafem.calibration.diagnosis.causes import Made
 from metafem.contact import Contact
 from metafem.models import Model
-from metafem.models.alone import contacts_alone
+from metafem.models.independent import load_equation
 from metafem.models.model import PARABOLOID, contact_of, with_contact
 from metafem.surface import Material, Surface
 
@@ -93,7 +93,7 @@ def response(model: Model, part: Made, load: FloatArray) -> Response:
     else:
         order = np.argsort(load, kind="stable")
         size, indentation = np.empty((2, len(load), len(radius)))
-        size[order], indentation[order] = contacts_alone(law, part.height, radius, load[order])
+        size[order], indentation[order] = load_equation(law).contacts(part.height, radius, load[order])
         carried = _where_closed(law.load, size, radius)
     closed = size > 0.0
     stiffness = _where_closed(law.stiffness, size, radius)

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from metafem._validate import FloatArray
+from metafem.contact.law import contacts
 from metafem.errors import InvalidInput
 from metafem.inversion.candidate import Candidate, below_limit
 from metafem.inversion.problem import Problem
@@ -20,7 +21,6 @@ from metafem.inversion.search.levenberg_marquardt import Minimum, descend, searc
 from metafem.inversion.search.nearest_law import beyond
 from metafem.inversion.search.spaces import Heights, LateResidual
 from metafem.models import Independent
-from metafem.models.contact_sums import contacts
 
 # Most loads of the target that are used.
 LOADS = 30

@@ -16,9 +16,9 @@ from scipy.optimize import brentq
 
 from metafem._validate import FloatArray
 from metafem.contact import Contact
+from metafem.contact.law import contacts
 from metafem.inversion.bounds import at_load, depth_at_pressure, relative_depth
 from metafem.inversion.radii import Radii
-from metafem.models.contact_sums import contacts
 
 # Least and largest indentation over R of the contacts that are tabulated for a first guess, and their number.
 TABLE, TABULATED = (1e-9, 10.0), 400

@@ -9,13 +9,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
+from metafem.contact.law import contacts
 from metafem.errors import InvalidInput
 from metafem.inversion.radii import Radii
 from metafem.inversion.search.initial_guess import initial_heights, slowest_law
 from metafem.inversion.search.levenberg_marquardt import DEFAULTS, SearchOptions, search
 from metafem.inversion.search.spaces import Heights, LateResidual, Residual, moved
 from metafem.models import Independent, Sensitivity
-from metafem.models.contact_sums import contacts
 
 # Relative step of the differences by the radius: the cube root of the rounding.
 RELATIVE = 6e-6

@@ -17,9 +17,9 @@ from scipy.optimize import brentq
 
 from metafem._validate import FloatArray
 from metafem.contact import Contact
+from metafem.contact.law import contacts
 from metafem.inversion.height_density import TIGHTEST
 from metafem.models import Independent
-from metafem.models.contact_sums import contacts
 
 # A friction this close to a bound counts as the bound: rounding must not add an asperity.
 ROUNDING = 1e-12

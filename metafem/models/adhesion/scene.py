@@ -25,7 +25,9 @@ from scipy.linalg.lapack import dgetrf, dgetrs, dsytrf
 
 from metafem._kernels.coupling import Coupling
 from metafem._validate import FloatArray, IntArray
-from metafem.contact import JKR, Hertz
+from metafem.contact import JKR
+from metafem.contact.adhesion import branch_ends
+from metafem.contact.elastic import PARABOLOID
 
 # Newton's steps from a radius that is right to a few hundredths, to rounding.
 MOST_STEPS = 20
@@ -52,8 +54,7 @@ class Scene:
     @cached_property
     def entry_radius(self) -> FloatArray:
         """Contact radius (n,) [mm] after the jump into contact at d = 0, without curvature."""
-        sizes, which = np.unique(self.radius, return_inverse=True)
-        return np.asarray(self.law.contact_radius(np.zeros(len(sizes)), sizes)[which])
+        return branch_ends(self.law, self.radius)[0]
 
     def entry_radius_at(self, entering: IntArray, closed: IntArray, p: FloatArray) -> FloatArray:
         """Contact radius [mm] of asperities that jump into contact beside others of loads p [mm^2]."""
@@ -70,8 +71,7 @@ class Scene:
         """
         if not self.paraboloid:
             return np.zeros(len(self.radius))
-        sizes, which = np.unique(self.radius, return_inverse=True)
-        return np.asarray(0.5 * self.law.break_radius(sizes)[which])
+        return 0.5 * branch_ends(self.law, self.radius)[1]
 
     @cached_property
     def largest_radius(self) -> FloatArray:
@@ -83,7 +83,7 @@ class Scene:
     @cached_property
     def paraboloid(self) -> bool:
         """Whether the cap is Hertz's, whose radius of curvature is the same everywhere."""
-        return self.law.cap == Hertz()
+        return self.law.cap == PARABOLOID
 
 
 class Fields(NamedTuple):

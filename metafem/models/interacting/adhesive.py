@@ -2,102 +2,173 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.contact import JKR
 from metafem.errors import InvalidInput, NotConverged
-from metafem.models.adhesion.curves import Followed, follow, followed_near, jump_notes, refuse_merging
+from metafem.models.adhesion.continuation import Continuation, Goal
+from metafem.models.adhesion.load_equation import equilibria
+from metafem.models.adhesion.notes import Jump, jump_notes, refuse_beyond, refuse_merging, refuse_no_loading
+from metafem.models.adhesion.paths import Asperities
 from metafem.models.adhesion.scene import Scene
+from metafem.models.adhesion.solve import TOLERANCE, State
 from metafem.models.curve import Curve, RescaledState, Sensitivity
-from metafem.models.interacting.cap_influence import pedestal_influence, pedestal_notes
-from metafem.models.interacting.kept_coupling import coupling_between
+from metafem.models.interacting.coupled import Coupled
+from metafem.models.interacting.influence import coupling_between
 from metafem.notes import Note
-from metafem.surface import Surface
-
-if TYPE_CHECKING:
-    from metafem.models.interacting.model import Interacting
 
 # Largest number of asperities: a state of so many takes a second, and each may jump.
 MOST = 1000
 
 
-def adhesive_curve(
-    model: Interacting, law: JKR, surface: Surface, values: FloatArray, by_load: bool, unloading: bool
-) -> Curve:
-    """Return the curve of adhesive asperities at increasing loads or approaches (k,)."""
-    refuse_merging(law, surface)
-    modulus = surface.material.composite_modulus
-    scene = _scene(model, law, surface, surface.height, surface.radius)
-    found = follow(scene, values, by_load, unloading, modulus)
-    notes = jump_notes(found.jumps, modulus, unloading) if by_load else ()
-    return found.curve(partial(_last, model, surface, surface.height, found), notes)
+@dataclass(frozen=True)
+class Followed:
+    """States (k,) of interacting asperities at increasing loads or approaches; None without contact."""
 
+    scene: Scene
+    states: list[State | None]
+    jumps: list[Jump]
+    control: FloatArray
 
-def adhesive_sensitivity(
-    model: Interacting, law: JKR, surface: Surface, load: FloatArray, height: FloatArray
-) -> Sensitivity:
-    """Return the law at increasing loads (k,) on loading, and dA0/dh at fixed load [mm], (k, n)."""
-    scene = _scene(model, law, surface, height, surface.radius)
-    found = followed_near(scene, load)
-    indentation = np.array([found.indentation(state) for state in found.states])
+    def _each(self, value: Callable[[State], float], none: float = 0.0) -> FloatArray:
+        return np.array([none if state is None else value(state) for state in self.states])
 
-    def gradient() -> FloatArray:
-        gradient = found.gradients()
-        if model.pedestal:
-            _, rate = pedestal_influence(height, surface.radius)
-            for row, state in zip(gradient, found.states, strict=True):
-                if state is not None:
-                    row[state.closed] *= 1.0 - rate[state.closed] * state.p
-        return gradient
-
-    curve = found.curve(partial(_last, model, surface, height, found), ())
-    return Sensitivity(curve, gradient, indentation)
-
-
-def adhesive_areas(
-    model: Interacting,
-    law: JKR,
-    surface: Surface,
-    load: FloatArray,
-    height: FloatArray,
-    radius: FloatArray | None,
-) -> FloatArray:
-    """Return A0 [mm^2] at increasing loads (k,) of many lists of heights (m, n), (m, k)."""
-    found = np.full((len(height), len(load)), np.nan)
-    for row, heights in enumerate(height):
-        scene = _scene(model, law, surface, heights, surface.radius if radius is None else radius[row])
-        try:
-            states = followed_near(scene, load).states
-        except NotConverged:
-            continue
-        found[row] = [0.0 if state is None else state.area for state in states]
-    return found
-
-
-def _scene(model: Interacting, law: JKR, surface: Surface, height: FloatArray, radius: FloatArray) -> Scene:
-    """Return the asperities with their influence on each other."""
-    if surface.count > MOST:
-        raise InvalidInput(
-            f"{surface.count} adhesive asperities with interaction are too many: at most {MOST}; use "
-            "Independent or MeanField, or fewer asperities"
+    def curve(self, compute_last: Callable[[], RescaledState], notes: tuple[Note, ...]) -> Curve:
+        """Return the curve."""
+        approach = self._each(lambda state: state.x)
+        open_ones = np.array([state is None for state in self.states])
+        approach[open_ones] = self.control[open_ones]
+        return Curve(
+            approach,
+            self._each(lambda state: state.load),
+            self._each(lambda state: state.area),
+            self._each(lambda state: state.stiffness),
+            self._each(lambda state: state.residual),
+            TOLERANCE,
+            compute_last,
+            notes,
         )
-    coupling, regular = coupling_between(surface, model.substrate.for_surface(surface), model.order)
-    if model.pedestal:
-        regular = regular + pedestal_influence(height, radius)[0]
-    gap = height.max() - height
-    return Scene(law, np.broadcast_to(radius, gap.shape), gap, coupling, regular)
+
+    def last(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return loads [mm^2], areas [mm^2] and indentations [mm] (n,) of the last state."""
+        load, area = np.zeros((2, len(self.scene.gap)))
+        state = self.states[-1]
+        if state is None:
+            return load, area, self.control[-1] - self.scene.gap
+        load[state.closed], area[state.closed] = state.p, np.pi * state.a**2
+        return load, area, self.indentation(state)
+
+    def indentation(self, state: State | None) -> FloatArray:
+        """Return the indentations (n,) [mm] of a state; for an open asperity minus its gap."""
+        found = np.zeros(len(self.scene.gap))
+        if state is not None:
+            found[state.closed], found[state.contacts.others] = state.found.indentation, state.overlap
+        return found
+
+    def loads(self) -> FloatArray:
+        """Return the loads (k, n) [mm^2] of all states."""
+        found = np.zeros((len(self.states), len(self.scene.gap)))
+        for row, state in zip(found, self.states, strict=True):
+            if state is not None:
+                row[state.closed] = state.p
+        return found
+
+    def gradients(self) -> FloatArray:
+        """Return dA0/dh at fixed load [mm], (k, n), without the change of the pedestals."""
+        found = np.zeros((len(self.states), len(self.scene.gap)))
+        for row, state in zip(found, self.states, strict=True):
+            if state is not None:
+                row[state.closed] = state.area_gradient()
+        return found
 
 
-def _last(model: Interacting, surface: Surface, height: FloatArray, found: Followed) -> RescaledState:
-    """Return the last state."""
-    load, area, indentation = found.last()
-    base = height - indentation
-    notes: tuple[Note, ...] = ()
-    if model.pedestal:
-        base = base - pedestal_influence(height, surface.radius)[0] * load
-        notes = pedestal_notes(surface)
-    return RescaledState(load, area, indentation, float(base.min()), model, notes)
+def follow(
+    scene: Scene,
+    values: FloatArray,
+    by_load: bool,
+    unloading: bool,
+    modulus: float = 1.0,
+    record: bool = True,
+) -> Followed:
+    """Follow interacting asperities through increasing loads or approaches (k,), or back from the largest."""
+    path = Continuation(scene)
+    if not unloading:
+        return Followed(scene, [path.press(Goal(value, by_load)) for value in values], path.jumps, values)
+    refuse_no_loading(values, by_load, 0.0)
+    path.press(Goal(values[-1], by_load))
+    path.turn()
+    states = [path.withdraw(Goal(value, by_load)) for value in values[::-1]]
+    if by_load and states[-1] is None:
+        refuse_beyond(values[0], path.extreme, modulus)
+    return Followed(scene, states[::-1], path.jumps, values)
+
+
+def followed_near(scene: Scene, load: FloatArray) -> Followed:
+    """Follow interacting asperities through increasing loads (k,), each from those that do not interact."""
+    start = equilibria(Asperities(scene.law, scene.radius, scene.gap), load)
+    path = Continuation(scene, record=False)
+    pairs = zip(load, start.sums.contact_radius, strict=True)
+    states = [path.press_near(Goal(value, by_load=True), guess) for value, guess in pairs]
+    return Followed(scene, states, [], load)
+
+
+class AdhesiveCoupling(Coupled):
+    """Asperities of an adhesive law; every jump is followed."""
+
+    law: JKR
+
+    def path(self, values: FloatArray, by_load: bool, unloading: bool) -> Curve:
+        """Return equilibria at increasing loads or approaches (k,), or back from the largest."""
+        surface = self.surface
+        refuse_merging(self.law, surface)
+        modulus = surface.material.composite_modulus
+        found = follow(self._scene(surface.height, surface.radius), values, by_load, unloading, modulus)
+        notes = jump_notes(found.jumps, modulus, unloading) if by_load else ()
+        return found.curve(partial(self._last, surface.height, found), notes)
+
+    def solve(self, height: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
+        """Return approach, load, area and stiffness (m, k) of lists of heights (m, n) at loads (k,)."""
+        curves = [self.sensitivity(heights, load).curve for heights in height]
+        names = ("approach", "load", "area", "stiffness")
+        return tuple(np.array([getattr(curve, name) for curve in curves]) for name in names)
+
+    def sensitivity(self, height: FloatArray, load: FloatArray) -> Sensitivity:
+        """Return the law at increasing loads (k,) on loading, and dA0/dh at fixed load [mm], (k, n)."""
+        found = followed_near(self._scene(height, self.surface.radius), load)
+        indentation = np.array([found.indentation(state) for state in found.states])
+        curve = found.curve(partial(self._last, height, found), ())
+        return Sensitivity(
+            curve, lambda: self.on_pedestals(found.gradients(), height, found.loads()), indentation
+        )
+
+    def areas(self, height: FloatArray, radius: FloatArray | None, load: FloatArray) -> FloatArray:
+        """Return A0 [mm^2] (m, k) of lists of heights and radii (m, n) at loads (k,); nan if not found."""
+        area = np.full((len(height), len(load)), np.nan)
+        for row, heights in enumerate(height):
+            scene = self._scene(heights, self.surface.radius if radius is None else radius[row])
+            try:
+                states = followed_near(scene, load).states
+            except NotConverged:
+                continue
+            area[row] = [0.0 if state is None else state.area for state in states]
+        return area
+
+    def _scene(self, height: FloatArray, radius: FloatArray) -> Scene:
+        """Return the asperities with their influence on each other."""
+        if self.surface.count > MOST:
+            raise InvalidInput(
+                f"{self.surface.count} adhesive asperities with interaction are too many: at most {MOST}; "
+                "use Independent or MeanField, or fewer asperities"
+            )
+        coupling, regular = coupling_between(self.surface, self.substrate, self.order)
+        gap = height.max() - height
+        self_term = regular + self.pedestals(height, radius)
+        return Scene(self.law, np.broadcast_to(radius, gap.shape), gap, coupling, self_term)
+
+    def _last(self, height: FloatArray, found: Followed) -> RescaledState:
+        return self.state(height, *found.last())

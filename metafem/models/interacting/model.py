@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -13,46 +10,18 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._calls import checked_class
-from metafem._kernels import continuation as kernel
-from metafem._kernels.contact.tabulated import Law
-from metafem._kernels.continuation import Results
-from metafem._kernels.coupling import State
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
-from metafem.errors import InvalidInput, NotConverged
-from metafem.models._resources import run_rows
-from metafem.models.adhesion.curves import adhesive_law
-from metafem.models.contact_sums import contacts
-from metafem.models.contact_tables import deepest, rows_of, tables
-from metafem.models.curve import (
-    Curve,
-    RescaledState,
-    Sensitivity,
-    areas_one_by_one,
-    controlled,
-    refuse_flattening,
-    solved,
-)
-from metafem.models.interacting.adhesive import adhesive_areas, adhesive_curve, adhesive_sensitivity
-from metafem.models.interacting.cap_influence import pedestal_influence, pedestal_notes
-from metafem.models.interacting.kept_coupling import coupling_between
-from metafem.models.interacting.large import NOT_RECORDED, LargeScene
-from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
-from metafem.models.interacting.sensitivity import area_gradients
-from metafem.notes import Note, information
-from metafem.substrate import HalfSpace, Radial, Substrate
+from metafem.errors import InvalidInput
+from metafem.models.adhesion.notes import adhesive_law
+from metafem.models.curve import Curve, Sensitivity, areas_one_by_one, controlled
+from metafem.models.interacting.adhesive import AdhesiveCoupling
+from metafem.models.interacting.elastic import DENSE_LIMIT as DENSE_LIMIT
+from metafem.models.interacting.elastic import TOLERANCE as TOLERANCE
+from metafem.models.interacting.elastic import ElasticCoupling
+from metafem.substrate import HalfSpace, Substrate
 from metafem.surface import Surface
-
-# Largest residual of a converged state; the kernel aims a digit lower.
-TOLERANCE = 1e-12
-
-# Scenes up to this size are solved with all pairs in dense matrices: at 2000 a product takes as long as
-# the transforms of a lattice, and the matrices of order 3 need 0.5 GB.
-DENSE_LIMIT = 2000
-
-# Pairs of asperities, times loads, below which a second thread does not pay: about a millisecond.
-PAIRS_PER_THREAD = 200_000
 
 
 @checked_class
@@ -148,6 +117,12 @@ class Interacting:
         """The same model of the largest order that its contact law allows."""
         return replace(self, order=self.contact.largest_order)
 
+    def _bound(self, surface: Surface) -> ElasticCoupling | AdhesiveCoupling:
+        """Return the asperities of a surface with their law and their influence on each other."""
+        law = self.contact.for_material(surface.material)
+        given = self, surface, law, self.substrate.for_surface(surface), self.order, self.pedestal
+        return AdhesiveCoupling(*given) if adhesive_law(law) else ElasticCoupling(*given)
+
     def curve(
         self,
         surface: Surface,
@@ -161,13 +136,7 @@ class Interacting:
         unloading: at these on the way back from the largest; loads of adhesive contacts may be negative.
         """
         values, by_load = controlled(load, approach)
-        adhesive = adhesive_law(self.contact, surface.material)
-        if adhesive is not None:
-            return adhesive_curve(self, adhesive, surface, values, by_load, unloading)
-        refuse_flattening(self.contact, unloading)
-        solution = self._solve(surface, surface.height[None, :], values, by_load)
-        self._refuse_thin_layer(surface, solution.results)
-        return self._curve(surface, solution)
+        return self._bound(surface).path(values, by_load, unloading)
 
     def curves(
         self, surface: Surface, height: ArrayLike, rescaled_load: ArrayLike
@@ -211,16 +180,9 @@ class Interacting:
         loads = check.loads("rescaled_load", rescaled_load)
         order = np.argsort(loads, kind="stable")
         back = np.argsort(order, kind="stable")
-        solution = self._solve(surface, heights, loads[order], by_load=True)
-        results = type(solution.results)(*(array[:, back] for array in solution.results))
-        self._refuse_thin_layer(surface, results)
-        failed = ~solution.solved
-        if failed.any():
-            worst = float(results.residual.max())
-            raise NotConverged(
-                f"{int(failed.sum())} equilibria not converged: largest residual {worst:.2g}", results
-            )
-        return results.approach, results.load, results.area, results.stiffness
+        results = self._bound(surface).solve(heights, loads[order])
+        approach, carried, area, stiffness = (part[:, back] for part in results)
+        return approach, carried, area, stiffness
 
     def sensitivity(
         self, surface: Surface, load: FloatArray, height: FloatArray | None = None
@@ -232,21 +194,7 @@ class Interacting:
         height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
         """
         heights = surface.height if height is None else height
-        adhesive = adhesive_law(self.contact, surface.material)
-        if adhesive is not None:
-            return adhesive_sensitivity(self, adhesive, surface, load, heights)
-        indentation, room = np.zeros((2, len(load), surface.count))
-        solution = self._solve(surface, heights[None, :], load, True, indentation, room)
-
-        def gradient() -> FloatArray:
-            gradient = solution.gradient()
-            if self.pedestal:
-                _, rate = pedestal_influence(heights, surface.radius)
-                law = self.contact.for_material(surface.material)
-                gradient *= 1.0 - rate * contacts(law, indentation, surface.radius).load
-            return gradient
-
-        return Sensitivity(self._curve(surface, solution), gradient, indentation)
+        return self._bound(surface).sensitivity(heights, load)
 
     def areas(
         self,
@@ -261,119 +209,6 @@ class Interacting:
         height, radius: (m, n) [mm]; position: (m, n, 2) [mm]; None is that of the surface. Where positions
         vary, and radii beyond the size of the dense solver, the surfaces are solved one by one.
         """
-        if position is not None or (radius is not None and surface.count > DENSE_LIMIT):
+        if position is not None:
             return areas_one_by_one(self.curve, surface, load, height, radius, position)
-        adhesive = adhesive_law(self.contact, surface.material)
-        if adhesive is not None:
-            return adhesive_areas(self, adhesive, surface, load, height, radius)
-        solution = self._solve(surface, height, load, True, radius=radius)
-        self._refuse_thin_layer(surface, solution.results)
-        return np.where(solution.solved, solution.results.area, np.nan)
-
-    def _curve(self, surface: Surface, solution: _Solution) -> Curve:
-        approach, load, area, stiffness, residual = (part[0] for part in solution.results[:5])
-        last = partial(self._last, surface, solution)
-        return Curve(approach, load, area, stiffness, residual, solution.tolerance, last)
-
-    def _last(self, surface: Surface, solution: _Solution) -> RescaledState:
-        state, height = solution.last, solution.height
-        base = height - state.indentation
-        if self.pedestal:  # the foot of the cap sinks with the summit, the base beside it hardly
-            base = base - pedestal_influence(height, surface.radius)[0] * state.load
-        notes = (*solution.notes, *(pedestal_notes(surface) if self.pedestal else ()))
-        area = math.pi * state.square
-        # the shift of a contact adds less than a micrometre to the base gap
-        return RescaledState(state.load, area, state.indentation, float(base.min()), self, notes)
-
-    def _solve(
-        self,
-        surface: Surface,
-        height: FloatArray,
-        control: FloatArray,
-        by_load: bool,
-        indentation: FloatArray = NOT_RECORDED,
-        gradient: FloatArray = NOT_RECORDED,
-        radius: FloatArray | None = None,
-    ) -> _Solution:
-        """Solve heights (m, n) at increasing loads or approaches (k,), with radii (m, n) or the surface's.
-
-        Nominal indentations of the last heights, and beyond the size of the dense solver dA0/dh without the
-        change of the pedestals, are filled where there is room for them, (k, n) [mm].
-        """
-        gap = height.max(axis=1, keepdims=True) - height
-        self_term = np.zeros(height.shape)
-        if self.pedestal:
-            self_term += pedestal_influence(height, surface.radius if radius is None else radius)[0]
-        results = kernel.empty_results(len(height), len(control))
-        bound = self.substrate.for_surface(surface)
-        size = np.broadcast_to(surface.radius if radius is None else radius, gap.shape)
-        law = tables(self.contact.for_material(surface.material), size)
-        if surface.count > DENSE_LIMIT and isinstance(bound, Radial):
-            large = LargeScene(surface, bound, self.order)
-            for row in range(len(height)):
-                part = kernel.Results(*(array[row] for array in results))
-                last = large.follow(
-                    rows_of(law, row), self_term[row], gap[row], control, by_load, part, indentation, gradient
-                )
-            self._refuse_deep(rows_of(law, -1), last)
-            notes = (information(large.sums.note),)
-            return _Solution(results, height[-1], last, FAST_TOLERANCE, lambda: gradient, notes)
-        coupling, regular = coupling_between(surface, bound, self.order)
-        self_term += regular
-        control = np.array(control)  # a read-only array would compile the kernel again
-        states = {}
-
-        def run(rows: slice) -> None:
-            state, memory, scratch = kernel.empty_workspace(surface.count, self.order)
-            part = kernel.Results(*(array[rows] for array in results))
-            kernel.curves(
-                coupling, self.order, rows_of(law, rows), self_term[rows], gap[rows], control, by_load, part,
-                state, memory, scratch, indentation,
-            )  # fmt: skip
-            states[rows.stop] = state
-
-        run_rows(run, len(gap), gap.size * surface.count * len(control), PAIRS_PER_THREAD)
-        for end, state in states.items():
-            self._refuse_deep(rows_of(law, end - 1), state)
-        system = coupling, self.order, rows_of(law, -1), self_term[-1]
-        gradients = partial(area_gradients, *system, indentation)
-        return _Solution(results, height[-1], states[len(gap)], TOLERANCE, gradients)
-
-    def _refuse_deep(self, law: Law, state: State) -> None:
-        """Raise InvalidInput where contacts are deeper than their law describes."""
-        if not law.data.size:
-            return
-        limit = deepest(law)
-        if (state.z > limit).any():
-            i = int((state.z > limit).argmax())
-            raise InvalidInput(
-                f"asperity {i} is indented by more than {limit[i]:.4g} mm, up to which {self.contact!r} is "
-                "described; use lighter loads or a law with a larger range"
-            )
-
-    def _refuse_thin_layer(self, surface: Surface, results: Results) -> None:
-        """Raise InvalidInput where contacts are wider than the layer is thick: no expansion holds there."""
-        thickness = getattr(self.substrate.for_surface(surface), "thickness", None)
-        # the solution is not valid there, and neither are the radii of its contacts
-        if thickness is not None and float(results.radius.max()) > thickness:
-            raise InvalidInput(
-                f"the layer of {thickness:g} mm is thinner than the contacts: order {self.order} holds for "
-                f"contact radii up to {thickness:g} mm; use resolved contacts or a thicker layer"
-            )
-
-
-@dataclass(frozen=True, eq=False)
-class _Solution:
-    """Results (m, k) of m lists of heights, and the last heights (n,) with their last state."""
-
-    results: Results
-    height: FloatArray
-    last: State
-    tolerance: float
-    gradient: Callable[[], FloatArray]  # dA0/dh without the change of the pedestals, where it was asked for
-    notes: tuple[Note, ...] = ()
-
-    @property
-    def solved(self) -> np.ndarray:
-        """Whether each equilibrium is converged and finite, (m, k)."""
-        return solved(self.results.residual, self.tolerance, self.results.load, self.results.area)
+        return self._bound(surface).areas(height, radius, load)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.contact.law import contacts
 from metafem.inversion.search.initial_guess import initial_heights
-from metafem.models.contact_sums import contacts
 
 MATERIAL = mf.Material(1.36)
 

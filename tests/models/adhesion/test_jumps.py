@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.models.adhesion.curves import follow
 from metafem.models.adhesion.scene import Scene
-from metafem.models.interacting.kept_coupling import coupling_between
+from metafem.models.interacting.adhesive import follow
+from metafem.models.interacting.influence import coupling_between
 from tests.models.scenes import lattice, said, scene
 
 ENERGY, LARGEST = 9e-6, 0.3

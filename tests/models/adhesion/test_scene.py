@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 import metafem as mf
 from metafem.models.adhesion.scene import Contacts, Scene
-from metafem.models.interacting.kept_coupling import coupling_between
+from metafem.models.interacting.influence import coupling_between
 from tests.models.scenes import RADIUS, scene
 
 CLOSED = np.array([0, 2, 3, 5])

@@ -13,7 +13,7 @@ undisturbed contact at the indentation z; z < 0 is the gap of an open asperity.
 import numpy as np
 
 import metafem as mf
-from metafem.models.contact_sums import approach_at_load
+from metafem.models.load_equation import approach_at_load
 
 MAX_STEPS, MAX_CUTS, GOAL = 100, 30, 3e-14
 

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.models.interacting import model as interacting
+from metafem.models.interacting import elastic as interacting
 from tests.models.interacting.dense_twin import Twin
 from tests.models.scenes import lattice, scene
 

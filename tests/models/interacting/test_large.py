@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 import metafem as mf
 from metafem._kernels.continuation import Results
 from metafem.models.contact_tables import tables
-from metafem.models.interacting import model as interacting
+from metafem.models.interacting import elastic as interacting
 from metafem.models.interacting.coarse import coarsen
 from metafem.models.interacting.ewald_sums import ScatteredSums
 from metafem.models.interacting.fft_sums import LatticeSums, find_lattice

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.models.interacting import model as interacting
+from metafem.models.interacting import elastic as interacting
 from metafem.models.interacting.sensitivity import general_gradients
 
 MODELS = [

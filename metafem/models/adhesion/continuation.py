@@ -17,6 +17,7 @@ from scipy.optimize import brentq
 
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import NotConverged
+from metafem.models.adhesion.notes import Jump
 from metafem.models.adhesion.scene import Contacts, Scene
 from metafem.models.adhesion.solve import (
     CLOSED,
@@ -52,14 +53,6 @@ MOST_STEPS = 1000
 MOST_SEARCHES = 60
 
 
-class Jump(NamedTuple):
-    """A jump at a given load."""
-
-    load: float  # [mm^2]
-    before: float  # area [mm^2]
-    after: float
-
-
 class Goal(NamedTuple):
     """A load [mm^2] or an approach [mm] at which a state is wanted."""
 
@@ -85,8 +78,8 @@ class Goal(NamedTuple):
 
 
 @dataclass
-class Follower:
-    """One surface on its way; `state` is None while nothing is in contact."""
+class Continuation:
+    """The path of one surface; `state` is None while nothing is in contact."""
 
     scene: Scene
     record: bool = True  # whether jumps are recorded

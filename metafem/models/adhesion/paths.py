@@ -1,8 +1,8 @@
-"""Adhesive asperities that do not interact, followed while the plane approaches, and while it recedes.
+"""Loading and unloading paths of adhesive asperities that do not interact.
 
-All quantities are functions of the approach x: forward, an asperity is in contact where x reaches its gap;
-back, it stays in contact down to the end of its branch, ``d > d_end``. Between two such points the load is a
-convex function of x. A state at a load is the first one on the way; see `follower`.
+All quantities are functions of the approach x: on loading, an asperity is in contact where x reaches its gap;
+on unloading, it stays in contact down to the end of its branch, ``d > d_end``. Between two such points the
+load is a convex function of x. A state at a load is the first one on the path; see `continuation`.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import JKR
+from metafem.contact.adhesion import branch_ends
 from metafem.errors import InvalidInput
-from metafem.models.adhesion.follower import Jump
+from metafem.models.adhesion.notes import Jump
 
 # Newton's steps and halvings to rounding. At the end of a branch, a double root, Newton's error halves.
 MOST_STEPS = 80
@@ -39,7 +40,7 @@ class Sums(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Lone:
+class Asperities:
     """Asperities (n,) on a base that sinks by `compliance` times the load."""
 
     law: JKR  # with its material
@@ -48,21 +49,14 @@ class Lone:
     compliance: float = 0.0  # [1/mm]
 
     @cached_property
-    def _sizes(self) -> tuple[FloatArray, np.ndarray]:
-        sizes, which = np.unique(self.radius, return_inverse=True)
-        return sizes, which
-
-    @cached_property
     def entry_radius(self) -> FloatArray:
         """Contact radius (n,) [mm] after the jump into contact, at d = 0."""
-        sizes, which = self._sizes
-        return np.asarray(self.law.contact_radius(np.zeros(len(sizes)), sizes)[which])
+        return branch_ends(self.law, self.radius)[0]
 
     @cached_property
     def end_radius(self) -> FloatArray:
         """Contact radius (n,) [mm] at the end of the branch at a given approach."""
-        sizes, which = self._sizes
-        return np.asarray(self.law.break_radius(sizes)[which])
+        return branch_ends(self.law, self.radius)[1]
 
     @cached_property
     def end(self) -> FloatArray:
@@ -97,11 +91,16 @@ class Lone:
     def sums(self, approach: FloatArray, closed: np.ndarray) -> Sums:
         """Return the sums at approaches (k,) [mm] over the closed contacts (k, n)."""
         a = self.held_radius(approach[:, None] - self.gap, closed)
-        law, one = self.law, np.where(closed, a, 1.0 * self.entry_radius)
-        load = np.where(closed, law.load(one, self.radius), 0.0)
+        one = np.where(closed, a, self.entry_radius)
         with np.errstate(divide="ignore"):  # -inf at the end of a branch
-            stiffness = np.where(closed, law.stiffness(one, self.radius), 0.0)
-        return Sums(load.sum(axis=1), np.pi * (a**2).sum(axis=1), stiffness.sum(axis=1), a)
+            stiffness = np.where(closed, self.law.stiffness(one, self.radius), 0.0)
+        return Sums(self.loads(a).sum(axis=1), np.pi * (a**2).sum(axis=1), stiffness.sum(axis=1), a)
+
+    def loads(self, contact_radius: FloatArray) -> FloatArray:
+        """Return the loads (..., n) [mm^2] at contact radii; 0 for open contacts."""
+        closed = contact_radius > 0.0
+        a = np.where(closed, contact_radius, self.entry_radius)
+        return np.where(closed, self.law.load(a, self.radius), 0.0)
 
     def _measure(self, x: FloatArray, closed: np.ndarray, by_load: bool) -> tuple[FloatArray, FloatArray]:
         """Return the load, or the approach with the sinking base, and its derivative by x."""
@@ -110,8 +109,8 @@ class Lone:
             return found.load, found.stiffness
         return x + self.compliance * found.load, 1.0 + self.compliance * found.stiffness
 
-    def forward(self, goal: FloatArray, by_load: bool) -> Way:
-        """Return the way forward to the largest of the goals."""
+    def loading(self, goal: FloatArray, by_load: bool) -> Path:
+        """Return the loading path to the largest of the goals."""
         start = np.unique(self.gap)
         closed = self.gap <= start[:, None]
         stop = np.append(start[1:], np.inf)
@@ -125,7 +124,7 @@ class Lone:
         else:
             stop[-1] = self._beyond(start[-1], float(goal.max()), by_load)
         best = np.maximum.accumulate(last)
-        return Way(self, by_load, closed, start, stop, best, forward=True)
+        return Path(self, by_load, closed, start, stop, best, forward=True)
 
     def _beyond(self, x: float, goal: float, by_load: bool) -> float:
         """Return an approach at which all contacts exceed the goal."""
@@ -148,15 +147,15 @@ class Lone:
             "loads or a law with a larger range"
         )
 
-    def back(self, largest: float, by_load: bool) -> Way:
-        """Return the way back from an approach x [mm]."""
+    def unloading(self, largest: float, by_load: bool) -> Path:
+        """Return the unloading path from an approach x [mm]."""
         held = self.gap <= largest
         ends = np.unique((self.gap + self.end)[held])[::-1]
         start = np.append(largest, ends[:-1])
         closed = held & (self.gap + self.end <= ends[:, None])
         lowest = self._lowest(start, ends, closed, by_load)
         best = np.minimum.accumulate(self._measure(lowest, closed, by_load)[0])
-        return Way(self, by_load, closed, start, lowest, best, forward=False)
+        return Path(self, by_load, closed, start, lowest, best, forward=False)
 
     def _lowest(self, start: FloatArray, stop: FloatArray, closed: np.ndarray, by_load: bool) -> FloatArray:
         """Return where a convex measure is smallest between two approaches (k,), by bisection."""
@@ -171,15 +170,15 @@ class Lone:
 
 
 @dataclass(frozen=True)
-class Way:
-    """Pieces (m,) of a way, in order: the load or the approach rises to `best`, or on the way back falls."""
+class Path:
+    """Pieces (m,) of a path, in order: the load or the approach rises to `best`, or on unloading falls."""
 
-    lone: Lone
+    asperities: Asperities
     by_load: bool
     closed: np.ndarray  # (m, n)
     start: FloatArray  # approach [mm]
     stop: FloatArray
-    best: FloatArray  # the largest measure up to the stop, back the smallest
+    best: FloatArray  # the largest load or approach up to the stop, on unloading the smallest
     forward: bool
 
     def piece(self, goal: FloatArray) -> IntArray:
@@ -200,7 +199,7 @@ class Way:
         low, high = low[piece], high[piece]
         x = high
         for _ in range(MOST_STEPS):
-            value, slope = self.lone._measure(x, closed, self.by_load)
+            value, slope = self.asperities._measure(x, closed, self.by_load)
             excess = value - goal
             low, high = np.where(excess < 0.0, x, low), np.where(excess >= 0.0, x, high)
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -217,8 +216,8 @@ class Way:
         return x, closed
 
     def jumps(self, goal: float) -> list[Jump]:
-        """Return the jumps up to a goal, the largest forward, the smallest back."""
-        sums = self.lone.sums
+        """Return the jumps up to a goal, the largest on loading, the smallest on unloading."""
+        sums = self.asperities.sums
         if self.forward:
             first = 0.0 if self.by_load else self.start[0]
             sign, best = 1.0, np.maximum.accumulate(np.append(first, self.best[:-1]))
@@ -226,7 +225,7 @@ class Way:
             sign, best = -1.0, self.best
         fresh = np.flatnonzero(np.append(True, np.diff(sign * best) > 0.0) & (sign * best <= sign * goal))
         level, before, after = best[fresh], np.zeros(len(fresh)), np.zeros(len(fresh))
-        # a jump begins at the end of a piece, the first one forward without contacts
+        # a jump begins at the end of a piece, the first one on loading without contacts
         last = fresh - 1 if self.forward else fresh
         some = last >= 0
         before[some] = sums(self.stop[last[some]], self.closed[last[some]]).area

@@ -1,0 +1,135 @@
+"""Load equation of adhesive asperities that do not interact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.contact import JKR
+from metafem.models.adhesion.notes import jump_notes, refuse_beyond, refuse_merging, refuse_no_loading
+from metafem.models.adhesion.paths import Asperities, Path, Sums
+from metafem.models.adhesion.solve import TOLERANCE
+from metafem.models.curve import Curve, RescaledState, Sensitivity
+from metafem.models.load_equation import LoadEquation, at_fixed_load, sunk
+from metafem.notes import Note
+from metafem.surface import Surface
+
+
+@dataclass(frozen=True)
+class AdhesiveAsperities(LoadEquation):
+    """Asperities of an adhesive law."""
+
+    law: JKR
+
+    def path(
+        self, surface: Surface, values: FloatArray, by_load: bool, unloading: bool, compliance: float
+    ) -> Curve:
+        """Return equilibria at increasing loads or approaches, or back from the largest, with their jumps."""
+        refuse_merging(self.law, surface)
+        modulus = surface.material.composite_modulus
+        asperities = Asperities(self.law, surface.radius, surface.gap, compliance)
+        found = equilibria(asperities, values, by_load, unloading, modulus)
+        notes: tuple[Note, ...] = ()
+        if by_load:
+            notes = jump_notes(found.path.jumps(values[0] if unloading else values[-1]), modulus, unloading)
+        return sunk(found.curve(self.model, surface.height, notes), compliance)
+
+    def curve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
+        """Return equilibria at increasing loads (k,) for heights and radii (n,)."""
+        return self._loaded(height, radius, load).curve(self.model, height)
+
+    def solve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
+        """Return approach, load, area and stiffness (m, k) of surfaces (m, n) at increasing loads (k,)."""
+        every = zip(height, np.broadcast_to(radius, height.shape), strict=True)
+        curves = [self.curve(*row, load) for row in every]
+        names = ("approach", "load", "area", "stiffness")
+        return tuple(np.array([getattr(curve, name) for curve in curves]) for name in names)
+
+    def areas(self, surface: Surface, height: FloatArray, radius: FloatArray, load: FloatArray) -> FloatArray:
+        """Return A0 [mm^2] (m, k) of surfaces (m, n) at increasing loads (k,)."""
+        refuse_merging(self.law, surface)
+        return self.solve(height, radius, load)[2]
+
+    def sensitivity(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
+        """Return the law at increasing loads (k,) on loading, and dA0/dh at fixed load [mm], (k, n)."""
+        found = self._loaded(height, radius, load)
+        a, law = found.sums.contact_radius, self.law
+        return Sensitivity(
+            found.curve(self.model, height),
+            lambda: at_fixed_load(law.area_slope(a, radius), law.stiffness(a, radius)),
+            found.indentation,
+        )
+
+    def contacts(
+        self, height: FloatArray, radius: FloatArray, load: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return contact radii and indentations (k, n) [mm] at increasing loads (k,); 0 and -gap if open."""
+        found = self._loaded(height, radius, load)
+        return found.sums.contact_radius, found.indentation
+
+    def _loaded(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Equilibria:
+        gap = height.max() - height
+        asperities = Asperities(self.law, np.broadcast_to(radius, gap.shape), gap)
+        return equilibria(asperities, load)
+
+
+@dataclass(frozen=True)
+class Equilibria:
+    """States of adhesive asperities (n,) at increasing rescaled loads or approaches (k,)."""
+
+    asperities: Asperities
+    path: Path
+    approach: FloatArray  # of the base between the summits, without its sinking
+    sums: Sums
+    control: FloatArray
+
+    @property
+    def indentation(self) -> FloatArray:
+        """Indentations (k, n) [mm]; minus the gap of an open asperity."""
+        return np.asarray(self.approach[:, None] - self.asperities.gap)
+
+    @property
+    def residual(self) -> FloatArray:
+        """Error of the load or the approach over the sum of the contact radii times indentations."""
+        some, a = self.asperities, self.sums.contact_radius
+        if self.path.by_load:
+            carried = (a * some.law.cap.indentation(a, some.radius)).sum(axis=1)
+            error = self.sums.load - self.control
+            return np.asarray(np.abs(error) / np.where(carried > 0.0, carried, 1.0))
+        error = self.approach + some.compliance * self.sums.load - self.control
+        scale = np.abs(self.approach) + np.abs(some.end).max()
+        return np.asarray(np.abs(error) / scale)
+
+    def curve(self, model: object, height: FloatArray, notes: tuple[Note, ...] = ()) -> Curve:
+        """Return the curve on a base that does not sink, for the heights (n,) [mm]."""
+        load, area, stiffness, _ = self.sums
+        last = partial(self._last, model, height)
+        return Curve(self.approach, load, area, stiffness, self.residual, TOLERANCE, last, notes)
+
+    def _last(self, model: object, height: FloatArray) -> RescaledState:
+        some, a, x = self.asperities, self.sums.contact_radius[-1], float(self.approach[-1])
+        return RescaledState(some.loads(a), some.law.area(a), x - some.gap, float(height.max()) - x, model)
+
+
+def equilibria(
+    asperities: Asperities,
+    values: FloatArray,
+    by_load: bool = True,
+    unloading: bool = False,
+    modulus: float = 1.0,
+) -> Equilibria:
+    """Return the states at increasing loads or approaches (k,), or on unloading from the largest."""
+    path = asperities.loading(values[-1:] if unloading else values, by_load)
+    if unloading:
+        refuse_no_loading(values, by_load, 0.0)
+        (largest,), _ = path.approach(values[-1:])
+        path = asperities.unloading(float(largest), by_load)
+        if by_load and values[0] < path.best[-1]:
+            refuse_beyond(values[0], path.best[-1], modulus)
+    reached = path.piece(values) < len(path.best) if by_load or unloading else values >= path.start[0]
+    x, closed = np.array(values), np.zeros((len(values), len(asperities.gap)), dtype=bool)
+    x[reached], closed[reached] = path.approach(values[reached])
+    return Equilibria(asperities, path, x, asperities.sums(x, closed), values)

@@ -1,0 +1,96 @@
+"""What adhesive contacts allow, and what is noted of them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from metafem._given import shown
+from metafem._validate import FloatArray
+from metafem.contact import JKR, Contact
+from metafem.errors import InvalidInput
+from metafem.material import Material
+from metafem.notes import Note, information
+from metafem.surface import Surface
+
+
+class Jump(NamedTuple):
+    """A jump at a given load."""
+
+    load: float  # [mm^2]
+    before: float  # area [mm^2]
+    after: float
+
+
+def adhesive_law(contact: Contact, material: Material | None = None) -> JKR | None:
+    """Return the adhesive law of a material, or None for a law without adhesion."""
+    law = contact if material is None else contact.for_material(material)
+    if not law.adhesive:
+        return None
+    if not isinstance(law, JKR):
+        raise InvalidInput(
+            f"contact = {shown(law)}: the branches of adhesive laws other than metafem.JKR are unknown"
+        )
+    return law
+
+
+def refuse_merging(law: JKR, surface: Surface) -> None:
+    """Raise InvalidInput if neighbouring contacts would merge without load."""
+    if surface.count == 1:
+        return
+    sizes, which = np.unique(surface.radius, return_inverse=True)
+    reach = np.broadcast_to(law.zero_load_radius(sizes)[which], surface.count)
+    tree = scipy.spatial.cKDTree(surface.position)
+    pairs = tree.query_pairs(2.0 * float(reach.max()), output_type="ndarray")
+    if not len(pairs):
+        return
+    first, second = pairs.T
+    distance = np.hypot(*(surface.position[first] - surface.position[second]).T)
+    room = distance - reach[first] - reach[second]
+    if room.min() <= 0.0:
+        i, j = np.sort(pairs[room.argmin()])
+        raise InvalidInput(
+            f"adhesion_energy = {law.adhesion_energy:g} N/mm: the contacts of asperities {i} and {j} would "
+            f"merge without load, with radii of {reach[i]:.3g} and {reach[j]:.3g} mm at a distance of "
+            f"{distance[room.argmin()]:.3g} mm; use a smaller energy, a larger modulus or a larger pitch"
+        )
+
+
+def jump_notes(jumps: list[Jump], modulus: float, unloading: bool) -> tuple[Note, ...]:
+    """State number, loads and sizes of the jumps of a curve."""
+    if not jumps:
+        return ()
+    newtons = modulus * np.array([jump.load for jump in jumps])
+    change = np.array([jump.after - jump.before for jump in jumps])
+    most = int(np.abs(change).argmax())
+    span = f"at {newtons[0]:.4g} N"
+    if len(jumps) > 1:
+        span = f"from {newtons.min():.4g} to {newtons.max():.4g} N"
+    what = "break on unloading" if unloading else "jump into contact on loading"
+    count = "1 jump" if len(jumps) == 1 else f"{len(jumps)} jumps"
+    return (
+        information(
+            f"{count} of A0, {span}, where asperities {what}; the largest changes A0 by "
+            f"{change[most]:+.3g} mm^2, at {newtons[most]:.4g} N"
+        ),
+    )
+
+
+def refuse_beyond(load: float, pull_off: float, modulus: float) -> None:
+    """Raise InvalidInput for a load beyond pull-off; both are rescaled [mm^2]."""
+    raise InvalidInput(
+        f"load = {modulus * load:.6g} N is beyond pull-off: on unloading the last contacts break at "
+        f"{modulus * pull_off:.6g} N; use loads from there on"
+    )
+
+
+def refuse_no_loading(values: FloatArray, by_load: bool, least: float) -> None:
+    """Raise InvalidInput if the largest load, or approach, makes no contact from which to unload."""
+    if values[-1] <= least:
+        what = "load" if by_load else "approach"
+        raise InvalidInput(
+            f"the largest {what} is {values[-1]:g}; unloading begins at the largest {what}, which must be "
+            f"greater than {least:g}"
+        )

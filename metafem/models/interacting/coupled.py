@@ -1,0 +1,51 @@
+"""Asperities of one surface with their contact law and their influence on each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from metafem._validate import FloatArray
+from metafem.contact import Contact
+from metafem.models.curve import RescaledState
+from metafem.models.interacting.cap_influence import pedestal_influence, pedestal_notes
+from metafem.notes import Note
+from metafem.substrate import Substrate
+from metafem.surface import Surface
+
+
+@dataclass(frozen=True)
+class Coupled:
+    """What elastic and adhesive asperities have in common."""
+
+    model: Any  # that of the states
+    surface: Surface
+    law: Contact  # for unit E*
+    substrate: Substrate  # with the thickness and the material of the surface
+    order: int
+    pedestal: bool
+
+    def pedestals(self, height: FloatArray, radius: FloatArray) -> FloatArray | float:
+        """Return the displacement of summits by their own caps, per unit of P/E* [1/mm]."""
+        return pedestal_influence(height, radius)[0] if self.pedestal else 0.0
+
+    def on_pedestals(self, gradient: FloatArray, height: FloatArray, load: FloatArray) -> FloatArray:
+        """Return dA0/dh (k, n) with the change of the pedestals under loads (k, n) [mm^2]."""
+        if not self.pedestal:
+            return gradient
+        return gradient * (1.0 - pedestal_influence(height, self.surface.radius)[1] * load)
+
+    def state(
+        self,
+        height: FloatArray,
+        load: FloatArray,
+        area: FloatArray,
+        indentation: FloatArray,
+        notes: tuple[Note, ...] = (),
+    ) -> RescaledState:
+        """Return the state of asperities (n,)."""
+        # the foot of a cap sinks with the summit, the base beside it hardly; the shift of a contact adds less
+        # than a micrometre to the base gap
+        base = height - indentation - self.pedestals(height, self.surface.radius) * load
+        notes += pedestal_notes(self.surface) if self.pedestal else ()
+        return RescaledState(load, area, indentation, float(base.min()), self.model, notes)

@@ -1,0 +1,187 @@
+"""Asperities without adhesion that interact."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from metafem._kernels import continuation as kernel
+from metafem._kernels.contact.tabulated import Law
+from metafem._kernels.coupling import State
+from metafem._validate import FloatArray
+from metafem.contact.law import contacts
+from metafem.errors import InvalidInput, NotConverged
+from metafem.models._resources import run_rows
+from metafem.models.contact_tables import deepest, rows_of, tables
+from metafem.models.curve import (
+    Curve,
+    RescaledState,
+    Sensitivity,
+    areas_one_by_one,
+    refuse_flattening,
+    solved,
+)
+from metafem.models.interacting.coupled import Coupled
+from metafem.models.interacting.influence import coupling_between
+from metafem.models.interacting.large import NOT_RECORDED, LargeScene
+from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
+from metafem.models.interacting.sensitivity import area_gradients
+from metafem.notes import Note, information
+from metafem.substrate import Radial
+
+# Largest residual of a converged state; the kernel aims a digit lower.
+TOLERANCE = 1e-12
+
+# Scenes up to this size are solved with all pairs in dense matrices: at 2000 a product takes as long as
+# the transforms of a lattice, and the matrices of order 3 need 0.5 GB.
+DENSE_LIMIT = 2000
+
+# Pairs of asperities, times loads, below which a second thread does not pay: about a millisecond.
+PAIRS_PER_THREAD = 200_000
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Results (m, k) of m lists of heights, and the last heights (n,) with their last state."""
+
+    results: kernel.Results
+    height: FloatArray
+    last: State
+    tolerance: float
+    gradient: Callable[[], FloatArray]  # dA0/dh without the change of the pedestals, where it was asked for
+    notes: tuple[Note, ...] = ()
+
+    @property
+    def solved(self) -> np.ndarray:
+        """Whether each equilibrium is converged and finite, (m, k)."""
+        return solved(self.results.residual, self.tolerance, self.results.load, self.results.area)
+
+
+class ElasticCoupling(Coupled):
+    """Asperities of any law without adhesion, in dense matrices or, beyond their size, with fast sums."""
+
+    def path(self, values: FloatArray, by_load: bool, unloading: bool) -> Curve:
+        """Return equilibria at increasing loads or approaches (k,)."""
+        refuse_flattening(self.law, unloading)
+        solution = self._solve(self.surface.height[None, :], values, by_load)
+        self._refuse_thin_layer(solution.results)
+        return self._curve(solution)
+
+    def solve(self, height: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
+        """Return approach, load, area and stiffness (m, k) of lists of heights (m, n) at loads (k,)."""
+        solution = self._solve(height, load, by_load=True)
+        results = solution.results
+        self._refuse_thin_layer(results)
+        failed = ~solution.solved
+        if failed.any():
+            worst = float(results.residual.max())
+            raise NotConverged(
+                f"{int(failed.sum())} equilibria not converged: largest residual {worst:.2g}", results
+            )
+        return results.approach, results.load, results.area, results.stiffness
+
+    def sensitivity(self, height: FloatArray, load: FloatArray) -> Sensitivity:
+        """Return the law at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
+        indentation, room = np.zeros((2, len(load), self.surface.count))
+        solution = self._solve(height[None, :], load, True, indentation, room)
+
+        def gradient() -> FloatArray:
+            carried = contacts(self.law, indentation, self.surface.radius).load if self.pedestal else room
+            return self.on_pedestals(solution.gradient(), height, carried)
+
+        return Sensitivity(self._curve(solution), gradient, indentation)
+
+    def areas(self, height: FloatArray, radius: FloatArray | None, load: FloatArray) -> FloatArray:
+        """Return A0 [mm^2] (m, k) of lists of heights and radii (m, n); nan if not converged."""
+        if radius is not None and self.surface.count > DENSE_LIMIT:
+            return areas_one_by_one(self.model.curve, self.surface, load, height, radius, None)
+        solution = self._solve(height, load, True, radius=radius)
+        self._refuse_thin_layer(solution.results)
+        return np.where(solution.solved, solution.results.area, np.nan)
+
+    def _curve(self, solution: Solution) -> Curve:
+        approach, load, area, stiffness, residual = (part[0] for part in solution.results[:5])
+
+        def last() -> RescaledState:
+            state = solution.last
+            parts = state.load, math.pi * state.square, state.indentation
+            return self.state(solution.height, *parts, solution.notes)
+
+        return Curve(approach, load, area, stiffness, residual, solution.tolerance, last)
+
+    def _solve(
+        self,
+        height: FloatArray,
+        control: FloatArray,
+        by_load: bool,
+        indentation: FloatArray = NOT_RECORDED,
+        gradient: FloatArray = NOT_RECORDED,
+        radius: FloatArray | None = None,
+    ) -> Solution:
+        """Solve heights (m, n) at increasing loads or approaches (k,), with radii (m, n) or the surface's.
+
+        Nominal indentations of the last heights, and beyond the size of the dense solver dA0/dh without the
+        change of the pedestals, are filled where there is room for them, (k, n) [mm].
+        """
+        gap = height.max(axis=1, keepdims=True) - height
+        surface, bound = self.surface, self.substrate
+        size = np.broadcast_to(surface.radius if radius is None else radius, gap.shape)
+        self_term = np.zeros(height.shape) + self.pedestals(height, size)
+        results = kernel.empty_results(len(height), len(control))
+        law = tables(self.law, size)
+        if surface.count > DENSE_LIMIT and isinstance(bound, Radial):
+            large = LargeScene(surface, bound, self.order)
+            for row in range(len(height)):
+                part = kernel.Results(*(array[row] for array in results))
+                last = large.follow(
+                    rows_of(law, row), self_term[row], gap[row], control, by_load, part, indentation, gradient
+                )
+            self._refuse_deep(rows_of(law, -1), last)
+            notes = (information(large.sums.note),)
+            return Solution(results, height[-1], last, FAST_TOLERANCE, lambda: gradient, notes)
+        coupling, regular = coupling_between(surface, bound, self.order)
+        self_term += regular
+        control = np.array(control)  # a read-only array would compile the kernel again
+        states = {}
+
+        def run(rows: slice) -> None:
+            state, memory, scratch = kernel.empty_workspace(surface.count, self.order)
+            part = kernel.Results(*(array[rows] for array in results))
+            kernel.curves(
+                coupling, self.order, rows_of(law, rows), self_term[rows], gap[rows], control, by_load, part,
+                state, memory, scratch, indentation,
+            )  # fmt: skip
+            states[rows.stop] = state
+
+        run_rows(run, len(gap), gap.size * surface.count * len(control), PAIRS_PER_THREAD)
+        for end, state in states.items():
+            self._refuse_deep(rows_of(law, end - 1), state)
+        system = coupling, self.order, rows_of(law, -1), self_term[-1]
+        gradients = partial(area_gradients, *system, indentation)
+        return Solution(results, height[-1], states[len(gap)], TOLERANCE, gradients)
+
+    def _refuse_deep(self, law: Law, state: State) -> None:
+        """Raise InvalidInput where contacts are deeper than their law describes."""
+        if not law.data.size:
+            return
+        limit = deepest(law)
+        if (state.z > limit).any():
+            i = int((state.z > limit).argmax())
+            raise InvalidInput(
+                f"asperity {i} is indented by more than {limit[i]:.4g} mm, up to which "
+                f"{self.model.contact!r} is described; use lighter loads or a law with a larger range"
+            )
+
+    def _refuse_thin_layer(self, results: kernel.Results) -> None:
+        """Raise InvalidInput where contacts are wider than the layer is thick: no expansion holds there."""
+        thickness = getattr(self.substrate, "thickness", None)
+        # the solution is not valid there, and neither are the radii of its contacts
+        if thickness is not None and float(results.radius.max()) > thickness:
+            raise InvalidInput(
+                f"the layer of {thickness:g} mm is thinner than the contacts: order {self.order} holds for "
+                f"contact radii up to {thickness:g} mm; use resolved contacts or a thicker layer"
+            )

@@ -1,0 +1,285 @@
+"""Load equation of asperities that do not interact, solved for each kind of contact law.
+
+``P/E* = sum P(d_i)/E*`` with ``d_i = x - gap_i`` at the approach x. Loads are rescaled, P/E* [mm^2]. The base
+between the summits may sink in proportion to the load, which changes the approach alone.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from scipy.optimize import elementwise
+
+from metafem._kernels import independent as kernel
+from metafem._kernels.contact import independent as tabulated
+from metafem._validate import FloatArray
+from metafem.contact import Contact
+from metafem.contact.elastic import PARABOLOID
+from metafem.contact.law import contacts
+from metafem.errors import InvalidInput
+from metafem.models._resources import run_rows
+from metafem.models.contact_tables import deepest, rows_of, tables
+from metafem.models.curve import Curve, RescaledState, Sensitivity, refuse_flattening, solved
+from metafem.surface import Surface
+
+# Relative error of the load. The unknown is the indentation of the shallowest contact, to keep its digits.
+TOLERANCE = 1e-12
+
+# With fewer points than this the solution takes less time than the start of a second thread.
+POINTS_PER_THREAD = 20_000
+
+# The same for laws of tables: two milliseconds.
+TABULATED_PER_THREAD = 200
+
+# The same where only areas of Hertz contacts are computed: a millisecond.
+AREAS_PER_THREAD = 5_000
+
+
+@dataclass(frozen=True)
+class LoadEquation:
+    """Asperities of any law without adhesion; compiled kernels read the law from tables."""
+
+    model: object  # that of the states
+    law: Contact  # for unit E*
+
+    def path(
+        self, surface: Surface, values: FloatArray, by_load: bool, unloading: bool, compliance: float
+    ) -> Curve:
+        """Return equilibria at increasing loads, or approaches, on a base that sinks by compliance P."""
+        refuse_flattening(self.law, unloading)
+        height, radius = surface.height, surface.radius
+        if by_load:
+            return sunk(self.curve(height, radius, values), compliance)
+        if compliance == 0.0:
+            return self.at_approach(height, radius, values)
+        local = self.at_approach(height, radius, self._above_base(surface, values, compliance))
+        found = sunk(local, compliance)
+        error = np.abs(found.approach - values) / np.where(local.approach > 0.0, local.approach, 1.0)
+        return replace(found, approach=np.array(values), residual=error)
+
+    def curve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
+        """Return equilibria at increasing loads (k,) for heights and radii (n,)."""
+        results = self.solve(height[None, :], radius, load)
+        return self._curve(height, radius, load, results, 0.0, results[0][0, -1])
+
+    def at_approach(self, height: FloatArray, radius: FloatArray, approach: FloatArray) -> Curve:
+        """Return equilibria at approaches (k,) for heights and radii (n,)."""
+        load, area, slope = self._sums(height, radius, approach)
+        last = partial(self._last, height, radius, 0.0, approach[-1])
+        return Curve(np.array(approach), load, area, slope, np.zeros(len(approach)), TOLERANCE, last)
+
+    def solve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
+        """Return approach, load, area and stiffness (m, k) of surfaces (m, n) at increasing loads (k,)."""
+        gap = height.max(axis=1, keepdims=True) - height
+        table = tables(self.law, np.broadcast_to(radius, gap.shape))
+        results = kernel.empty_results(len(gap), len(load))
+        rising = np.array(load)  # a read-only array would compile the kernel again
+
+        def run(rows: slice) -> None:
+            tabulated.curves(rows_of(table, rows), gap[rows], rising, *(part[rows] for part in results))
+
+        run_rows(run, len(gap), results[0].size, TABULATED_PER_THREAD)
+        # beyond its tables a law is solved by itself, or refuses
+        beyond = ~(results[0].max(axis=1, keepdims=True) - gap <= deepest(table)).all(axis=1)
+        for row in np.flatnonzero(beyond):
+            size = table.radius[row]
+            approach = approach_at_load(self.law, gap[row], size, load)
+            found = (approach, *self._sums(height[row], size, approach))
+            for part, values in zip(results, found, strict=True):
+                part[row] = values
+        return results
+
+    def areas(self, surface: Surface, height: FloatArray, radius: FloatArray, load: FloatArray) -> FloatArray:
+        """Return A0 [mm^2] (m, k) of surfaces (m, n) at increasing loads (k,); nan if not converged."""
+        _, carried, area, _ = self.solve(height, radius, load)
+        return np.where(solved(_error(carried, load), TOLERANCE, carried, area), area, np.nan)
+
+    def sensitivity(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
+        """Return the law at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
+        curve = self.curve(height, radius, load)
+        indentation = curve.approach[:, None] - (height.max() - height)
+        return Sensitivity(curve, lambda: at_fixed_load(*self._rates(indentation, radius)), indentation)
+
+    def contacts(
+        self, height: FloatArray, radius: FloatArray, load: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return contact radii and indentations (k, n) [mm] at increasing loads (k,); 0 and -gap if open."""
+        indentation = self.curve(height, radius, load).approach[:, None] - (height.max() - height)
+        return np.asarray(self.law.contact_radius(indentation, radius)), indentation
+
+    def _curve(
+        self,
+        height: FloatArray,
+        radius: FloatArray,
+        load: FloatArray,
+        results: tuple[FloatArray, ...],
+        base: float,
+        depth: float,
+    ) -> Curve:
+        """Return the curve of the first of many surfaces, with the last approach base + depth."""
+        approach, carried, area, slope = (part[0] for part in results)
+        last = partial(self._last, height, radius, base, depth)
+        return Curve(approach, carried, area, slope, _error(carried, load), TOLERANCE, last)
+
+    def _sums(self, height: FloatArray, radius: FloatArray, approach: FloatArray) -> tuple[FloatArray, ...]:
+        """Return load [mm^2], area [mm^2] and stiffness [mm] at approaches (k,) [mm]."""
+        return _sums(self.law, height.max() - height, radius, approach)
+
+    def _last(self, height: FloatArray, radius: FloatArray, base: float, depth: float) -> RescaledState:
+        """Return the state at the approach base + depth, whose parts keep the digits of shallow contacts."""
+        top = float(height.max())
+        indentation = depth + (base - (top - height))
+        carried, area = self._pressed(indentation, radius)
+        return RescaledState(carried, area, indentation, top - (base + depth), self.model)
+
+    def _pressed(self, indentation: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return loads [mm^2] and areas [mm^2] of contacts at indentations (n,) [mm]."""
+        carried, area, *_ = contacts(self.law, indentation, radius)
+        return carried, area
+
+    def _rates(self, indentation: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return derivatives of area and load by the indentation [mm] of contacts (k, n)."""
+        size = np.broadcast_to(radius, indentation.shape[1:])
+        table = tables(self.law, size)
+        if (indentation > deepest(table)).any():
+            found = contacts(self.law, indentation, size)
+            return self.law.area_slope(found.contact_radius, size), found.stiffness
+        load, stiffness, area, area_slope = (np.empty_like(indentation) for _ in range(4))
+        tabulated.each(table, indentation, load, stiffness, area, area_slope)
+        return area_slope, stiffness
+
+    def _above_base(self, surface: Surface, approach: FloatArray, compliance: float) -> FloatArray:
+        """Return the approaches y relative to the sunken base, y + compliance P(y) = approach."""
+        height, radius = surface.height, surface.radius
+        most = float((surface.gap + self.law.largest_indentation(radius)).min())
+
+        def excess(y: FloatArray, approach: FloatArray) -> FloatArray:
+            return np.asarray(y + compliance * self._sums(height, radius, y)[0] - approach)
+
+        high = np.minimum(approach, most)
+        short = excess(high, approach) < 0.0
+        if short.any():
+            raise InvalidInput(
+                f"the approach {approach[short].max():.4g} mm needs more than {most:.4g} mm relative to "
+                f"the sunken base, up to which {self.law!r} describes all contacts; use smaller approaches "
+                "or a law with a larger range"
+            )
+        return np.asarray(elementwise.find_root(excess, (np.minimum(0.0, high), high), args=(approach,)).x)
+
+
+class Paraboloids(LoadEquation):
+    """Asperities of Hertz's law, in kernels of their own."""
+
+    def curve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
+        """Return equilibria at increasing loads (k,) for heights and radii (n,)."""
+        gap, root = _sorted_by_gap(height[None, :], radius)
+        results = kernel.empty_results(1, len(load))
+        # a read-only array would compile the kernel again
+        kernel.curves(gap, root, np.array(load), *results)
+        base, depth = kernel.refine(gap[0], root[0], load[-1], results[0][0, -1])
+        return self._curve(height, radius, load, results, base, depth)
+
+    def solve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
+        """Return approach, load, area and stiffness (m, k) of surfaces (m, n) at increasing loads (k,)."""
+        gap, root = _sorted_by_gap(height, radius)
+        results = kernel.empty_results(len(gap), len(load))
+
+        def run(rows: slice) -> None:
+            kernel.curves(gap[rows], root[rows], load, *(part[rows] for part in results))
+
+        run_rows(run, len(gap), results[0].size, POINTS_PER_THREAD)
+        return results
+
+    def areas(self, surface: Surface, height: FloatArray, radius: FloatArray, load: FloatArray) -> FloatArray:
+        """Return A0 [mm^2] (m, k) of surfaces (m, n) at increasing loads (k,); nan if not converged."""
+        gap, root = _sorted_by_gap(height, radius)
+        area, load = np.empty((len(gap), len(load))), np.array(load)
+
+        def run(rows: slice) -> None:
+            kernel.areas(gap[rows], root[rows], load, area[rows])
+
+        run_rows(run, len(gap), area.size, AREAS_PER_THREAD)
+        return area
+
+    def _sums(self, height: FloatArray, radius: FloatArray, approach: FloatArray) -> tuple[FloatArray, ...]:
+        gap, root = _sorted_by_gap(height[None, :], radius)
+        results = tuple(np.empty(len(approach)) for _ in range(3))
+        kernel.curve_at_approach(gap[0], root[0], np.array(approach), *results)
+        return results
+
+    def _pressed(self, indentation: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+        contact_radius = PARABOLOID.contact_radius(indentation, radius)  # in closed form, without lost digits
+        return PARABOLOID.load(contact_radius, radius), PARABOLOID.area(contact_radius)
+
+    def _rates(self, indentation: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the derivatives of area and load by the indentation, the latter but for a factor."""
+        return math.pi * radius * (indentation > 0.0), np.sqrt(radius * np.maximum(indentation, 0.0))
+
+
+def sunk(curve: Curve, compliance: float) -> Curve:
+    """Return a curve on a base that sinks by the load times a compliance [1/mm]."""
+    if compliance == 0.0:
+        return curve
+    return replace(
+        curve,
+        approach=curve.approach + compliance * curve.load,
+        stiffness=curve.stiffness / (1.0 + compliance * curve.stiffness),
+        compute_last=lambda: curve.last,
+    )
+
+
+def at_fixed_load(area_rate: FloatArray, stiffness: FloatArray) -> FloatArray:
+    """Return dA0/dh at fixed load [mm], (k, n): ``A'_i - P'_i sum_j A'_j / sum_j P'_j``.
+
+    A', P': derivatives of area and load by the indentation; 0 for open contacts.
+    """
+    total = stiffness.sum(axis=1, keepdims=True)
+    share = stiffness / np.where(total > 0.0, total, 1.0)
+    return np.asarray(area_rate - area_rate.sum(axis=1, keepdims=True) * share)
+
+
+def approach_at_load(law: Contact, gap: FloatArray, radius: FloatArray, load: FloatArray) -> FloatArray:
+    """Return the approaches [mm] at loads (k,) of asperities (n,) of any law without adhesion.
+
+    gap, radius: (n,) [mm]. Raise InvalidInput for a load that the law does not reach.
+    """
+    most = float((gap + law.largest_indentation(radius)).min())
+
+    def excess(approach: FloatArray, load: FloatArray) -> FloatArray:
+        return _sums(law, gap, radius, approach)[0] - load
+
+    # of the order of the indentation of the tallest contact alone
+    high = np.minimum(np.cbrt(load**2 / radius[gap.argmin()]), most)
+    while (short := excess(high, load) < 0.0).any():
+        if high[short].max() >= most:
+            raise InvalidInput(
+                f"the load {load[short].max():.4g} mm^2 needs an approach beyond {most:.4g} mm, up to which "
+                f"{law!r} describes all contacts; use lighter loads or a law with a larger range"
+            )
+        high = np.where(short, np.minimum(2.0 * high, most), high)
+    return np.asarray(elementwise.find_root(excess, (np.zeros(len(load)), high), args=(load,)).x)
+
+
+def _sums(law: Contact, gap: FloatArray, radius: FloatArray, approach: FloatArray) -> tuple[FloatArray, ...]:
+    """Return load [mm^2], area [mm^2] and stiffness [mm] of a surface at approaches (k,) [mm]."""
+    found = contacts(law, approach[:, None] - gap, radius)
+    return found.load.sum(axis=1), found.area.sum(axis=1), found.stiffness.sum(axis=1)
+
+
+def _error(carried: FloatArray, load: FloatArray) -> FloatArray:
+    """Return the relative error of loads."""
+    return np.asarray(np.abs(carried - load) / np.where(load > 0.0, load, 1.0))
+
+
+def _sorted_by_gap(height: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return gaps below the tallest and square roots of the radii, (m, n), rows sorted by gap."""
+    gap = height.max(axis=1, keepdims=True) - height
+    if radius.ndim == 0 or (radius == radius.flat[0]).all():
+        gap.sort(axis=1)
+        return gap, np.full_like(gap, math.sqrt(radius.flat[0]))
+    order = np.argsort(gap, axis=1, kind="stable")
+    root = np.sqrt(np.broadcast_to(radius, gap.shape))
+    return np.take_along_axis(gap, order, 1), np.take_along_axis(root, order, 1)
