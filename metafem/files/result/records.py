@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from enum import Enum
 from importlib import import_module
 from inspect import isbuiltin, isfunction
@@ -69,61 +69,6 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
 LATE: Mapping[str, str] = {"Block3D": "metafem.fe"}
 ENUMS: Mapping[str, type[Enum]] = {kind.__name__: kind for kind in (Status, DesignStatus, Level)}
 ARRAYS = ("float64", "int64")
-# Before notes had levels they were texts; those that began like this warned of nothing.
-INFORMATION = (
-    "heights stand on steps",
-    "heights were moved",
-    "the places of the heights were chosen",
-    "the places were left as dealt",
-    "chosen: ",
-    "the surface's block is left aside",
-    "up to ",
-    "proportional within",
-    "no levels lead through the points",
-    "radii that cannot reach the target",
-)
-
-
-def _earlier_line(record: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a linear law's record without the word that a range of loads took over."""
-    return {key: value for key, value in record.items() if key != "through_origin"}
-
-
-def _earlier_design(record: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a design's record in which a law through the origin has the range of loads that was found."""
-    target, found = record.get("target"), record.get("parameters")
-    if isinstance(target, dict) and target.get("through_origin") is True and isinstance(found, dict):
-        ends = found.get("load_range")
-        if isinstance(ends, dict):
-            return {**record, "target": {**target, "load_range": ends.get("float64")}}
-    return dict(record)
-
-
-def _earlier_law(record: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a friction law's record with rescaled loads and stiffness in place of those in N."""
-    try:
-        modulus = record["material"]["composite_modulus"]
-        rescaled = {
-            f"rescaled_{name}": {"float64": [value / modulus for value in record[name]["float64"]]}
-            for name in ("load", "stiffness")
-        }
-    except (KeyError, TypeError, ZeroDivisionError):  # a record of today, or a damaged one
-        return dict(record)
-    return {**{key: value for key, value in record.items() if key not in ("load", "stiffness")}, **rescaled}
-
-
-def _earlier_range(record: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a range of radii's record; before it had a step any radius was possible."""
-    return {"step": None, **record}
-
-
-# What makes a record of an earlier version one of today.
-EARLIER: Mapping[str, Callable[[Mapping[str, Any]], dict[str, Any]]] = {
-    "LinearLaw": _earlier_line,
-    "Design": _earlier_design,
-    "RadiusRange": _earlier_range,
-    "FrictionLaw": _earlier_law,
-}
 
 
 def to_record(value: Any) -> Any:
@@ -189,21 +134,14 @@ def from_record(record: Any, name: str = "record") -> Any:
 def _made(title: str, record: dict[str, Any], name: str) -> Any:
     """Return the value of a class; its members are checked by annotations and constructor."""
     kind: Any = VALUES[title] if title in VALUES else getattr(import_module(LATE[title]), title)
-    record = EARLIER.get(title, dict)(record)
-    known = {
-        field.name: field.default is MISSING and field.default_factory is MISSING for field in fields(kind)
-    }
-    needed = {member for member, required in known.items() if required}
-    given = record.keys() - {"type"}
-    if not needed <= given <= known.keys():
-        differing = printable(", ".join(sorted((given - known.keys()) | (needed - given))))
+    given, known = record.keys() - {"type"}, {field.name for field in fields(kind)}
+    if given != known:
+        differing = printable(", ".join(sorted(given ^ known)))
         raise InvalidInput(f"{name}, a {title}, has missing or unknown members: {differing}")
     hints = get_type_hints(kind)
     members = {}
     for key in given:
         value = from_record(record[key], f"{name}.{key}")
-        if key == "notes" and isinstance(value, tuple):
-            value = tuple(_note(note, f"{name}.notes[{i}]") for i, note in enumerate(value))
         value = with_whole_keys(value, hints[key])
         if not fits(value, hints[key]):
             raise InvalidInput(f"{name}.{key} = {shown(record[key])} must be {in_words(hints[key])}")
@@ -212,15 +150,6 @@ def _made(title: str, record: dict[str, Any], name: str) -> Any:
         return MAKERS.get(title, kind)(**members)
     except InvalidInput as error:
         raise InvalidInput(f"{name}: {error}") from None
-
-
-def _note(value: Any, name: str) -> Note:
-    """Return a note of a record, or of the text that stood in its place before notes had levels."""
-    if isinstance(value, Note):
-        return value
-    if not isinstance(value, str):
-        raise InvalidInput(f"{name} = {shown(value)} is not a note")
-    return Note(value, Level.INFORMATION if value.startswith(INFORMATION) else Level.WARNING)
 
 
 def _array(record: dict[str, Any], name: str) -> Any:

@@ -140,7 +140,11 @@ WRONG = [
     ("limits.max_height", 1e308, "design.limits: max_height = 1e\\+308 is outside the range"),
     ("layout", 5, "design.layout = 5 must be a Layout or null"),
     ("notes", "all well", "design.notes = 'all well' must be a list, each a Note"),
-    ("target", {"type": "Limits", "max_height": 0.1}, "design.target = .* must be a Target"),
+    (
+        "target",
+        {"type": "Friction", "shear_strength": 0.4, "area_ratio": 0.85},
+        "design.target = .* must be a Target",
+    ),
 ]
 
 
