@@ -105,10 +105,8 @@ class AxisymmetricCap(Value, ElasticCap):
             table = check.array("profile", self.profile, shape=(2, None))
             for name, row in zip(("rho", "f"), table, strict=True):
                 if len(row) < 3 or row[0] != 0.0 or not (np.diff(row) > 0.0).all():
-                    raise InvalidInput(
-                        f"profile: {name} = {shown(row.tolist(), 80)} must begin with 0 and increase "
-                        "over at least 3 points"
-                    )
+                    words = "must begin with 0 and increase over at least 3 points"
+                    raise InvalidInput(words, key=name, value=shown(row.tolist(), 80))
             if self.extent is not None and self.extent != table[0, -1]:
                 raise InvalidInput(
                     f"extent = {self.extent} must be the last rho of the table, {table[0, -1]:g}"

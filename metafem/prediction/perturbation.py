@@ -11,7 +11,7 @@ import scipy
 
 from metafem import _validate as check
 from metafem._calls import checked_class
-from metafem._given import formatted, label
+from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.surface import STEEPEST, Surface
@@ -130,10 +130,8 @@ class Tolerances:
             raise InvalidInput(f"unit has shape {unit.shape}; it must be (m, {self.dimensions(surface)})")
         smallest = float(surface.radius.min())
         if WIDEST_RADIUS * self.radius_sd > smallest:
-            raise InvalidInput(
-                f"{label('radius_sd')} = {formatted('radius_sd', self.radius_sd)} must be at most a tenth of "
-                f"the smallest radius, {formatted('radius', smallest)}"
-            )
+            words = "must be at most a tenth of the smallest radius, {.number}"
+            raise InvalidInput(words, Given("radius", smallest), key="radius_sd", value=self.radius_sd)
 
         def columns(number: int) -> FloatArray:
             nonlocal used

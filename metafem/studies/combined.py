@@ -10,7 +10,7 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._calls import checked_call
-from metafem._given import formatted, label
+from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.errors import InvalidInput, NotConverged
@@ -136,8 +136,8 @@ def combined(
     allowed = check.number("misfit", misfit, above=0.0)
     wanted = check.number("probability", probability, above=0.0)
     if wanted >= 1.0:
-        given, most = (formatted("probability", number) for number in (wanted, 1.0))
-        raise InvalidInput(f"{label('probability')} = {given} must be below {most}")
+        most = Given("probability", 1.0)
+        raise InvalidInput("must be below {.number}", most, key="probability", value=wanted)
     number = check.integer("draws", draws, at_least=2)
     goal = None if error is None else check.number("error", error, above=0.0)
     surface = design.surface

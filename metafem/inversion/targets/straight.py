@@ -216,10 +216,8 @@ class BilinearLaw(StraightLaw):
         ends = None if load_range is None else check.interval("load_range", load_range)
         self._set(wording, slopes=pair, crossover_load=load, load_range=ends)
         if ends is not None and not ends[0] < load < ends[1]:
-            raise InvalidInput(
-                f"crossover_load = {wording.loads(load)} must lie inside load_range, from "
-                f"{wording.loads(*ends)}"
-            )
+            words = f"must lie inside load_range, from {wording.loads(*ends)}"
+            raise InvalidInput(words, key="crossover_load", value=wording.loads(load))
 
     @classmethod
     def from_friction_coefficients(
@@ -249,7 +247,8 @@ class BilinearLaw(StraightLaw):
         wording = Wording.of(material, friction)
         x, y = wording.rescaled(load, friction_force)
         if len(x) != 3:
-            raise InvalidInput(f"load holds {len(x)} values; two branches need exactly 3 points")
+            words = f"holds {len(x)} values; two branches need exactly 3 points"
+            raise InvalidInput(words, key="load")
         return cls(np.diff(y) / np.diff(x), float(x[1]), wording=wording)
 
     @property
