@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem import drawing
-from metafem._calls import checked_call
 from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem._values import MICROMETRES, Value, span
@@ -75,7 +74,6 @@ class Surface(Value):
     friction: Friction | None
     block: Block | None
 
-    @checked_call
     def __init__(
         self,
         position: ArrayLike,
@@ -105,7 +103,6 @@ class Surface(Value):
             object.__setattr__(self, name, given)
 
     @classmethod
-    @checked_call
     def square_lattice(
         cls,
         height: ArrayLike,

@@ -10,7 +10,6 @@ from typing import ClassVar
 import numpy as np
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import CapShape
@@ -24,7 +23,6 @@ MOST_WIDENINGS, WIDER = 60, 64.0
 MOST_STEPS = 100
 
 
-@checked_class
 @dataclass(frozen=True)
 class JKR(Contact):
     """Frictionless adhesive contact of an elastic cap and a rigid plane.

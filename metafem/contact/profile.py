@@ -12,7 +12,6 @@ import scipy
 from numpy.polynomial import chebyshev
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value
@@ -55,7 +54,6 @@ class Panels(NamedTuple):
     power: float  # F grows as a to this power below the first panel
 
 
-@checked_class
 @dataclass(frozen=True, eq=False, repr=False)
 class AxisymmetricCap(Value, ElasticCap):
     """Frictionless, non-adhesive elastic contact of a cap of any profile and a rigid plane.

@@ -11,7 +11,6 @@ import scipy
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem._values import Value
@@ -25,7 +24,6 @@ from metafem.material import Material
 FEWEST = 3
 
 
-@checked_class
 @dataclass(frozen=True, eq=False, repr=False, init=False)
 class TabulatedContact(Value, LawByIndentation):
     """Contact of one asperity and a rigid plane by a table, measured or computed.

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
@@ -17,7 +16,6 @@ from metafem.errors import InvalidInput
 MOST_LEVELS = 100_000
 
 
-@checked_class
 @dataclass(frozen=True)
 class Limits:
     """Manufacturing limits of the heights; the height of a summit is ``offset + h``.

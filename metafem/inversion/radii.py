@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
@@ -27,7 +26,6 @@ ROUNDING = 1e-9
 TRIED_RADII = 7
 
 
-@checked_class
 @dataclass(frozen=True)
 class RadiusRange:
     """Range of the radii that each asperity may have.

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._kernels import independent as kernel
 from metafem._kernels.contact import independent as tabulated
 from metafem._validate import FloatArray
@@ -46,7 +45,6 @@ TABULATED_PER_THREAD = 200
 AREAS_PER_THREAD = 5_000
 
 
-@checked_class
 @dataclass(frozen=True)
 class Independent(Uncoupled):
     """Independent asperities under a common plane.

@@ -9,7 +9,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
@@ -28,7 +27,6 @@ MEAN_DISPLACEMENT = 4.0 / math.pi * (math.log(1.0 + math.sqrt(2.0)) - (math.sqrt
 MAX_STEPS = 200
 
 
-@checked_class
 @dataclass(frozen=True)
 class MeanField(Uncoupled):
     """Independent asperities on a base that sinks by ``c p sqrt(A)/E*``, p = P/A the nominal pressure.

@@ -10,7 +10,6 @@ import numpy as np
 import scipy
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
@@ -39,7 +38,6 @@ class Perturbed(NamedTuple):
     position: FloatArray | None
 
 
-@checked_class
 @dataclass(frozen=True)
 class Tolerances:
     """Errors of a made surface and of its alignment; all are independent of each other.

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem._values import percent
@@ -43,7 +42,6 @@ FIRST_DRAWS = 4_096
 
 
 @doing("drawing made surfaces")
-@checked_call
 def combined(
     design: Design,
     tolerances: Tolerances,

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Independent, Model
 from metafem.models.model import checked_model
@@ -33,7 +32,6 @@ if TYPE_CHECKING:
 
 
 @doing("drawing made surfaces")
-@checked_call
 def manufacturing(
     surface: Surface,
     height_sd: ArrayLike,

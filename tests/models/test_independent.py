@@ -109,7 +109,7 @@ def test_bad_requests_are_named(rough, arguments, words):
         (([[0.1], [0.1, 0.2]], 0.5, [1.0]), "height is not lists of numbers of one length"),
         (([0.1], "wide", [1.0]), "radius is not lists of numbers of one length"),
         (([0.1], 0.5, [math.nan]), "rescaled_load holds nan"),
-        (([0.1, 0.2], [0.5, 0.5, 0.5], [1.0]), "radius has 3 numbers"),
+        (([0.1, 0.2], [0.5, 0.5, 0.5], [1.0]), r"radius has shape \(3,\)"),
     ],
 )
 def test_bad_batches_are_named(arguments, words):

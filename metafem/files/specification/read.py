@@ -10,7 +10,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from metafem._calls import checked_call
 from metafem._given import AS_IN_PYTHON, Names, printable
 from metafem.errors import InvalidInput
 from metafem.files.part.plan import PartOptions, planned
@@ -143,7 +142,6 @@ def refuse_missing_block(model: Model, surface: Surface, remedy: str) -> None:
         raise InvalidInput(f"the model {model.name} needs the block's dimensions: {remedy}") from None
 
 
-@checked_call
 def read_spec(path: str | Path) -> Specification:
     """Read a specification file.
 
@@ -181,7 +179,6 @@ def read_spec(path: str | Path) -> Specification:
     return _specification(file_label(path), raw, in_folder(Path(path).parent))
 
 
-@checked_call
 def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec.toml") -> Specification:
     """Read the text of a specification, as `read_spec` reads a file.
 

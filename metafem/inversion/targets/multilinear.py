@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput
 from metafem.inversion.bounds import ROUNDING
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 POINTS, FEWEST_POINTS = 30, 4
 
 
-@checked_class
 @dataclass(frozen=True, init=False)
 class MultilinearLaw(Target):
     """Consecutive straight branches of given slopes, with a free intercept.

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem._values import Value, percent
 from metafem.errors import Infeasible, InvalidInput
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
 MOST_LISTED = 8
 
 
-@checked_class
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class SampledLaw(Value, Target):
     """A law given by samples; the design minimises the squared relative differences.

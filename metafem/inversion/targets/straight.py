@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.inversion.strategies import exponential, proportional, sampled
@@ -91,7 +90,6 @@ class StraightLaw(Target):
             proportional.refuse_line(self, problem, margin)
 
 
-@checked_class
 @dataclass(frozen=True, init=False)
 class LinearLaw(StraightLaw):
     """A straight law of one slope: with a free intercept, or through the origin over a range of loads.
@@ -174,7 +172,6 @@ class LinearLaw(StraightLaw):
     with_density = exponential.linear
 
 
-@checked_class
 @dataclass(frozen=True, init=False)
 class BilinearLaw(StraightLaw):
     """Two straight branches that meet at a crossover load.

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._kernels import continuation as kernel
 from metafem._kernels.contact.tabulated import Law
 from metafem._kernels.continuation import Results
@@ -55,7 +54,6 @@ DENSE_LIMIT = 2000
 PAIRS_PER_THREAD = 200_000
 
 
-@checked_class
 @dataclass(frozen=True)
 class Interacting:
     """Asperities coupled through an elastic substrate.
