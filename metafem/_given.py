@@ -1,17 +1,11 @@
-"""Values that a user passed in: conversion to plain numbers, and how errors print them."""
+"""What a user passed in, in the words of errors: names of arguments, units and values."""
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from contextvars import ContextVar
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
-
-import numpy as np
-
-from metafem.errors import InvalidInput
 
 # The unit of each argument that has one. A name means the same in the whole package.
 UNITS: Mapping[str, str] = {
@@ -38,17 +32,6 @@ UNITS: Mapping[str, str] = {
     for name in names
 }
 
-# Kinds of arrays that are refused, by numpy's letter of the kind.
-FOREIGN = {
-    "b": "a truth value",
-    "c": "complex",
-    "M": "a date",
-    "m": "a duration",
-    "S": "bytes",
-    "U": "a text",
-    "V": "a structured array",
-}
-
 
 def unit_of(name: str) -> str:
     """Return the unit of an argument, such as "mm" of ``radius[3]``, or "1"."""
@@ -56,73 +39,80 @@ def unit_of(name: str) -> str:
 
 
 @dataclass(frozen=True)
-class ErrorNames:
-    """How errors name arguments, entries and numbers: as in Python, or as in the file that was read.
+class Given:
+    """An argument or an entry of one, such as ``radius[3]``, with its value where an error states it.
 
-    `units` holds the unit in which a quantity was written and the size of that unit in the package's unit;
-    `lines` holds the line number of each entry in the file, `names` the file's names of arguments, and
-    `file` the name of the file. `places` holds the place of each entry where they are of several files.
+    A number is in the package's unit, a text is printed as it is.
     """
 
-    section: str = ""
-    units: Mapping[str, tuple[str, float]] = field(default_factory=dict)
-    file: str = ""
-    lines: tuple[int, ...] = ()
+    name: str
+    value: float | str | None = None
+
+
+@dataclass(frozen=True)
+class Said:
+    """An argument in the words of a reader: its name, and its value with the unit."""
+
+    name: str
+    number: str
+
+    def __str__(self) -> str:
+        return f"{self.name} = {self.number}"
+
+
+@dataclass(frozen=True)
+class Names:
+    """How a reader knows arguments: by their names in Python, or as a file or a command has them.
+
+    `names` holds the reader's names of arguments, `units` the unit in which a quantity was written and the
+    size of that unit in the package's unit, and `places` where each entry of an argument stands.
+    """
+
     names: Mapping[str, str] = field(default_factory=dict)
-    places: tuple[str, ...] = ()
+    units: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    places: Sequence[str] = ()
+
+    def filled(self, message: str, *about: Given) -> str:
+        """Return a message with its arguments; the fields are ``{}``, ``{.name}`` and ``{.number}``."""
+        return message.format(*map(self.said, about)) if about else message
+
+    def said(self, given: Given) -> Said:
+        """Return an argument in the words of the reader."""
+        value = given.value
+        number = value if isinstance(value, str) else "" if value is None else self.number(given.name, value)
+        return Said(self.name(given.name), number)
 
     def number(self, name: str, value: float) -> str:
         """Return a number in the unit in which its quantity was written."""
         if not self.units:
             return f"{value:g}"
-        name = name.partition("[")[0]
-        default = unit_of(name), 1.0
-        unit, size = self.units.get(f"{self.section}.{name}") or self.units.get(name, default)
+        base = name.partition("[")[0]
+        unit, size = self.units.get(base) or (unit_of(name), 1.0)
         return f"{float(value) / size:g} {unit}".removesuffix(" 1").rstrip()
 
-    def label(self, name: str) -> str:
-        """Return the file's name of an argument or of an entry, such as ``radius[3]``."""
+    def name(self, name: str) -> str:
+        """Return the reader's name of an argument or of an entry, such as ``radius[3]``."""
         base, bracket, index = name.partition("[")
-        if (self.lines or self.places) and bracket:
-            entry = int(index.rstrip("]").partition(",")[0])
-            place = self.places[entry] if self.places else f"{self.file}, line {self.lines[entry]}"
-            return f"{place}: {self.names.get(base, base)}"
-        return self.names.get(base, base) + bracket + index
+        known = self.names.get(base, base)
+        if self.places and bracket:
+            return f"{self.places[int(index.rstrip(']').partition(',')[0])]}: {known}"
+        return known + bracket + index
 
 
-_NAMES: ContextVar[ErrorNames] = ContextVar("_NAMES", default=ErrorNames())  # noqa: B039 - frozen
+AS_IN_PYTHON = Names()
 
-
-@contextmanager
-def error_section(section: str) -> Iterator[None]:
-    """Make errors raised in the body refer to a section of the file."""
-    with error_names(replace(_NAMES.get(), section=section)):
-        yield
-
-
-@contextmanager
-def error_names(names: ErrorNames) -> Iterator[None]:
-    """Make errors raised in the body use these names and units."""
-    token = _NAMES.set(names)
-    try:
-        yield
-    finally:
-        _NAMES.reset(token)
-
-
-def named_by_file() -> bool:
-    """Whether errors name arguments as in a file, where values are lists."""
-    return _NAMES.get() != ErrorNames()
+# Names that `formatted` and `label` use where a message is made before it is raised.
+NAMES: ContextVar[Names] = ContextVar("NAMES", default=AS_IN_PYTHON)
 
 
 def formatted(name: str, value: float) -> str:
     """Return the number of an argument as errors print it."""
-    return _NAMES.get().number(name, value)
+    return NAMES.get().number(name, value)
 
 
 def label(name: str) -> str:
     """Return the name of an argument, or of an entry such as ``radius[3]``, as errors print it."""
-    return _NAMES.get().label(name)
+    return NAMES.get().name(name)
 
 
 def shown(value: Any, most: int = 60) -> str:
@@ -140,63 +130,3 @@ def printable(text: str, most: int = 200) -> str:
     """Return a text on one line: unprintable characters are escaped, and a long text is cut."""
     cut = text if len(text) <= most else text[: most - 1] + "…"
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in cut)
-
-
-def plain(name: str, value: Any) -> Any:
-    """Return a value as plain numbers in the unit that belongs to its name.
-
-    A quantity of pint, astropy or a similar library is converted by its own method. A value that has a unit
-    but no such method is refused, and so are masked entries and units of another dimension. Anything else
-    that is not a number raises TypeError with what it is.
-    """
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        return value
-    if isinstance(value, (list, tuple, range)):
-        return [v if type(v) in (float, int) else plain(f"{name}[{i}]", v) for i, v in enumerate(value)]
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")  # a lossy conversion raises a warning
-        return _plain(name, value)
-
-
-def _plain(name: str, value: Any) -> Any:
-    if type(value) is not np.ndarray and not isinstance(value, np.generic):
-        value = _without_unit(name, value)
-    if isinstance(value, np.ma.MaskedArray):
-        masked = np.flatnonzero(np.ma.getmaskarray(value))
-        if masked.size:
-            raise InvalidInput(f"{name} is masked at entry {masked[0]}; leave out or fill masked entries")
-        value = np.ma.getdata(value)
-    if value is None or isinstance(value, (str, bytes, bool, complex)):
-        raise TypeError(f"{name} is {shown(value)}")
-    array = np.asarray(value)
-    if array.dtype.kind in FOREIGN:
-        raise TypeError(f"{name} is {FOREIGN[array.dtype.kind]}")
-    if array.dtype.kind != "O":
-        return array if array.ndim else array[()]
-    if array.ndim == 0:
-        return float(value)
-    entries = [plain(f"{name}[{i}]", member) for i, member in enumerate(array.flat)]
-    return np.array(entries, dtype=np.float64).reshape(array.shape)
-
-
-def _without_unit(name: str, value: Any) -> Any:
-    """Return the numbers of a quantity, recognised by its attributes, in the unit of the name."""
-    expected = unit_of(name)
-    inner = getattr(value, "data", None)
-    if hasattr(inner, "to") and hasattr(inner, "units"):  # a labelled array that wraps a quantity
-        value = inner
-    for numbers, unit in (("magnitude", "units"), ("value", "unit")):
-        if hasattr(value, unit) and hasattr(value, numbers) and hasattr(value, "to"):
-            try:
-                return getattr(value.to("" if expected == "1" else expected), numbers)
-            except Exception:  # each library raises its own errors
-                raise _wrong_unit(name, getattr(value, unit), expected) from None
-    text = getattr(value, "units", None) or getattr(value, "unit", None)
-    if isinstance(text, str) and text != expected:
-        raise _wrong_unit(name, text, expected)
-    return value
-
-
-def _wrong_unit(name: str, unit: Any, expected: str) -> InvalidInput:
-    allowed = "a number without unit" if expected == "1" else f"{expected}, or a plain number in {expected}"
-    return InvalidInput(f"{name} is given in {shown(str(unit))}; it must be {allowed}")

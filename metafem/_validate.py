@@ -1,16 +1,17 @@
-"""Checks of user input; each error names the argument, the value and what is allowed."""
+"""Checks of user input, as plain numbers; each error names the argument, the value and what is allowed."""
 
 from __future__ import annotations
 
 import math
 import sys
+import warnings
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem._given import formatted, label, named_by_file, plain, shown, unit_of
+from metafem._given import Given, shown, unit_of
 from metafem.errors import InvalidInput
 
 FloatArray = NDArray[np.float64]
@@ -25,6 +26,17 @@ PROPORTION = 1.0 / sys.float_info.epsilon
 
 # Bounds of Poisson's ratio of a block: 0.5 is incompressible.
 POISSON: Mapping[str, Any] = {"at_least": 0.0, "at_most": 0.5}
+
+# Kinds of arrays that are refused, by numpy's letter of the kind.
+FOREIGN = {
+    "b": "a truth value",
+    "c": "complex",
+    "M": "a date",
+    "m": "a duration",
+    "S": "bytes",
+    "U": "a text",
+    "V": "a structured array",
+}
 
 
 def number(
@@ -41,18 +53,17 @@ def number(
     except InvalidInput:
         raise
     except (TypeError, ValueError, OverflowError, Warning):
-        raise InvalidInput(f"{name} = {shown(value)} is not a number in double precision") from None
+        raise InvalidInput("is not a number in double precision", key=name, value=shown(value)) from None
     if not math.isfinite(result):
-        raise InvalidInput(f"{name} = {result} must be finite")
-    given = f"{label(name)} = {formatted(name, result)}"
+        raise InvalidInput("must be finite", key=name, value=str(result))
     if above is not None and not result > above:
-        raise InvalidInput(f"{given} must be greater than {formatted(name, above)}")
+        raise InvalidInput("must be greater than {.number}", Given(name, above), key=name, value=result)
     if at_least is not None and result < at_least:
-        raise InvalidInput(f"{given} must be at least {formatted(name, at_least)}")
+        raise InvalidInput("must be at least {.number}", Given(name, at_least), key=name, value=result)
     if at_most is not None and result > at_most:
-        raise InvalidInput(f"{given} must be at most {formatted(name, at_most)}")
+        raise InvalidInput("must be at most {.number}", Given(name, at_most), key=name, value=result)
     if result and not SMALLEST <= abs(result) <= LARGEST and unit_of(name) != "1":
-        raise _beyond(name, given)
+        raise _beyond(name, result)
     return result
 
 
@@ -69,10 +80,12 @@ def _one(value: Any) -> Any:
     return value
 
 
-def _beyond(name: str, given: str) -> InvalidInput:
+def _beyond(name: str, value: float) -> InvalidInput:
     return InvalidInput(
-        f"{given} is outside the range in which products fit double precision; it must be 0, or "
-        f"{SMALLEST:.0e} to {LARGEST:.0e} {unit_of(name)} in magnitude"
+        "is outside the range in which products fit double precision; it must be 0, or "
+        f"{SMALLEST:.0e} to {LARGEST:.0e} {unit_of(name)} in magnitude",
+        key=name,
+        value=value,
     )
 
 
@@ -80,7 +93,7 @@ def integer(name: str, value: Any, *, at_least: int) -> int:
     """Return `value` as an int of at least `at_least`."""
     whole = isinstance(value, (int, np.integer)) and not isinstance(value, (bool, np.timedelta64))
     if not whole or value < at_least:
-        raise InvalidInput(f"{name} = {shown(value)} must be a whole number of at least {at_least}")
+        raise InvalidInput(f"must be a whole number of at least {at_least}", key=name, value=shown(value))
     return int(value)
 
 
@@ -91,45 +104,50 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...], positive: boo
     except InvalidInput:
         raise
     except (TypeError, ValueError, OverflowError, Warning):
-        raise InvalidInput(f"{name} is not an array of numbers: {shown(value, 80)}") from None
-    required = (
-        "(" + ", ".join("n" if length is None else str(length) for length in shape) + ",)"[len(shape) > 1 :]
-    )
-    if result.ndim != len(shape) or any(
-        length not in (None, have) for length, have in zip(shape, result.shape, strict=True)
-    ):
-        if result.ndim == len(shape) == 1 and named_by_file():
-            many = f"{result.size} number{'s' * (result.size != 1)}"
-            raise InvalidInput(f"{name} has {many}; it must have {shape[0]}")
-        raise InvalidInput(f"{name} has shape {result.shape}; it must have shape {required}")
-    if result.size == 0:
-        raise InvalidInput(f"{name} is empty; it must have shape {required} with n > 0")
+        raise InvalidInput(f"is not an array of numbers: {shown(value, 80)}", key=name) from None
+    _refuse_shape(name, result.shape, shape)
     bad = np.argwhere(~np.isfinite(result))
     if bad.size:
         first = tuple(bad[0].tolist())
         where = first[0] if len(first) == 1 else first
-        raise InvalidInput(f"{name} holds {result[first]} at entry {where}; all must be finite")
+        raise InvalidInput(f"holds {result[first]} at entry {where}; all must be finite", key=name)
     if unit_of(name) != "1":
         # a coordinate or a height may be arbitrarily small: nothing is divided by it
         beyond = np.argwhere((np.abs(result) > LARGEST) | (positive & (result > 0.0) & (result < SMALLEST)))
         if beyond.size:
             first = tuple(beyond[0].tolist())
-            raise _beyond(name, f"{label(f'{name}{list(first)}')} = {formatted(name, result[first])}")
+            raise _beyond(f"{name}{list(first)}", result[first])
     if positive and result.min() <= 0.0:
         i = int(result.argmin())
-        raise InvalidInput(f"{label(f'{name}[{i}]')} = {formatted(name, result[i])} must be greater than 0")
+        raise InvalidInput("must be greater than 0", key=f"{name}[{i}]", value=result[i])
     result.flags.writeable = False
     return result
+
+
+def _refuse_shape(name: str, found: tuple[int, ...], shape: tuple[int | None, ...]) -> None:
+    alike = len(found) == len(shape)
+    if alike and all(length in (None, have) for length, have in zip(shape, found, strict=True)):
+        if 0 in found:
+            raise InvalidInput("is empty", key=name)
+    elif alike and len(shape) == 1:
+        many = f"{found[0]} number{'s' * (found[0] != 1)}"
+        raise InvalidInput(f"has {many}; it must have {shape[0]}", key=name)
+    else:
+        required = ", ".join("n" if length is None else str(length) for length in shape)
+        required += "," * (len(shape) == 1)
+        raise InvalidInput(f"has shape {found}; it must have shape ({required})", key=name)
 
 
 def proportion(name: str, value: float, other: str, reference: float) -> None:
     """Refuse two lengths whose ratio exceeds the resolution of double precision."""
     small, large = sorted((abs(value), abs(reference)))
     if large > PROPORTION * small:
-        both = f"{label(name)} = {formatted(name, value)} and {label(other)} = {formatted(other, reference)}"
         raise InvalidInput(
-            f"{both} differ by a factor of {large / small:.1g}; it must be at most {PROPORTION:.1g}, the "
-            "resolution of double precision"
+            f"and {{}} differ by a factor of {large / small:.1g}; it must be at most {PROPORTION:.1g}, the "
+            "resolution of double precision",
+            Given(other, reference),
+            key=name,
+            value=value,
         )
 
 
@@ -140,7 +158,8 @@ def lists(name: str, value: Any, length: int | None) -> FloatArray:
     except InvalidInput:
         raise
     except (TypeError, ValueError, OverflowError, Warning):
-        raise InvalidInput(f"{name} is not lists of numbers of one length: {shown(value, 80)}") from None
+        words = f"is not lists of numbers of one length: {shown(value, 80)}"
+        raise InvalidInput(words, key=name) from None
     return array(name, table, shape=(None, length))
 
 
@@ -148,14 +167,15 @@ def loads(name: str, value: Any) -> FloatArray:
     """Return loads, none of them negative, (k,)."""
     result = array(name, value, shape=(None,))
     if result.min() < 0.0:
-        raise InvalidInput(f"{name} holds {formatted(name, result.min())}; loads cannot be negative")
+        lowest = Given(name, result.min())
+        raise InvalidInput("holds {.number}; loads cannot be negative", lowest, key=name)
     return result
 
 
 def instance(name: str, value: Any, kind: type, required: str) -> None:
     """Refuse a value that is not an instance of `kind`, and a class in place of an instance."""
     if isinstance(value, type) or not isinstance(value, kind):
-        raise InvalidInput(f"{name} = {shown(value)} must be {required}")
+        raise InvalidInput(f"must be {required}", key=name, value=shown(value))
 
 
 def scalar(value: Any) -> bool:
@@ -173,16 +193,15 @@ def depth(value: Any) -> int:
 def increasing(name: str, value: FloatArray) -> FloatArray:
     """Return `value`, whose entries must be positive and strictly increasing."""
     if value[0] <= 0.0:
-        raise InvalidInput(f"{label(f'{name}[0]')} = {formatted(name, value[0])} must be greater than 0")
+        raise InvalidInput("must be greater than 0", key=f"{name}[0]", value=value[0])
     if value[0] < SMALLEST and unit_of(name) != "1":
-        raise _beyond(name, f"{label(f'{name}[0]')} = {formatted(name, value[0])}")
+        raise _beyond(f"{name}[0]", value[0])
     bad = np.flatnonzero(np.diff(value) <= 0.0)
     if bad.size:
         i = int(bad[0]) + 1
-        raise InvalidInput(
-            f"{label(f'{name}[{i}]')} = {formatted(name, value[i])} does not exceed "
-            f"{label(f'{name}[{i - 1}]')} = {formatted(name, value[i - 1])}; the values must increase"
-        )
+        before = Given(f"{name}[{i - 1}]", value[i - 1])
+        words = "does not exceed {}; the values must increase"
+        raise InvalidInput(words, before, key=f"{name}[{i}]", value=value[i])
     return value
 
 
@@ -197,7 +216,69 @@ def generator(rng: Any) -> np.random.Generator:
     try:
         return np.random.default_rng(rng)
     except (TypeError, ValueError):
-        raise InvalidInput(f"rng = {shown(rng)} must be a non-negative seed or a numpy Generator") from None
+        words = "must be a non-negative seed or a numpy Generator"
+        raise InvalidInput(words, key="rng", value=shown(rng)) from None
+
+
+def plain(name: str, value: Any) -> Any:
+    """Return a value as plain numbers in the unit that belongs to its name.
+
+    A quantity of pint, astropy or a similar library is converted by its own method. A value that has a unit
+    but no such method is refused, and so are masked entries and units of another dimension. Anything else
+    that is not a number raises TypeError with what it is.
+    """
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return value
+    if isinstance(value, (list, tuple, range)):
+        return [v if type(v) in (float, int) else plain(f"{name}[{i}]", v) for i, v in enumerate(value)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # a lossy conversion raises a warning
+        return _plain(name, value)
+
+
+def _plain(name: str, value: Any) -> Any:
+    if type(value) is not np.ndarray and not isinstance(value, np.generic):
+        value = _without_unit(name, value)
+    if isinstance(value, np.ma.MaskedArray):
+        masked = np.flatnonzero(np.ma.getmaskarray(value))
+        if masked.size:
+            words = f"is masked at entry {masked[0]}; leave out or fill masked entries"
+            raise InvalidInput(words, key=name)
+        value = np.ma.getdata(value)
+    if value is None or isinstance(value, (str, bytes, bool, complex)):
+        raise TypeError(f"{name} is {shown(value)}")
+    array = np.asarray(value)
+    if array.dtype.kind in FOREIGN:
+        raise TypeError(f"{name} is {FOREIGN[array.dtype.kind]}")
+    if array.dtype.kind != "O":
+        return array if array.ndim else array[()]
+    if array.ndim == 0:
+        return float(value)
+    entries = [plain(f"{name}[{i}]", member) for i, member in enumerate(array.flat)]
+    return np.array(entries, dtype=np.float64).reshape(array.shape)
+
+
+def _without_unit(name: str, value: Any) -> Any:
+    """Return the numbers of a quantity, recognised by its attributes, in the unit of the name."""
+    expected = unit_of(name)
+    inner = getattr(value, "data", None)
+    if hasattr(inner, "to") and hasattr(inner, "units"):  # a labelled array that wraps a quantity
+        value = inner
+    for numbers, unit in (("magnitude", "units"), ("value", "unit")):
+        if hasattr(value, unit) and hasattr(value, numbers) and hasattr(value, "to"):
+            try:
+                return getattr(value.to("" if expected == "1" else expected), numbers)
+            except Exception:  # each library raises its own errors
+                raise _wrong_unit(name, getattr(value, unit), expected) from None
+    text = getattr(value, "units", None) or getattr(value, "unit", None)
+    if isinstance(text, str) and text != expected:
+        raise _wrong_unit(name, text, expected)
+    return value
+
+
+def _wrong_unit(name: str, unit: Any, expected: str) -> InvalidInput:
+    allowed = "a number without unit" if expected == "1" else f"{expected}, or a plain number in {expected}"
+    return InvalidInput(f"is given in {shown(str(unit))}; it must be {allowed}", key=name)
 
 
 def refuse_entries(name: str, values: FloatArray, wrong: Any, must: str) -> None:
@@ -205,5 +286,5 @@ def refuse_entries(name: str, values: FloatArray, wrong: Any, must: str) -> None
     bad = np.argwhere(wrong)
     if bad.size:
         place = tuple(bad[0].tolist())
-        entry = label(f"{name}[{', '.join(map(str, place))}]")
-        raise InvalidInput(f"{entry} = {formatted(name, values[place])} {must}")
+        entry = f"{name}[{', '.join(map(str, place))}]"
+        raise InvalidInput(must, key=entry, value=float(values[place]))

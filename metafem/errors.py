@@ -2,27 +2,85 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
+
+from metafem._given import AS_IN_PYTHON, NAMES, Given, Names
 
 
 class MetafemError(Exception):
-    """Base of all errors that metafem raises for its users."""
+    """Base of all errors that metafem raises for its users.
+
+    A message that is about arguments is a template with a field for each of them: `str` fills it with their
+    names and values as the reader knows them, which are those of Python unless `named` says otherwise.
+    """
+
+    names: Names = AS_IN_PYTHON
+
+    def __init__(self, message: str = "", *about: Given) -> None:
+        super().__init__(message, *about)
+
+    def __str__(self) -> str:
+        return self.names.filled(*self.args)
 
 
 class InvalidInput(MetafemError, ValueError):
-    """An argument or a key has a value that cannot be used; the message says what is allowed.
+    """An argument or a key has a value that cannot be used.
 
     Attributes
     ----------
-    problems : tuple of str
-        Of a refused specification one line for each problem, which begins with the key; otherwise empty.
+    must : str
+        What is wrong, or what is allowed: "must be greater than 0". Without a key it is the whole message.
+    key : str
+        The argument, an entry such as "radius[3]", or the key of a file such as "limits.max_height"; "" if
+        there is no single one.
+    value : float, str or None
+        The number, in the package's unit, or the text that was given; None if the error does not state it.
+    example : str
+        A valid value or line, to be stated at the end; "" for none.
+    problems : tuple of InvalidInput
+        The problems of a refused specification, whose name is then the message; otherwise empty.
     """
 
-    problems: tuple[str, ...]
+    def __init__(
+        self,
+        must: str = "",
+        *about: Given,
+        key: str = "",
+        value: float | str | None = None,
+        example: str = "",
+        problems: tuple[InvalidInput, ...] = (),
+    ) -> None:
+        super().__init__(must, *about)
+        self.key, self.value, self.example, self.problems = key, value, example, problems
 
-    def __init__(self, *message: object, problems: tuple[str, ...] = ()) -> None:
-        super().__init__(*message)
-        self.problems = problems
+    @property
+    def must(self) -> str:
+        """What is wrong, without the key and its value."""
+        words = super().__str__()
+        return f"{words}; write for example {self.example}" if self.example else words
+
+    def __str__(self) -> str:
+        if self.problems:
+            return "\n".join(f"{self.must}: {problem}" for problem in self.problems)
+        if not self.key:
+            return self.must
+        said = self.names.said(Given(self.key, self.value))
+        return f"{said.name if self.value is None else said} {self.must}"
+
+    def at(self, key: str) -> InvalidInput:
+        """Return the error of a value as that of a key."""
+        return InvalidInput(*self.args, key=key, value=self.value, example=self.example)
+
+    def within(self, section: str) -> InvalidInput:
+        """Return the error of an argument as that of a key in a section."""
+        if not self.key:
+            return InvalidInput(f"cannot be used: {self}", key=section)
+        message, *about = self.args
+        moved = (Given(f"{section}.{other.name}", other.value) for other in about)
+        key = f"{section}.{self.key}"
+        return InvalidInput(message, *moved, key=key, value=self.value, example=self.example)
 
 
 class Infeasible(MetafemError):
@@ -59,3 +117,20 @@ class NotConverged(MetafemError):
 
 class MetafemWarning(UserWarning):
     """A result was computed outside the range in which the model is valid."""
+
+
+@contextmanager
+def named(names: Names) -> Iterator[None]:
+    """Let errors of the body name arguments and print numbers as a file or a command has them.
+
+    Errors that have such names from within the body keep them.
+    """
+    token = NAMES.set(names)
+    try:
+        yield
+    except MetafemError as error:
+        if error.names == AS_IN_PYTHON:
+            error.names = names
+        raise
+    finally:
+        NAMES.reset(token)

@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 
 
-@checked_class
 @dataclass(frozen=True)
 class Material:
     """Linear-elastic material of the block against a rigid plane.
@@ -75,7 +73,6 @@ class Material:
         return self.composite_modulus * (1.0 - self.poisson_ratio**2)
 
 
-@checked_class
 @dataclass(frozen=True)
 class Friction:
     """Friction of the material pair, ``F = sigma B A0``.
@@ -106,7 +103,6 @@ class Friction:
         check.member(self, "area_ratio", above=0.0)
 
 
-@checked_class
 @dataclass(frozen=True)
 class Block:
     """The block below the asperities. It is centred on the origin, and its base is bonded.

@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem import drawing
-from metafem._calls import checked_call
-from metafem._given import formatted, label
+from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem._values import MICROMETRES, Value, span
 from metafem.drawing import card
@@ -75,7 +74,6 @@ class Surface(Value):
     friction: Friction | None
     block: Block | None
 
-    @checked_call
     def __init__(
         self,
         position: ArrayLike,
@@ -105,7 +103,6 @@ class Surface(Value):
             object.__setattr__(self, name, given)
 
     @classmethod
-    @checked_call
     def square_lattice(
         cls,
         height: ArrayLike,
@@ -288,9 +285,9 @@ def _refuse_coincident(position: FloatArray) -> None:
     same = np.flatnonzero((rounded[order[1:]] == rounded[order[:-1]]).all(axis=1))
     if same.size:
         i, j = sorted(order[same[0] : same[0] + 2].tolist())
-        x, y = (formatted("position", float(value)) for value in position[i])
-        both = " and ".join(label(f"position[{k}]") for k in (i, j))
-        raise InvalidInput(f"{both} coincide at ({x}, {y}); no two asperities may share a position")
+        words = "and {.name} coincide at ({.number}, {.number}); no two asperities may share a position"
+        place = (Given("position", float(value)) for value in position[i])
+        raise InvalidInput(words, Given(f"position[{j}]"), *place, key=f"position[{i}]")
 
 
 def _refuse_disproportion(radius: FloatArray, lengths: Mapping[str, FloatArray]) -> None:

@@ -12,7 +12,7 @@ import click
 from metafem.cli.group import Name, force_option, json_option, main, model_option
 from metafem.cli.progress import printing_messages, progress
 from metafem.cli.terminal import loaded, notes_data, print_json, print_notes, print_table, terminal
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, named
 from metafem.progress import doing
 
 if TYPE_CHECKING:
@@ -145,7 +145,6 @@ def predict(
 
 def _surface(source: Path, given: Mapping[str, str | float], models: tuple[str, ...]) -> Surface:
     """Return the surface of a table of heights, with material, friction and block from the options."""
-    from metafem._given import error_names
     from metafem.files import option_names, quantity, read_surface
     from metafem.surface import Friction, Material
 
@@ -165,7 +164,7 @@ def _surface(source: Path, given: Mapping[str, str | float], models: tuple[str, 
         name: quantity(f"--{name.replace('_', '-')}", value, units[name]) if name in units else float(value)
         for name, value in given.items()
     }
-    with error_names(option_names({name: str(value) for name, value in given.items()})):
+    with named(option_names({name: str(value) for name, value in given.items()})):
         ratio = number.get("poisson_ratio", 0.5)
         if "young_modulus" in number:
             material = Material.from_young(number["young_modulus"], ratio)

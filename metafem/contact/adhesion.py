@@ -12,7 +12,6 @@ import numpy as np
 from scipy.optimize import elementwise
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import CapShape
@@ -25,7 +24,6 @@ from metafem.material import Material
 WIDTH = 1.0
 
 
-@checked_class
 @dataclass(frozen=True)
 class JKR(Contact):
     """Frictionless adhesive contact of an elastic cap and a rigid plane.

@@ -12,7 +12,6 @@ from typing import ClassVar
 import numpy as np
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import SPHERES, CapShape, ProfileCaps, sphere_profile
 from metafem.contact.law import Contact, Values
@@ -113,7 +112,6 @@ class ElasticCap(Contact):
         return np.asarray(2.0 * math.pi * a / np.where(closed, slope, 1.0))[()]
 
 
-@checked_class
 @dataclass(frozen=True)
 class PowerCap(ElasticCap):
     """Frictionless, non-adhesive elastic contact of a cap whose profile is a power and a rigid plane.
@@ -193,7 +191,6 @@ class PowerCap(ElasticCap):
         return root(parts, depth, start)
 
 
-@checked_class
 @dataclass(frozen=True)
 class SphericalCap(ElasticCap):
     """Frictionless, non-adhesive elastic contact of a sphere of radius R and a rigid plane.

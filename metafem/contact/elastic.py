@@ -8,12 +8,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.contact.law import Contact, Values
 
 
-@checked_class
 @dataclass(frozen=True)
 class Hertz(Contact):
     """Frictionless, non-adhesive elastic contact of a paraboloid of radius R and a rigid plane.

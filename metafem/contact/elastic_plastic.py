@@ -11,7 +11,6 @@ from typing import ClassVar, NamedTuple, Self
 import numpy as np
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.contact.by_indentation import LawByIndentation
@@ -213,7 +212,6 @@ class ElasticPlastic(LawByIndentation):
         return self.material
 
 
-@checked_class
 @dataclass(frozen=True)
 class KogutEtsion(ElasticPlastic):
     """Elastic-plastic contact of a sphere and a rigid plane by Kogut and Etsion, frictionless.
@@ -314,7 +312,6 @@ HERTZIAN = 1.9
 LARGEST_STRAIN = 0.03
 
 
-@checked_class
 @dataclass(frozen=True)
 class JacksonGreen(ElasticPlastic):
     """Elastic-plastic contact of a sphere and a rigid plane by Jackson and Green, frictionless.

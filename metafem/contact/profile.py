@@ -12,7 +12,6 @@ import scipy
 from numpy.polynomial import chebyshev
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value
@@ -55,7 +54,6 @@ class Panels(NamedTuple):
     power: float  # F grows as a to this power below the first panel
 
 
-@checked_class
 @dataclass(frozen=True, eq=False, repr=False)
 class AxisymmetricCap(Value, ElasticCap):
     """Frictionless, non-adhesive elastic contact of a cap of any profile and a rigid plane.
@@ -105,10 +103,8 @@ class AxisymmetricCap(Value, ElasticCap):
             table = check.array("profile", self.profile, shape=(2, None))
             for name, row in zip(("rho", "f"), table, strict=True):
                 if len(row) < 3 or row[0] != 0.0 or not (np.diff(row) > 0.0).all():
-                    raise InvalidInput(
-                        f"profile: {name} = {shown(row.tolist(), 80)} must begin with 0 and increase "
-                        "over at least 3 points"
-                    )
+                    words = "must begin with 0 and increase over at least 3 points"
+                    raise InvalidInput(words, key=name, value=shown(row.tolist(), 80))
             if self.extent is not None and self.extent != table[0, -1]:
                 raise InvalidInput(
                     f"extent = {self.extent} must be the last rho of the table, {table[0, -1]:g}"

@@ -11,7 +11,7 @@ import scipy
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_class
+from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.contact.by_indentation import LawByIndentation
@@ -24,7 +24,6 @@ from metafem.material import Material
 FEWEST = 3
 
 
-@checked_class
 @dataclass(frozen=True, eq=False, repr=False, init=False)
 class TabulatedContact(Value, LawByIndentation):
     """Contact of one asperity and a rigid plane by a table, measured or computed.
@@ -79,22 +78,26 @@ class TabulatedContact(Value, LawByIndentation):
         if not table[:, 0].any():
             table = table[:, 1:]
         if table.shape[1] < FEWEST:
-            raise InvalidInput(
-                f"indentation has {table.shape[1]} positive points; a table needs at least {FEWEST}"
-            )
+            words = f"has {table.shape[1]} positive points; a table needs at least {FEWEST}"
+            raise InvalidInput(words, key="indentation")
         skipped = lengths["indentation"] - table.shape[1]
         for name, row in zip(rows, table, strict=True):
             if row[0] <= 0.0:
                 raise InvalidInput(
-                    f"{name}[{skipped}] = {row[0]:g} must be greater than 0, as only a first point of the "
-                    "table may be zero, in all three columns"
+                    "must be greater than 0, as only a first point of the table may be zero, in all three "
+                    "columns",
+                    key=f"{name}[{skipped}]",
+                    value=row[0],
                 )
             fall = np.diff(row) <= 0.0
             if fall.any():
                 i = int(fall.argmax())
                 raise InvalidInput(
-                    f"{name}[{i + 1 + skipped}] = {row[i + 1]:g} must be greater than the {row[i]:g} before "
-                    "it: indentation, load and area must increase together; leave out or smooth such points"
+                    "must be greater than the {.number} before it: indentation, load and area must increase "
+                    "together; leave out or smooth such points",
+                    Given(name, row[i]),
+                    key=f"{name}[{i + 1 + skipped}]",
+                    value=row[i + 1],
                 )
         table.flags.writeable = False
         object.__setattr__(self, "table", table)

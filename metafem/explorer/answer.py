@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput, MetafemError
 from metafem.explorer.session import State
-from metafem.files import Specification, parsed, problem_key
+from metafem.files import Specification, parsed, section_forms
 from metafem.inversion import Design, OperatingPoints, SampledLaw
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import Wording
@@ -30,6 +30,8 @@ class Answer:
         The last surface that was found, also where this state has problems or is refused.
     problems : mapping of str to str
         What is wrong with a key of the specification, "" for the file as a whole.
+    reasons : mapping of str to str
+        The problems without their keys and values, where these stand beside them.
     refusal : str
         Why no surface reaches the target; "" if one does.
     nearest : tuple of ndarray or None
@@ -58,6 +60,7 @@ class Answer:
     draft: bool = False
     failed: bool = False
     undecided: bool = False
+    reasons: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def current(self) -> bool:
@@ -82,12 +85,13 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
         return replace(before, number=number, state=state, milliseconds=elapsed)
     specification, design = None, None if before is None else before.design
     problems: dict[str, str] = {}
+    reasons: dict[str, str] = {}
     refusal, nearest, nearest_target, failed, undecided = "", None, None, False, False
     try:
         specification = specification_of(state)
         design = specification.design(draft=draft)
     except InvalidInput as error:
-        problems = _problems(error)
+        problems, reasons = _problems(error)
     except Infeasible as error:
         refusal = str(error) if specification is None else _in_units_of(state, specification, error)
         undecided = draft and error.by_search
@@ -99,7 +103,7 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
     elapsed = 1e3 * (time.perf_counter() - start)
     return Answer(
         number, state, specification, design, problems, refusal, nearest, elapsed, nearest_target, draft,
-        failed, undecided,
+        failed, undecided, reasons,
     )  # fmt: skip
 
 
@@ -132,13 +136,32 @@ def _serves(before: Answer, state: State, draft: bool) -> bool:
     return before.state.designs_the_same(state) and (draft or not before.draft)
 
 
-def _problems(error: InvalidInput) -> dict[str, str]:
-    """Return the problems of a refused specification by their keys."""
-    found: dict[str, str] = {}
-    for problem in error.problems or (str(error),):
-        key = problem_key(problem) if error.problems else ""
-        found[key] = f"{found[key]}\n{problem}" if key in found else problem
-    return found
+def _problems(error: InvalidInput) -> tuple[dict[str, str], dict[str, str]]:
+    """Return the problems of a refused specification by their keys, with and without key and value."""
+    found: dict[str, list[InvalidInput]] = {}
+    for problem in error.problems or (error,):
+        found.setdefault(_known(problem.key), []).append(problem)
+    problems = {key: "\n".join(map(str, each)) for key, each in found.items()}
+    return problems, {key: _reason(key, each) for key, each in found.items()}
+
+
+def _known(key: str) -> str:
+    """Return a key, or the longest part of it that a specification can have: "" for none."""
+    forms = section_forms()
+    known = {f"{form.name}.{key.name}" for form in forms for keys in form.keys.values() for key in keys}
+    known |= {name for form in forms for name in (form.name, f"{form.name}.kind")}
+    key = key.partition("[")[0]
+    while key and key not in known:
+        key = key.rpartition(".")[0]
+    return key
+
+
+def _reason(key: str, problems: Sequence[InvalidInput]) -> str:
+    """Return what is wrong with a key where its name and value stand beside it, as a sentence."""
+    if len(problems) > 1 or "." not in key or key != problems[0].key:
+        return "\n".join(map(str, problems))
+    words = problems[0].must
+    return f"{words[:1].upper()}{words[1:]}."
 
 
 def _law_of(

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._extras import refuse_missing
 from metafem.errors import InvalidInput
 from metafem.explorer.session import State
@@ -16,7 +15,6 @@ __all__ = ["explore"]
 LAST_PORT = 65535
 
 
-@checked_call
 def explore(path: str | Path | None = None, *, port: int | None = None, show: bool = True) -> None:
     """Open the explorer in the browser, and serve it until Ctrl-C.
 

@@ -46,8 +46,7 @@ from metafem.files.specification.read import (
     refuse_missing_block,
     toml_table,
 )
-from metafem.files.specification.words import problem_key
-from metafem.files.units import member_names, option_names, quantity
+from metafem.files.units import option_names, quantity
 
 __all__ = [
     "DEMOS",
@@ -83,7 +82,6 @@ __all__ = [
     "made_table",
     "manual",
     "measured_pairs",
-    "member_names",
     "of_files",
     "option_names",
     "parsed",
@@ -91,7 +89,6 @@ __all__ = [
     "pixel_size",
     "place_schema",
     "planned",
-    "problem_key",
     "quantity",
     "read_calibration",
     "read_contacts",

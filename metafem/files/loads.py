@@ -26,7 +26,7 @@ class GivenLoad(NamedTuple):
 
 
 def given_load(given: Any) -> GivenLoad:
-    """Read a load in newtons or a rescaled one; errors follow the name of a key."""
+    """Read a load in newtons or a rescaled one; errors have no key."""
     try:
         return GivenLoad(converted(given, "mm^2", LOAD), "mm^2")
     except InvalidInput as reason:
@@ -41,7 +41,7 @@ def rescaled_range(given: Sequence[GivenLoad] | None, material: Material) -> lis
     if given is None:
         return None
     if len({load.unit for load in given}) > 1:
-        raise InvalidInput("load_range mixes mm^2 and N; give both loads in one unit")
+        raise InvalidInput("mixes mm^2 and N; give both loads in one unit", key="load_range")
     check.interval("load_range", [load.value for load in given])
     return [load.rescaled(material) for load in given]
 
@@ -51,4 +51,4 @@ def load_range(key: str, given: Sequence[str], material: Material) -> list[float
     try:
         return rescaled_range([given_load(text) for text in given] or None, material)
     except InvalidInput as error:
-        raise InvalidInput(str(error) if str(error).startswith(key) else f"{key} {error}") from None
+        raise (error if error.key else error.at(key)) from None

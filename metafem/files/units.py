@@ -10,7 +10,7 @@ from fractions import Fraction
 from functools import cache, lru_cache
 from typing import Any
 
-from metafem._given import ErrorNames, printable, shown
+from metafem._given import Names, printable, shown
 from metafem.errors import InvalidInput
 
 # A decimal number, then a product of units with exponents of one digit. Nothing else reaches pint,
@@ -86,30 +86,31 @@ def quantity(key: str, given: Any, unit: str, example: str | None = None) -> flo
     try:
         return converted(given, unit, example)
     except InvalidInput as error:
-        raise InvalidInput(f"{key} {error}") from None
+        raise error.at(key) from None
 
 
 def converted(given: Any, unit: str, example: str | None = None) -> float:
-    """Return `given` in `unit`; errors follow the name of a key."""
-    valid = f'; write for example "{example or EXAMPLES[unit]}"'
+    """Return `given` in `unit`; errors have no key."""
+    valid = f'"{example or EXAMPLES[unit]}"'
     if not isinstance(given, str):
         cause = "needs a unit" if isinstance(given, (int, float)) else f"must be a text in {unit}"
-        raise InvalidInput(f"= {as_written(given)} {cause}{valid}")
-    told = f'= "{printable(given, 60)}"'
+        raise InvalidInput(cause, value=as_written(given), example=valid)
+    text = f'"{printable(given, 60)}"'
     match = _QUANTITY.fullmatch(given)
     if match is None:
-        raise InvalidInput(f"{told} does not begin with a number{valid}")
+        raise InvalidInput("does not begin with a number", value=text, example=valid)
     number, name = match.groups()
     if not name and unit == "%":
-        raise InvalidInput(f'{told} needs a unit; write "{number} %" or "{100.0 * float(number):.6g} %"')
+        both = f'"{number} %" or "{100.0 * float(number):.6g} %"'
+        raise InvalidInput(f"needs a unit; write {both}", value=text)
     if not name and unit != "1":
-        raise InvalidInput(f"{told} needs a unit{valid}")
+        raise InvalidInput("needs a unit", value=text, example=valid)
     try:
         return float(Fraction(number) * factor(name, unit))
     except InvalidInput as error:
-        raise InvalidInput(f"{told} {error}{valid}") from None
+        raise InvalidInput(error.must, value=text, example=valid) from None
     except OverflowError:
-        raise InvalidInput(f"{told} is too large a number{valid}") from None
+        raise InvalidInput("is too large a number", value=text, example=valid) from None
 
 
 def as_written(value: Any) -> str:
@@ -128,32 +129,31 @@ def decimal(text: str) -> Fraction:
     return Fraction(text)
 
 
-def option_names(options: Mapping[str, str | None]) -> ErrorNames:
+def option_names(options: Mapping[str, str | None]) -> Names:
     """Return the names of a command's options, and the units of those that are given, for errors."""
-    given = {name: text for name, text in options.items() if text is not None}
     names = {name: f"--{name.replace('_', '-')}" for name in options}
-    return ErrorNames(section="option", units=written_units({"option": given}), names=names)
-
-
-def member_names(argument: str, given: Mapping[str, str], option: str) -> ErrorNames:
-    """Return the names and units for errors in members of an argument that an option gives one by one."""
-    names = {f"{argument}.{name}": f"{option} {name}" for name in given}
-    return ErrorNames(units=written_units({argument: given}), names=names)
+    units = {name: written_unit(text) for name, text in options.items()}
+    return Names(names, {name: unit for name, unit in units.items() if unit is not None})
 
 
 def written_units(table: Mapping[str, Any]) -> dict[str, tuple[str, float]]:
     """Return the written unit of each quantity of a file's sections, and its size in the package's unit."""
-    found = {}
-    for section, keys in table.items():
-        for key, value in keys.items() if isinstance(keys, dict) else ():
-            while isinstance(value, list) and value:
-                value = value[0]
-            match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
-            name = match[2] if match else ""
-            size = _size(name) if name else None
-            if size is not None:
-                found[f"{section}.{key}"] = (name, size)
-    return found
+    units = {
+        f"{section}.{key}": written_unit(value)
+        for section, keys in table.items()
+        for key, value in (keys.items() if isinstance(keys, dict) else ())
+    }
+    return {key: unit for key, unit in units.items() if unit is not None}
+
+
+def written_unit(value: Any) -> tuple[str, float] | None:
+    """Return the unit of a quantity, or of the first one of a list, and its size in the package's unit."""
+    while isinstance(value, list) and value:
+        value = value[0]
+    match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
+    name = match[2] if match else ""
+    size = _size(name) if name else None
+    return None if size is None else (name, size)
 
 
 @lru_cache(maxsize=256)

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible
 from metafem.inversion.adjustment.height_steps import rounded_to_steps
@@ -41,7 +40,6 @@ MOST_LISTED = 8
 NEXT_RADII = 4
 
 
-@checked_call
 def design(
     target: Target,
     template: Surface,

@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem.contact import KogutEtsion
 from metafem.errors import Infeasible
 from metafem.inversion.assessment import DesignStatus
@@ -26,7 +25,6 @@ from metafem.prediction.perturbation import Tolerances
 from metafem.surface import Surface
 
 
-@checked_call
 def design_for_hardness(
     target: Target,
     template: Surface,

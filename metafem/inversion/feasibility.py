@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 from scipy.optimize import isotonic_regression
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.contact import Contact
@@ -122,7 +121,6 @@ def margin_words(margin: float) -> str:
     return f" (the model's interaction leaves a margin of {percent(margin)})" if margin > 0.0 else ""
 
 
-@checked_call
 def feasible_region(
     template: Surface,
     rescaled_load: ArrayLike,
@@ -186,7 +184,6 @@ def feasible_region(
     return low, high
 
 
-@checked_call
 def achievable_friction_coefficients(
     template: Surface,
     limits: Limits,
@@ -255,7 +252,6 @@ def roughness(surface: Surface) -> float:
     return math.sqrt(float(surface.height.std()) / float(surface.radius.mean()))
 
 
-@checked_call
 def plasticity_index(surface: Surface, hardness: float) -> float:
     """Plasticity index of a surface, ``psi = E*/H sqrt(s/R)``.
 

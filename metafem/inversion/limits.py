@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from metafem import _validate as check
-from metafem._calls import checked_class
-from metafem._given import formatted
+from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 
@@ -17,7 +16,6 @@ from metafem.errors import InvalidInput
 MOST_LEVELS = 100_000
 
 
-@checked_class
 @dataclass(frozen=True)
 class Limits:
     """Manufacturing limits of the heights; the height of a summit is ``offset + h``.
@@ -60,10 +58,8 @@ class Limits:
         for name in ("min_height", "offset"):
             check.member(self, name, at_least=0.0)
         if self.span <= 0.0:
-            raise InvalidInput(
-                f"min_height = {formatted('min_height', self.min_height)} must be below "
-                f"max_height = {formatted('max_height', self.max_height)}"
-            )
+            top = Given("max_height", self.max_height)
+            raise InvalidInput("must be below {}", top, key="min_height", value=self.min_height)
         finest = self.span / MOST_LEVELS
         check.member(self, "height_step", optional=True, at_least=finest, at_most=self.span)
         check.member(self, "height_sd", optional=True, at_least=0.0)

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from metafem import _validate as check
-from metafem._calls import checked_class
-from metafem._given import formatted, named_by_file
+from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.surface import Surface
@@ -27,7 +26,6 @@ ROUNDING = 1e-9
 TRIED_RADII = 7
 
 
-@checked_class
 @dataclass(frozen=True)
 class RadiusRange:
     """Range of the radii that each asperity may have.
@@ -60,10 +58,9 @@ class RadiusRange:
         check.member(self, "high", above=self.low)
         check.member(self, "step", optional=True, above=0.0)
         if self.step is not None and self.step > (self.high - self.low) * (1.0 + ROUNDING):
-            low, high, step = (formatted(name, getattr(self, name)) for name in ("low", "high", "step"))
-            remedy = "" if named_by_file() else ", or None"
-            words = f"step = {step} exceeds the range from {low} to {high}"
-            raise InvalidInput(f"{words}; give a smaller step{remedy}")
+            words = "exceeds the range from {.number} to {.number}; give a smaller step, or none"
+            ends = Given("low", self.low), Given("high", self.high)
+            raise InvalidInput(words, *ends, key="step", value=self.step)
 
 
 @dataclass(frozen=True)

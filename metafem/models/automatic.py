@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
@@ -33,7 +32,6 @@ FEWEST_CELLS = 10.0
 UNUSED_BLOCK = information("the surface's block is not used: the contacts are coupled through a half-space")
 
 
-@checked_class
 @dataclass(frozen=True)
 class Automatic(WithoutGradients):
     """`Interacting` of order 3 within a tolerance, and `BoundaryElements` beyond it.

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
@@ -113,7 +112,6 @@ class Uncoupled:
         return self._equation(surface).areas(surface, height, sizes, load)
 
 
-@checked_class
 @dataclass(frozen=True, repr=False)
 class Independent(Uncoupled):
     """Independent asperities under a common plane.

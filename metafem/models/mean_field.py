@@ -8,7 +8,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
@@ -23,7 +22,6 @@ MEAN_DISPLACEMENT = 4.0 / math.pi * (math.log(1.0 + math.sqrt(2.0)) - (math.sqrt
 NO_NEIGHBOURS = information("one asperity has no neighbours: the mean field is zero")
 
 
-@checked_class
 @dataclass(frozen=True, repr=False)
 class MeanField(Uncoupled):
     """Independent asperities on a base that sinks by ``c p sqrt(A)/E*``, p = P/A the nominal pressure.

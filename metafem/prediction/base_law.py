@@ -10,7 +10,6 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem import drawing
-from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.errors import InvalidInput
@@ -73,7 +72,6 @@ class BaseLaw(Value):
         np.divide(force, self.load, out=ratio, where=self.load > 0.0)
         return ratio
 
-    @checked_call
     def fit(
         self, load_range: tuple[float, float] | None = None, *, load: tuple[float, float] | None = None
     ) -> BranchFit:

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Independent, Model
 from metafem.models.model import checked_model
@@ -17,7 +16,6 @@ from metafem.prediction.validity import REMEDY, left_out_notes
 from metafem.surface import Surface
 
 
-@checked_call
 def equilibrium(
     surface: Surface,
     model: Model | None = None,

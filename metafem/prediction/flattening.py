@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.models import Independent, Model
@@ -16,7 +15,6 @@ from metafem.models.model import checked_model, contact_of, with_contact
 from metafem.surface import Surface
 
 
-@checked_call
 def flattened(surface: Surface, model: Model | None = None, *, load: float) -> tuple[Surface, Model]:
     """Return the surface that a load has flattened permanently, and the model with the law of its contacts.
 

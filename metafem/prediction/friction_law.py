@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Curve, Independent, Model
@@ -33,7 +32,6 @@ CLEAR = 0.999
 WITHIN = 0.98
 
 
-@checked_call
 def friction_law(
     surface: Surface,
     model: Model | None = None,

@@ -10,8 +10,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from metafem import _validate as check
-from metafem._calls import checked_class
-from metafem._given import formatted, label
+from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.surface import STEEPEST, Surface
@@ -39,7 +38,6 @@ class Perturbed(NamedTuple):
     position: FloatArray | None
 
 
-@checked_class
 @dataclass(frozen=True)
 class Tolerances:
     """Errors of a made surface and of its alignment; all are independent of each other.
@@ -130,10 +128,8 @@ class Tolerances:
             raise InvalidInput(f"unit has shape {unit.shape}; it must be (m, {self.dimensions(surface)})")
         smallest = float(surface.radius.min())
         if WIDEST_RADIUS * self.radius_sd > smallest:
-            raise InvalidInput(
-                f"{label('radius_sd')} = {formatted('radius_sd', self.radius_sd)} must be at most a tenth of "
-                f"the smallest radius, {formatted('radius', smallest)}"
-            )
+            words = "must be at most a tenth of the smallest radius, {.number}"
+            raise InvalidInput(words, Given("radius", smallest), key="radius_sd", value=self.radius_sd)
 
         def columns(number: int) -> FloatArray:
             nonlocal used

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from metafem import _validate as check
-from metafem._calls import checked_call
-from metafem._given import formatted, label
+from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.errors import InvalidInput, NotConverged
@@ -73,12 +72,11 @@ class Requirement:
         check.member(self, "misfit", above=0.0)
         check.member(self, "probability", above=0.0)
         if self.probability >= 1.0:
-            given, most = (formatted("probability", number) for number in (self.probability, 1.0))
-            raise InvalidInput(f"{label('probability')} = {given} must be below {most}")
+            most = Given("probability", 1.0)
+            raise InvalidInput("must be below {.number}", most, key="probability", value=self.probability)
 
 
 @doing("drawing made surfaces")
-@checked_call
 def combined(
     design: Design,
     tolerances: Tolerances,

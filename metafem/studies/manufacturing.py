@@ -10,8 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_call
-from metafem._given import formatted, label
 from metafem.errors import NotConverged
 from metafem.models import Independent, Model
 from metafem.models.model import checked_model
@@ -37,7 +35,6 @@ EXACT = Tolerances()
 
 
 @doing("drawing made surfaces")
-@checked_call
 def manufacturing(
     surface: Surface,
     height_sd: ArrayLike,
@@ -130,10 +127,7 @@ def manufacturing(
         sums, done = summed(compute, task, error)
         limit = _largest_height_sd(compute, task, done, error)
     for deviation in deviations[sums.batches < 2]:
-        raise NotConverged(
-            "fewer than two batches of draws have a solution at "
-            f"{label('height_sd')} = {formatted('height_sd', float(deviation))}"
-        )
+        raise NotConverged(f"fewer than two batches of draws have a solution at height_sd = {deviation:g} mm")
     found, levels = moments(sums, plain=plain), quantiles(sums, np.array(QUANTILES))
     nominal = task.nominal[0]
     notes = []

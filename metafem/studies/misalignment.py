@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
@@ -40,7 +39,6 @@ FEWEST_ANGLES = 20
 
 
 @doing("tilting the surface")
-@checked_call
 def misalignment(
     surface: Surface,
     angle: ArrayLike,

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.models import Independent, Model
@@ -36,7 +35,6 @@ FIRST_DRAWS = 5_000
 
 
 @doing("drawing parameters")
-@checked_call
 def uncertainty(
     surface: Surface,
     parameters: Mapping[str, ArrayLike] | tuple[Sequence[str], ArrayLike],

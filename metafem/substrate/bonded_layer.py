@@ -10,7 +10,6 @@ import numpy as np
 from scipy.special import j0, j1
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._kernels import layer as kernel
 from metafem._kernels.layer import DEGREE, WIDTH
 from metafem._validate import FloatArray
@@ -31,7 +30,6 @@ PANEL_POINTS = 16
 TABLE_END = 48.0
 
 
-@checked_class
 @dataclass(frozen=True)
 class BondedLayer(Radial):
     """A layer of thickness t, unbounded in the plane, bonded to a rigid base.

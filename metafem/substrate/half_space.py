@@ -6,12 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.substrate.radial import Radial
 
 
-@checked_class
 @dataclass(frozen=True)
 class HalfSpace(Radial):
     """An elastic half-space: ``G(r) = 1/(pi r)``.

@@ -164,7 +164,6 @@ def test_a_law_needs_its_material():
         (("9 mJ",), "adhesion_energy = .* is not a number"),
         ((1e-6, mf.JKR(1e-6)), r"cap = JKR\(.* must be an elastic law without adhesion"),
         ((1e-6, 0.526), r"cap = 0\.526 must be an elastic law without adhesion"),
-        ((), "adhesion_energy must be given"),
     ],
 )
 def test_bad_arguments_are_named(arguments, words):

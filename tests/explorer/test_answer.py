@@ -232,7 +232,7 @@ def test_files_of_the_machine_are_not_read(section, tmp_path, monkeypatch):
             patched.setattr("builtins.open", refused)
             answer = answered(State(text), 1)
         assert answer.specification is None
-        assert "names a table that is not given (given: none)" in answer.problems[f"{section}.file"]
+        assert "names a table that is not loaded (loaded: none)" in answer.problems[f"{section}.file"]
 
 
 @pytest.mark.parametrize("forces", [False, True])

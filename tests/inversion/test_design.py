@@ -195,12 +195,12 @@ def test_a_missed_target_is_called_so(template):
 @pytest.mark.parametrize(
     ("build", "words"),
     [
-        (lambda: mf.OperatingPoints([1, 2], [1]), r"rescaled_friction has shape \(1,\)"),
+        (lambda: mf.OperatingPoints([1, 2], [1]), "rescaled_friction has 1 number; it must have 2"),
         (lambda: mf.OperatingPoints([1, 1], [1, 2]), r"rescaled_load\[1\] = 1 does not exceed"),
         (lambda: mf.OperatingPoints([1, 2], [2, 1]), r"rescaled_friction\[1\] = 1 does not exceed"),
         (lambda: mf.OperatingPoints([0, 1], [1, 2]), r"rescaled_load\[0\] = 0 must be greater than 0"),
         (lambda: mf.LinearLaw(math.nan), "slope = nan must be finite"),
-        (lambda: mf.BilinearLaw((1, 2, 3), 0.1), "slopes has shape"),
+        (lambda: mf.BilinearLaw((1, 2, 3), 0.1), "slopes has 3 numbers"),
         (lambda: mf.BilinearLaw((1, -2), 0.1), r"slopes\[1\] = -2 must be greater"),
         (lambda: mf.Limits(0.0), "max_height = 0 must be greater"),
         (lambda: mf.Limits(0.1, min_height=0.2), "min_height = 0.2 must be below max_height"),

@@ -71,7 +71,7 @@ def test_fit_is_the_regression_with_its_interval(rough):
         (lambda s: mf.friction_law(s, load=[]), "load is empty"),
         (lambda s: mf.friction_law(s, separation=[np.nan]), "separation holds nan"),
         (lambda s: mf.friction_law(s).fit((5.0, 6.0)), "holds 0 of the law's points"),
-        (lambda s: mf.friction_law(s).fit((1.0,)), "load_range has shape"),
+        (lambda s: mf.friction_law(s).fit((1.0,)), "load_range has 1 number"),
     ],
 )
 def test_bad_requests_are_named(rough, call, words):

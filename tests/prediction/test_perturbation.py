@@ -89,7 +89,6 @@ def test_scaled_tolerances():
         (lambda: mf.Tolerances(height_sd=-0.001), r"height_sd = -0.001 must be at least 0"),
         (lambda: mf.Tolerances(angle=0.8), r"angle = 0.8 must be at most 0.785"),
         (lambda: mf.Tolerances(radius_sd=float("nan")), "radius_sd = nan must be finite"),
-        (lambda: mf.Tolerances(sd=0.1), "Tolerances has no argument sd"),
         (
             lambda: drawn(mf.Tolerances(radius_sd=0.06)),
             "radius_sd = 0.06 must be at most a tenth of the sm",

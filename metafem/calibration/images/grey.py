@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from metafem import _validate as check
 from metafem._extras import refuse_missing
-from metafem._given import FOREIGN, shown
+from metafem._given import shown
 from metafem.errors import InvalidInput
 
 # Pixels along the shorter side of the smallest image that is measured: a contact and ground around it.
@@ -32,7 +32,7 @@ def grey_values(image: Any) -> NDArray[Any]:
     except (TypeError, ValueError):
         raise InvalidInput(f"image = {shown(image)} must be an array of grey values") from None
     if values.dtype.kind not in "uif":
-        kind = FOREIGN.get(values.dtype.kind, "something else")
+        kind = check.FOREIGN.get(values.dtype.kind, "something else")
         raise InvalidInput(f"image must be an array of grey values without mask; its entries are {kind}")
     values = _one_channel(values)
     if values.ndim != 2 or min(values.shape) < FEWEST:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
-from metafem._given import formatted, plain, shown
+from metafem._given import formatted, shown
 from metafem._validate import FloatArray
 from metafem._values import Value, span
 from metafem.errors import InvalidInput
@@ -251,7 +251,7 @@ def _areas(
 def measured_or_nan(name: str, value: ArrayLike) -> FloatArray:
     """Return forces (k,), or positive areas (k,) added over contacts (k, n); nan where not measured."""
     try:
-        entries = np.array(plain(name, value), dtype=np.float64)
+        entries = np.array(check.plain(name, value), dtype=np.float64)
     except (TypeError, ValueError):
         raise InvalidInput(f"{name} is not an array of numbers: {shown(value, 80)}") from None
     force = name == "friction_force"

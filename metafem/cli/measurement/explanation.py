@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from metafem._given import Names
 from metafem.cli.study.options import option_name, with_options
 from metafem.cli.terminal import print_notes, print_table, terminal
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, named
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -50,15 +51,14 @@ def given_priors(options: dict[str, Any], explain: bool) -> Priors | None:
         raise InvalidInput(f"{option_name(next(iter(texts)))} needs --explain")
     if not texts:
         return None
-    from metafem._given import ErrorNames, error_names
     from metafem.calibration import Priors
 
-    names = ErrorNames(
+    names = Names(
         names={name: option_name(name) for name in EXPECTED},
         units={name: (unit, 0.01 if unit == "%" else 1.0) for name, (unit, _, _) in EXPECTED.items()},
     )
     values = {name: _number(name, text) for name, text in texts.items()}
-    with error_names(names):
+    with named(names):
         return Priors(**values)
 
 

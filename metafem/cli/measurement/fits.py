@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from metafem._given import Names
 from metafem.cli.study.options import option_name
 from metafem.cli.terminal import loaded
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, named
 
 if TYPE_CHECKING:
-    from metafem._given import ErrorNames
     from metafem.calibration import (
         Bootstrap,
         ContactCalibration,
@@ -40,7 +40,7 @@ LENGTHS = {
 }
 
 
-def written_names(options: Mapping[str, Any]) -> ErrorNames:
+def written_names(options: Mapping[str, Any]) -> Names:
     """Return the names of the options and the units of the entries, for errors."""
     from metafem.files import option_names
 
@@ -63,7 +63,6 @@ def sliding_range(options: Mapping[str, Any]) -> tuple[float, float] | None:
 
 def errors_of(options: Mapping[str, Any], measured: CalibrationData) -> MeasurementErrors:
     """Return the standard deviations of the options, of the tables of images, or of the paper."""
-    from metafem._given import error_names
     from metafem.calibration import MeasurementErrors
     from metafem.files import option_names, quantity
 
@@ -73,7 +72,7 @@ def errors_of(options: Mapping[str, Any], measured: CalibrationData) -> Measurem
             given[member] = quantity(option_name(name), options[name], unit, example)
     texts = {member: options[name] for name, (member, *_) in ERRORS.items()}
     names = {member: option_name(name) for name, (member, *_) in ERRORS.items()}
-    with error_names(replace(option_names(texts), names=names)):
+    with named(replace(option_names(texts), names=names)):
         return MeasurementErrors(**given)
 
 
@@ -81,12 +80,11 @@ def fitted_contact(
     measured: CalibrationData,
     options: Mapping[str, Any],
     errors: MeasurementErrors,
-    names: ErrorNames,
+    names: Names,
     sources: list[str],
 ) -> ContactCalibration | None:
     """Return E* and the adhesion energy, None without compression tests."""
     import metafem as mf
-    from metafem._given import error_names
     from metafem.files import chosen_model, of_files, quantity
 
     points = measured.compression
@@ -105,7 +103,7 @@ def fitted_contact(
     if single is not None and count not in (None, single):
         raise InvalidInput(f"--contacts {count}: the tables hold {single} contacts one by one; leave it out")
     try:
-        with error_names(replace(names, places=points.place)):
+        with named(replace(names, places=points.place)):
             sample = mf.calibration.Sample(
                 contacts=single or count or 1,
                 radius_sd=radius_sd,
@@ -177,19 +175,18 @@ def fitted_shear(
     measured: CalibrationData,
     options: Mapping[str, Any],
     errors: MeasurementErrors,
-    names: ErrorNames,
+    names: Names,
     sources: list[str],
 ) -> ShearCalibration | None:
     """Return B and sigma, None without shear tests."""
     import metafem as mf
-    from metafem._given import error_names
     from metafem.files import of_files
 
     points = measured.shear
     if points is None:
         return None
     try:
-        with error_names(replace(names, places=points.place)):
+        with named(replace(names, places=points.place)):
             return mf.calibration.shear(
                 points.area_before,
                 points.area_sheared,
@@ -210,7 +207,6 @@ def fitted_strength(
 ) -> StrengthFit | None:
     """Return sigma of a part in full contact, with E* and B of the other tables, or of its folder."""
     import metafem as mf
-    from metafem._given import error_names
     from metafem.files import quantity, read_measured_law
 
     given = {
@@ -240,6 +236,6 @@ def fitted_strength(
     if calibrations:
         names, covariance = mf.calibration.joint_covariance(*calibrations)
         known = {"covariance": covariance, "parameters": names}
-    with error_names(written_names(options)):
+    with named(written_names(options)):
         least = quantity("--load-min", given["load_min"], "N", "0.5 N")
         return mf.calibration.shear_strength(law, surface, least, model=design.law.model, **known)

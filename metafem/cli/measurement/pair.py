@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from metafem._given import Names
 from metafem.cli.group import Name
 from metafem.cli.study.options import option_name, with_options
 from metafem.cli.study.parameters import deviation_option
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, named
 
 if TYPE_CHECKING:
     from metafem._validate import FloatArray, IntArray
@@ -86,12 +87,11 @@ def pair_of(surface: Surface, given: Mapping[str, Any], deviations: Mapping[str,
     """Return the material pair of the options, of the calibration, or of a design's surface."""
     import numpy as np
 
-    from metafem._given import error_names
     from metafem.files import option_names, quantity, read_handed_on
     from metafem.surface import Material
 
     found = None if given["calibration"] is None else read_handed_on(given["calibration"])
-    with error_names(option_names({name: given[name] for name in PAIR if isinstance(given[name], str)})):
+    with named(option_names({name: given[name] for name in PAIR if isinstance(given[name], str)})):
         modulus = surface.material.composite_modulus
         if given["composite_modulus"] is not None:
             modulus = quantity("--composite-modulus", given["composite_modulus"], "MPa")
@@ -143,7 +143,6 @@ def _friction_of(found: HandedOn, designed: Friction | None) -> Friction | None:
 
 def _friction(given: Mapping[str, Any], kind: str, default: Friction | None) -> Friction | None:
     """Return the friction of the options for static or sliding friction."""
-    from metafem._given import ErrorNames, error_names
     from metafem.files import quantity
     from metafem.surface import Friction
 
@@ -158,5 +157,5 @@ def _friction(given: Mapping[str, Any], kind: str, default: Friction | None) -> 
     before = (1.0, 1.0) if default is None else (default.shear_strength, default.area_ratio)
     strength = before[0] if stress is None else quantity(f"--{option}shear-strength", stress, "MPa")
     names = {name: f"--{option}{name.replace('_', '-')}" for name in ("shear_strength", "area_ratio")}
-    with error_names(ErrorNames(names=names, units={"shear_strength": ("MPa", 1.0)})):
+    with named(Names(names=names, units={"shear_strength": ("MPa", 1.0)})):
         return Friction(strength, before[1] if ratio is None else ratio)

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from metafem._given import Names, printable
 from metafem.cli.group import Name, force_option, json_option, main
 from metafem.cli.measurement.made import made_data, print_made
 from metafem.cli.progress import progress
 from metafem.cli.terminal import loaded, print_json, terminal
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, named
 
 if TYPE_CHECKING:
     from metafem.calibration import Correction, MadeSurface
@@ -71,7 +72,6 @@ def topography(
     Example: metafem topography part.x3p --design linear -o made.csv --corrected next.csv --picture made.svg
     """
     import metafem as mf
-    from metafem._given import ErrorNames, error_names
     from metafem.files import (
         corrected_table,
         is_heights_table,
@@ -92,8 +92,8 @@ def topography(
         raise InvalidInput(f"--output and --corrected both name {output}; give each a file of its own")
     with progress():
         design = loaded(folder)
-    names = ErrorNames(names=_names(height_map, folder, pixel, height_unit))
-    with progress(), error_names(names):
+    names = Names(names=_names(height_map, folder, pixel, height_unit))
+    with progress(), named(names):
         stored = read_height_map(height_map, pixel, height_unit)
         made = mf.calibration.measured_surface(
             stored.values,
@@ -128,8 +128,6 @@ def topography(
 
 def _names(height_map: Path, folder: Path, pixel: str | None, height_unit: str | None) -> dict[str, str]:
     """Return the names of files and options that errors use for arguments."""
-    from metafem._given import printable
-
     file = printable(str(height_map))
     return {
         "height_map": file,

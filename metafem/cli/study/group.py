@@ -14,6 +14,7 @@ from metafem.cli.group import Name, force_option, json_option, main
 from metafem.cli.progress import progress
 from metafem.cli.study.kept import kept_batches
 from metafem.cli.terminal import loaded, print_json, print_notes, print_table, terminal
+from metafem.errors import named
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -40,7 +41,6 @@ def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
     @json_option
     @functools.wraps(compute)
     def command(folder: Path, force: bool, as_json: bool, **options: Any) -> None:
-        from metafem._given import error_names
         from metafem.files import (
             option_names,
             read_handed_on,
@@ -56,7 +56,7 @@ def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
         still = same_design(folder)
         with progress():
             design = loaded(folder)
-        with progress(), error_names(option_names(_first_texts(options))), ExitStack() as stack:
+        with progress(), named(option_names(_first_texts(options))), ExitStack() as stack:
             if "workers" in options:  # a study in batches
                 options["kept"] = stack.enter_context(kept_batches(name, folder, options))
             dataset = compute(design, **options)

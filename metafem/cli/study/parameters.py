@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from metafem._given import Names, printable
 from metafem.cli.group import Name
 from metafem.cli.study.calibrated import with_calibration
 from metafem.cli.study.group import of_design, study
@@ -23,12 +24,11 @@ from metafem.cli.study.options import (
     run_arguments,
     run_options,
 )
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, named
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from metafem._given import ErrorNames
     from metafem.inversion import Design
     from metafem.material import Material
 
@@ -159,8 +159,8 @@ def given_deviations(
 
     That of Young's modulus is yielded as that of E*, with the Poisson's ratio of the material.
     """
-    from metafem._given import error_names, printable
-    from metafem.files import member_names, quantity
+    from metafem.files import quantity
+    from metafem.files.units import written_unit
 
     texts: dict[str, str] = {}
     for text in given:
@@ -175,16 +175,20 @@ def given_deviations(
             raise InvalidInput(f"--sd {name} is given twice")
         texts[name] = value
     found = {name: quantity(f"--sd {name}", text, *inputs[name]) for name, text in texts.items()}
-    names = member_names("parameters", texts, "--sd")
+    units = {name: unit for name, text in texts.items() if (unit := written_unit(text))}
+    names = Names(
+        {f"parameters.{name}": f"--sd {name}" for name in texts},
+        {f"parameters.{name}": unit for name, unit in units.items()},
+    )
     if material is not None and "young_modulus" in found:
         found, names = _of_composite_modulus(found, names, material)
-    with error_names(names) if texts else nullcontext():
+    with named(names):
         yield found
 
 
 def _of_composite_modulus(
-    found: dict[str, float], names: ErrorNames, material: Material
-) -> tuple[dict[str, float], ErrorNames]:
+    found: dict[str, float], names: Names, material: Material
+) -> tuple[dict[str, float], Names]:
     """Return the deviations with that of E* in place of that of E, which errors still name."""
     if "composite_modulus" in found:
         raise InvalidInput("--sd young_modulus and --sd composite_modulus give one error twice; keep one")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -72,15 +71,6 @@ FURTHER = {
     "robust.position_sd": "The heights are chosen for the least misfit expected under it.",
     "part.chord_error": "Solids have flat triangles: this is how far they may lie below the round caps.",
 }
-
-# What a problem says of a table that must be loaded.
-NOT_GIVEN = "names a table that is not given"
-
-# A value in a problem: a text in quotes, a list, a number with its unit, or any other.
-GIVEN = r"""(?:"[^"]*"|'[^']*'|\[[^\]]*\]|[+-]?[\d.]+ [^\d\s:]+(?= must|: )|[^\s"'\[]+)"""
-
-# What a problem says first: its key and the value, which stand in the field.
-FIRST = re.compile(rf"[\w.-]+(?: = {GIVEN})?:? ")
 
 
 def form() -> list[list[dict[str, Any]]]:
@@ -162,7 +152,7 @@ def contents(text: str, problems: Mapping[str, str]) -> dict[str, Any]:
     try:
         document = Document(text)
     except InvalidInput as error:
-        return {"broken": "; ".join(error.problems) or str(error), "problems": {}}
+        return {"broken": "; ".join(map(str, error.problems)) or str(error), "problems": {}}
     values: dict[str, str] = {}
     present: list[str] = []
     for section in section_forms():
@@ -174,23 +164,4 @@ def contents(text: str, problems: Mapping[str, str]) -> dict[str, Any]:
                 for name, value in table.items()
                 if not isinstance(value, dict)
             }
-    told = {key: _without_key(key, words) for key, words in problems.items()}
-    return {"broken": "", "values": values, "present": present, "problems": told}
-
-
-def _without_key(key: str, problem: str) -> str:
-    """Return a problem without the key and the value, which stand beside it.
-
-    Examples
-    --------
-    >>> _without_key("limits.offset", 'limits.offset = "8" needs a unit')
-    'Needs a unit.'
-    >>> _without_key("part.alignment_height", "part.alignment_height = 0.4 mm: a cap leaves the block")
-    'A cap leaves the block.'
-    """
-    found = FIRST.match(problem)
-    if "." not in key or not found or not found[0].startswith(key) or "\n" in problem:
-        return problem
-    rest = problem[found.end() :]
-    remedy = "; load it with Load… above the text of the specification" if NOT_GIVEN in rest else ""
-    return f"{rest[:1].upper()}{rest[1:]}{remedy}."
+    return {"broken": "", "values": values, "present": present, "problems": dict(problems)}

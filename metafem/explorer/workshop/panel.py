@@ -88,7 +88,7 @@ class Workshop:
 
 
 def _contents(answer: Answer) -> dict[str, Any]:
-    return contents(answer.state.text, answer.problems)
+    return contents(answer.state.text, answer.reasons)
 
 
 def _given_by(state: State, section: str, choice: int) -> str:

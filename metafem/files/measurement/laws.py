@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from metafem._given import ErrorNames, error_names, printable
+from metafem._given import Names, printable
 from metafem._validate import IntArray
 from metafem.calibration import MeasuredLaw, MeasurementErrors
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, named
 from metafem.files.csv_rows import Table, read_table
 from metafem.files.measurement.contacts import read_contacts
 from metafem.files.measurement.quantity_columns import Column, numbers, quantity_columns
@@ -96,9 +96,8 @@ def read_measured_law(
     if not entries:
         raise InvalidInput(f"{table.name} names columns but holds no measured point")
     values: dict[str, Any] = {name: numbers(table, column) for name, column in columns.items()}
-    names = ErrorNames(
-        file=table.name,
-        lines=tuple(line for line, _ in entries),
+    names = Names(
+        places=[f"{table.name}, line {line}" for line, _ in entries],
         names={name: table.header[column] for name, (column, _) in columns.items()},
         units={name: ("", float(size)) for name, (_, size) in columns.items()},
     )
@@ -107,7 +106,7 @@ def read_measured_law(
             f"{table.name} holds friction forces, which can only be rescaled with a shear strength and an "
             "area ratio; state them (--shear-strength, --area-ratio), or add a column area_mm2"
         )
-    with error_names(names):
+    with named(names):
         return MeasuredLaw(**values, material=material, friction=friction, errors=errors, label=label)
 
 

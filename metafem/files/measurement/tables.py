@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from metafem._given import ErrorNames, error_names, printable
+from metafem._given import Names, printable
 from metafem._validate import FloatArray
 from metafem.calibration import ContactTable, ShearRecord, shear_record
 from metafem.calibration.contact_table import pressed_images, sheared_points
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, named
 from metafem.files.csv_rows import Table, read_table
 from metafem.files.measurement.contacts import read_contacts
 from metafem.files.measurement.points import Compression, Shear, pooled_compression, pooled_shear
@@ -192,14 +192,13 @@ def _record(
         numbers(table, columns[name], empty=name == "area")
         for name in ("displacement", "friction_force", "area")
     )
-    names = ErrorNames(
-        file=table.name,
-        lines=tuple(line for line, _ in table.entries()),
+    names = Names(
+        places=[f"{table.name}, line {line}" for line, _ in table.entries()],
         names={name: table.header[column] for name, (column, _) in columns.items()},
         units=PLAIN,
     )
     try:
-        with error_names(names):
+        with named(names):
             if sliding_range is None:
                 record = shear_record(displacement, force, area)
             else:

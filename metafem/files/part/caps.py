@@ -22,13 +22,13 @@ LEAVE_OUT = "leave out part.alignment_height: the part then has no alignment asp
 class CannotBeMade(InvalidInput):
     """Caps that cannot be made.
 
-    `key` is the key of the specification to change, `highest` the largest height at which caps do not
+    `remedy` is the key of the specification to change, `highest` the largest height at which caps do not
     overlap [mm], where that is known.
     """
 
-    def __init__(self, message: str, key: str, highest: float | None = None) -> None:
+    def __init__(self, message: str, remedy: str, highest: float | None = None) -> None:
         super().__init__(message)
-        self.key, self.highest = key, highest
+        self.remedy, self.highest = remedy, highest
 
 
 def alignment_positions(template: Surface) -> FloatArray:
@@ -65,8 +65,10 @@ def with_alignment(
     top = check.number("part.alignment_height", height)
     if top <= tallest:
         raise InvalidInput(
-            f"part.alignment_height = {top:g} mm must exceed the tallest summit, {tallest:g} mm, "
-            f"so that the alignment asperities touch first; raise it, or {LEAVE_OUT}"
+            f"must exceed the tallest summit, {tallest:g} mm, so that the alignment asperities touch first; "
+            f"raise it, or {LEAVE_OUT}",
+            key="part.alignment_height",
+            value=f"{top:g} mm",
         )
     if top > most.max():
         limit = (
@@ -74,7 +76,8 @@ def with_alignment(
             if shape is SPHERES
             else f"{most.max():.4g} mm, where the profile of the caps ends"
         )
-        raise InvalidInput(f"part.alignment_height = {top:g} mm exceeds {limit}; lower it, or {LEAVE_OUT}")
+        words, given = f"exceeds {limit}; lower it, or {LEAVE_OUT}", f"{top:g} mm"
+        raise InvalidInput(words, key="part.alignment_height", value=given)
     radius = float(surface.radius[most >= top].min())
     return surface.replaced(
         position=np.vstack([surface.position, alignment_positions(template)]),
@@ -95,12 +98,12 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int, shape: Ca
         where = f"at ({x:g}, {y:g}) mm"
         return f"asperity {i} {where}" if i < asperities else f"alignment asperity {i - asperities} {where}"
 
-    def refused(words: str, remedy: str, key: str, *rows: int, highest: float | None = None) -> CannotBeMade:
+    def refused(words: str, remedy: str, key: str, *rows: int, highest: float | None = None) -> InvalidInput:
         """Return the error of asperities; one that concerns the alignment names its key first."""
         if max(rows) < asperities:
             return CannotBeMade(f"{words}; {remedy}", key, highest)
-        given = f"part.alignment_height = {h[-1]:g} mm"
-        return CannotBeMade(f"{given}: {words}; {LEAVE_OUT}. Or {remedy}", "part.alignment_height")
+        why = f"cannot be made: {words}; {LEAVE_OUT}. Or {remedy}"
+        return InvalidInput(why, key="part.alignment_height", value=f"{h[-1]:g} mm")
 
     h, R = surface.height, surface.radius
     most = shape.tallest(R)

@@ -69,7 +69,8 @@ class PartOptions:
         for name in ("alignment_height", "chord_error"):
             check.member(self, name, optional=True, above=0.0)
         if isinstance(self.formats, str) or not all(name in FORMATS for name in self.formats):
-            raise InvalidInput(f"formats = {shown(self.formats)} must be a list of {', '.join(FORMATS)}")
+            words = f"must be a list of {', '.join(FORMATS)}"
+            raise InvalidInput(words, key="formats", value=shown(self.formats))
         object.__setattr__(self, "formats", tuple(dict.fromkeys(self.formats)))
 
 
@@ -158,8 +159,10 @@ def planned(
             chosen *= COARSER
     elif (count := triangle_count(height, radius, chosen, shape)) > MOST:
         raise InvalidInput(
-            f"part.chord_error = {chosen * MICROMETRES:g} um needs {count:.2g} triangles; at most {MOST:,} "
-            "are written; choose a larger one, or leave it out"
+            f"needs {count:.2g} triangles; at most {MOST:,} are written; choose a larger one, or leave it "
+            "out",
+            key="part.chord_error",
+            value=f"{chosen * MICROMETRES:g} um",
         )
     return Part(whole, surface.count, surface.block, chosen, chosen > fine, options.formats, contact)
 

@@ -14,7 +14,6 @@ from types import MappingProxyType
 from typing import Any
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem.errors import InvalidInput
 from metafem.files.atomic import digest, earlier_result, staged
 from metafem.files.part.caps import with_alignment
@@ -36,7 +35,6 @@ FORMAT = "metafem design 1"
 NO_PAGES: Mapping[str, str] = MappingProxyType({})
 
 
-@checked_call
 def save(
     design: Design,
     folder: str | Path,
@@ -143,7 +141,6 @@ def result_tables(design: Design, part: PartOptions) -> dict[str, str]:
     }
 
 
-@checked_call
 def load(folder: str | Path) -> Design:
     """Read the design of a result folder; it is equal to the saved one to the bit.
 

@@ -11,7 +11,8 @@ from typing import Any, get_type_hints
 
 import numpy as np
 
-from metafem._given import plain, printable, shown
+from metafem._given import printable, shown
+from metafem._validate import plain
 from metafem.contact import (
     JKR,
     AxisymmetricCap,

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from metafem._given import ErrorNames, error_names, printable
-from metafem.errors import InvalidInput
+from metafem._given import Names, printable
+from metafem.errors import InvalidInput, named
 from metafem.files.csv_rows import Table, read_table
 from metafem.files.part.mirror import mirrored
 from metafem.files.units import factor
@@ -128,13 +128,12 @@ def read_surface(
         for name, (i, size) in columns.items()
     }
     titles = {name: table.header[i] for name, (i, _) in columns.items()}
-    names = ErrorNames(
-        file=table.name,
-        lines=tuple(line for line, _ in entries),
+    names = Names(
+        places=[f"{table.name}, line {line}" for line, _ in entries],
         names={"radius": "--radius", **titles, "position": f"{titles['x']}, {titles['y']}"},
         units={name: ("", float(size)) for name, (_, size) in columns.items()},
     )
-    with error_names(names):
+    with named(names):
         position = np.column_stack([values["x"], values["y"]])
         radii = values.get("radius", radius or 0.0)
         return Surface(position, values["height"], radii, material, friction, block)

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from metafem import _validate as check
-from metafem._given import error_section, formatted
+from metafem._given import Given
 from metafem.contact.cap_geometry import SPHERES
 from metafem.errors import InvalidInput
 from metafem.files.part.plan import planned
@@ -73,16 +73,15 @@ class Sections(Section):
     part: Annotated[PartSection, says("options of the part files")] = PartSection()
     checks: Annotated[ChecksSection, says("further checks")] = ChecksSection()
 
-    def build(self) -> tuple[dict[str, Any], list[str]]:
+    def build(self) -> tuple[dict[str, Any], list[InvalidInput]]:
         """Return target, template, model, limits, layout, radii, robust, part and pinned, with problems."""
-        problems: list[str] = []
+        problems: list[InvalidInput] = []
 
         def made(section: str, kind: Any, values: dict[str, Any]) -> Any:
             try:
-                with error_section(section):
-                    return kind(**values)
+                return kind(**values)
             except InvalidInput as error:
-                problems.append(f"{section}.{error}")
+                problems.append(error.within(section))
                 return None
 
         material = made("material", self.material.material, {})
@@ -91,15 +90,13 @@ class Sections(Section):
         limits = made("limits", Limits, self.limits.model_dump())
         layout = made("layout", self.layout.layout, {})
         robust = self.robust and made("robust", self.robust.tolerances, {})
-        contact, model = made("contact", self.contact.law, {}), None
-        try:
-            model = contact and model_named(self.model.kind, contact)
-        except InvalidInput as error:
-            problems.append(f"model {error}")
+        contact = made("contact", self.contact.law, {})
+        model = contact and made("model", model_named, {"name": self.model.kind, "contact": contact})
         # Placeholders, so that the other sections are checked even if one of these is wrong.
         top = limits.offset + limits.max_height if limits else 1.0
         stuff = material or Material(1.0)
-        radius, radii, source = self._radius(problems)
+        radius, source = self._radius(problems)
+        radii = made("radii", self.radii.radii, {}) if self.radii and source else None
         lost = self._lost_beside(radius, source, limits, block, problems)
         if self._too_many(problems) or lost:
             template = None
@@ -112,19 +109,23 @@ class Sections(Section):
         largest = radius if radii is None else radii.high if isinstance(radii, RadiusRange) else max(radii)
         shape = (contact or PARABOLOID).shape()
         if limits and block and not lost and shape is SPHERES and top > largest:
-            heights = f"limits.offset + limits.max_height = {formatted('limits.max_height', top)}"
             problems.append(
-                f"{heights} exceed the radius of {formatted(source, largest)}: a cap cannot be "
-                "higher than its radius; lower them, or omit [block] and with it the part files"
+                InvalidInput(
+                    "and {} together exceed the radius of {.number}: a cap cannot be higher than its radius; "
+                    "lower them, or omit [block] and with it the part files",
+                    Given("limits.offset", limits.offset),
+                    Given(source, largest),
+                    key="limits.max_height",
+                    value=limits.max_height,
+                )
             )
         pinned: dict[int, float | None] = {}
         if template and limits:
             pinned = self.sites.heights_by_site(template.count, limits, block is not None, problems)
         part = self.part.options()
         if block and template and template.count == 1 and part.alignment_height is not None:
-            problems.append(
-                "part.alignment_height needs a lattice of at least two sites, for its pitch; omit it"
-            )
+            words = "needs a lattice of at least two sites, for its pitch; omit it"
+            problems.append(InvalidInput(words, key="part.alignment_height"))
         if template and limits and radii is None and not problems:
             try:
                 planned(template, template, part, contact or PARABOLOID)
@@ -134,40 +135,45 @@ class Sections(Section):
         parts |= {"robust": robust, "part": part, "model": model, "pinned": pinned}
         return parts, problems
 
-    def _radius(self, problems: list[str]) -> tuple[float, RadiusRange | tuple[float, ...] | None, str]:
-        """Return the template's radius, the radii to choose from and their key; add problems to the list."""
+    def _radius(self, problems: list[InvalidInput]) -> tuple[float, str]:
+        """Return the radius of the template and its key, which is "" if there is a problem with it."""
         one = self.lattice.radius
         source, values = "lattice.radius", [one or 0.0]
         if self.radii is not None:
             source = "radii.tools" if self.radii.range is None else "radii.range"
             values = [*(self.radii.range or self.radii.tools or ())]
             if one is not None:
-                problems.append("lattice.radius and [radii] both give radii; keep one")
+                problems.append(InvalidInput("and [radii] both give radii; keep one", key="lattice.radius"))
         elif one is None:
-            missing = 'write for example radius = "526 um", or a section [radii]'
-            problems.append(f"lattice.radius is missing; {missing}")
-            return 1.0, None, source
+            example = 'radius = "526 um", or a section [radii]'
+            problems.append(InvalidInput("is missing", key="lattice.radius", example=example))
+            return 1.0, ""
         try:
             values = [check.number(source, radius, above=0.0) for radius in values]
             check.proportion(source, max(values), source, min(values))
-            given = None if self.radii is None else self.radii.radii()
         except InvalidInput as error:
-            problems.append(str(error))
-            return 1.0, None, source
-        return min(values), given, source
+            problems.append(error)
+            return 1.0, ""
+        return min(values), source
 
-    def _too_many(self, problems: list[str]) -> bool:
+    def _too_many(self, problems: list[InvalidInput]) -> bool:
         """Return whether the lattice has too many sites, and add this to the problems."""
         rows, columns = self.lattice.shape
         try:
             refuse_too_many(max(0, rows) * max(0, columns))
         except InvalidInput as error:
-            problems.append(f"lattice.shape = [{rows}, {columns}] {error}")
+            words = InvalidInput(error.must, key="lattice.shape", value=f"[{rows}, {columns}]")
+            problems.append(words)
             return True
         return False
 
     def _lost_beside(
-        self, radius: float, source: str, limits: Limits | None, block: Block | None, problems: list[str]
+        self,
+        radius: float,
+        source: str,
+        limits: Limits | None,
+        block: Block | None,
+        problems: list[InvalidInput],
     ) -> bool:
         """Return whether lengths differ too much from the radius, and add them to the problems."""
         before = len(problems)
@@ -178,30 +184,32 @@ class Sections(Section):
         for name, size in {**heights, **sizes}.items():
             try:
                 if radius > 0.0 and (size > radius or name in sizes):
-                    check.proportion(name, size, source, radius)
+                    check.proportion(name, size, source or "lattice.radius", radius)
             except InvalidInput as error:
-                problems.append(str(error))
+                problems.append(error)
         return len(problems) > before
 
 
-def _of_the_part(error: InvalidInput, limits: Limits, block: Block | None) -> str:
-    """Return why no part can have summits of the largest height, beginning with the key to change."""
-    words = str(error)
-    if words.startswith("part."):
-        return words
-    key, highest = getattr(error, "key", "limits.max_height"), getattr(error, "highest", None)
-    of_block = key.startswith("block.")
-    given = f"{key} = {formatted(key, getattr(block if of_block else limits, key.rpartition('.')[2]))}"
-    if limits.offset and not of_block:
-        given += f" with limits.offset = {formatted('limits.offset', limits.offset)}"
-    if highest is not None:
-        most = formatted("limits.max_height", float(f"{max(0.0, highest - limits.offset):.3g}"))
-        at_most = f"max_height can be at most {most}"
-        if highest <= limits.offset:
-            at_most = f"offset must be below {formatted('limits.offset', highest)}"
-        return (
-            f"{given}: caps of this height overlap; with this pitch, radius and offset {at_most}. Or "
-            "increase the pitch, or omit [block] and with it the part files"
-        )
-    top = formatted("limits.max_height", limits.offset + limits.max_height)
-    return f"{given}: with summits of {top}, {words}"
+def _of_the_part(error: InvalidInput, limits: Limits, block: Block | None) -> InvalidInput:
+    """Return why no part can have summits of the largest height, with the key to change."""
+    if error.key:
+        return error
+    key, highest = getattr(error, "remedy", "limits.max_height"), getattr(error, "highest", None)
+    if key.startswith("block."):
+        return InvalidInput(f"is too small: {error}", key=key, value=getattr(block, key.rpartition(".")[2]))
+    offset = Given("limits.offset", limits.offset)
+    given: dict[str, Any] = {"key": key, "value": limits.max_height}
+    if highest is None:
+        top = Given("limits.max_height", limits.offset + limits.max_height)
+        return InvalidInput(f"with {{}} makes summits of {{.number}}: {error}", offset, top, **given)
+    at_most = "max_height can be at most {.number}"
+    most = Given("limits.max_height", float(f"{highest - limits.offset:.3g}"))
+    if highest <= limits.offset:
+        at_most, most = "offset must be below {.number}", Given("limits.offset", highest)
+    return InvalidInput(
+        f"with {{}} makes caps overlap; with this pitch, radius and offset {at_most}. Or increase the pitch, "
+        "or omit [block] and with it the part files",
+        offset,
+        most,
+        **given,
+    )

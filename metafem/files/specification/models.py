@@ -47,7 +47,8 @@ def model_named(name: str, contact: Contact = PARABOLOID) -> Model:
     Independent()
     """
     if name not in MODELS:
-        raise InvalidInput(f'model "{printable(name, 60)}" is unknown{suggestion(name, MODELS)}')
+        words = f"is unknown{suggestion(name, MODELS)}"
+        raise InvalidInput(words, key="model", value=f'"{printable(name, 60)}"')
     return with_contact(MODELS[name](), contact)
 
 

@@ -47,6 +47,9 @@ FILE_KEY = re.compile(
 # What separates folders on any system, and drives from files.
 SEPARATORS = re.compile(r"[/\\:]")
 
+# A valid line.
+EXAMPLE = 'file = "wanted.csv"'
+
 # Longest name of a table [bytes]: file systems allow 255, and that of its copy may begin with "wanted-".
 LONGEST = 240
 
@@ -66,9 +69,10 @@ def among(tables: Mapping[str, bytes]) -> Source:
     def content(key: str, name: str) -> tuple[str, bytes]:
         if name not in tables:
             known = ", ".join(printable(other, 60) for other in tables) or "none"
-            raise InvalidInput(f"{key} = {shown(name)} names a table that is not given (given: {known})")
+            words = f"names a table that is not loaded (loaded: {known})"
+            raise InvalidInput(words, key=key, value=shown(name))
         if len(tables[name]) > TABLE:
-            raise InvalidInput(f"{key} = {shown(name)} is larger than {TABLE / 2**20:g} MiB")
+            raise InvalidInput(f"is larger than {TABLE / 2**20:g} MiB", key=key, value=shown(name))
         return file_label(name), tables[name]
 
     return content
@@ -86,12 +90,7 @@ def with_tables(text: str, table: dict[str, Any], source: Source) -> tuple[dict[
         for key in place:
             section = section.get(key) if isinstance(section, dict) else None
         if isinstance(section, dict) and section.get("kind") in tuple(COLUMNS) and "file" in section:
-            try:
-                filled, content = with_columns(".".join(place), section, source)
-            except InvalidInput as error:
-                key, words = f"{'.'.join(place)}.file", str(error)
-                problem = words if words.startswith(key) else f"{key}: {words}"
-                raise InvalidInput(words, problems=(problem,)) from None
+            filled, content = with_columns(".".join(place), section, source)
             table = _replaced(table, place, filled)
             copy = _copy_name(section["file"], kept)
             if copy != section["file"]:
@@ -102,16 +101,20 @@ def with_tables(text: str, table: dict[str, Any], source: Source) -> tuple[dict[
 
 def with_columns(label: str, section: dict[str, Any], source: Source) -> tuple[dict[str, Any], bytes]:
     """Return a section whose key `file` is replaced by the columns of its table, and the file's bytes."""
-    name, columns = section["file"], COLUMNS[section["kind"]]
+    key, name, columns = f"{label}.file", section["file"], COLUMNS[section["kind"]]
     if not isinstance(name, str):
-        raise InvalidInput(f'{label}.file = {shown(name)} must be a text, for example file = "wanted.csv"')
-    _refuse_no_file(f"{label}.file", name)
+        raise InvalidInput("must be a text", key=key, value=shown(name), example=EXAMPLE)
+    _refuse_no_file(key, name)
     rest = {key: value for key, value in section.items() if key != "file"}
     twice = sorted(rest.keys() & {*columns.units, *columns.plain})
     if twice:
-        raise InvalidInput(f"{label}.file and {label}.{twice[0]} both give the {columns.what}; keep one")
-    title, content = source(f"{label}.file", name)
-    entries = samples_of(title, content) if columns is TARGET else columns_of(title, content, columns)
+        words = f"and {label}.{twice[0]} both give the {columns.what}; keep one"
+        raise InvalidInput(words, key=key)
+    try:
+        title, content = source(key, name)
+        entries = samples_of(title, content) if columns is TARGET else columns_of(title, content, columns)
+    except InvalidInput as error:
+        raise (error if error.key == key else InvalidInput(f"cannot be used: {error}", key=key)) from None
     return {**rest, **entries}, content
 
 
@@ -126,7 +129,7 @@ def _refuse_no_file(key: str, name: str) -> None:
     elif len(last.encode("utf-8")) > LONGEST:
         wrong = f"has {len(last.encode('utf-8'))} bytes; at most {LONGEST} are allowed"
     if wrong:
-        raise InvalidInput(f'{key} = "{printable(name, 60)}" {wrong}; write for example file = "wanted.csv"')
+        raise InvalidInput(wrong, key=key, value=f'"{printable(name, 60)}"', example=EXAMPLE)
 
 
 def _replaced(table: dict[str, Any], place: tuple[str, ...], section: dict[str, Any]) -> dict[str, Any]:
@@ -156,10 +159,8 @@ def _naming_copy(text: str, place: tuple[str, ...], section: dict[str, Any], cop
         with suppress(tomllib.TOMLDecodeError):  # it stood in a text or a comment
             if tomllib.loads(new.removeprefix("\ufeff")) == wanted:
                 return new
-    key = ".".join(place)
-    raise InvalidInput(
-        f'{key}.file = "{name}" cannot be renamed to its copy; write file = "{name}" on a line of its own'
-    )
+    words = f'cannot be renamed to its copy; write file = "{name}" on a line of its own'
+    raise InvalidInput(words, key=f"{'.'.join(place)}.file", value=f'"{name}"')
 
 
 def measured_pairs(path: str | Path) -> tuple[list[float], list[float]]:

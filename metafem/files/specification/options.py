@@ -7,14 +7,14 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from metafem._given import ErrorNames, error_names, printable
+from metafem._given import Names, printable
 from metafem.contact import Contact
 from metafem.errors import InvalidInput
 from metafem.files.specification.manual import example, kind_of, models_of
 from metafem.files.specification.models import model_named, suggestion
 from metafem.files.specification.named_tables import in_folder, with_columns
-from metafem.files.specification.words import worded
-from metafem.files.units import written_units
+from metafem.files.specification.problems import problem
+from metafem.files.units import written_unit
 from metafem.models import Model
 from metafem.models.model import contact_of, with_contact
 
@@ -52,21 +52,22 @@ def contact_named(text: str) -> Contact:
     table = section_named(text.split())
     kind = table["kind"]
     section: Any = contacts()[kind]
-    with error_names(ErrorNames(section="contact", units=written_units({"contact": table}))):
-        try:
-            if "file" in table:
-                table, _ = with_columns("contact", table, in_folder(Path()))
-            if "file" in table.get("cap", {}):
-                table["cap"], _ = with_columns("contact.cap", table["cap"], in_folder(Path()))
-            law: Contact = section.model_validate(table).law()
-            return law
-        except ValidationError as error:
-            detail = error.errors(include_url=False)[0]
-            place = ("contact", kind, *detail["loc"])  # as in a specification
-            reason = worded({**detail, "loc": place}, Sections)
-            reason = reason.replace("contact.", "").removeprefix("contact ")
-        except InvalidInput as error:
-            reason = str(error)
+    units = {name: unit for name, value in table.items() if (unit := written_unit(value))}
+    try:
+        if "file" in table:
+            table, _ = with_columns("contact", table, in_folder(Path()))
+        if "file" in table.get("cap", {}):
+            table["cap"], _ = with_columns("contact.cap", table["cap"], in_folder(Path()))
+        law: Contact = section.model_validate(table).law()
+        return law
+    except ValidationError as error:
+        detail = error.errors(include_url=False)[0]
+        place = ("contact", kind, *detail["loc"])  # as in a specification
+        reason = problem({**detail, "loc": place}, Sections)
+    except InvalidInput as error:
+        reason = error
+    reason = reason.at(reason.key.removeprefix("contact").removeprefix("."))
+    reason.names = Names(units=units)
     raise InvalidInput(f'contact law "{printable(text, 60)}": {reason} ({form(kind)})')
 
 

@@ -10,14 +10,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from metafem._calls import checked_call
-from metafem._given import ErrorNames, error_names, printable
+from metafem._given import AS_IN_PYTHON, Names, printable
 from metafem.errors import InvalidInput
 from metafem.files.part.plan import PartOptions, planned
 from metafem.files.reading import SPECIFICATION, decoded, file_label, read_bytes
 from metafem.files.specification.cost import tell_cost
 from metafem.files.specification.named_tables import Source, among, in_folder, with_tables
-from metafem.files.specification.words import worded
+from metafem.files.specification.problems import problem
 from metafem.files.units import written_units
 from metafem.inversion import (
     Design,
@@ -143,7 +142,6 @@ def refuse_missing_block(model: Model, surface: Surface, remedy: str) -> None:
         raise InvalidInput(f"the model {model.name} needs the block's dimensions: {remedy}") from None
 
 
-@checked_call
 def read_spec(path: str | Path) -> Specification:
     """Read a specification file.
 
@@ -181,7 +179,6 @@ def read_spec(path: str | Path) -> Specification:
     return _specification(file_label(path), raw, in_folder(Path(path).parent))
 
 
-@checked_call
 def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec.toml") -> Specification:
     """Read the text of a specification, as `read_spec` reads a file.
 
@@ -201,7 +198,7 @@ def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec
     Raises
     ------
     InvalidInput
-        As `read_spec`; its `problems` begin with the keys, see `problem_key`.
+        As `read_spec`; its `problems` have the keys.
 
     Examples
     --------
@@ -218,11 +215,9 @@ def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec
         raw = text.encode("utf-8")
     except UnicodeEncodeError as error:
         line = text.count("\n", 0, error.start) + 1
-        raise _refused(name, [f"line {line} has a character that UTF-8 does not know"]) from None
+        raise _refused(name, f"line {line} has a character that UTF-8 does not know") from None
     if len(raw) > SPECIFICATION:
-        raise _refused(
-            name, [f"is larger than {SPECIFICATION / 2**20:g} MiB, the limit for its kind of file"]
-        )
+        raise _refused(name, f"is larger than {SPECIFICATION / 2**20:g} MiB, the limit for its kind of file")
     return _specification(file_label(name), raw, among(tables))
 
 
@@ -230,21 +225,24 @@ def _specification(name: str, raw: bytes, source: Source) -> Specification:
     """Return the specification of a file's name in errors, its bytes in UTF-8, and its tables."""
     text = raw.decode("utf-8")
     table = toml_table(text, name)
-    table, kept = with_tables(text, table, source)
+    try:
+        table, kept = with_tables(text, table, source)
+    except InvalidInput as error:
+        raise _refused(name, error) from None
     from pydantic import ValidationError
 
     from metafem.files.specification.contents import Sections
 
-    with error_names(ErrorNames(units=written_units(table))):
-        try:
-            sections = Sections.model_validate(table)
-        except ValidationError as error:
-            problems = [worded(detail, Sections) for detail in error.errors(include_url=False)]
-            raise _refused(name, problems) from None
-        parts, problems = sections.build()
+    names = Names(units=written_units(table))
+    try:
+        sections = Sections.model_validate(table)
+    except ValidationError as error:
+        problems = [problem(detail, Sections) for detail in error.errors(include_url=False)]
+        raise _refused(name, *problems, names=names) from None
+    parts, problems = sections.build()
     mixed = sections.radii is not None and sections.radii.mixed
     if problems:
-        raise _refused(name, problems)
+        raise _refused(name, *problems, names=names)
     return Specification(
         **parts,
         seed=sections.layout.seed,
@@ -267,17 +265,17 @@ def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:
     text = text.removeprefix("\ufeff")
     deep = "nests its values too deeply to be a specification"
     if NESTED.search(text):
-        raise InvalidInput(f"{name} {deep}", problems=(deep,))
+        raise _refused(name, deep)
     try:
         table = tomllib.loads(text)
     except RecursionError:
-        raise InvalidInput(f"{name} {deep}", problems=(deep,)) from None
+        raise _refused(name, deep) from None
     except ValueError as error:  # among them numbers of thousands of digits
         end = f"at line {len(text.splitlines())}, the end of the file"
         cause = printable(str(error).replace("at end of document", end))
-        raise _refused(name, [f"not valid TOML: {cause}; {REMEDY}"]) from None
+        raise _refused(name, f"not valid TOML: {cause}; {REMEDY}") from None
     if _holds_too_large(table):
-        raise _refused(name, ["holds a whole number beyond 64 bits, which is not valid TOML"])
+        raise _refused(name, "holds a whole number beyond 64 bits, which is not valid TOML")
     return table
 
 
@@ -290,5 +288,8 @@ def _holds_too_large(value: Any) -> bool:
     return isinstance(value, int) and not -(2**63) <= value < 2**63
 
 
-def _refused(name: str, problems: list[str]) -> InvalidInput:
-    return InvalidInput("\n".join(f"{name}: {problem}" for problem in problems), problems=tuple(problems))
+def _refused(name: str, *problems: InvalidInput | str, names: Names = AS_IN_PYTHON) -> InvalidInput:
+    found = tuple(InvalidInput(each) if isinstance(each, str) else each for each in problems)
+    for each in found:
+        each.names = names
+    return InvalidInput(name, problems=found)

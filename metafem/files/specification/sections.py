@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field, field_validator, model_validator
 
-from metafem._given import formatted, printable
+from metafem._given import Given, printable
 from metafem.errors import InvalidInput
 from metafem.files.part.plan import FORMATS, PartOptions
 from metafem.files.specification.fields import (
@@ -92,8 +92,8 @@ class RadiiSection(Section):
     @classmethod
     def _increasing(cls, given: tuple[float, float] | None) -> tuple[float, float] | None:
         if given is not None and not given[0] < given[1]:
-            low, high = (formatted("radii.range", radius) for radius in given)
-            raise InvalidInput(f"= [{low}, {high}] must increase")
+            ends = (Given("radii.range", radius) for radius in given)
+            raise InvalidInput("must increase, but is [{.number}, {.number}]", *ends)
         return given
 
     @model_validator(mode="after")
@@ -105,7 +105,7 @@ class RadiiSection(Section):
         """Return the range, or the tools."""
         if self.range is None:
             if self.step is not None:
-                raise InvalidInput("radii.step needs radii.range: tools are used as they are")
+                raise InvalidInput("needs radii.range: tools are used as they are", key="step")
             return tuple(self.tools or ())
         return RadiusRange(*self.range, *(() if self.step is None else (self.step,)))
 
@@ -123,36 +123,39 @@ class SitesSection(Section):
     ] = ()
 
     def heights_by_site(
-        self, count: int, limits: Limits, part: bool, problems: list[str]
+        self, count: int, limits: Limits, part: bool, problems: list[InvalidInput]
     ) -> dict[int, float | None]:
         """Return the height of each pinned site, None for an empty one; add problems to the list."""
         found: dict[int, float | None] = {}
         for key, given in (("empty", self.empty), ("pinned", self.pinned)):
             for i, site in enumerate(given):
-                name = f"sites.{key}[{i}] = {site}"
+                words = ""
                 if site >= count:
-                    problems.append(f"{name} is not a site: the lattice has the sites 0 to {count - 1}")
+                    words = f"is not a site: the lattice has the sites 0 to {count - 1}"
                 elif site in found:
-                    twice = "is given twice" if site in given[:i] else "is also in sites.empty; keep one"
-                    problems.append(f"{name} {twice}")
+                    words = "is given twice" if site in given[:i] else "is also in sites.empty; keep one"
+                if words:
+                    problems.append(InvalidInput(words, key=f"sites.{key}[{i}]", value=str(site)))
                 found[site] = None
         if len(self.pinned) != len(self.heights):
-            many = f"sites.heights has {len(self.heights)} entries and sites.pinned {len(self.pinned)}"
-            problems.append(f"{many}; give one height for each pinned site")
+            many = f"has {len(self.heights)} entries and sites.pinned {len(self.pinned)}"
+            words = f"{many}; give one height for each pinned site"
+            problems.append(InvalidInput(words, key="sites.heights"))
         if len(set(self.empty)) == count:
-            problems.append(f"sites.empty holds all {count} sites; leave out at least one")
+            words = f"holds all {count} sites; leave out at least one"
+            problems.append(InvalidInput(words, key="sites.empty"))
         top = limits.offset + limits.max_height
         for i, (site, height) in enumerate(zip(self.pinned, self.heights, strict=False)):
-            given_as, most = (formatted("sites.heights", value) for value in (height, top))
             bound = ""
             if height > top:
-                bound = f"at most {most}, limits.offset + limits.max_height"
+                bound = "at most {.number}, limits.offset + limits.max_height"
             elif height < 0.0:
                 bound = "at least 0"
             elif height == 0.0 and part:
                 bound = "greater than 0 in a part; list a site without an asperity in sites.empty"
             if bound:
-                problems.append(f"sites.heights[{i}] = {given_as} must be {bound}")
+                most, key = Given("sites.heights", top), f"sites.heights[{i}]"
+                problems.append(InvalidInput(f"must be {bound}", most, key=key, value=height))
             found[site] = height
         return found
 
@@ -200,7 +203,7 @@ class LayoutSection(Section):
     def layout(self) -> Layout | None:
         """Return the objectives of the assignment of heights to sites."""
         if self.tilt is None and self.tilt_weight is not None:
-            raise InvalidInput('tilt_weight needs tilt; write for example tilt = "0.1 deg"')
+            raise InvalidInput("needs tilt", key="tilt_weight", example='tilt = "0.1 deg"')
         if self.tilt is None and not self.follow_law:
             return None
         return Layout(
@@ -238,7 +241,7 @@ class ModelSection(Section):
     @classmethod
     def _known(cls, kind: str) -> str:
         if kind not in MODELS:
-            raise InvalidInput(f'= "{printable(kind, 60)}" is unknown{suggestion(kind, MODELS)}')
+            raise InvalidInput(f"is unknown{suggestion(kind, MODELS)}", value=f'"{printable(kind, 60)}"')
         return kind
 
 

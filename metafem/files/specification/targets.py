@@ -34,7 +34,7 @@ LINES = "P/E* or P, smallest and largest: the target is two lines, the first thr
 def _crossover(given: Any) -> list[GivenLoad]:
     """Read a load, or a pair of them."""
     if given == []:
-        raise InvalidInput(f'= [] must be a load or a pair of loads; write for example "{LOAD}"')
+        raise InvalidInput("must be a load or a pair of loads", value="[]", example=f'"{LOAD}"')
     return [given_load(load) for load in given] if isinstance(given, list) else [given_load(given)]
 
 
@@ -84,7 +84,7 @@ class CurveSection(Section):
             load = np.array(self.load) / modulus
             return kind(load, self.rescaled_friction or [], **more, wording=Wording(modulus))
         if friction is None:
-            raise InvalidInput("load and friction_force need [friction] with shear_strength")
+            raise InvalidInput("needs [friction] with shear_strength", key="friction_force")
         return kind.from_forces(self.load, self.friction_force, material, friction, **more)
 
 
@@ -157,7 +157,7 @@ class StraightSection(Section):
     def pair(self, material: Material, friction: Friction | None, key: str) -> tuple[Material, Friction]:
         """Return the material pair that friction coefficients need."""
         if friction is None:
-            raise InvalidInput(f"{key} needs [friction] with shear_strength")
+            raise InvalidInput("needs [friction] with shear_strength", key=key)
         return material, friction
 
 

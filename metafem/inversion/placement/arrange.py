@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
 from metafem.inversion.placement.exchange import (
@@ -94,7 +93,6 @@ class Arrangement(Value):
     model: Model
 
 
-@checked_call
 def arrange(
     surface: Surface,
     objective: Objective,

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._validate import IntArray
 from metafem.errors import InvalidInput
 from metafem.inversion.placement.arrange import arrange
@@ -34,7 +33,6 @@ NO_EFFECT = (
 )
 
 
-@checked_class
 @dataclass(frozen=True)
 class Layout:
     """Aims of the assignment of a design's heights to its sites; without a layout it is random.

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
 from metafem.contact import Contact
@@ -43,7 +42,6 @@ class Objective(Protocol):
         ...
 
 
-@checked_class
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class FollowLaw(Value):
     """Minimise the deviation of the law under the model from a curve A(P).
@@ -105,7 +103,6 @@ class FollowLaw(Value):
         return Independent(contact=_law(model, surface)).curve(surface, self.rescaled_load).area
 
 
-@checked_class
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class InsensitiveToTilt(Value):
     """Minimise the change of the law by a small misalignment of the plane.
@@ -168,7 +165,6 @@ class InsensitiveToTilt(Value):
         return np.asarray(slope @ position.T)
 
 
-@checked_class
 @dataclass(frozen=True, init=False)
 class WeightedObjectives:
     """Several objectives at once, ``sum_i w_i misfit_i^2``.

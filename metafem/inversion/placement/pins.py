@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from metafem import _validate as check
-from metafem._given import formatted, shown
+from metafem._given import Given, shown
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput
 from metafem.inversion.limits import Limits
@@ -105,7 +105,10 @@ def checked_height(name: str, height: Any, limits: Limits) -> float:
     top = limits.offset + limits.max_height
     if found > top:
         raise InvalidInput(
-            f"{name} = {formatted('height', found)} must be at most {formatted('height', top)}, "
-            "limits.offset + limits.max_height, which are measured from the base plane as this height is"
+            "must be at most {.number}, limits.offset + limits.max_height, which are measured from the base "
+            "plane as this height is",
+            Given(name, top),
+            key=name,
+            value=found,
         )
     return found

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.errors import Infeasible
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 POINTS = 30
 
 
-@checked_class
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class OperatingPoints(Value, Target):
     """Points through which the law must pass.
@@ -93,7 +91,6 @@ class OperatingPoints(Value, Target):
     candidate = operating_points.candidate
 
 
-@checked_class
 @dataclass(frozen=True, init=False)
 class PowerLaw(Target):
     """Friction proportional to a power of the load over a range, ``F/(sigma B) = C (P/E*)^beta``.

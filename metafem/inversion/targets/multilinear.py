@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput
 from metafem.inversion.bounds import ROUNDING
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 POINTS, FEWEST_POINTS = 30, 4
 
 
-@checked_class
 @dataclass(frozen=True, init=False)
 class MultilinearLaw(Target):
     """Consecutive straight branches of given slopes, with a free intercept.
@@ -68,12 +66,13 @@ class MultilinearLaw(Target):
     ) -> None:
         values = check.array("slopes", slopes, shape=(None,))
         if values.min() <= 0.0:
-            raise InvalidInput(f"slopes holds {values.min():g}; all must be greater than 0")
+            raise InvalidInput(f"holds {values.min():g}; all must be greater than 0", key="slopes")
         listed = isinstance(crossover_loads, (list, tuple, np.ndarray))
         if not listed or len(crossover_loads) != len(values) - 1:
             raise InvalidInput(
-                f"crossover_loads = {crossover_loads!r:.60} must hold {len(values) - 1} loads or pairs of "
-                f"loads for {len(values)} {wording.keys[1]}"
+                f"must hold {len(values) - 1} loads or pairs of loads for {len(values)} {wording.keys[1]}",
+                key="crossover_loads",
+                value=f"{crossover_loads!r:.60}",
             )
         ends = check.interval("load_range", load_range)
         pairs = tuple(_crossover(f"crossover_loads[{i}]", given) for i, given in enumerate(crossover_loads))
@@ -81,8 +80,9 @@ class MultilinearLaw(Target):
         for i in range(0, len(path), 2):
             if not path[i] < path[i + 1]:
                 raise InvalidInput(
-                    f"branch {i // 2 + 1} would run from {wording.loads(path[i], path[i + 1])}; "
-                    "crossover_loads must increase within load_range"
+                    "must increase within load_range: branch "
+                    f"{i // 2 + 1} would run from {wording.loads(path[i], path[i + 1])}",
+                    key="crossover_loads",
                 )
         self._set(wording, slopes=tuple(values.tolist()), crossover_loads=pairs, load_range=ends)
 
@@ -229,6 +229,6 @@ def _crossover(name: str, given: object) -> LoadRange:
         load = check.number(name, given, above=0.0)
         return load, load
     if not isinstance(given, (list, tuple, np.ndarray)) or not all(check.scalar(end) for end in given):
-        raise InvalidInput(f"{name} = {given!r:.60} must be a load or a pair of loads")
+        raise InvalidInput("must be a load or a pair of loads", key=name, value=f"{given!r:.60}")
     low, high = check.array(name, given, shape=(2,)).tolist()
     return (low, high) if low == high > 0.0 else check.interval(name, given)

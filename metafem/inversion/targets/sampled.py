@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem._values import Value, percent
 from metafem.errors import Infeasible, InvalidInput
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
 MOST_LISTED = 8
 
 
-@checked_class
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class SampledLaw(Value, Target):
     """A law given by samples; the design minimises the squared relative differences.
@@ -90,14 +88,15 @@ class SampledLaw(Value, Target):
             error = check.array("relative_error", relative_error, shape=each, positive=True)
             if error.max() >= 1.0:
                 i = int(error.argmax())
-                raise InvalidInput(f"relative_error[{i}] = {error[i]:g} must be below 1; 3 % is 0.03")
+                words = "must be below 1; 3 % is 0.03"
+                raise InvalidInput(words, key=f"relative_error[{i}]", value=error[i])
         given = weight
         if given is None:
             given = np.ones(each) if error is None else error**-2.0
         weights = check.array("weight", given, shape=each)
         if weights.min() <= 0.0:
             i = int(weights.argmin())
-            raise InvalidInput(f"weight[{i}] = {weights[i]:g} must be greater than 0")
+            raise InvalidInput("must be greater than 0", key=f"weight[{i}]", value=weights[i])
         values = {"rescaled_friction": friction, "weight": weights, "relative_error": error}
         self._set(wording, rescaled_load=load, **values)
 

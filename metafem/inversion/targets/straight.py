@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.inversion.strategies import exponential, proportional, sampled
@@ -91,7 +90,6 @@ class StraightLaw(Target):
             proportional.refuse_line(self, problem, margin)
 
 
-@checked_class
 @dataclass(frozen=True, init=False)
 class LinearLaw(StraightLaw):
     """A straight law of one slope: with a free intercept, or through the origin over a range of loads.
@@ -174,7 +172,6 @@ class LinearLaw(StraightLaw):
     with_density = exponential.linear
 
 
-@checked_class
 @dataclass(frozen=True, init=False)
 class BilinearLaw(StraightLaw):
     """Two straight branches that meet at a crossover load.
@@ -216,10 +213,8 @@ class BilinearLaw(StraightLaw):
         ends = None if load_range is None else check.interval("load_range", load_range)
         self._set(wording, slopes=pair, crossover_load=load, load_range=ends)
         if ends is not None and not ends[0] < load < ends[1]:
-            raise InvalidInput(
-                f"crossover_load = {wording.loads(load)} must lie inside load_range, from "
-                f"{wording.loads(*ends)}"
-            )
+            words = f"must lie inside load_range, from {wording.loads(*ends)}"
+            raise InvalidInput(words, key="crossover_load", value=wording.loads(load))
 
     @classmethod
     def from_friction_coefficients(
@@ -249,7 +244,8 @@ class BilinearLaw(StraightLaw):
         wording = Wording.of(material, friction)
         x, y = wording.rescaled(load, friction_force)
         if len(x) != 3:
-            raise InvalidInput(f"load holds {len(x)} values; two branches need exactly 3 points")
+            words = f"holds {len(x)} values; two branches need exactly 3 points"
+            raise InvalidInput(words, key="load")
         return cls(np.diff(y) / np.diff(x), float(x[1]), wording=wording)
 
     @property

@@ -157,7 +157,8 @@ class Wording:
         """
         newtons = check.increasing("load", check.array("load", load, shape=(None,)))
         if len(newtons) < least:
-            raise InvalidInput(f"load holds {len(newtons)} value; {use} needs at least {least} points")
+            words = f"holds {len(newtons)} value; {use} needs at least {least} points"
+            raise InvalidInput(words, key="load")
         force = check.array("friction_force", friction_force, shape=(len(newtons),), positive=not rising)
         force = check.increasing("friction_force", force) if rising else force
         return newtons / (self.composite_modulus or 1.0), force / (self.shear_stress or 1.0)

@@ -10,7 +10,6 @@ from typing import ClassVar, cast
 import numpy as np
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem.contact import Contact, Hertz
@@ -35,7 +34,6 @@ def resolvable(contact: object) -> bool:
     return contact.largest_order == 3 and not contact.adhesive and hasattr(contact, "depth_at")
 
 
-@checked_class
 @dataclass(frozen=True)
 class BoundaryElements(WithoutGradients):
     """Elastic contact of caps with a rigid plane, resolved by cells of constant pressure.

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
@@ -24,7 +23,6 @@ from metafem.substrate import HalfSpace, Substrate
 from metafem.surface import Surface
 
 
-@checked_class
 @dataclass(frozen=True)
 class Interacting:
     """Asperities coupled through an elastic substrate.

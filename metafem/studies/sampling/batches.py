@@ -9,14 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem.errors import InvalidInput
 from metafem.progress import each, message
 from metafem.studies.sampling.schedulers import Run, Task, cluster, here, processes
 from metafem.studies.sampling.store import Result, Store
 
 
-@checked_class
 @dataclass(frozen=True)
 class Execution:
     """Where the draws of a study are computed, and where finished batches of them are kept.

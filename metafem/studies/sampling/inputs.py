@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from metafem import _validate as check
-from metafem._given import formatted, label, shown
+from metafem._given import Given, shown
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 
@@ -85,10 +85,8 @@ class Inputs:
             most = np.min(mean[name]) / WIDEST
             if np.ndim(mean[name]) == 0 and value[0] > most:
                 member = f"parameters.{name}"
-                raise InvalidInput(
-                    f"{label(member)} = {formatted(member, value[0])} must be at most "
-                    f"{formatted(member, most)}, a seventh of the value, which must not become negative"
-                )
+                words = "must be at most {.number}, a seventh of the value, which must not become negative"
+                raise InvalidInput(words, Given(member, most), key=member, value=value[0])
         if not any(value.any() for value in sd):
             raise InvalidInput("parameters are all without errors; one standard deviation must be above 0")
         return Inputs(names, sd, _root(correlation), _groups(correlation))
@@ -114,7 +112,8 @@ def _deviation(name: str, value: Any, mean: float | FloatArray) -> FloatArray:
         return np.array([check.number(label, value, at_least=0.0)])
     each = check.array(label, value, shape=(np.size(mean),))
     if each.min() < 0.0:
-        raise InvalidInput(f"{label} holds {formatted(name, each.min())}; it must be at least 0")
+        lowest = Given(name, each.min())
+        raise InvalidInput("holds {.number}; it must be at least 0", lowest, key=label)
     return each
 
 

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from metafem import _validate as check
-from metafem._given import label
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.models import Independent, Model
@@ -54,7 +53,7 @@ class Slope:
         if load_range is None:
             depth = float(np.ptp(surface.height))
             if depth == 0.0:
-                raise InvalidInput(f"{label('load_range')} must be given: all summits have one height")
+                raise InvalidInput("must be given: all summits have one height", key="load_range")
             alone = Independent() if model is None else Independent(contact=contact_of(model))
             foot = float(alone.curve(surface, approach=np.array([depth])).load[0])
             low, high = LOWEST * foot, HIGHEST * foot

@@ -343,7 +343,7 @@ EACH = np.repeat(AREA[:, None], 2, axis=1)
             {"load": LOAD[:2], "area": AREA[:2]},
             "load has 2 points; E* and the adhesion energy need at least 3",
         ),
-        ({"area": AREA[:5]}, "area has shape (5,); it must have shape (20,)"),
+        ({"area": AREA[:5]}, "area has 5 numbers; it must have 20"),
         ({"area": np.where(A < 0.09, 0.0, AREA)}, "area[0] = 0 is no contact; leave the row out"),
         ({"area": np.where(A < 0.09, -0.01, AREA)}, "area[0] = -0.01 must not be negative"),
         ({"area": np.where(A < 0.09, np.nan, AREA)}, "area holds nan at entry 0"),

@@ -160,7 +160,7 @@ def test_loads_with_an_unknown_contact_are_used_for_what_they_tell():
         ({"material": 1.36}, "must be a metafem.Material"),
         ({"load_sd": [0.0, 1.0, 1.0]}, r"load_sd\[0\] = 0 must be greater than 0"),
         ({"load": [-0.2, 0.1, 0.3]}, r"load\[0\] = -0.2 is below 0 by 40 standard deviations"),
-        ({"friction_force": [0.1, 0.2]}, r"friction_force has shape \(2,\)"),
+        ({"friction_force": [0.1, 0.2]}, "friction_force has 2 numbers"),
         ({"area_sd": [0.1, 0.1, 0.1]}, "area_sd needs area"),
         ({"site": [1, 2]}, "site needs asperity_area"),
         ({"asperity_area": np.ones((3, 2)), "site": [1, 1]}, "site holds 1 twice"),

@@ -95,7 +95,7 @@ def frames(*kept):
         ((X, 1.0 - X), "largest at the first entry"),
         ((X, -force(X)), "friction_force is at most -?0; forces that resist sliding are positive"),
         ((X[::-1], force(X)), r"displacement\[1\] = 0.59 is less than the one before"),
-        ((X, force(X)[:9]), "friction_force has shape"),
+        ((X, force(X)[:9]), "friction_force has 9 numbers"),
         ((X, np.where(X == 0.3, np.nan, force(X))), "friction_force holds nan at entry 30"),
         ((X[::30], force(X[::30], peak=0.3)), "has 0 entries between 0.1 and 0.2"),
         ((X, force(X), area(X)[:9]), "area has 9 entries and displacement 61"),

@@ -147,7 +147,7 @@ def test_scattered_regions_are_refused():
     ({"site_position": SITES[:2]}, "2 sites cannot be matched"),
     ({"viewed_from": "below"}, "viewed_from = 'below' must be 'glass'"),
     ({"expected_area": np.ones(64)}, "expected_area needs area"),
-    ({"area": np.ones(3), "expected_area": np.ones(64)}, r"area has shape \(3,\)"),
+    ({"area": np.ones(3), "expected_area": np.ones(64)}, "area has 3 numbers"),
     ({"site_position": np.zeros((4, 2))}, "coincident sites"),
     ({"rotation_range": 0.0}, "rotation_range = 0 must be greater than 0"),
     ({"centre": [[0.0, np.nan]] * 4}, "centre holds nan"),

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 import metafem as mf
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.fields import shown, typed_value, with_field, with_section, without_section
-from metafem.files import demo_text, parsed, problem_key, section_forms
+from metafem.files import demo_text, parsed, section_forms
 
 LINEAR = demo_text("linear")
 MULTILINEAR = Document(LINEAR).with_kind("target", "multilinear")
@@ -32,7 +32,7 @@ def problems(text):
     try:
         parsed(text)
     except mf.InvalidInput as error:
-        return {problem_key(problem): problem for problem in error.problems}
+        return {problem.key.partition("[")[0]: str(problem) for problem in error.problems}
     return {}
 
 

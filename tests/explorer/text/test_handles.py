@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import metafem as mf
 from metafem.explorer.text.handles import MOST, added, crowd, handles, moved, removed
 from metafem.explorer.text.written import between, digits_of, rounded, stated
-from metafem.files import demo_text, parsed, problem_key
+from metafem.files import demo_text, parsed
 
 REST = demo_text("linear").split("[material]")[1].replace('height_step = "6 um"', "")
 FORCES = 'load = ["0.2 N", "450mN", "0.88 N"]\nfriction_force = ["0.26 N", "0.52 N", "1.29 N"]'
@@ -261,10 +261,10 @@ def assert_valid_or_clear(name, steps):
             text = moved(text, specification, design, found[which % len(found)].id, load, friction)
             specification = parsed(text, TABLES)
         except mf.InvalidInput as error:
-            problems.extend(error.problems or [f"target: {error}"])
+            problems.extend(error.problems or [error.within("target")])
             break
     assert extreme or not problems
-    assert all(problem_key(problem).startswith("target") for problem in problems)
+    assert all(problem.key.startswith("target") for problem in problems)
     assert "# kept" in text or name == "table"
 
 

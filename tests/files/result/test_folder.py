@@ -129,7 +129,7 @@ WRONG = [
     ("surface.height.float64", [[1.0]], "design.surface: height has shape"),
     ("surface.height.float64", ["0.1"], "design.surface.height = .* is not an array of float64"),
     ("surface.position.float64", [[i, 0.0] for i in range(9)], "surface.position must be that of the"),
-    ("law.rescaled_load.float64", [1.0], "design.law: area has shape"),
+    ("law.rescaled_load.float64", [1.0], "design.law: area has"),
     ("law.model", {"type": "Hertz"}, "design.law.model = .* must be a Model"),
     ("law.model", 3, "design.law.model = 3 must be a Model"),
     ("law.material.composite_modulus", 2.0, "law.material and law.friction must be those"),

@@ -147,7 +147,7 @@ def test_a_name_that_is_not_one_of_a_file_is_a_problem_of_its_key(name, words):
     text = f'[target]\nkind = "sampled"\nfile = {name}\n[material]{REST}'
     with pytest.raises(mf.InvalidInput) as error:
         parsed(text, {tomllib.loads(text)["target"]["file"]: SAMPLES.encode()})
-    (problem,) = error.value.problems
+    problem = str(error.value.problems[0])
     assert problem.startswith('target.file = "')
     assert problem.endswith(f'" {words}; write for example file = "wanted.csv"')
     assert problem.isprintable()

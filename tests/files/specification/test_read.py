@@ -179,7 +179,8 @@ def test_caps_higher_than_every_radius_are_refused_before_the_design(read, radii
     tall = LINEAR.replace('max_height = "120 um"', 'max_height = "120 mm"').replace(RADIUS, "")
     text = tall.replace("[lattice]", f"[lattice]\n{radii}") if radii == RADIUS else f"{tall}\n{radii}\n"
     with pytest.raises(
-        mf.InvalidInput, match=r"limits\.max_height = 120\.084 mm exceed the radius of 526 um"
+        mf.InvalidInput,
+        match=r"limits\.max_height = 120 mm and limits\.offset = 84 um together exceed the radius of 526 um",
     ):
         read(text)
 
@@ -256,7 +257,9 @@ WRONG = {
     "no radii": ("[block]", "[radii]\n[block]", ["radii needs either tools or range"]),
     "no tools": ("[block]", "[radii]\ntools = []\n[block]", ["radii.tools = []", '["300 um", "526 um"]']),
     "bad tool": ("[block]", '[radii]\ntools = ["0 mm"]\n[block]', ["radii.tools[0] = '0 mm'", "greater"]),
-    "falling range": ("[block]", '[radii]\nrange = ["2 mm", "1 mm"]\n[block]', ["range = [2 mm, 1 mm] must"]),
+    "falling range": (
+        "[block]", '[radii]\nrange = ["2 mm", "1 mm"]\n[block]', ["must increase, but is [2 mm, 1 mm]"]
+    ),
     "short range": ("[block]", '[radii]\nrange = ["2 mm"]\n[block]', ["radii.range[1] is missing"]),
     "unknown radii": ("[block]", '[radii]\ntool = ["2 mm"]\n[block]', ["radii.tool", "did you mean tools?"]),
     "no crossover": (
@@ -324,7 +327,7 @@ def test_the_cost_of_many_sites_is_reported_before_the_design(read):
         (
             '"1.5 mm"',
             '"1.5 parsecs"',
-            "lattice.pitch = 1.5 parsecs and radius = 526 um differ by a factor of 9e",
+            "lattice.pitch = 1.5 parsecs and lattice.radius = 526 um differ by a factor of 9e",
         ),
         ('"20 mm"', '"1e20 m"', r"block.width = 1e\+20 m and lattice.radius = 526 um differ"),
         ('"84 um"', '"1e20 m"', r"limits.offset = 1e\+20 m and lattice.radius = 526 um differ"),
@@ -333,7 +336,7 @@ def test_the_cost_of_many_sites_is_reported_before_the_design(read):
         (
             'height_step = "6 um"',
             'min_height = "130 um"',
-            "min_height = 130 um must be below max_height = 120",
+            "min_height = 130 um must be below limits.max_height = 120",
         ),
         ("slope = 6.87", "slope = 1979-05-27", "target.slope = 1979-05-27 must be a number, without quotes"),
         ("slope = 6.87", "slope = true", "target.slope = true must be a number"),
@@ -365,7 +368,7 @@ def test_the_end_of_a_truncated_file_is_named(read):
 
 @pytest.mark.parametrize("text", ["", "[target]\nkind = 3\n", "target = 3", "[[target]]\n"])
 def test_nearly_empty_specifications_are_refused(read, text):
-    with pytest.raises(mf.InvalidInput, match=r"section \[lattice\] is missing"):
+    with pytest.raises(mf.InvalidInput, match=r"lattice is missing; write a section \[lattice\]"):
         read(text)
 
 

@@ -181,7 +181,7 @@ def test_a_substrate_without_a_formula_is_asked_once_for_all_sites(uneven):
     ("build", "words"),
     [
         (lambda s: mf.FollowLaw([0.2, 0.1]), r"rescaled_load\[1\] = 0.1 does not exceed"),
-        (lambda s: mf.FollowLaw([0.1], [1.0, 2.0]), "rescaled_friction has shape"),
+        (lambda s: mf.FollowLaw([0.1], [1.0, 2.0]), "rescaled_friction has 2 numbers"),
         (lambda s: mf.InsensitiveToTilt([0.1], angle=0.0), "angle = 0 must be greater than 0"),
         (lambda s: mf.WeightedObjectives([]), "objectives is empty"),
         (lambda s: mf.WeightedObjectives([TILT], [0.0]), "weights holds 0"),

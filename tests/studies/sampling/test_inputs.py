@@ -53,7 +53,7 @@ def test_each_load_has_its_own_deviation():
         ({"radius": 0.1}, None, r"parameters\.radius = 0.1 must be at most 0.0714"),
         ({"radius": [0.01, 0.02]}, None, r"parameters\.radius"),
         ({"load": [0.01, -0.02]}, None, r"parameters\.load holds -0.02; it must be at least 0"),
-        ({"load": [0.01, 0.02, 0.03]}, None, r"parameters\.load has shape \(3,\); it must have shape \(2,\)"),
+        ({"load": [0.01, 0.02, 0.03]}, None, r"parameters\.load has 3 numbers; it must have 2"),
         ({"radius": 0.0, "load": [0.0, 0.0]}, None, "all without errors"),
         (["radius", "load"], np.eye(3), r"covariance has shape \(3, 3\)"),
         (["radius", "load"], [[-1e-4, 0], [0, 1]], r"covariance\[0\]\[0\] = -0.0001 must be at least 0"),

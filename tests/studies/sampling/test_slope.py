@@ -25,7 +25,7 @@ def test_the_default_range_ends_where_the_plane_reaches_the_lowest_summit(rough)
     [
         (None, "load_range must be given: all summits have one height"),
         ((0.3, 0.1), "load_range.* does not exceed"),
-        ((0.1, 0.2, 0.3), "load_range has shape"),
+        ((0.1, 0.2, 0.3), "load_range has 3 numbers"),
     ],
 )
 def test_a_range_that_is_none_is_refused(template, load_range, words):
