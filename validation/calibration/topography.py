@@ -160,10 +160,12 @@ def _rms(values: FloatArray) -> float:
 
 
 def _figure():
-    from metafem.calibration.figures import made_figure, residuals
+    from metafem.calibration.figures import made_figure
+    from metafem.calibration.topography.cells import HeightMap
 
     part = _part(1)
-    rest = residuals(part.heights, (PIXEL, PIXEL), part.made)
+    heights = HeightMap(part.heights, (PIXEL, PIXEL))
     law = mf.friction_law(part.design)
     made = mf.friction_law(part.made.surface, load=law.load)
-    return made_figure(part.made, mf.calibration.corrected_heights(part.design, part.made), rest, law, made)
+    correction = mf.calibration.corrected_heights(part.design, part.made)
+    return made_figure(part.made, correction, heights, law, made)
