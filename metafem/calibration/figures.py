@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -105,26 +104,14 @@ def found_figure(
     return figure
 
 
-@dataclass(frozen=True, eq=False)
-class Residuals:
-    """Heights minus base plane and spheres (rows, columns) [mm], and width and height of the map [mm]."""
-
-    values: FloatArray
-    width: float
-    height: float
-
-
-def residuals(
-    values: NDArray[np.floating], pixel: tuple[float, float], made: MadeSurface, mould: bool = False
-) -> Residuals:
-    """Return the mean residuals in square cells of the map on which a made surface was measured.
+def residuals(height_map: HeightMap, made: MadeSurface) -> FloatArray:
+    """Return the mean residuals in square cells of the map on which a made surface was measured [mm].
 
     Base plane and spheres are subtracted from each pixel: over a cell of the side s, the mean of a sphere is
     s^2 / (12 R) lower than its height in the middle.
     """
-    height_map = HeightMap(values, pixel, -1.0 if mould else 1.0)
-    found = cells(height_map, math.ceil(max(values.shape) / MOST), partial(_expected, height_map, made))
-    return Residuals(found.mean, pixel[0] * values.shape[1], pixel[1] * values.shape[0])
+    side = math.ceil(max(height_map.values.shape) / MOST)
+    return cells(height_map, side, partial(_expected, height_map, made)).mean
 
 
 def _expected(height_map: HeightMap, made: MadeSurface, rows: slice, columns: slice) -> FloatArray:
@@ -144,7 +131,11 @@ def _expected(height_map: HeightMap, made: MadeSurface, rows: slice, columns: sl
 
 
 def made_figure(
-    made: MadeSurface, correction: Correction | None, rest: Residuals, designed: FrictionLaw, law: FrictionLaw
+    made: MadeSurface,
+    correction: Correction | None,
+    height_map: HeightMap,
+    designed: FrictionLaw,
+    law: FrictionLaw,
 ) -> Figure:
     """Return the height errors at the sites and over the heights, the residual map and the two laws."""
     figure = new_figure(10.0, 8.4)
@@ -153,7 +144,7 @@ def made_figure(
     topography.height_errors(
         sites, design.position[made.site], made.height_error, design.position[made.missing]
     )
-    topography.residual_map(residual, rest.values, rest.width, rest.height)
+    topography.residual_map(residual, residuals(height_map, made), *height_map.extent)
     fit = None if correction is None else correction.systematic[made.site]
     topography.errors_over_height(heights, design.height[made.site], made.height_error, made.height_sd, fit)
     topography.made_law(laws, designed.rescaled_load, designed.area, law.area)

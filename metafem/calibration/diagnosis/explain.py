@@ -168,7 +168,7 @@ def _explanation(
     scale = np.array([causes.sd[name] for name in common])
     covariance = posterior.covariance[np.ix_(index, index)] * scale[:, None] * scale
     part = causes.made(mean)
-    explained = shares(causes, posterior)
+    share, without, before, after = shares(causes, posterior)
     friction = scene.friction
     if friction is not None:
         friction = Friction(part.friction * friction.shear_strength, friction.area_ratio)
@@ -193,11 +193,11 @@ def _explanation(
         ),
         covariance=covariance,
         single={name: _single(causes, name, mean, sd) for name in causes.single},
-        shares=explained.share,
-        misfit_without=explained.without,
+        shares=share,
+        misfit_without=without,
         unresolved=unresolved(causes, posterior.covariance, posterior.precision),
-        misfit_design=explained.before,
-        misfit=explained.after,
+        misfit_design=before,
+        misfit=after,
         count=len(at.residual),
         verdict=judged(measured, round(fitted)),
         load=part.load,

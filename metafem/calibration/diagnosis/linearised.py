@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 from scipy.special import ndtr
@@ -50,15 +49,6 @@ class Linear:
     indentation: FloatArray  # (c,), of the contacts found open, less the smallest one that is seen [mm]
     indentation_gradient: FloatArray  # (c, p)
     resolution: FloatArray  # (c,), standard deviation of the smallest indentation that is seen [mm]
-
-
-class Smallest(NamedTuple):
-    """Smallest indentation at which contacts found open are seen, (c,) [mm]."""
-
-    indentation: FloatArray
-    sd: FloatArray
-    by_modulus: FloatArray  # derivative by log E*
-    by_adhesion: FloatArray  # derivative by log sqrt(w)
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,10 +164,10 @@ class Scene:
             own = found.area_by_radius[seen.open_row, seen.open_site] / rate
             by_indentation[np.arange(len(rate)), place] -= causes.sd["radius"] * own
         boundary = float(np.median(seen.boundary)) if len(seen.boundary) else 0.0
-        smallest = self._smallest(boundary, made)
+        seen_from, resolution, *smallest = self._smallest(boundary, made)
         for name, change, least, factor in (
-            ("composite_modulus", found.by_modulus, smallest.by_modulus, made.stiffer),
-            ("adhesion_root", found.by_adhesion, smallest.by_adhesion, made.adhesion),
+            ("composite_modulus", found.by_modulus, smallest[0], made.stiffer),
+            ("adhesion_root", found.by_adhesion, smallest[1], made.adhesion),
         ):
             if name in causes.sd:
                 shift = (change.indentation[seen.open_row, seen.open_site] - least) / factor
@@ -186,13 +176,15 @@ class Scene:
             residual / sd,
             gradient / sd[:, None],
             sd,
-            found.indentation[seen.open_row, seen.open_site] - smallest.indentation,
+            found.indentation[seen.open_row, seen.open_site] - seen_from,
             by_indentation,
-            smallest.sd,
+            resolution,
         )
 
-    def _smallest(self, boundary: float, made: Made) -> Smallest:
-        """Return the smallest indentation (c,) at which a contact found open is seen.
+    def _smallest(self, boundary: float, made: Made) -> tuple[FloatArray, ...]:
+        """Return the smallest indentation (c,) at which a contact found open is seen [mm], and its error.
+
+        Then follow its derivatives by log E* and by log sqrt(w).
 
         With the error b of the boundary it is about b^2/(2 R); where a larger area may be overlooked, it is
         the indentation of that area, with the error 2 a b/R by that of the contact radius a.
@@ -207,7 +199,7 @@ class Scene:
         # an adhesive contact of a smaller area than at no indentation has jumped in
         wide = (size > 0.0) & (depth > 0.0)
         by_modulus, by_adhesion = law_changes(contact, made.material, np.where(wide, size, 0.0), radius)
-        return Smallest(
+        return (
             np.where(size > 0.0, np.maximum(depth, 0.0), SEEN * least),
             np.where(size > 0.0, 2.0 * size * boundary / radius, SEEN_SD * least),
             by_modulus.indentation,

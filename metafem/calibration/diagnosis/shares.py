@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -14,17 +13,10 @@ from metafem.calibration.diagnosis.causes import GROUPS, Causes
 from metafem.calibration.diagnosis.update import Posterior
 
 
-class Shares(NamedTuple):
-    """What each group of causes explains, the largest share first, and the misfit without and with all."""
+def shares(causes: Causes, posterior: Posterior) -> tuple[dict[str, float], dict[str, float], float, float]:
+    """Return the share of each group of causes in the explained misfit, the largest first.
 
-    share: dict[str, float]  # of the explained misfit [-]
-    without: dict[str, float]  # the misfit if a group is left out
-    before: float
-    after: float
-
-
-def shares(causes: Causes, posterior: Posterior) -> Shares:
-    """Return the share of each group of causes in the explained misfit.
+    Then follow the misfit if each group is left out, and that without and with all of them.
 
     The misfit without causes is that of the values linearised at the posterior, ``r'S^-1 r``, with the
     residuals r of the prior prediction and the covariance S of the measurement, loads included. With all:
@@ -61,9 +53,7 @@ def shares(causes: Causes, posterior: Posterior) -> Shares:
             on[where] = False
         without[name] = solved(on)[1]
     order = sorted(share, key=lambda name: -share[name])
-    return Shares(
-        {name: share[name] for name in order}, {name: without[name] for name in order}, before, after
-    )
+    return {name: share[name] for name in order}, {name: without[name] for name in order}, before, after
 
 
 # A cause is not seen if the data would leave it this part of its prior variance even with all others known.

@@ -30,6 +30,12 @@ class HeightMap:
     pixel: tuple[float, float]
     sign: float = 1.0
 
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Width and height of the map [mm]."""
+        rows, columns = self.values.shape
+        return self.pixel[0] * columns, self.pixel[1] * rows
+
     def x(self, columns: slice) -> FloatArray:
         """Return the coordinates of the centres of columns [mm]."""
         return self.pixel[0] * (np.arange(columns.start, columns.stop) + 0.5)

@@ -201,11 +201,11 @@ def measured_surface(
         found = cells(picture, side)
         radius = float(np.median(design.radius))
         first = levelled(picture, found, bow)
-        standing = hills(found, first, LOWEST * lowest, radius)
-        level = levelled(picture, found, bow, standing.cells)
-        if not standing.starts:
-            raise InvalidInput(no_cap(radius, len(standing.other), mould))
-        caps, covariance = fitted_caps(picture, level, standing.starts, limit)
+        on_hills, starts, other = hills(found, first, LOWEST * lowest, radius)
+        level = levelled(picture, found, bow, on_hills)
+        if not starts:
+            raise InvalidInput(no_cap(radius, len(other), mould))
+        caps, covariance = fitted_caps(picture, level, starts, limit)
     good = np.array([not cap.cause for cap in caps])
     notes = [
         Note(f"the cap at {on_map(cap.x, cap.y)} on the map was not measured: {cap.cause}")
@@ -221,7 +221,7 @@ def measured_surface(
         value, covariance = pooled(value, covariance)
     want = True if mould and mirrored is None else mirrored
     place = aligned(value[:, :2], value[:, 2], design, want)
-    return _made(design, caps, value, covariance, level, place, standing.other, notes)
+    return _made(design, caps, value, covariance, level, place, other, notes)
 
 
 def _made(

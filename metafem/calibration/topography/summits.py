@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
@@ -26,17 +24,13 @@ RADIUS_FACTOR = 2.0
 UPPER = 0.3
 
 
-@dataclass(frozen=True, eq=False)
-class Hills:
-    """What stands on the base plane: cells of hills with a margin, guesses of caps, and what is no cap."""
+def hills(
+    found: Cells, levelling: Levelling, lowest: float, radius: float
+) -> tuple[NDArray[np.bool_], list[Cap], list[tuple[float, float]]]:
+    """Return cells on the hills of a map with a margin, guesses of caps, and centres [mm] of other hills.
 
-    cells: NDArray[np.bool_]
-    starts: list[Cap]
-    other: list[tuple[float, float]]  # centres [mm]
-
-
-def hills(found: Cells, levelling: Levelling, lowest: float, radius: float) -> Hills:
-    """Return the hills of a map; `lowest` is the least height of a cap, `radius` that of the design [mm]."""
+    `lowest` is the least height of a cap, `radius` that of the design [mm].
+    """
     x, y = np.meshgrid(found.x, found.y)
     above = found.mean - levelling.base(x, y)
     with np.errstate(invalid="ignore"):
@@ -57,7 +51,7 @@ def hills(found: Cells, levelling: Levelling, lowest: float, radius: float) -> H
         else:
             starts.append(guess)
     # the foot below the threshold reaches one cell further; one more for the closing
-    return Hills(np.asarray(ndimage.binary_dilation(closed, np.ones((3, 3)), iterations=2)), starts, other)
+    return np.asarray(ndimage.binary_dilation(closed, np.ones((3, 3)), iterations=2)), starts, other
 
 
 def _sphere(x: FloatArray, y: FloatArray, z: FloatArray) -> Cap | None:

@@ -106,10 +106,11 @@ def topography(
         correction = _correction(design, made, corrected)
         law = mf.friction_law(made.surface, design.law.model, load=design.law.load)
         if picture is not None:
-            from metafem.calibration.figures import made_figure, residuals
+            from metafem.calibration.figures import made_figure
+            from metafem.calibration.topography.cells import HeightMap
 
-            rest = residuals(stored.values, stored.pixel, made, mould)
-            figure = made_figure(made, correction, rest, design.law, law)
+            heights = HeightMap(stored.values, stored.pixel, -1.0 if mould else 1.0)
+            figure = made_figure(made, correction, heights, design.law, law)
             write_figure(picture, figure, "made surface", force=force)
     ours: dict[str, Any] = {"force": force, "ours": is_heights_table}
     if output is not None:

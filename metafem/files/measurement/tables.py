@@ -234,7 +234,8 @@ def _of_contacts(
             Compression(contacts.load[used], contacts.area[used], tuple(test[used]), tuple(place[used]))
         )
     if image.size:
-        found.append(Shear(*points, tuple(test[image]), tuple(place[image])))
+        before, sheared, force = points
+        found.append(Shear(before, sheared, force, tuple(test[image]), tuple(place[image])))
     if not found:
         why = "; ".join(map(str, left_out)) or "no image has a load and an area"
         raise InvalidInput(
