@@ -153,16 +153,12 @@ def _rms(values: FloatArray) -> float:
 
 
 def _figure():
-<<<<<<< HEAD
     """A synthetic part of 16 asperities, measured on a height map: errors of the heights at their sites; what
     is left of the map without plane and caps, which is roughness alone; the errors over the heights with
     their systematic part; and the friction laws as designed and as made.
     """
-    from metafem.calibration.figures import made_figure, residuals
-=======
     from metafem.calibration.figures import made_figure
     from metafem.calibration.topography.cells import HeightMap
->>>>>>> calib
 
     part = _part(1)
     heights = HeightMap(part.heights, (PIXEL, PIXEL))
