@@ -12,6 +12,7 @@ import os
 import pickle
 import platform
 import tempfile
+from collections.abc import Callable
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
@@ -21,6 +22,7 @@ import llvmlite
 import numba
 import numpy as np
 from numba import njit
+from numba.core import event
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
@@ -142,3 +144,24 @@ def _used(path: Path) -> None:
     """Set the date of the folder of kernels, so that the least recently used ones are removed first."""
     with suppress(OSError):
         os.utime(path)
+
+
+class _Once(event.Listener):
+    """Call back at the first compilation of the process."""
+
+    def __init__(self, callback: Callable[[], None]) -> None:
+        self.callback: Callable[[], None] | None = callback
+
+    def on_start(self, event: event.Event) -> None:
+        """Call back at the first compilation only."""
+        if self.callback is not None:
+            self.callback()
+            self.callback = None
+
+    def on_end(self, event: event.Event) -> None:
+        """Do nothing at the end of a compilation."""
+
+
+def on_first_compilation(callback: Callable[[], None]) -> None:
+    """Call `callback` when a kernel is compiled because no cached one was found."""
+    event.register("numba:compile", _Once(callback))
