@@ -26,7 +26,6 @@ from numba.core import event
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
-from numba.core.types import unliteral
 
 from metafem import _caches
 
@@ -37,33 +36,16 @@ MOST_VERSIONS = 8
 DIGEST = 32
 
 
-def compiled(function, *, any_order=False, **flags):
+def compiled(function, *, any_order=False):
     """Compile a kernel for each signature of its calls, once for this installation.
 
     any_order: sums may be added in any order, which vector instructions need; the last bits then depend on
-    the processor. Literal arguments of calls between kernels, such as False, do not cause a compilation of
-    their own.
+    the processor.
     """
     fast = {"reassoc"} if any_order else False
-    options: Any = {"nogil": True, "no_cfunc_wrapper": True, "fastmath": fast, **flags}
+    options: Any = {"nogil": True, "no_cfunc_wrapper": True, "fastmath": fast}
     dispatcher: Any = njit(**options)(function)
     dispatcher._cache = _Kept(function)
-    template = dispatcher.get_call_template
-    dispatcher.get_call_template = lambda arguments, named: template(
-        tuple(unliteral(argument) for argument in arguments), named
-    )
-    return dispatcher
-
-
-def inner(function):
-    """Compile a kernel that only other kernels call, in less time: without code for calls from Python."""
-    dispatcher = compiled(function, no_cpython_wrapper=True)
-
-    def refuse(*_, **__):
-        raise TypeError(f"{function.__name__} can be called by other kernels only")
-
-    dispatcher._compile_for_args = refuse
-    dispatcher.add_overload = lambda result: dispatcher.overloads.update({result.signature.args: result})
     return dispatcher
 
 
