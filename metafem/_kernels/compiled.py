@@ -12,6 +12,7 @@ import os
 import pickle
 import platform
 import tempfile
+from collections.abc import Callable
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
@@ -21,10 +22,10 @@ import llvmlite
 import numba
 import numpy as np
 from numba import njit
+from numba.core import event
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
-from numba.core.types import unliteral
 
 from metafem import _caches
 
@@ -35,33 +36,16 @@ MOST_VERSIONS = 8
 DIGEST = 32
 
 
-def compiled(function, *, any_order=False, **flags):
+def compiled(function, *, any_order=False):
     """Compile a kernel for each signature of its calls, once for this installation.
 
     any_order: sums may be added in any order, which vector instructions need; the last bits then depend on
-    the processor. Literal arguments of calls between kernels, such as False, do not cause a compilation of
-    their own.
+    the processor.
     """
     fast = {"reassoc"} if any_order else False
-    options: Any = {"nogil": True, "no_cfunc_wrapper": True, "fastmath": fast, **flags}
+    options: Any = {"nogil": True, "no_cfunc_wrapper": True, "fastmath": fast}
     dispatcher: Any = njit(**options)(function)
     dispatcher._cache = _Kept(function)
-    template = dispatcher.get_call_template
-    dispatcher.get_call_template = lambda arguments, named: template(
-        tuple(unliteral(argument) for argument in arguments), named
-    )
-    return dispatcher
-
-
-def inner(function):
-    """Compile a kernel that only other kernels call, in less time: without code for calls from Python."""
-    dispatcher = compiled(function, no_cpython_wrapper=True)
-
-    def refuse(*_, **__):
-        raise TypeError(f"{function.__name__} can be called by other kernels only")
-
-    dispatcher._compile_for_args = refuse
-    dispatcher.add_overload = lambda result: dispatcher.overloads.update({result.signature.args: result})
     return dispatcher
 
 
@@ -142,3 +126,24 @@ def _used(path: Path) -> None:
     """Set the date of the folder of kernels, so that the least recently used ones are removed first."""
     with suppress(OSError):
         os.utime(path)
+
+
+class _Once(event.Listener):
+    """Call back at the first compilation of the process."""
+
+    def __init__(self, callback: Callable[[], None]) -> None:
+        self.callback: Callable[[], None] | None = callback
+
+    def on_start(self, event: event.Event) -> None:
+        """Call back at the first compilation only."""
+        if self.callback is not None:
+            self.callback()
+            self.callback = None
+
+    def on_end(self, event: event.Event) -> None:
+        """Do nothing at the end of a compilation."""
+
+
+def on_first_compilation(callback: Callable[[], None]) -> None:
+    """Call `callback` when a kernel is compiled because no cached one was found."""
+    event.register("numba:compile", _Once(callback))

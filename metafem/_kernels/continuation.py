@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from metafem._kernels import projected_cg
-from metafem._kernels.compiled import compiled, inlined, inner
+from metafem._kernels.compiled import compiled, inlined
 from metafem._kernels.contact import hertz, tabulated
 from metafem._kernels.coupling import State, copy, empty_state, quadratic_form
 from metafem._kernels.interacting import TOLERANCE, Scratch, empty_scratch, rates, refresh, settle
@@ -103,7 +103,7 @@ def uniform_approach(gap, law, load):
     return x
 
 
-@inner
+@compiled
 def extrapolate(memory, points, width, ahead, law, z):
     """Fill z at a distance `ahead` beyond the last equilibrium; return the load and its slope there."""
     radius, which, scale, data = law
@@ -125,7 +125,7 @@ def extrapolate(memory, points, width, ahead, law, z):
     return load, slope
 
 
-@inner
+@compiled
 def predict(memory, points, width, ahead, target, law, z):
     """Fill z for an approach `ahead` of the last, which a target load > 0 corrects; return the distance."""
     if points > 1:
@@ -243,7 +243,7 @@ def curves(field, order, law, self_term, gap, control, by_load, results, state, 
             points = min(2, points + 1) if width > 0.0 else 1
 
 
-@inner
+@compiled
 def areas(state, count):
     """Return the area of all contacts [mm^2], and the radius of the largest [mm]."""
     area = largest = 0.0

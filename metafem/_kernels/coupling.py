@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from metafem._kernels.compiled import compiled, inner
+from metafem._kernels.compiled import compiled
 from metafem._kernels.contact import hertz, tabulated
 from metafem._kernels.vectors import add
 
@@ -78,7 +78,7 @@ def copy(source, target):
         target[i] = source[i]
 
 
-@inner
+@compiled
 def add_rows(matrix, closed, count, weight, out):
     """Add sum_j weight[j] matrix[j] over the closed j to `out`."""
     n = out.size
@@ -209,7 +209,7 @@ def respond(field, order, law, self_term, state):
     return count
 
 
-@inner
+@compiled
 def assemble(field, state, count, matrix):
     """Fill the rows of contacts of dF/dp, without the diagonal of the law and `self_term`.
 
@@ -236,7 +236,7 @@ def assemble(field, state, count, matrix):
             )
 
 
-@inner
+@compiled
 def quadratic_form(field, order, self_term, state, count, y, out, rate):
     """Return y.(d2W/dp2) y with every term; y vanishes on open asperities. out, rate: scratch."""
     closed = state.closed
@@ -271,7 +271,7 @@ def quadratic_form(field, order, self_term, state, count, y, out, rate):
     return total
 
 
-@inner
+@compiled
 def energy(order, law, gap, approach, state, count):
     """Return the complementary energy W [mm^3] of the state."""
     total = 0.0
@@ -292,7 +292,7 @@ def energy(order, law, gap, approach, state, count):
     return total
 
 
-@inner
+@compiled
 def measure(order, gap, approach, target, state, count):
     """Return the residual of the equations, and the load.
 

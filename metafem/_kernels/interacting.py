@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from metafem._kernels import projected_cg
-from metafem._kernels.compiled import compiled, inlined, inner
+from metafem._kernels.compiled import compiled, inlined
 from metafem._kernels.coupling import assemble, copy, energy, measure, respond, widen
 from metafem._kernels.vectors import factorise, substitute
 
@@ -58,7 +58,7 @@ def empty_scratch(count: int, order: int) -> Scratch:
     return Scratch(np.zeros((size, size)), np.zeros(count, np.bool_), projected_cg.empty_work(count), *rows)
 
 
-@inner
+@compiled
 def refresh(field, order, self_term, state, count, scratch, always):
     """Fill the diagonal, and the matrix if needed; return the matrix."""
     for k in range(count):
@@ -78,7 +78,7 @@ def refresh(field, order, self_term, state, count, scratch, always):
     return scratch.matrix
 
 
-@inner
+@compiled
 def rates(state, count, shift, scratch, out):
     """Fill the change of z on all rows for the last solution of loads and approach."""
     for i in range(out.size):
@@ -88,7 +88,7 @@ def rates(state, count, shift, scratch, out):
         out[i] = (out[i] + state.bend[i] / state.rate[i] * scratch.loads[i]) / state.bend[i]
 
 
-@inner
+@compiled
 def newton(field, order, law, self_term, gap, approach, target, state, scratch):
     """Solve from state.z and the approach; a target load > 0 makes the approach an unknown.
 
@@ -256,7 +256,7 @@ def area_gradients(field, order, law, self_term, indentation, state, matrix, scr
     return indentation.shape[0]
 
 
-@inner
+@compiled
 def hessian(field, order, self_term, state, count, matrix, scratch):
     """Fill the lower triangle of d2W/dp2 on the asperities in contact, dA0/dp and ones."""
     lap, gx, gy, by_area, by_approach = scratch[0], scratch[1], scratch[2], scratch[3], scratch[4]

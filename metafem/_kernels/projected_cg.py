@@ -11,14 +11,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from metafem._kernels.compiled import inner
+from metafem._kernels.compiled import compiled
 from metafem._kernels.coupling import add_rows
 
 # Enough for any well-posed dense system; the next Newton step corrects an inexact one.
 MAX_STEPS = 400
 
 
-@inner
+@compiled
 def solve(matrix, diagonal, closed, count, free, total, rhs, tolerance, warm, y, work):
     """Fill y; return the approach, and whether the matrix was positive in all directions of search.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from metafem._kernels.compiled import compiled, inner
+from metafem._kernels.compiled import compiled
 
 
 @compiled
@@ -42,7 +42,7 @@ def violations(w, face):
     return inside, outside
 
 
-@inner
+@compiled
 def factorise(matrix, count, column):
     """Replace a lower triangle by its Cholesky factor; return whether it is positive."""
     for k in range(count):
@@ -60,7 +60,7 @@ def factorise(matrix, count, column):
     return True
 
 
-@inner
+@compiled
 def substitute(matrix, count, vector):
     """Replace a vector by the solution with a Cholesky factor."""
     for k in range(count):

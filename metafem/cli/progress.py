@@ -37,7 +37,7 @@ def progress() -> Iterator[None]:
     """Show the running step and the elapsed time on stderr; print once that kernels are compiled."""
     from rich.console import Console
 
-    from metafem._kernels.notice import on_first_compilation
+    from metafem._kernels.compiled import on_first_compilation
     from metafem.progress import listening
 
     console = Console(stderr=True)

@@ -4,7 +4,8 @@ from metafem.contact.adhesion import JKR
 from metafem.contact.cap_compliance import pedestal_compliance
 from metafem.contact.caps import PowerCap, SphericalCap
 from metafem.contact.elastic import Hertz
-from metafem.contact.elastic_plastic import JacksonGreen, KogutEtsion
+from metafem.contact.jackson_green import JacksonGreen
+from metafem.contact.kogut_etsion import KogutEtsion
 from metafem.contact.law import Contact
 from metafem.contact.profile import AxisymmetricCap
 from metafem.contact.tabulated import TabulatedContact

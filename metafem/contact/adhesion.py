@@ -110,8 +110,7 @@ class JKR(Contact):
 
     def profile_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Derivative c = dd/da of the cap's indentation [-], for a > 0."""
-        a = np.asarray(contact_radius, dtype=np.float64)
-        return np.asarray(2.0 * math.pi * a / self.cap.area_slope(a, radius, curvature))
+        return self.cap.profile_slope(contact_radius, radius, curvature)
 
     def largest_indentation(self, radius: Values) -> FloatArray:
         """Largest indentation [mm] that the law describes; infinite where there is none."""
@@ -165,6 +164,10 @@ class JKR(Contact):
         """Derivative of the area by d, 2 pi a/(c - 1/2 s/a) [mm]; 0 for an open contact."""
         a, slope, drop = self._rates(contact_radius, radius, curvature)
         return np.asarray(2.0 * math.pi * a / (slope - 0.5 * drop))[()]
+
+    def entry_radius(self, radius: Values) -> FloatArray:
+        """Contact radius [mm] after the jump into contact, at d = 0."""
+        return self.contact_radius(np.zeros(np.shape(radius)), radius)
 
     def pull_off_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius [mm] at which the load is smallest, c = 3/2 s/a; the load there is negative."""
@@ -224,15 +227,16 @@ class JKR(Contact):
         return np.asarray(self.cap.contact_radius(np.exp(x), *given[:2]))[()]
 
 
-def branch_ends(law: JKR, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the contact radii (n,) [mm] after the jump into contact, and at the smallest indentation."""
+def of_sizes(law: JKR, kind: str, radius: FloatArray) -> FloatArray:
+    """Return a contact radius (n,) [mm] of summits of radii (n,), computed once for each size of them.
+
+    kind: "entry", "break", "pull_off" or "zero_load", as in the names of the law's methods.
+    """
     sizes, which = np.unique(radius, return_inverse=True)
-    entry, end = _branch_ends(law, tuple(sizes.tolist()))
-    return entry[which], end[which]
+    return _of_sizes(law, kind, tuple(sizes.tolist()))[which]
 
 
 @lru_cache(maxsize=64)
-def _branch_ends(law: JKR, sizes: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
-    """Return the same for each size of the summits, once for the many heights of a design."""
-    radius = np.array(sizes)
-    return law.contact_radius(np.zeros(len(sizes)), radius), law.break_radius(radius)
+def _of_sizes(law: JKR, kind: str, sizes: tuple[float, ...]) -> FloatArray:
+    """Return the radii for the many heights of a design; each search takes a millisecond."""
+    return np.asarray(getattr(law, f"{kind}_radius")(np.array(sizes)))

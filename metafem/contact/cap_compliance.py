@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -28,6 +30,11 @@ COEFFICIENTS = (
     0.041567,
 )
 FIT_ERROR = 3e-4
+
+# Terms of the fit to finite elements that do not depend on the contact radius: coefficients of theta^2,
+# theta^3, ... Terms that grow with the contact radius belong to the contact law and are left out; there small
+# strain errs as much to one side as finite strain does to the other.
+LIGHT = {i: c for c, (i, j) in zip(COEFFICIENTS, POWERS, strict=True) if j == 0}
 
 
 def pedestal_compliance(height: ArrayLike, radius: ArrayLike, contact_radius: ArrayLike = 0.0) -> FloatArray:
@@ -69,3 +76,25 @@ def pedestal_compliance(height: ArrayLike, radius: ArrayLike, contact_radius: Ar
     angle = np.arccos(1.0 - ratio)
     terms = [c * angle**i * x**j for c, (i, j) in zip(COEFFICIENTS, POWERS, strict=True)]
     return np.asarray(np.sum(terms, axis=0) / size)
+
+
+def pedestal_influence(height: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Displacement of summits by their own caps, per unit of P/E* [1/mm], and its derivative by the height.
+
+    ``c_p/pi`` of `metafem.contact.pedestal_compliance` in the limit of light loads. It vanishes in
+    proportion to the height, so that caps lower than the table's lowest row follow the fit, and summits
+    at or below the base plane have no pedestal. Summits taller than its last row keep that row's value.
+
+    Examples
+    --------
+    >>> value, rate = pedestal_influence(np.array([0.12, 0.27]), np.array([0.526, 0.526]))
+    >>> (math.pi * value).round(2)
+    array([0.22, 0.61])
+    """
+    ratio = np.clip(height / radius, 0.0, TALLEST)
+    angle = np.arccos(1.0 - ratio)
+    value = sum(c * angle**i for i, c in LIGHT.items()) / (math.pi * radius)
+    # d angle/dh = 1/(R sin(angle)), and angle/sin(angle) stays finite
+    slope = sum(i * c * angle ** (i - 2) for i, c in LIGHT.items()) / np.sinc(angle / math.pi)
+    within = (ratio > 0.0) & (ratio < TALLEST)
+    return np.asarray(value), np.where(within, slope / (math.pi * radius**2), 0.0)

@@ -12,7 +12,10 @@ from metafem.contact.cap_geometry import SPHERES, CapShape, Values
 from metafem.material import Material
 from metafem.notes import Note
 
-__all__ = ["Contact", "Contacts", "Values", "contacts"]
+__all__ = ["Contact", "Contacts", "Values", "area_change", "contacts"]
+
+# Step of the contact radius for the derivative of D', relative.
+STEP = 1e-3
 
 
 @runtime_checkable
@@ -125,6 +128,11 @@ class Contact(Protocol):
         """Derivative of the real contact area by the indentation [mm]; 0 for an open contact."""
         ...
 
+    def profile_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+        """Derivative dd/da of the indentation of an elastic cap by the contact radius a > 0 [-]."""
+        a = np.asarray(contact_radius, dtype=np.float64)
+        return np.asarray(2.0 * math.pi * a / self.area_slope(a, radius, curvature))
+
 
 class Contacts(NamedTuple):
     """Contacts at given indentations, all arrays of one shape."""
@@ -142,3 +150,18 @@ def contacts(law: Contact, indentation: FloatArray, radius: FloatArray) -> Conta
     # to first order in the rounding of a: near the equator of a sphere the load alone loses its digits
     missing = np.where(a > 0.0, indentation - law.indentation(a, radius), 0.0)
     return Contacts(law.load(a, radius) + stiffness * missing, law.area(a), stiffness, a)
+
+
+def area_change(
+    law: Contact, contact_radius: FloatArray, radius: FloatArray, slope: FloatArray
+) -> FloatArray:
+    """Relative change of the area at a given load by a slope g of the field, for contact radii a > 0.
+
+    ``-2 (a D''/D' - 1) (g/D')^2``: zero for paraboloids, which only move, and ``-2 (n - 2) (g/D')^2`` for
+    powers n. It follows from the energy of an adhesive contact under a slope, with the moment
+    ``4/3 a^3 - 2 a/D' sqrt(8 pi w a^3)``, as the derivative of the energy by w is the area. Resolved contacts
+    on a slope agree within 1 % for powers 1.5 to 4 and for the sphere up to g/D' = 0.05.
+    """
+    own, before = (law.profile_slope(a, radius) for a in (contact_radius, (1.0 - STEP) * contact_radius))
+    bend = np.log(own / before) / -math.log1p(-STEP)
+    return np.asarray(-2.0 * (bend - 1.0) * (slope / own) ** 2)

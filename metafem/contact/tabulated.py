@@ -14,9 +14,8 @@ from metafem import _validate as check
 from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.contact.by_indentation import LawByIndentation
+from metafem.contact.by_indentation import LawByIndentation, LogCubic
 from metafem.contact.law import Values
-from metafem.contact.log_cubic import LogCubic
 from metafem.errors import InvalidInput
 from metafem.material import Material
 

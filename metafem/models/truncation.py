@@ -11,9 +11,9 @@ from metafem._kernels.truncation import SMALL, pair_sum
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
+from metafem.contact.law import area_change
 from metafem.models.interacting.influence import coupling_between
 from metafem.models.interacting.model import DENSE_LIMIT
-from metafem.models.tilt import area_change
 from metafem.substrate import Substrate
 from metafem.surface import Surface
 

@@ -21,7 +21,6 @@ import scipy
 from metafem._validate import FloatArray, IntArray
 from metafem._values import percent
 from metafem.contact import Contact
-from metafem.contact.cap_geometry import SPHERES, CapShape
 from metafem.errors import MetafemError, NotConverged
 from metafem.models import Curve, Interacting, Model
 from metafem.models.boundary_elements.model import resolvable
@@ -29,6 +28,7 @@ from metafem.models.interacting.model import DENSE_LIMIT
 from metafem.models.model import contact_of, has_paraboloids
 from metafem.models.truncation import COMPARED, crowding, truncation
 from metafem.notes import Note, information
+from metafem.prediction.part_notes import part_notes
 from metafem.substrate import BondedLayer, HalfSpace
 from metafem.surface import Surface
 
@@ -85,7 +85,7 @@ def left_out_notes(
         *_base_notes(surface, model, curve),
         *_wide_notes(surface, model, curve),
         *_interaction_notes(surface, model, curve, unloading),
-        *_surface_notes(surface, contact_of(model).shape()),
+        *part_notes(surface, contact_of(model).shape()),
     )
 
 
@@ -299,62 +299,3 @@ def _wide_notes(surface: Surface, model: Model, curve: Curve) -> list[Note]:
     )
     text = f"the widest contact has a/R = {ratio:.2f} at {_last_force(surface, curve):.4g} N: {range_of}"
     return [Note(text) if ratio > TOO_WIDE else information(text)]
-
-
-def _surface_notes(surface: Surface, shape: CapShape) -> list[Note]:
-    """State where the surface cannot be made as a part."""
-    notes = []
-    low = int((surface.height < 0.0).sum())
-    if low:
-        notes.append(
-            Note(
-                f"{low} of {surface.count} summits lie below the base plane, the lowest at "
-                f"{float(surface.height.min()):.4g} mm, and cannot be made as caps: raise them above 0 mm"
-            )
-        )
-    most = shape.tallest(surface.radius)
-    high = int((surface.height > most).sum())
-    if high and shape is not SPHERES:
-        notes.append(
-            Note(
-                f"{high} of {surface.count} summits stand higher than their profile is deep and cannot be "
-                f"made as caps: lower them to {float(most.min()):.4g} mm, or give a wider profile"
-            )
-        )
-    elif high:
-        notes.append(
-            Note(
-                f"{high} of {surface.count} summits stand higher than their radius and cannot be made as "
-                f"caps: lower them to {float(surface.radius.min()):g} mm, or use larger radii"
-            )
-        )
-    buried = _overlapping_caps(surface, shape)
-    if buried:
-        notes.append(
-            Note(
-                f"the caps of {buried} {'pair' if buried == 1 else 'pairs'} of summits overlap on the base "
-                "plane and cannot be made as separate caps: increase the pitch, or lower the summits"
-            )
-        )
-    block = surface.block
-    if block is not None:
-        outside = np.abs(surface.position) > 0.5 * np.array([block.width, block.length])
-        count = int(outside.any(axis=1).sum())
-        if count:
-            notes.append(
-                Note(
-                    f"{count} of {surface.count} summits stand outside the block of {block.width:g} by "
-                    f"{block.length:g} mm, whose centre is at (0, 0): make it larger, or move them"
-                )
-            )
-    return notes
-
-
-def _overlapping_caps(surface: Surface, shape: CapShape) -> int:
-    """Return how many pairs of caps overlap."""
-    height = np.clip(surface.height, 0.0, shape.tallest(surface.radius))
-    foot = shape.foot_radius(height, surface.radius)
-    tree = scipy.spatial.cKDTree(surface.position)
-    pairs = tree.query_pairs(2.0 * float(foot.max()), output_type="ndarray")
-    distance = np.hypot(*(surface.position[pairs[:, 0]] - surface.position[pairs[:, 1]]).T)
-    return int((distance < foot[pairs].sum(axis=1)).sum())

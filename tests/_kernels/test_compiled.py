@@ -10,7 +10,7 @@ from numba.core import event
 import metafem
 from metafem import _caches
 from metafem._kernels import compiled as module
-from metafem._kernels.compiled import compiled, inner, version
+from metafem._kernels.compiled import compiled, version
 
 KERNELS = Path(metafem.__file__).parent / "_kernels"
 
@@ -39,14 +39,6 @@ def test_a_signature_is_compiled_once_for_all_processes(folder):
     assert compiled(twice)(3.0) == 6.0
     (version_folder,) = (folder / "kernels").iterdir()
     assert len(list(version_folder.iterdir())) == 2
-
-
-def test_an_inner_kernel_is_called_by_other_kernels_only(folder):
-    double = inner(twice)
-    assert compiled(lambda x: 2.0 * double(x))(3.0) == 12.0
-    for argument in (3.0, 3):
-        with pytest.raises(TypeError, match="twice can be called by other kernels only"):
-            double(argument)
 
 
 def test_damaged_files_are_compiled_anew(folder):

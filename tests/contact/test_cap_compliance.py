@@ -32,3 +32,34 @@ def test_lengths_scale():
 def test_outside_the_table_is_refused(height, contact):
     with pytest.raises(mf.InvalidInput, match="must lie from"):
         cap_compliance.pedestal_compliance(height, 1.0, contact)
+
+
+HEIGHT, RADIUS = np.array([0.03, 0.12, 0.30]), np.array([0.526, 0.526, 0.6])
+
+
+def test_the_influence_of_a_pedestal_is_the_fit_without_a_contact():
+    value, _ = cap_compliance.pedestal_influence(HEIGHT, RADIUS)
+    np.testing.assert_allclose(np.pi * value, cap_compliance.pedestal_compliance(HEIGHT, RADIUS), rtol=1e-14)
+
+
+def test_its_rate_is_its_derivative():
+    step = 1e-6  # central differences: error step^2
+    ahead, behind = (cap_compliance.pedestal_influence(HEIGHT + s * step, RADIUS)[0] for s in (1, -1))
+    np.testing.assert_allclose(
+        cap_compliance.pedestal_influence(HEIGHT, RADIUS)[1], (ahead - behind) / (2 * step), rtol=1e-8
+    )
+
+
+def test_summits_at_the_base_plane_have_none():
+    value, rate = cap_compliance.pedestal_influence(np.array([-0.1, 0.0]), np.ones(2))
+    assert not value.any()
+    assert not rate.any()
+
+
+def test_summits_beyond_the_table_keep_its_last_row_and_say_so():
+    value, rate = cap_compliance.pedestal_influence(np.array([0.6, 0.9]), np.ones(2))
+    assert value[0] == value[1]
+    assert rate[1] == 0.0
+    surface = mf.Surface([[0.0, 0.0]], [0.4], 0.526, mf.Material(1.36))
+    state = mf.equilibrium(surface, mf.Interacting(pedestal=True), load=0.02)
+    assert "higher than 0.6 R" in state.notes[0].text

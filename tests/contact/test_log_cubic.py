@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.testing import assert_allclose
 
-from metafem.contact.log_cubic import LogCubic
+from metafem.contact.by_indentation import LogCubic
 
 
 def test_a_power_is_exact():

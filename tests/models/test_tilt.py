@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.contact.law import area_change
 from metafem.models.boundary_elements import patches, solve
-from metafem.models.tilt import area_change, profile_slope
 
 RADIUS = 0.526
 
@@ -13,7 +13,7 @@ RADIUS = 0.526
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0, 4.0, 8.0])
 def test_powers(exponent):
     law, a = mf.PowerCap(exponent), np.array([0.01, 0.2])
-    own = profile_slope(law, a, RADIUS)
+    own = law.profile_slope(a, RADIUS)
     np.testing.assert_allclose(own, exponent * law.indentation(a, RADIUS) / a, rtol=1e-12)
     np.testing.assert_allclose(area_change(law, a, RADIUS, 0.1 * own), -0.02 * (exponent - 2.0), atol=1e-12)
 
@@ -22,7 +22,7 @@ def test_powers(exponent):
 def test_resolved_contacts_on_a_slope(law, monkeypatch):
     """The load is that of the contact without a slope; the area by the moments has terms of its own."""
     a, share, cell = 0.2, 0.05, 0.004
-    slope = share * float(profile_slope(law, np.array(a), RADIUS))
+    slope = share * float(law.profile_slope(np.array(a), RADIUS))
     flat = patches.patch
 
     def tilted(*arguments):

@@ -14,8 +14,8 @@ import numpy as np
 
 import metafem as mf
 from metafem.contact import Contact
+from metafem.contact.cap_compliance import pedestal_influence
 from metafem.models import Curve, Model
-from metafem.models.interacting.cap_influence import pedestal_influence
 from validation.methods.square_mean import mean_influence
 
 # Newton's steps to a contact radius, to rounding.

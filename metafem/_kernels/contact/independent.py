@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from metafem._kernels.compiled import compiled, inner
+from metafem._kernels.compiled import compiled
 from metafem._kernels.contact import tabulated
 from metafem._kernels.vectors import add
 
@@ -19,7 +19,7 @@ MAX_STEPS = 200
 ROUNDING = 4.0 * np.finfo(np.float64).eps
 
 
-@inner
+@compiled
 def load_and_slope(law, gap, approach):
     """Return P/E* [mm^2] and its derivative by the approach [mm]."""
     _, which, scale, data = law
@@ -33,7 +33,7 @@ def load_and_slope(law, gap, approach):
     return load + rest, slope
 
 
-@inner
+@compiled
 def approach_at_load(law, gap, load, below, carried, slope):
     """Return the approach [mm] at a load; at the approach `below` > 0 the load is `carried` with a slope."""
     i = int(np.argmin(gap))

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from metafem._kernels.compiled import compiled, inner
+from metafem._kernels.compiled import compiled
 
 # Smallest sharpness of a summit that neighbours flatten, in parts of its own: beyond is outside the range of
 # the expansion. Without tables it is that of the curvature, k R.
@@ -62,7 +62,7 @@ def part(law, row):
     return Law(law.radius[row], law.which[row], law.scale[row], law.data)
 
 
-@inner
+@compiled
 def panel(data, at, part, x):
     """Return where the polynomials of the panel of x begin, the inverse of half its width, and a place in it.
 
@@ -82,7 +82,7 @@ def panel(data, at, part, x):
     return first + 1, inverse, t, free - t
 
 
-@inner
+@compiled
 def line(data, at, first, t, beyond):
     """Return a polynomial and its derivative by t, a straight line beyond the ends of its panel.
 
@@ -99,7 +99,7 @@ def line(data, at, first, t, beyond):
     return e + t * o + slope * beyond, slope
 
 
-@inner
+@compiled
 def curve(data, at, first, t, beyond):
     """Return the same with the second derivative."""
     u = t * t
@@ -131,7 +131,7 @@ def load_and_rate(data, at, scale, z):
     return p, p * f1 * inverse / z
 
 
-@inner
+@compiled
 def logarithm(x):
     """Return ln x; a series where x is near 1, which takes a third of the time."""
     e = x - 1.0
@@ -140,7 +140,7 @@ def logarithm(x):
     return e * (1.0 - e * (1.0 / 2.0 - e * (1.0 / 3.0 - e * (1.0 / 4.0 - e * (1.0 / 5.0 - e / 6.0)))))
 
 
-@inner
+@compiled
 def exponential(x):
     """Return e^x; a series where x is small."""
     if abs(x) > NEAR:

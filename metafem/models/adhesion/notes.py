@@ -10,6 +10,7 @@ import scipy
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem.contact import JKR, Contact
+from metafem.contact.adhesion import of_sizes
 from metafem.errors import InvalidInput
 from metafem.material import Material
 from metafem.notes import Note, information
@@ -40,8 +41,7 @@ def refuse_merging(law: JKR, surface: Surface) -> None:
     """Raise InvalidInput if neighbouring contacts would merge without load."""
     if surface.count == 1:
         return
-    sizes, which = np.unique(surface.radius, return_inverse=True)
-    reach = np.broadcast_to(law.zero_load_radius(sizes)[which], surface.count)
+    reach = of_sizes(law, "zero_load", surface.radius)
     tree = scipy.spatial.cKDTree(surface.position)
     pairs = tree.query_pairs(2.0 * float(reach.max()), output_type="ndarray")
     if not len(pairs):

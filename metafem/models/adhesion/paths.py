@@ -15,7 +15,7 @@ import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import JKR
-from metafem.contact.adhesion import branch_ends
+from metafem.contact.adhesion import of_sizes
 from metafem.errors import InvalidInput
 from metafem.models.adhesion.notes import Jump
 
@@ -51,12 +51,12 @@ class Asperities:
     @cached_property
     def entry_radius(self) -> FloatArray:
         """Contact radius (n,) [mm] after the jump into contact, at d = 0."""
-        return branch_ends(self.law, self.radius)[0]
+        return of_sizes(self.law, "entry", self.radius)
 
     @cached_property
     def end_radius(self) -> FloatArray:
         """Contact radius (n,) [mm] at the end of the branch at a given approach."""
-        return branch_ends(self.law, self.radius)[1]
+        return of_sizes(self.law, "break", self.radius)
 
     @cached_property
     def end(self) -> FloatArray:

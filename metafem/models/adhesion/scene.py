@@ -26,7 +26,7 @@ from scipy.linalg.lapack import dgetrf, dgetrs, dsytrf
 from metafem._kernels.coupling import Coupling
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import JKR
-from metafem.contact.adhesion import branch_ends
+from metafem.contact.adhesion import of_sizes
 from metafem.contact.elastic import PARABOLOID
 
 # Newton's steps from a radius that is right to a few hundredths, to rounding.
@@ -54,7 +54,7 @@ class Scene:
     @cached_property
     def entry_radius(self) -> FloatArray:
         """Contact radius (n,) [mm] after the jump into contact at d = 0, without curvature."""
-        return branch_ends(self.law, self.radius)[0]
+        return of_sizes(self.law, "entry", self.radius)
 
     def entry_radius_at(self, entering: IntArray, closed: IntArray, p: FloatArray) -> FloatArray:
         """Contact radius [mm] of asperities that jump into contact beside others of loads p [mm^2]."""
@@ -71,7 +71,7 @@ class Scene:
         """
         if not self.paraboloid:
             return np.zeros(len(self.radius))
-        return 0.5 * branch_ends(self.law, self.radius)[1]
+        return 0.5 * of_sizes(self.law, "break", self.radius)
 
     @cached_property
     def largest_radius(self) -> FloatArray:

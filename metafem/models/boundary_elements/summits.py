@@ -12,7 +12,7 @@ from metafem._validate import FloatArray
 from metafem.contact import Hertz
 from metafem.contact.caps import ElasticCap
 from metafem.contact.elastic import PARABOLOID
-from metafem.models.tilt import area_change, profile_slope
+from metafem.contact.law import area_change
 from metafem.surface import Surface
 
 # Indentation over R up to which contacts of a law without a largest one are measured, where that of a sphere
@@ -121,7 +121,7 @@ class Summits:
             low, high = np.where(wide, low, a), np.where(wide, a, high)
         closed = low > ROUNDING * widest  # pressure on one cell has no moment
         a, carried = np.where(closed, low, 0.5 * widest), np.where(closed, carried, 1.0)
-        slope, own = carried * self.cell * shift / (4.0 / 3.0 * a**3), profile_slope(self.cap, a, radius)
+        slope, own = carried * self.cell * shift / (4.0 / 3.0 * a**3), self.cap.profile_slope(a, radius)
         seen = (10.0 - 20.0 / 3.0 * a**2 * own / self.cap.load(a, radius)) * (slope / own) ** 2
         change = np.maximum(1.0 + area_change(self.cap, a, radius, slope) - seen, 0.0)
         return np.where(closed, math.pi * (a / self.cell) ** 2 * change, 0.0)

@@ -7,8 +7,8 @@ from typing import Any
 
 from metafem._validate import FloatArray
 from metafem.contact import Contact
+from metafem.contact.cap_compliance import TALLEST, pedestal_influence
 from metafem.models.curve import RescaledState
-from metafem.models.interacting.cap_influence import pedestal_influence, pedestal_notes
 from metafem.notes import Note
 from metafem.substrate import Substrate
 from metafem.surface import Surface
@@ -47,5 +47,8 @@ class Coupled:
         # the foot of a cap sinks with the summit, the base beside it hardly; the shift of a contact adds less
         # than a micrometre to the base gap
         base = height - indentation - self.pedestals(height, self.surface.radius) * load
-        notes += pedestal_notes(self.surface) if self.pedestal else ()
+        tall = int((self.surface.height > TALLEST * self.surface.radius).sum())
+        if self.pedestal and tall:
+            text = f"{tall} summits are higher than {TALLEST:g} R; their pedestals are taken as that high"
+            notes += (Note(text),)
         return RescaledState(load, area, indentation, float(base.min()), self.model, notes)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.models.interacting.cap_influence import pedestal_influence
+from metafem.contact.cap_compliance import pedestal_influence
 from tests.models.scenes import COUPLED, HEIGHT, PLACE, RADIUS, lattice, said, scene
 
 SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5), mf.BondedLayer(1.0, 0.3)]

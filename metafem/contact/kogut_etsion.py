@@ -1,0 +1,115 @@
+"""Elastic-plastic contact by Kogut and Etsion."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem.contact.by_indentation import LogCubic
+from metafem.contact.elastic_plastic import AFTER_YIELD, ElasticPlastic
+from metafem.material import Material
+
+# Hardness over yield strength, with which Kogut and Etsion write their formulas.
+HARDNESS_RATIO = 2.8
+
+# The other blends reach from the break over this number to the break times this number. With wider ones the
+# load changes more, with narrower ones the slope of ln P exceeds 1.5 by more.
+AROUND = 1.25
+
+
+@dataclass(frozen=True)
+class KogutEtsion(ElasticPlastic):
+    """Elastic-plastic contact of a sphere and a rigid plane by Kogut and Etsion, frictionless.
+
+    With ``K = 0.454 + 0.41 nu`` the material yields at the indentation ``w_c = (pi K H/(2 E*))^2 R``. Up to
+    there the contact is Hertz's, with P_c and A_c at w_c. With w* = w/w_c, ``P = 1.03 P_c w*^1.425`` and
+    ``A = 0.93 A_c w*^1.136`` up to w* = 6, ``1.40 P_c w*^1.263`` and ``0.94 A_c w*^1.146`` up to 110, then
+    the contact is fully plastic, ``P = H A`` and ``A = 2 pi R w``.
+
+    The formulas jump at w* = 1, 6 and 110: P by +3, +1.7 and 3/(1.4 K) 110^-0.263 - 1 (+7.9 % at nu = 0.3,
+    -5.5 % at 0.5), A by -7, +2.9 and +7.1 %. Cubics of ln P and ln A over ln w close the jumps with
+    continuous slopes, from w* = 1 to 2, 4.8 to 7.5 and 88 to 137.5. They change A by at most 7.5, 1.5 and
+    4.2 %, and P by at most 2.9, 1.7 and, for the third, which depends on nu,
+
+    ====================  ====  ====  ====  ====  ====  ====
+    nu                    0     0.1   0.2   0.3   0.4   0.5
+    third change of P, %  15.8  12.1  8.6   5.1   1.8   4.2
+    ====================  ====  ====  ====  ====  ====  ====
+
+    `blends` evaluates the changes for a material, and the notes of a state name those that it reaches. P and
+    A increase with w for all nu. The law couples by order 1. Valid for H/E* >= 0.0025 and contacts narrower
+    than R. Kogut and Etsion, J. Appl. Mech. 69, 657 (2002), doi:10.1115/1.1490373.
+
+    Parameters
+    ----------
+    hardness : float
+        H of the softer material [MPa], positive.
+    material : Material, optional
+        Material of the surface; a model sets it by `for_material`.
+
+    Raises
+    ------
+    InvalidInput
+        If the hardness is not positive, or too low for the modulus of the material.
+
+    Examples
+    --------
+    >>> from metafem.material import Material
+    >>> law = KogutEtsion(hardness=0.1).for_material(Material(1.36))
+    >>> law.yield_indentation(0.526).round(6)
+    np.float64(0.003047)
+    >>> a = law.contact_radius(0.01, 0.526)
+    >>> a.round(6), law.load(a, 0.526).round(6)
+    (np.float64(0.075828), np.float64(0.000911))
+    """
+
+    hardness: float
+    material: Material | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        check.member(self, "hardness", above=0.0)
+
+    @property
+    def _strain(self) -> float:
+        return self.hardness / (HARDNESS_RATIO * self._bound().composite_modulus)
+
+    @property
+    def _factor(self) -> float:
+        """K [-]."""
+        return 0.454 + 0.41 * self._bound().poisson_ratio
+
+    @cached_property
+    def _yield(self) -> float:
+        return (0.5 * math.pi * self._factor * self.hardness / self._bound().composite_modulus) ** 2
+
+    @cached_property
+    def _loads(self) -> list[tuple[float, float]]:
+        """Factors and exponents of P/P_c; H 2 pi R w/P_c = 3/K w*."""
+        return [(1.0, 1.5), (1.03, 1.425), (1.40, 1.263), (3.0 / self._factor, 1.0)]
+
+    AREAS: ClassVar = [(1.0, 1.0), (0.93, 1.136), (0.94, 1.146), (2.0, 1.0)]
+    BREAKS: ClassVar = (1.0, 6.0, 110.0)
+    BLENDS: ClassVar = [
+        (1.0, AFTER_YIELD),
+        (6.0 / AROUND, 6.0 * AROUND),
+        (110.0 / AROUND, 110.0 * AROUND),
+    ]
+
+    @cached_property
+    def _load(self) -> LogCubic:
+        return LogCubic.powers(self._loads, self.BLENDS)
+
+    @cached_property
+    def _area(self) -> LogCubic:
+        return LogCubic.powers(self.AREAS, self.BLENDS)
+
+    def _published(self, w: FloatArray) -> tuple[FloatArray, FloatArray]:
+        regime = np.searchsorted(self.BREAKS, w)
+        (p, m), (q, n) = np.array(self._loads).T[:, regime], np.array(self.AREAS).T[:, regime]
+        return p * w**m, q * w**n
