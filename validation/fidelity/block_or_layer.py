@@ -6,6 +6,7 @@ law. The influence of the block takes half a minute for each set of sites and is
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 
@@ -113,9 +114,8 @@ def _influence() -> list[Row]:
     ]  # fmt: skip
 
 
-def _second() -> list[Row]:
+def _second() -> Iterator[Row]:
     """Solve the laws at order 1 a second time, at every load."""
-    rows: list[Row] = []
     for name in ("Fig. 5 blue", "Fig. 5 red"):
         surface, radius = surfaces()[name], float(surfaces()[name].radius[0])
         for substrate in SUBSTRATES:
@@ -129,11 +129,8 @@ def _second() -> list[Row]:
                 )
                 worst = np.maximum(worst, np.abs(errors))
             label = f"{name}, {substrate}, order 1"
-            rows += [
-                below(f"{label}: largest relative error of A0", worst[0], SOLVERS, NEWTON),
-                below(f"{label}: largest error of the separation over R", worst[1], SOLVERS, NEWTON),
-            ]
-    return rows
+            yield below(f"{label}: largest relative error of A0", worst[0], SOLVERS, NEWTON)
+            yield below(f"{label}: largest error of the separation over R", worst[1], SOLVERS, NEWTON)
 
 
 def _matrix(surface: mf.Surface, substrate: str) -> np.ndarray:
@@ -166,45 +163,34 @@ def _facts() -> list[Row]:
     ]  # fmt: skip
 
 
-def _order1() -> list[Row]:
+def _order1() -> Iterator[Row]:
     """Report the differences of point loads on both surfaces of Table S2."""
     names = ("Fig. 5 blue", "Fig. 5 red")
     fall = 1e2 * np.array([1.0 - law(n, "block", 1).area / law(n, "none", 1).area for n in names])
-    rows: list[Row] = [
-        reported(
-            "Table S2, block: least decrease of A0 against independent asperities [%]", fall.min(), ORDER1
-        ),
-        reported("Table S2, block: largest decrease of A0 [%]", fall.max(), ORDER1),
-    ]
+    yield reported(
+        "Table S2, block: least decrease of A0 against independent asperities [%]", fall.min(), ORDER1
+    )
+    yield reported("Table S2, block: largest decrease of A0 [%]", fall.max(), ORDER1)
     for substrate in ("half-space", "layer"):
         parts = zip(*(difference(n, substrate, 1) for n in names), strict=True)
         area, plane = (np.abs(np.concatenate(part)) for part in parts)
         label = f"Table S2, {substrate}"
-        rows += [
-            reported(f"{label}: largest relative difference of A0 from the block", area.max(), ORDER1),
-            reported(f"{label}: least difference of separation [µm]", plane.min(), ORDER1),
-            reported(f"{label}: largest difference of separation [µm]", plane.max(), ORDER1),
-        ]
-    return rows
+        yield reported(f"{label}: largest relative difference of A0 from the block", area.max(), ORDER1)
+        yield reported(f"{label}: least difference of separation [µm]", plane.min(), ORDER1)
+        yield reported(f"{label}: largest difference of separation [µm]", plane.max(), ORDER1)
 
 
-def _order3() -> list[Row]:
+def _order3() -> Iterator[Row]:
     """Report the differences of the five surfaces at order 3."""
-    rows: list[Row] = []
     for name in surfaces():
         fall = 1e2 * (law(name, "block", 3).area / law(name, "none", 3).area - 1.0)
-        rows.append(
-            reported(f"{name}: largest change of A0 on the block [%]", fall[np.abs(fall).argmax()], ORDER3)
-        )
+        yield reported(f"{name}: largest change of A0 on the block [%]", fall[np.abs(fall).argmax()], ORDER3)
         for substrate in ("half-space", "layer"):
             area, plane = difference(name, substrate, 3)
             label = f"{name}, {substrate}"
-            rows += [
-                reported(f"{label}: largest relative difference of A0 from the block",
-                         np.abs(area).max(), ORDER3),
-                reported(f"{label}: largest difference of separation [µm]", np.abs(plane).max(), ORDER3),
-            ]  # fmt: skip
-    return rows
+            yield reported(f"{label}: largest relative difference of A0 from the block",
+                           np.abs(area).max(), ORDER3)  # fmt: skip
+            yield reported(f"{label}: largest difference of separation [µm]", np.abs(plane).max(), ORDER3)
 
 
 @panels(8.4, 3.6, columns=2)

@@ -7,6 +7,7 @@ set of sites and is then read from disk.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
@@ -116,22 +117,18 @@ def _changes(name: str) -> list[Result]:
     ]
 
 
-def _second(name: str) -> list[Check]:
+def _second(name: str) -> Iterator[Check]:
     """Compare order 1 at a light and a high load with Newton's method in numpy."""
     surface = surfaces()[name]
     influence = mf.fe.Block3D().influence_matrix(surface)
     influence[np.diag_indices_from(influence)] += pedestal_compliance(surface.height, surface.radius) / np.pi
     radius, modulus = float(surface.radius[0]), surface.material.composite_modulus
     model = mf.Interacting(order=1, substrate=mf.fe.Block3D(), pedestal=True)
-    rows = []
     for load in LOADS[[1, -1]]:
         depth, _ = contact_equations.coupled(surface.height, radius, influence, float(load))
         area = contact_equations.area(depth, radius)
         found = mf.equilibrium(surface, model, load=modulus * load).area
-        rows.append(
-            near(f"{name}, order 1, P/E* = {load:g} mm²: A0 [mm²]", found, area, ROUNDING * area, NEWTON)
-        )
-    return rows
+        yield near(f"{name}, order 1, P/E* = {load:g} mm²: A0 [mm²]", found, area, ROUNDING * area, NEWTON)
 
 
 def _wide(name: str) -> Result:
@@ -154,25 +151,19 @@ def _wide(name: str) -> Result:
     return reported(label, 1e2 * _rms(np.array(ratio)), words)
 
 
-def _slopes(name: str, design: mf.Design) -> list[Result]:
+def _slopes(name: str, design: mf.Design) -> Iterator[Result]:
     """Return the change of the fitted slopes, and of the load at which two branches cross."""
     lines = [_lines(name, design, model) for model in ("independent", WHOLE)]
-    rows: list[Result] = []
     for i, (before, after) in enumerate(zip(*lines, strict=True)):
         which = f"slope {i + 1}" if len(lines[0]) > 1 else "slope"
-        rows += [
-            reported(f"{name}: relative change of the fitted {which}", abs(after[0] / before[0] - 1.0),
-                     LINEAR if "4" in name else BILINEAR),
-            reported(f"{name}: fitted {which} on the block with pedestals", after[0], METHOD),
-        ]  # fmt: skip
+        yield reported(f"{name}: relative change of the fitted {which}", abs(after[0] / before[0] - 1.0),
+                       LINEAR if "4" in name else BILINEAR)  # fmt: skip
+        yield reported(f"{name}: fitted {which} on the block with pedestals", after[0], METHOD)
     if len(lines[0]) > 1:
         cross = [float((b[1] - a[1]) / (a[0] - b[0])) for a, b in lines]
-        rows += [
-            reported(f"{name}: load P/E* at which the branches cross, independent [mm²]", cross[0],
-                     "intersection of the fitted lines, independent asperities"),
-            reported(f"{name}: the same on the block with pedestals [mm²]", cross[1], METHOD),
-        ]  # fmt: skip
-    return rows
+        yield reported(f"{name}: load P/E* at which the branches cross, independent [mm²]", cross[0],
+                       "intersection of the fitted lines, independent asperities")  # fmt: skip
+        yield reported(f"{name}: the same on the block with pedestals [mm²]", cross[1], METHOD)
 
 
 def _lines(name: str, design: mf.Design, model: str) -> list[tuple[float, float]]:

@@ -5,6 +5,7 @@ The influence of the block takes half a minute for each set of sites and is then
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 from typing import NamedTuple
 
@@ -104,44 +105,35 @@ def claim() -> Claim:
     )
 
 
-def _mean_field(name: str) -> list[Check]:
+def _mean_field(name: str) -> Iterator[Check]:
     first, field = curves(name, "independent"), curves(name, "mean field")
-    rows = [
-        below(f"{name}, mean field: largest relative change of A0(P)",
-              np.abs(field.area / first.area - 1.0).max(), 1e-12, SHIFT),
-    ]  # fmt: skip
+    yield below(f"{name}, mean field: largest relative change of A0(P)",
+                np.abs(field.area / first.area - 1.0).max(), 1e-12, SHIFT)  # fmt: skip
     surface = surfaces()[name]
     sample = paper()["sample"]
     rows_and_columns = sample["lattice_shape"]
     if surface.count == np.prod(rows_and_columns):
         side = sample["lattice_pitch_mm"] * np.sqrt(np.prod(rows_and_columns))
         factor = (first.separation - field.separation) / LOADS * side
-        rows.append(
-            near(f"{name}, mean field: factor c of the displacement c p √A/E*",
-                 float(factor[-1]), square_mean.mean_influence(), 1e-9, SQUARE)
-        )  # fmt: skip
-    return rows
+        yield near(f"{name}, mean field: factor c of the displacement c p √A/E*",
+                   float(factor[-1]), square_mean.mean_influence(), 1e-9, SQUARE)  # fmt: skip
 
 
-def _changes(name: str) -> list[Result]:
-    rows: list[Result] = []
+def _changes(name: str) -> Iterator[Result]:
     for model in SUBSTRATES:
-        rows += [
+        yield from (
             reported(f"{name}, {model}: rms change of {label} [%]", _rms(values), METHOD)
             for label, values in zip(CURVES, _change(name, model), strict=True)
-        ]
-    return rows
+        )
 
 
-def _largest() -> list[Result]:
+def _largest() -> Iterator[Result]:
     """Report the largest change of each curve at one load or separation, over the five surfaces."""
-    rows = []
     for model in SUBSTRATES:
         for k, label in enumerate(CURVES):
             values = np.concatenate([_change(name, model)[k] for name in surfaces()])
             found = float(values[np.abs(values).argmax()])
-            rows.append(reported(f"five surfaces, {model}: largest change of {label} [%]", found, METHOD))
-    return rows
+            yield reported(f"five surfaces, {model}: largest change of {label} [%]", found, METHOD)
 
 
 def _against_block() -> list[Check | Result]:
@@ -162,11 +154,10 @@ def _against_block() -> list[Check | Result]:
     ]  # fmt: skip
 
 
-def _second(name: str) -> list[Check]:
+def _second(name: str) -> Iterator[Check]:
     """Compare the separations of order 1 with those of Newton's method in numpy, at the tenth load."""
     surface = surfaces()[name]
     radius, load = float(surface.radius[0]), float(LOADS[9])
-    rows = []
     for label, substrate in (("half-space", mf.HalfSpace()), ("block", mf.fe.Block3D())):
         influence = substrate.influence_matrix(surface)
         if label == "half-space":
@@ -175,11 +166,8 @@ def _second(name: str) -> list[Check]:
         _, plane = contact_equations.coupled(surface.height, radius, influence, load)
         model = mf.Interacting(order=1, substrate=substrate)
         found = mf.equilibrium(surface, model, load=load * surface.material.composite_modulus).separation
-        rows.append(
-            near(f"{name}, {label}, order 1: separation at {load:g} mm² [µm]",
-                 1e3 * found, 1e3 * plane, 1e3 * ROUNDING * radius, NEWTON)
-        )  # fmt: skip
-    return rows
+        yield near(f"{name}, {label}, order 1: separation at {load:g} mm² [µm]",
+                   1e3 * found, 1e3 * plane, 1e3 * ROUNDING * radius, NEWTON)  # fmt: skip
 
 
 def _change(name: str, model: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

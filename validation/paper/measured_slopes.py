@@ -7,6 +7,7 @@ P/E* with its σ and E*, so that the measured ones stay as they are printed.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
@@ -128,18 +129,18 @@ def deviation(branch: str, law: str, case: str) -> float:
     return (found - wanted) / error if _linear(branch) else 1e2 * (found / wanted - 1.0)
 
 
-def compared() -> list[Row]:
+def compared() -> Iterator[Row]:
     """Return the ratios of σ, the slopes, and their differences from the measured ones."""
     batch = paper()["batch"]["1"]["composite_modulus_MPa"]
-    found: list[Row] = [reported("E* of batch 1 by Hertz's law [MPa]", batch * softening(batch), MODULUS)]
+    yield reported("E* of batch 1 by Hertz's law [MPa]", batch * softening(batch), MODULUS)
     for law in LAWS:
         if law != "Hertz":
-            found += [
+            yield from (
                 _sigma(surface, law) for surface in dict.fromkeys(each[0] for each in branches().values())
-            ]
-            found += [_slope(branch, law) for branch in branches()]
-    found += [_deviation(branch, *case) for case in CASES for branch in branches()]
-    return found + [_at_one_load(branch, over) for branch in branches() if _linear(branch) for over in ENDS]
+            )
+            yield from (_slope(branch, law) for branch in branches())
+    yield from (_deviation(branch, *case) for case in CASES for branch in branches())
+    yield from (_at_one_load(branch, over) for branch in branches() if _linear(branch) for over in ENDS)
 
 
 def _sigma(surface: str, law: str) -> Row:
