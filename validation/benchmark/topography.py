@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import metafem as mf
+from validation.check import rms
 from validation.scenes.cap_bound import smallest_errors
 from validation.scenes.height_maps import Placement, Roughness, height_map
 from validation.timing import Row
@@ -54,10 +55,10 @@ def rows() -> Iterator[Row]:
     for length in LENGTHS:
         error, score, bound = _errors(length)
         what = f"correlation length {1e3 * length:g} um, {len(error)} caps"
-        yield Row(f"{what}: height error, root mean square", 0.1, 1e3 * _rms(error[:, 2]), "um")
-        yield Row(f"{what}: the smallest possible", 0.1, 1e3 * _rms(bound), "um")
-        yield Row(f"{what}: radius", 0.5, 100.0 * _rms(error[:, 3]) / RADIUS, "%")
-        yield Row(f"{what}: position", 0.5, 1e3 * _rms(np.hypot(error[:, 0], error[:, 1])), "um")
+        yield Row(f"{what}: height error, root mean square", 0.1, 1e3 * rms(error[:, 2]), "um")
+        yield Row(f"{what}: the smallest possible", 0.1, 1e3 * rms(bound), "um")
+        yield Row(f"{what}: radius", 0.5, 100.0 * rms(error[:, 3]) / RADIUS, "%")
+        yield Row(f"{what}: position", 0.5, 1e3 * rms(np.hypot(error[:, 0], error[:, 1])), "um")
         # of 108 values the coverage has a standard error of 4.5 %
         yield Row(f"{what}: coverage of 68 % off by, heights", 13.5, _off(score[:, 2]), "%")
         yield Row(f"{what}: coverage of 68 % off by, radii", 13.5, _off(score[:, 3]), "%")
@@ -90,7 +91,3 @@ def _errors(length: float):
 
 def _off(score: np.ndarray) -> float:
     return 100.0 * abs(float((np.abs(score) < 1.0).mean()) - 0.6827)
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt((values**2).mean()))

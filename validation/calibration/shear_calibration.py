@@ -17,7 +17,7 @@ from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels
 from validation.paper.surfaces import template
 from validation.published import paper, table
-from validation.scenes.repeated_estimates import ALLOWED, COVERED, NOMINAL, TRUTH, Errors, bias_and_coverage
+from validation.scenes.repeated_estimates import Errors, bias_and_coverage, judged
 from validation.scenes.sheared_contacts import ERRORS, RATIO, STRENGTH, sheared
 from validation.sources import known_input, second_method
 
@@ -86,10 +86,7 @@ def _checks(contacts: int) -> Iterator[Row]:
     errors, found, covariance = results(contacts)
     case = f"{contacts} contact{'s' * (contacts > 1)}"
     for name, error in errors.items():
-        yield below(f"{case}: bias of {name} over its uncertainty", abs(error.bias), 0.2, TRUTH)
-        yield near(
-            f"{case}: 68 % intervals of {name} that hold it", error.coverage, NOMINAL, ALLOWED, COVERED
-        )
+        yield from judged(case, name, error)
     stated = covariance[:, 0, 1] / np.sqrt(covariance[:, 0, 0] * covariance[:, 1, 1])
     yield near(
         f"{case}: stated correlation of B and σ",
@@ -238,8 +235,7 @@ def strengths() -> tuple[Errors, Errors]:
 def _full_contact() -> Iterator[Row]:
     for what, found in zip(("E* and B known", "E* and B calibrated"), strengths(), strict=True):
         case = f"full contact, {what}"
-        yield below(f"{case}: bias of σ over its uncertainty", abs(found.bias), 0.2, TRUTH)
-        yield near(f"{case}: 68 % intervals of σ that hold it", found.coverage, NOMINAL, ALLOWED, COVERED)
+        yield from judged(case, "σ", found)
         yield reported(f"{case}: stated uncertainty of σ [MPa]", float(found.sd.mean()), FIT)
 
 

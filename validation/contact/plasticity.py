@@ -10,7 +10,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.drawing import QUIET
-from validation.check import Check, Claim, Picture, Result, above, below, near, reported
+from validation.check import Check, Claim, Picture, Result, above, below, near, reported, rms
 from validation.figures import panels
 from validation.paper.pictures import INKS
 from validation.paper.surfaces import fig4, surfaces, template
@@ -144,9 +144,9 @@ def _yield() -> Iterator[Check]:
 def _criterion() -> Iterator[Result]:
     for name in surfaces():
         at, beyond = changed(name, LIMIT), changed(name, 1.0)
-        yield reported(f"{name}, ψ = {LIMIT}: rms change of A0(P) by plasticity [%]", 1e2 * _rms(at[0]),
+        yield reported(f"{name}, ψ = {LIMIT}: rms change of A0(P) by plasticity [%]", 1e2 * rms(at[0]),
                        METHOD)  # fmt: skip
-        yield reported(f"{name}, ψ = 1: rms change of A0(P) by plasticity [%]", 1e2 * _rms(beyond[0]), METHOD)
+        yield reported(f"{name}, ψ = 1: rms change of A0(P) by plasticity [%]", 1e2 * rms(beyond[0]), METHOD)
         yield reported(f"{name}, ψ = {LIMIT}: largest change of A0(P)", float(np.abs(at[0]).max()), METHOD)
         yield reported(f"{name}, ψ = {LIMIT}: share of A0 past yield, median over the loads",
                        float(np.median(at[1])), METHOD)  # fmt: skip
@@ -175,10 +175,6 @@ def _steps() -> list[Check | Result]:
     ]  # fmt: skip
 
 
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt((values**2).mean()))
-
-
 @panels(6.4, 3.8)
 def _criterion_figure(ax):
     """Rms change of A0(P) by plastic deformation over the plasticity index, on the five surfaces. It begins
@@ -186,7 +182,7 @@ def _criterion_figure(ax):
     (horizontal line), and exceeds that at 1.
     """
     for name in surfaces():
-        values = np.array([100.0 * _rms(changed(name, index)[0]) for index in INDICES])
+        values = np.array([100.0 * rms(changed(name, index)[0]) for index in INDICES])
         ax.plot(INDICES, np.where(values > 1e-3, values, np.nan), "o-", ms=4, color=INKS[name], label=name)
     ax.axvline(LIMIT, color=QUIET, lw=0.8)
     ax.axhline(100.0 * paper()["interaction"]["rms_area_difference_below"], color=QUIET, lw=0.8, ls="--")

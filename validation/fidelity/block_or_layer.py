@@ -140,9 +140,7 @@ def _matrix(surface: mf.Surface, substrate: str) -> np.ndarray:
     if substrate == "layer":
         thickness, ratio = surface.block.thickness, surface.material.poisson_ratio
         return contact_equations.layer_influence(surface.position, thickness, ratio)
-    distance = np.linalg.norm(surface.position[:, None] - surface.position, axis=2)
-    np.fill_diagonal(distance, np.inf)
-    return 1.0 / (np.pi * distance)
+    return contact_equations.half_space_influence(surface.position)
 
 
 def _facts() -> list[Row]:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 import metafem as mf
-from validation.check import Check, Claim, Picture, Result, below, near, reported
+from validation.check import Check, Claim, Picture, Result, below, near, reported, rms
 from validation.figures import panels
 from validation.methods import contact_equations, square_mean
 from validation.paper.surfaces import surfaces
@@ -82,9 +82,9 @@ def claim() -> Claim:
     for name in surfaces():
         rows += [*_mean_field(name), *_changes(name), *_second(name)]
     rows += [*_largest(), *_against_block()]
-    area = [_rms(_change(name, "block")[0]) for name in surfaces()]
-    load = [_rms(_change(name, "block")[1]) for name in surfaces()]
-    wrong, flat = ([_rms(_to_block(name, each)) for name in surfaces()] for each in ("half-space", "layer"))
+    area = [rms(_change(name, "block")[0]) for name in surfaces()]
+    load = [rms(_change(name, "block")[1]) for name in surfaces()]
+    wrong, flat = ([rms(_to_block(name, each)) for name in surfaces()] for each in ("half-space", "layer"))
     return Claim(
         "A0(P), P(δ) and A0(δ) under five models",
         rows,
@@ -122,7 +122,7 @@ def _mean_field(name: str) -> Iterator[Check]:
 def _changes(name: str) -> Iterator[Result]:
     for model in SUBSTRATES:
         yield from (
-            reported(f"{name}, {model}: rms change of {label} [%]", _rms(values), METHOD)
+            reported(f"{name}, {model}: rms change of {label} [%]", rms(values), METHOD)
             for label, values in zip(CURVES, _change(name, model), strict=True)
         )
 
@@ -139,7 +139,7 @@ def _largest() -> Iterator[Result]:
 def _against_block() -> list[Check | Result]:
     """State how wrong P(δ) is on the half-space and on the layer."""
     half_space, layer = (
-        {name: _rms(_to_block(name, model)) for name in surfaces()} for model in ("half-space", "layer")
+        {name: rms(_to_block(name, model)) for name in surfaces()} for model in ("half-space", "layer")
     )
     name = "five surfaces, half-space against block: largest rms error of P(δ) [%]"
     return [
@@ -161,8 +161,7 @@ def _second(name: str) -> Iterator[Check]:
     for label, substrate in (("half-space", mf.HalfSpace()), ("block", mf.fe.Block3D())):
         influence = substrate.influence_matrix(surface)
         if label == "half-space":
-            apart = np.linalg.norm(surface.position[:, None] - surface.position, axis=2)
-            influence = np.where(apart > 0.0, 1.0 / (np.pi * np.where(apart > 0.0, apart, 1.0)), 0.0)
+            influence = contact_equations.half_space_influence(surface.position)
         _, plane = contact_equations.coupled(surface.height, radius, influence, load)
         model = mf.Interacting(order=1, substrate=substrate)
         found = mf.equilibrium(surface, model, load=load * surface.material.composite_modulus).separation
@@ -183,10 +182,6 @@ def _change(name: str, model: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _to_block(name: str, model: str) -> np.ndarray:
     """Return the difference of P(δ) from that on the block, (k,) [%]."""
     return 1e2 * (curves(name, model).load_there / curves(name, "block").load_there - 1.0)
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt((values**2).mean()))
 
 
 @panels(9.0, 3.4, columns=3)
@@ -214,7 +209,7 @@ def _changes_figure(*axes):
     """
     for k, (ax, title) in enumerate(zip(axes, CURVES, strict=True)):
         for j, model in enumerate(SUBSTRATES):
-            values = [_rms(_change(name, model)[k]) for name in surfaces()]
+            values = [rms(_change(name, model)[k]) for name in surfaces()]
             place = np.arange(len(values)) + 0.12 * (j - 1)
             ax.plot(place, values, "osD"[j], color=STYLES[model][:2], label=model)
         ax.set_xticks(range(len(surfaces())), list(surfaces()), rotation=45, ha="right", fontsize=8)

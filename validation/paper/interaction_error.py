@@ -15,7 +15,12 @@ import numpy as np
 import metafem as mf
 from validation.check import Claim, Difference, Picture, Reason, Result, Row, below, near, reported
 from validation.figures import panels
-from validation.methods.contact_equations import area, coupled, layer_influence
+from validation.methods.contact_equations import (
+    area,
+    coupled,
+    half_space_influence,
+    layer_influence,
+)
 from validation.methods.independent import areas
 from validation.paper.pictures import INKS
 from validation.paper.surfaces import surfaces
@@ -208,10 +213,8 @@ def _designed(name: str) -> Iterator[Row]:
 def _second(name: str) -> Iterator[Row]:
     """Compare the rms changes at order 1 on both substrates with those of point loads by a second method."""
     surface = surfaces()[name]
-    distance = np.linalg.norm(surface.position[:, None] - surface.position, axis=2)
-    np.fill_diagonal(distance, np.inf)
     influences = {
-        "half-space": 1.0 / (np.pi * distance),
+        "half-space": half_space_influence(surface.position),
         "layer": layer_influence(surface.position, surface.block.thickness, surface.material.poisson_ratio),
     }
     for substrate, influence in influences.items():

@@ -77,14 +77,14 @@ def area(surface: str, law: str, load: FloatArray, factor: float = 1.0) -> Float
     return mf.friction_law(softer, mf.Independent(contact=LAWS[law]), load=printed * load).area
 
 
-def tabulated(surface: str, law: str, load: FloatArray) -> FloatArray:
-    """Return the same areas by the second method."""
-    found = surfaces()[surface]
+def tabulated(surface: mf.Surface, law: str, load: FloatArray) -> FloatArray:
+    """Return the same areas by the second method, for spheres or a law such as "w = 9 mJ/m²"."""
     if law == "spheres":
         table = tabulated_contacts.sphere(RADIUS, LARGEST)
     else:
-        table = tabulated_contacts.adhesive(ENERGY, found.material.composite_modulus, RADIUS, LARGEST)
-    return tabulated_contacts.areas(table, found.height, load)
+        energy, modulus = 1e-6 * float(law.split()[2]), surface.material.composite_modulus
+        table = tabulated_contacts.adhesive(energy, modulus, RADIUS, LARGEST)
+    return tabulated_contacts.areas(table, surface.height, load)
 
 
 def full_contact(surface: str, over: tuple[float, ...] = FULL) -> FloatArray:
@@ -146,7 +146,7 @@ def compared() -> Iterator[Row]:
 def _sigma(surface: str, law: str) -> Row:
     load = full_contact(surface)
     second = refitted(
-        independent.areas(surfaces()[surface].height, load, RADIUS), tabulated(surface, law, load)
+        independent.areas(surfaces()[surface].height, load, RADIUS), tabulated(surfaces()[surface], law, load)
     )
     name = f"{surface}, {law}: σ refitted over σ as printed"
     return near(name, strength(surface, law), second, METHODS, SECOND)
@@ -154,7 +154,7 @@ def _sigma(surface: str, law: str) -> Row:
 
 def _slope(branch: str, law: str) -> Row:
     surface, load, *_ = branches()[branch]
-    second = float(np.polyfit(load, tabulated(surface, law, load), 1)[0])
+    second = float(np.polyfit(load, tabulated(surfaces()[surface], law, load), 1)[0])
     return near(
         f"{branch}, {law}, {PRINTED}: slope", slope(branch, law, PRINTED), second, METHODS * second, SECOND
     )
