@@ -10,6 +10,8 @@ from enum import Enum
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from validation.sources import Source, known_input
 
 # Sources of the misfit of designs, whose expected value is 0.
@@ -142,6 +144,11 @@ def below(name: str, computed: float, limit: float, source: Source) -> Check:
 def above(name: str, computed: float, limit: float, source: Source) -> Check:
     """Check that a number is not less than a limit."""
     return Check(name, float(computed), f"at least {limit:.3g}", bool(computed >= limit), source)
+
+
+def rms(values: np.ndarray) -> float:
+    """Return the root of the mean square of numbers."""
+    return float(np.sqrt((values**2).mean()))
 
 
 def reported(name: str, value: float, method: str) -> Result:

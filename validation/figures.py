@@ -27,7 +27,8 @@ def panels(
             chosen = figure.legends or any(ax.get_legend() for ax in axes)
             for ax in axes:
                 ax.spines[["top", "right"]].set_visible(False)
-                if not chosen and ax.get_legend_handles_labels()[0]:
+                named = [each.get_label() for each in (*ax.lines, *ax.patches, *ax.containers)]
+                if not chosen and any(name and name[0] != "_" for name in named):
                     ax.legend(frameon=False, fontsize=8)
             return figure
 

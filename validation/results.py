@@ -161,29 +161,9 @@ def _claim_data(each: Evaluated) -> dict[str, Any]:
         "title": each.title,
         "file": each.file,
         "text": each.text,
-        "checks": [
-            {
-                "name": row.name,
-                "computed": _finite(row.computed),
-                "expected": row.expected,
-                "passed": row.passed,
-                "source": _source_data(row.source),
-            }
-            for row in each.checks
-        ],
-        "results": [
-            {"name": row.name, "value": _finite(row.value), "method": row.method} for row in each.results
-        ],
-        "differences": [
-            {
-                "name": row.name,
-                "computed": _finite(row.computed),
-                "printed": row.printed,
-                "words": row.words,
-                "source": _source_data(row.source),
-            }
-            for row in each.differences
-        ],
+        "checks": [*map(_row_data, each.checks)],
+        "results": [*map(_row_data, each.results)],
+        "differences": [*map(_row_data, each.differences)],
         "figures": [
             {"title": figure.title, "caption": figure.caption, "data": figure.file_name}
             for figure in each.figures
@@ -191,8 +171,15 @@ def _claim_data(each: Evaluated) -> dict[str, Any]:
     }
 
 
-def _source_data(source: Source) -> dict[str, str]:
-    return {"kind": source.kind.value, "text": source.text, "link": source.link}
+def _row_data(row: Row) -> dict[str, Any]:
+    """Return a row as plain data; which reason a difference has is shown on the first page."""
+    data = {key: value for key, value in vars(row).items() if key != "reason"}
+    for key, value in data.items():
+        if isinstance(value, Source):
+            data[key] = {"kind": value.kind.value, "text": value.text, "link": value.link}
+        elif isinstance(value, float):
+            data[key] = _finite(value)
+    return data
 
 
 def _finite(value: float) -> float | None:

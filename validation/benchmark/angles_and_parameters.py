@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -30,7 +31,7 @@ mf.studies.uncertainty(surfaces()["Fig. 4 blue"], errors("Fig. 4 blue"), draws={
 """
 
 
-def rows() -> list[Row]:
+def rows() -> Iterator[Row]:
     """Measure the times of Fig. S2 and of the error bars of Figs. 3 to 5."""
     pair = [fig4(colour).surface for colour in ("blue", "red")]
     angle = float(np.radians(LARGEST))
@@ -39,18 +40,17 @@ def rows() -> list[Row]:
         for surface in pair:
             mf.studies.misalignment(surface, angle, shuffles=SHUFFLES)
 
-    found = [Row(f"Fig. S2, both surfaces, 2,001 angles, {SHUFFLES} shuffles", 5.0, best(tilted, 2), "s")]
+    yield Row(f"Fig. S2, both surfaces, 2,001 angles, {SHUFFLES} shuffles", 5.0, best(tilted, 2), "s")
     for name, surface in surfaces().items():
         sd = errors(name)
         for model in (mf.Independent(), LAYER):
             seconds = best(
                 lambda s=surface, m=model, e=sd: mf.studies.uncertainty(s, e, model=m, draws=DRAWS), 2
             )
-            found.append(Row(f"{name}: bars of the law at 100 loads, {model.name}", 2.0, seconds, "s"))
+            yield Row(f"{name}: bars of the law at 100 loads, {model.name}", 2.0, seconds, "s")
         load = largest(name) * np.arange(1, 21) / 20
         seconds = best(lambda n=name, p=load: measured(n, p), 2)
-        found.append(Row(f"{name}: bars of 20 measured pairs", 2.0, seconds, "s"))
-    return found
+        yield Row(f"{name}: bars of 20 measured pairs", 2.0, seconds, "s")
 
 
 def long_rows() -> list[Row]:

@@ -11,7 +11,7 @@ import metafem as mf
 from metafem.contact import Contact
 from metafem.models.model import PARABOLOID
 from validation.methods.resolved_areas import extrapolated_area
-from validation.scenes.random_surfaces import random_surface
+from validation.scenes.random_contacts import scattered
 from validation.timing import Row, best
 
 TOLERANCE = 1e-3
@@ -21,6 +21,22 @@ TIMED, COMPARED = 200, 100
 
 # Loads of a law.
 LOADS = 30
+
+# Ranges of the mean distance and of the smallest distance of two sites [mm], of which the nearest contacts
+# merge, and of the rescaled load P/E* of each asperity [mm²].
+SPACING, CLOSEST, LOAD = (0.4, 1.5), (0.1, 0.4), (5e-4, 2e-2)
+
+
+def random_surface(seed: int) -> tuple[mf.Surface, float]:
+    """Return a surface of 3 to 16 asperities and a load [N]."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(3, 17))
+    closest = rng.uniform(*CLOSEST)
+    position = scattered(rng, count, closest, rng.uniform(*SPACING) * np.sqrt(count))
+    height = 0.1 + rng.exponential(0.03, count)
+    load = count * float(np.exp(rng.uniform(*np.log(LOAD))))
+    material = mf.Material(1.36)
+    return mf.Surface(position, height, 0.526, material), load * material.composite_modulus
 
 
 def rows() -> list[Row]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import metafem as mf
@@ -18,32 +19,30 @@ BATCHES = 24
 NOWHERE = "tcp://127.0.0.1:1"
 
 
-def rows() -> list[Row]:
+def rows() -> Iterator[Row]:
     """Measure overheads at batches of half a second, and compare the numbers."""
-    measured = []
     with tempfile.TemporaryDirectory() as name:
         task, deadly = Waiting(Path(name)), Waiting(Path(name), BATCHES // 2)
         expected = collected(Execution(), task, BATCHES)
-        measured.append(Row("this process: overhead", 0.05, overhead(Execution(), task, BATCHES // 2, 1), ""))
+        yield Row("this process: overhead", 0.05, overhead(Execution(), task, BATCHES // 2, 1), "")
         two = Execution(workers=2)
-        measured.append(Row("2 processes: overhead", 0.05, overhead(two, task, BATCHES, 2), ""))
+        yield Row("2 processes: overhead", 0.05, overhead(two, task, BATCHES, 2), "")
         for execution, what, count in _executions():
             with execution as used:
                 if count <= 2 and used.scheduler:
                     cost = overhead(used, task, BATCHES // (3 - count), count)
-                    measured.append(Row(f"{what}: overhead", 0.05, cost, ""))
+                    yield Row(f"{what}: overhead", 0.05, cost, "")
                 (Path(name) / "died").unlink(missing_ok=True)
                 wrong = float((collected(used, deadly, BATCHES) != expected).sum())
                 killed = float(not (Path(name) / "died").exists())
-            measured.append(Row(f"{what}, one killed: numbers that differ", 0.0, wrong + killed, ""))
+            yield Row(f"{what}, one killed: numbers that differ", 0.0, wrong + killed, "")
     start = time.perf_counter()
     surface = mf.Surface([[0.0, 0.0], [1.5, 0.0]], [0.1, 0.12], 0.526, mf.Material(1.36))
     try:
         mf.studies.manufacturing(surface, 0.001, execution=Execution(scheduler=NOWHERE))
     except mf.InvalidInput:
         taken = time.perf_counter() - start
-    measured.append(Row("a scheduler that does not answer is named: time", 10.0, taken, "s"))
-    return measured
+    yield Row("a scheduler that does not answer is named: time", 10.0, taken, "s")
 
 
 def _executions():

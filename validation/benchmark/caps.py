@@ -8,7 +8,7 @@ of the largest contact.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from functools import partial
@@ -113,7 +113,7 @@ def one_contact(law: Contact, radius: float, contact_radius: float) -> tuple[flo
     return state.load / load - 1.0, state.area / float(law.area(contact_radius)) - 1.0
 
 
-def rows() -> list[Row]:
+def rows() -> Iterator[Row]:
     """Measure one contact of each law, and order 3 on every scene."""
     rho = np.linspace(0.0, 0.45, 80)
     table = mf.AxisymmetricCap([rho, sphere_profile(rho, RADIUS)])
@@ -122,29 +122,25 @@ def rows() -> list[Row]:
         "sphere, a/R = .5": (mf.SphericalCap(), 0.5 * RADIUS),
         "table of the sphere": (table, 0.5 * RADIUS),
     }
-    measured = []
     for name, (law, contact_radius) in ones.items():
         found = np.abs(one_contact(law, RADIUS, contact_radius)).max()
-        measured.append(Row(f"one resolved contact, {name}: load and area", ONE_ERROR, float(found), ""))
+        yield Row(f"one resolved contact, {name}: load and area", ONE_ERROR, float(found), "")
     for name, law_of in LAWS.items():
         for where, scene in SCENES.items():
             load, area = np.abs([at(law_of, scene, ratio) for ratio in RATIOS]).T
             what = f"order 3, {name}, {where}"
-            measured.append(Row(f"{what}: load, a/L <= {RATIOS[-1]:g}", LOAD_ERROR, float(load.max()), ""))
+            yield Row(f"{what}: load, a/L <= {RATIOS[-1]:g}", LOAD_ERROR, float(load.max()), "")
             for most, required in AREA_ERROR.items():
                 largest = float(area[np.array(RATIOS) <= most].max())
-                measured.append(Row(f"{what}: A0, a/L <= {most:g}", required, largest, ""))
-    return measured
+                yield Row(f"{what}: A0, a/L <= {most:g}", required, largest, "")
 
 
-def long_rows() -> list[Row]:
+def long_rows() -> Iterator[Row]:
     """Compare Automatic with resolved contacts, extrapolated to vanishing cells, on random surfaces."""
-    measured = []
     for name, law in (("quartic cap", mf.PowerCap(4)), ("sphere", mf.SphericalCap())):
         with ProcessPoolExecutor() as processes:
             found = list(processes.map(partial(automatic.error_and_uncertainty, law=law), range(SURFACES)))
-        measured += [replace(row, what=f"{name}, {row.what}") for row in automatic.summary(found)]
-    return measured
+        yield from (replace(row, what=f"{name}, {row.what}") for row in automatic.summary(found))
 
 
 def at(

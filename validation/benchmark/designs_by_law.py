@@ -11,6 +11,7 @@ exceed 0.2 % by the area with which one contact jumps in, over the area at the l
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -55,7 +56,7 @@ def long_rows() -> list[Row]:
     return _designs("adhesion, order 3", mf.Interacting(contact=ADHESIVE))
 
 
-def _designs(name: str, model: mf.Independent | mf.Interacting) -> list[Row]:
+def _designs(name: str, model: mf.Independent | mf.Interacting) -> Iterator[Row]:
     contact = model.contact.for_material(LATTICE.material)
     targets = dict(OF_QUARTIC if model.contact == QUARTIC else OF_PARABOLOIDS)
     height, load = np.random.default_rng(0).exponential(0.03, LATTICE.count), np.linspace(0.02, 0.5, 30)
@@ -63,7 +64,6 @@ def _designs(name: str, model: mf.Independent | mf.Interacting) -> list[Row]:
     targets["sampled"] = mf.SampledLaw(load, area), mf.Limits(0.3, offset=0.05)
     # the area with which a contact jumps in; none without adhesion
     jump = float(contact.area(contact.contact_radius(0.0, RADIUS)))
-    measured = []
     for kind, (target, limits) in targets.items():
         seconds = []
         for _ in range(2):
@@ -73,6 +73,5 @@ def _designs(name: str, model: mf.Independent | mf.Interacting) -> list[Row]:
         law = design.target_law
         misfit = design.misfit if law.pointwise else law.misfit(design.target_area)
         allowed = MISFIT + jump / float(law.law(design.target_area)[0])
-        measured.append(Row(f"{kind}, {name}: misfit", allowed, misfit, ""))
-        measured.append(Row(f"{kind}, {name}: time", SECONDS, min(seconds), "s"))
-    return measured
+        yield Row(f"{kind}, {name}: misfit", allowed, misfit, "")
+        yield Row(f"{kind}, {name}: time", SECONDS, min(seconds), "s")

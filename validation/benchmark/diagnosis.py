@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from metafem.calibration import Priors, explain
@@ -13,16 +15,14 @@ from validation.timing import Row
 PARTS, SINGLE_PARTS = 2000, 200
 
 
-def rows() -> list[Row]:
+def rows() -> Iterator[Row]:
     """Explain parts drawn from the priors: half a minute with the areas, and as long by friction alone."""
-    measured_rows = []
     for areas, what, required in ((True, "with areas", 0.04), (False, "F(P) alone", 0.04)):
         shares = covered(trials(PARTS, areas))
-        measured_rows += [
+        yield from (
             Row(f"{name}, {what}: coverage of 68 % off by", required, abs(float(share) - 0.68), "")
             for name, share in zip(NAMES, shares, strict=True)
-        ]
-    return measured_rows
+        )
 
 
 def long_rows() -> list[Row]:

@@ -6,6 +6,7 @@ import resource
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -76,7 +77,7 @@ def command(stack: Stack) -> Spent:
         return spent([sys.executable, "-m", "metafem", *map(str, arguments), "--json"])
 
 
-def rows() -> list[Row]:
+def rows() -> Iterator[Row]:
     """Measure a stack in one process, and the reported errors over the scatter."""
     stack = Stack([drawn(step) for step in range(DRAWN)])
     # first, as a command inherits the peak memory of the process that starts it
@@ -88,23 +89,20 @@ def rows() -> list[Row]:
     seconds = time.process_time() - start
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     name = f"{IMAGES} images of {SHAPE[0]}², {found[-1].count} contacts in the last"
-    measured = [
-        Row(f"{name}: processor time", 30.0, seconds, "s"),
-        Row(f"{name}: peak memory, with {DRAWN} drawn pictures", 1.0, peak, "GiB"),
-        Row(f"{name}: steps that were not reported", 0.0, float(IMAGES - len(steps)), ""),
-        Row(
-            f"metafem images, TIFF stack of {IMAGES} images of {SHAPE[0]}²: elapsed time",
-            30.0,
-            used.seconds,
-            "s",
-        ),
-        Row("the same: processor time", 30.0, used.processor, "s"),
-        Row("the same: peak memory", 1.0, used.memory, "GiB"),
-    ]
+    yield Row(f"{name}: processor time", 30.0, seconds, "s")
+    yield Row(f"{name}: peak memory, with {DRAWN} drawn pictures", 1.0, peak, "GiB")
+    yield Row(f"{name}: steps that were not reported", 0.0, float(IMAGES - len(steps)), "")
+    yield Row(
+        f"metafem images, TIFF stack of {IMAGES} images of {SHAPE[0]}²: elapsed time",
+        30.0,
+        used.seconds,
+        "s",
+    )
+    yield Row("the same: processor time", 30.0, used.processor, "s")
+    yield Row("the same: peak memory", 1.0, used.memory, "GiB")
     for radius, noise, blur in GRID:
         ratio = errors(radius, noise=noise, blur=blur).calibrated
         what = (
             f"radius {radius:g}, noise {noise:g}, blur {blur:g}: rms of error over reported error, off 1 by"
         )
-        measured.append(Row(what, 0.2, abs(ratio - 1.0), ""))
-    return measured
+        yield Row(what, 0.2, abs(ratio - 1.0), "")

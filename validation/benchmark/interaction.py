@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import resource
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -37,26 +37,25 @@ def products(surface: mf.Surface, substrate: metafem.substrate.Radial, order: in
     return scene.sums.products
 
 
-def rows() -> list[Row]:
+def rows() -> Iterator[Row]:
     """Measure one law, many laws, large lattices and scattered asperities."""
-    measured = []
     for name, substrate in SUBSTRATES.items():
         for order in (1, 3):
             model = mf.Interacting(order=order, substrate=substrate)
             seconds = kernel_time(model, lattice(8), 100)
             what = f"one load of a 100-load curve, 64 asperities, order {order}, {name}, one core"
-            measured.append(Row(what, 36.0, 1e6 * seconds, "µs"))
+            yield Row(what, 36.0, 1e6 * seconds, "µs")
         model, surface = mf.Interacting(substrate=substrate), lattice(8)
         seconds = best(lambda m=model, s=surface: mf.equilibrium(s, m, load=0.3), 50)
         what = f"one load alone, 64 asperities, order 3, {name}"
-        measured.append(Row(what, 200.0, 1e6 * seconds, "µs"))
+        yield Row(what, 200.0, 1e6 * seconds, "µs")
     height = heights((SURFACES, ASPERITIES))
     load = np.linspace(0.025, 0.5, LOADS)
     for name, substrate in SUBSTRATES.items():
         model = mf.Interacting(substrate=substrate)
         seconds = best(lambda model=model: model.curves(lattice(8), height, load), 1)
         what = f"10,000 curves of 20 loads, 64 asperities, order 3, {name}, two cores"
-        measured.append(Row(what, 10.0, seconds, "s"))
+        yield Row(what, 10.0, seconds, "s")
     for name, substrate, products_allowed in (
         ("layer", SUBSTRATES["layer"], 40),
         ("half-space", mf.HalfSpace(), 150),
@@ -64,17 +63,17 @@ def rows() -> list[Row]:
         for side in SIDES:
             count = products(lattice(side), substrate, 1)
             what = f"lattice of {side} x {side}, one load, order 1, {name}: FFT products"
-            measured.append(Row(what, products_allowed, count, ""))
+            yield Row(what, products_allowed, count, "")
         count = products(lattice(SIDES[1]), substrate, 3)
         what = f"lattice of {SIDES[1]} x {SIDES[1]}, one load, order 3, {name}: FFT products"
-        measured.append(Row(what, EXPANSION * products_allowed, count, ""))
+        yield Row(what, EXPANSION * products_allowed, count, "")
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
-    measured.append(Row(f"memory after the lattice of {SIDES[-1]} x {SIDES[-1]}", 3.0, memory, "GiB"))
+    yield Row(f"memory after the lattice of {SIDES[-1]} x {SIDES[-1]}", 3.0, memory, "GiB")
     for name, substrate in SUBSTRATES.items():
         few, many = (scattered_time(count, substrate) for count in COUNTS)
         what = f"{COUNTS[1]} scattered asperities, one load, order 1, {name}"
-        measured += [Row(what, 30.0, many, "s"), growth(name, COUNTS, (few, many))]
-    return measured
+        yield Row(what, 30.0, many, "s")
+        yield growth(name, COUNTS, (few, many))
 
 
 def long_rows() -> list[Row]:

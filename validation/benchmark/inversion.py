@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import resource
 import time
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -21,42 +22,43 @@ MIXED_LAWS, TOOLS = 100, [0.1, 0.4, 1.6]
 SIDES, LARGEST = (8, 32), 64
 
 
-def rows() -> list[Row]:
+def rows() -> Iterator[Row]:
     """Measure the inversions of all kinds of target, and the arrangements."""
     points = mf.OperatingPoints([0.144, 0.336, 0.649], [0.84, 1.68, 4.12])
     rng = np.random.default_rng(0)
     height, load = rng.exponential(0.03, 64), np.linspace(0.02, 0.5, 30)
     sampled = mf.SampledLaw(load, mf.Independent().curves(height, RADIUS, load)[2][0])
-    measured = []
     for name, model in MODELS.items():
-        measured += _pair(f"operating points, {name}", points, model, 1e-9, 0.015, mf.Limits(0.27))
+        yield from _pair(f"operating points, {name}", points, model, 1e-9, 0.015, mf.Limits(0.27))
     for name in ("half-space", "layer"):
-        measured += _pair(f"30 samples, {name}", sampled, MODELS[name], 1e-3, 0.2, LIMITS)
+        yield from _pair(f"30 samples, {name}", sampled, MODELS[name], 1e-3, 0.2, LIMITS)
     for exponent in (2 / 3, 0.8, 1.0, 1.2, 1.35):
         for name, model in MODELS.items():
             law = mf.PowerLaw(exponent, (0.1, 0.4))
-            measured += _pair(f"exponent {exponent:.3g}, {name}", law, model, 1.5e-3, 0.2, LIMITS)
+            yield from _pair(f"exponent {exponent:.3g}, {name}", law, model, 1.5e-3, 0.2, LIMITS)
     target = mf.MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26))
     for name, model in MODELS.items():
         fits = mf.design(target, LATTICE, model, LIMITS).fits
         worst = max(abs(fit.slope / branch.slope - 1.0) for branch, fit in fits)
-        measured.append(Row(f"slopes 9.5 and 7, {name}: worst slope", 0.01, worst, ""))
-    measured.append(Row("largest exponent within 1 %, at most 1.667", 1.667, _largest_exponent(), ""))
+        yield Row(f"slopes 9.5 and 7, {name}: worst slope", 0.01, worst, "")
+    yield Row("largest exponent within 1 %, at most 1.667", 1.667, _largest_exponent(), "")
     failed = sum(_misfit(seed) > 2e-3 for seed in range(RANDOM_LAWS))
-    measured.append(Row(f"{RANDOM_LAWS} random laws, not recovered to 0.2 %", 10, failed, ""))
+    yield Row(f"{RANDOM_LAWS} random laws, not recovered to 0.2 %", 10, failed, "")
     failed = sum(_mixed_misfit(seed) > 2e-3 for seed in range(MIXED_LAWS))
-    measured.append(Row(f"{MIXED_LAWS} random laws of three radii, not recovered to 0.2 %", 5, failed, ""))
-    return [*measured, *_large(), *_arranged(SIDES[0], 3.0), *_arranged(SIDES[1], 60.0)]
+    yield Row(f"{MIXED_LAWS} random laws of three radii, not recovered to 0.2 %", 5, failed, "")
+    yield from _large()
+    yield from _arranged(SIDES[0], 3.0)
+    yield from _arranged(SIDES[1], 60.0)
 
 
 def long_rows() -> list[Row]:
     """Measure the arrangement of thousands of asperities."""
-    measured = _arranged(LARGEST, 240.0)
+    measured = [*_arranged(LARGEST, 240.0)]
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     return [*measured, Row(f"memory after arranging {LARGEST**2} asperities", 4.0, memory, "GiB")]
 
 
-def _arranged(side: int, seconds: float) -> list[Row]:
+def _arranged(side: int, seconds: float) -> Iterator[Row]:
     """Arrange random heights so that their law follows that of independent asperities."""
     count = side**2
     width = side * 1.5 + 8.0
@@ -65,17 +67,13 @@ def _arranged(side: int, seconds: float) -> list[Row]:
         material=mf.Material(1.36), block=mf.Block(width, width, 7.2),
     )  # fmt: skip
     objective = mf.FollowLaw(count / 64 * 0.03 * np.arange(1, 21))
-    measured = []
     for name in ("half-space", "layer"):
         start = time.perf_counter()
         result = mf.arrange(lattice, objective, MODELS[name])
         took = time.perf_counter() - start
         what = f"arrangement of {count} asperities, {name}"
-        measured += [
-            Row(f"{what}: time", seconds, took, "s"),
-            Row(f"{what}: misfit, before {result.before:.2g}", result.before, result.after, ""),
-        ]
-    return measured
+        yield Row(f"{what}: time", seconds, took, "s")
+        yield Row(f"{what}: misfit, before {result.before:.2g}", result.before, result.after, "")
 
 
 def _pair(

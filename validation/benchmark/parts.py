@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Iterator
 
 from validation.timing import Row
 
@@ -29,14 +30,12 @@ print(time.perf_counter() - start, resource.getrusage(resource.RUSAGE_SELF).ru_m
 """
 
 
-def rows() -> list[Row]:
+def rows() -> Iterator[Row]:
     """Measure the part, its mould and its drawing."""
-    measured = []
     for lattice, seconds, megabytes in CASES:
         command = [sys.executable, "-c", WORK, str(lattice)]
         printed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
         spent, used = (float(number) for number in printed.split())
         what = f"files of a part of {lattice**2:,} asperities"
-        measured.append(Row(what, seconds, spent, "s"))
-        measured.append(Row(f"{what}, peak memory", megabytes, used, "MiB"))
-    return measured
+        yield Row(what, seconds, spent, "s")
+        yield Row(f"{what}, peak memory", megabytes, used, "MiB")

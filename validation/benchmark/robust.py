@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -34,9 +35,8 @@ ALLOWED = {"slope 6.87": 0.04, "power 0.9": 0.006}
 DRAWS, PLAIN_DRAWS = 10_000, 100_000
 
 
-def rows() -> list[Row]:
+def rows() -> Iterator[Row]:
     """Measure robust designs on the bonded layer, on draws that are made here."""
-    measured = []
     for name, target in LAWS.items():
         plain = mf.design(target, TEMPLATE, LAYER)
         start = time.perf_counter()
@@ -46,18 +46,14 @@ def rows() -> list[Row]:
         gain, error = (before - after).mean(), (before - after).std(ddof=1) / math.sqrt(PAIRS)
         share = robust.parameters["irreducible_share"]
         what = f"robust design, {name}, layer"
-        measured += [
-            Row(f"{what}: time", 30.0, taken, "s"),
-            Row(f"{what}: three errors of the gain over the gain", 1.0, float(3.0 * error / gain), ""),
-            Row(f"{what}: expected misfit, plain", math.sqrt(before.mean()), math.sqrt(after.mean()), ""),
-            Row(f"{what}: share that no heights remove", 1.0, float(share), ""),
-        ]
-    return measured
+        yield Row(f"{what}: time", 30.0, taken, "s")
+        yield Row(f"{what}: three errors of the gain over the gain", 1.0, float(3.0 * error / gain), "")
+        yield Row(f"{what}: expected misfit, plain", math.sqrt(before.mean()), math.sqrt(after.mean()), "")
+        yield Row(f"{what}: share that no heights remove", 1.0, float(share), "")
 
 
-def long_rows() -> list[Row]:
+def long_rows() -> Iterator[Row]:
     """Measure the probability to meet the target and the largest tolerances, against plain draws."""
-    measured = []
     for name, allowed in ALLOWED.items():
         design = mf.design(LAWS[name], TEMPLATE)
         start = time.perf_counter()
@@ -69,10 +65,8 @@ def long_rows() -> list[Row]:
         error = math.hypot(math.sqrt(share * (1.0 - share) / PLAIN_DRAWS), float(study.probability_error))
         what = f"all errors, {name}"
         apart = abs(float(study.probability) - share) / error
-        measured += [
-            Row(f"{what}: time", 60.0, taken, "s"),
-            Row(f"{what}: probability {share:.3f}, difference", 3.0, apart, "errors"),
-        ]
+        yield Row(f"{what}: time", 60.0, taken, "s")
+        yield Row(f"{what}: probability {share:.3f}, difference", 3.0, apart, "errors")
         for tolerance, factor, of_factor in zip(
             study.tolerance.values.tolist(), study.factor.values, study.factor_error.values, strict=True
         ):
@@ -88,8 +82,7 @@ def long_rows() -> list[Row]:
             rate = (at(factor + step) - at(factor - step)) / (2.0 * step)
             error = math.hypot(rate * of_factor, math.sqrt(0.09 / PLAIN_DRAWS))
             words = f"{what}: 90 % at {factor:.3f} of {tolerance}, difference"
-            measured.append(Row(words, 3.0, abs(found - 0.9) / error, "errors"))
-    return measured
+            yield Row(words, 3.0, abs(found - 0.9) / error, "errors")
 
 
 def _heights(surface: mf.Surface, count: int, height_sd: float, angle: float, seed: int) -> np.ndarray:

@@ -6,11 +6,13 @@ import json
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
 import metafem as mf
+from validation.check import rms
 from validation.scenes.cap_bound import smallest_errors
 from validation.scenes.height_maps import Placement, Roughness, height_map
 from validation.timing import Row
@@ -40,31 +42,26 @@ print(json.dumps([taken, (peak - before) / 1024, made.surface.count]))
 """
 
 
-def rows() -> list[Row]:
+def rows() -> Iterator[Row]:
     """Measure a map of 12 x 12 mm in a process of its own, and small maps of several roughnesses."""
     with tempfile.TemporaryDirectory() as name:
         path = Path(name) / "map.npy"
         np.save(path, height_map(lattice(8), LARGE, PIXEL))
         run = subprocess.run([sys.executable, "-c", MEASURED, str(path)], check=True, capture_output=True)
     taken, memory, count = json.loads(run.stdout)
-    found = [
-        Row("map of 36 megapixels, 64 caps: time", 30.0, taken, "s"),
-        Row("memory beyond the map of 137 MiB", 512.0, memory, "MiB"),
-        Row("caps that were not measured", 0.0, 64.0 - count, ""),
-    ]
+    yield Row("map of 36 megapixels, 64 caps: time", 30.0, taken, "s")
+    yield Row("memory beyond the map of 137 MiB", 512.0, memory, "MiB")
+    yield Row("caps that were not measured", 0.0, 64.0 - count, "")
     for length in LENGTHS:
         error, score, bound = _errors(length)
         what = f"correlation length {1e3 * length:g} um, {len(error)} caps"
-        found += [
-            Row(f"{what}: height error, root mean square", 0.1, 1e3 * _rms(error[:, 2]), "um"),
-            Row(f"{what}: the smallest possible", 0.1, 1e3 * _rms(bound), "um"),
-            Row(f"{what}: radius", 0.5, 100.0 * _rms(error[:, 3]) / RADIUS, "%"),
-            Row(f"{what}: position", 0.5, 1e3 * _rms(np.hypot(error[:, 0], error[:, 1])), "um"),
-            # of 108 values the coverage has a standard error of 4.5 %
-            Row(f"{what}: coverage of 68 % off by, heights", 13.5, _off(score[:, 2]), "%"),
-            Row(f"{what}: coverage of 68 % off by, radii", 13.5, _off(score[:, 3]), "%"),
-        ]
-    return found
+        yield Row(f"{what}: height error, root mean square", 0.1, 1e3 * rms(error[:, 2]), "um")
+        yield Row(f"{what}: the smallest possible", 0.1, 1e3 * rms(bound), "um")
+        yield Row(f"{what}: radius", 0.5, 100.0 * rms(error[:, 3]) / RADIUS, "%")
+        yield Row(f"{what}: position", 0.5, 1e3 * rms(np.hypot(error[:, 0], error[:, 1])), "um")
+        # of 108 values the coverage has a standard error of 4.5 %
+        yield Row(f"{what}: coverage of 68 % off by, heights", 13.5, _off(score[:, 2]), "%")
+        yield Row(f"{what}: coverage of 68 % off by, radii", 13.5, _off(score[:, 3]), "%")
 
 
 def lattice(side: int) -> mf.Surface:
@@ -94,7 +91,3 @@ def _errors(length: float):
 
 def _off(score: np.ndarray) -> float:
     return 100.0 * abs(float((np.abs(score) < 1.0).mean()) - 0.6827)
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt((values**2).mean()))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
@@ -132,9 +133,8 @@ def claim() -> Claim:
     )
 
 
-def _coverage() -> list[Row]:
+def _coverage() -> Iterator[Row]:
     found = trials(PARTS, True)
-    checks: list[Row] = []
     for name, share, bias, left in zip(
         NAMES,
         covered(found),
@@ -142,12 +142,11 @@ def _coverage() -> list[Row]:
         found.sd.mean(axis=0) / found.truth.std(axis=0),
         strict=True,
     ):
-        checks += [
-            near(f"{name}: 68 % intervals that contain the truth, {PARTS} parts", share, 0.68, 0.04, NOMINAL),
-            below(f"{name}: bias over its standard deviation", abs(float(bias)), 0.2, TRUTH),
-            reported(f"{name}: standard deviation found over that expected", float(left), FOUND),
-        ]
-    return checks
+        yield near(
+            f"{name}: 68 % intervals that contain the truth, {PARTS} parts", share, 0.68, 0.04, NOMINAL
+        )
+        yield below(f"{name}: bias over its standard deviation", abs(float(bias)), 0.2, TRUTH)
+        yield reported(f"{name}: standard deviation found over that expected", float(left), FOUND)
 
 
 def _forces_alone() -> list[Row]:

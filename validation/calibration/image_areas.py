@@ -126,34 +126,28 @@ def claim() -> Claim:
     )
 
 
-def _circles() -> list[Row]:
-    checks: list[Row] = []
+def _circles() -> Iterator[Row]:
     for radius, required in REQUIRED.items():
         found, name = errors(radius), f"radius {radius:g} pixels"
         otsu_rms = float(np.sqrt(np.mean(found.otsu**2)))
-        checks += [
-            below(f"{name}: rms error of the area", found.rms, required, AREAS),
-            near(f"{name}: rms error over the noise floor", found.rms / floor(radius), 1.0, 0.25, BOUND),
-            near(f"{name}: rms of error over reported error", found.calibrated, 1.0, 0.2, REPORTED),
-            below(f"{name}: bias over the rms error", abs(found.area.mean()) / found.rms, 0.25, AREAS),
-            reported(f"{name}: bias by Otsu's threshold", float(found.otsu.mean()), OTSU),
-            reported(f"{name}: rms error by Otsu's threshold", otsu_rms, OTSU),
-        ]
-    return checks
+        yield below(f"{name}: rms error of the area", found.rms, required, AREAS)
+        yield near(f"{name}: rms error over the noise floor", found.rms / floor(radius), 1.0, 0.25, BOUND)
+        yield near(f"{name}: rms of error over reported error", found.calibrated, 1.0, 0.2, REPORTED)
+        yield below(f"{name}: bias over the rms error", abs(found.area.mean()) / found.rms, 0.25, AREAS)
+        yield reported(f"{name}: bias by Otsu's threshold", float(found.otsu.mean()), OTSU)
+        yield reported(f"{name}: rms error by Otsu's threshold", otsu_rms, OTSU)
 
 
-def _curvature() -> list[Row]:
-    checks: list[Row] = []
+def _curvature() -> Iterator[Row]:
     for radius in REQUIRED:
         bias, expected = uncorrected(radius)
         # the next term of a circle, 1/6 (s_t/r)^4, and the sagitta of the polygon, 0.21/r² as a variance
         rest = expected**2 / 6.0 + 0.25 / radius**2
         name = f"radius {radius:g} pixels: bias of the half level before the correction"
-        checks.append(near(name, bias, expected, rest, GAUSS_BONNET))
+        yield near(name, bias, expected, rest, GAUSS_BONNET)
         clean = errors(radius, noise=0.001, images=2)
         name = f"radius {radius:g} pixels: bias after it, noise 0.1 %"
-        checks.append(near(name, float(clean.area.mean()), 0.0, 0.1 * REQUIRED[radius], CLEAN))
-    return checks
+        yield near(name, float(clean.area.mean()), 0.0, 0.1 * REQUIRED[radius], CLEAN)
 
 
 def _ellipses() -> list[Row]:

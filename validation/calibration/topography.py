@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 
@@ -10,7 +11,7 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.calibration import Correction, MadeSurface
-from validation.check import Claim, Picture, Row, below, near, reported
+from validation.check import Claim, Picture, Row, below, near, reported, rms
 from validation.scenes.cap_bound import smallest_errors
 from validation.scenes.height_maps import Placement, Roughness, height_map
 from validation.sources import known_input, second_method
@@ -72,14 +73,14 @@ def claim() -> Claim:
     correction = mf.calibration.corrected_heights(parts[0].design, parts[0].made)
     longest = _longest()
     checks: list[Row] = [
-        below("32 asperities: root mean square error of the heights [µm]", 1e3 * _rms(height), 0.1, TRUE),
-        below("of the radii [%]", 100.0 * _rms(radius) / RADIUS, 0.5, TRUE),
-        below("of the positions, both coordinates [µm]", 1e3 * _rms(np.hypot(x, y)), 0.5, TRUE),
+        below("32 asperities: root mean square error of the heights [µm]", 1e3 * rms(height), 0.1, TRUE),
+        below("of the radii [%]", 100.0 * rms(radius) / RADIUS, 0.5, TRUE),
+        below("of the positions, both coordinates [µm]", 1e3 * rms(np.hypot(x, y)), 0.5, TRUE),
         below("largest error of a height [µm]", 1e3 * float(np.abs(height).max()), 0.3, TRUE),
-        below("errors of the heights over the smallest possible", _rms(height) / _rms(bound), 1.4, BOUND),
+        below("errors of the heights over the smallest possible", rms(height) / rms(bound), 1.4, BOUND),
         # of 128 normal values the root mean square has the standard error 1 / sqrt(256); the errors of the
         # positions after an alignment are smaller by the three parameters of 32 coordinates
-        near("errors over their standard errors, root mean square", _rms(score), 1.0, 0.2, DEVIATION),
+        near("errors over their standard errors, root mean square", rms(score), 1.0, 0.2, DEVIATION),
         reported("longest correlation length at which 0.1 µm is possible [µm]", 1e3 * longest[0], WORDS),
         reported("the same with a common radius [µm]", 1e3 * longest[1], WORDS),
         *_correction_checks(parts[0], correction),
@@ -91,31 +92,27 @@ def claim() -> Claim:
     )
 
 
-def _correction_checks(part: _Part, correction: Correction) -> list[Row]:
+def _correction_checks(part: _Part, correction: Correction) -> Iterator[Row]:
     rng = np.random.default_rng(3)
     following = [_made(correction.surface, part.design, rng) - part.design.height for _ in range(200)]
     true = {"offset": OFFSET, "scale": SCALE, "tilt_x": TILT}
-    checks: list[Row] = []
     for name, value in true.items():
         i = correction.terms.index(name)
         off = (correction.value[i] - value) / correction.value_sd[i]
-        checks.append(near(f"systematic error, {name}: off by standard errors", off, 0.0, 3.0, MADE))
-    after = _rms(np.array(following))
-    return [
-        *checks,
-        reported(
-            "height errors of this part [µm]",
-            1e3 * correction.error,
-            "difference of the measured heights from the design",
-        ),
-        near(
-            "next part: expected height errors [µm]",
-            1e3 * correction.expected_error,
-            1e3 * after,
-            0.4e3 * after,  # the standard deviation of 16 random errors, and what four terms of it remove
-            second_method(_made, "200 parts made with the corrected heights"),
-        ),
-    ]
+        yield near(f"systematic error, {name}: off by standard errors", off, 0.0, 3.0, MADE)
+    after = rms(np.array(following))
+    yield reported(
+        "height errors of this part [µm]",
+        1e3 * correction.error,
+        "difference of the measured heights from the design",
+    )
+    yield near(
+        "next part: expected height errors [µm]",
+        1e3 * correction.expected_error,
+        1e3 * after,
+        0.4e3 * after,  # the standard deviation of 16 random errors, and what four terms of it remove
+        second_method(_made, "200 parts made with the corrected heights"),
+    )
 
 
 def _errors(part: _Part) -> FloatArray:
@@ -143,13 +140,9 @@ def _longest() -> list[float]:
 
     def excess(length: float, common: bool) -> float:
         each = [smallest_errors(h, RADIUS, Roughness(1.2e-3, length), common_radius=common)[0] for h in caps]
-        return _rms(np.array(each)) - 1e-4
+        return rms(np.array(each)) - 1e-4
 
     return [float(brentq(excess, 4e-3, 4e-2, (common,), xtol=1e-4)) for common in (False, True)]
-
-
-def _rms(values: FloatArray) -> float:
-    return float(np.sqrt((values**2).mean()))
 
 
 def _figure():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 import metafem as mf
@@ -88,9 +90,8 @@ def relative(kind: type[ElasticPlastic], ratio: float) -> np.ndarray:
     return found / [published(kind, float(w), ratio) for w in INDENTATIONS] - 1.0
 
 
-def _formulas() -> list[Row]:
+def _formulas() -> Iterator[Row]:
     """Compare the laws with the formulas outside the blends, and report jumps and blends."""
-    rows: list[Row] = []
     for kind, breaks in BREAKS.items():
         name, outside, most = kind.__name__, 0.0, np.zeros(2)
         for ratio in RATIOS:
@@ -101,23 +102,19 @@ def _formulas() -> list[Row]:
             change = np.abs(relative(kind, ratio))
             outside, most = max(outside, change[~inside].max()), np.maximum(most, change.max(axis=0))
         label = f"{name}: largest relative error of load and area"
-        rows.append(below(label, outside, ROUNDING, FORMULAS[kind]))
+        yield below(label, outside, ROUNDING, FORMULAS[kind])
         for what, value in zip(("load", "area"), most, strict=True):
-            rows.append(
-                reported(f"{name}: largest change of the {what} by the blends [%]", 1e2 * value, BLENDED)
-            )
+            yield reported(f"{name}: largest change of the {what} by the blends [%]", 1e2 * value, BLENDED)
         for ratio in (0.3, 0.5):
             for at in breaks:
                 low, high = (published(kind, at * (1.0 + e), ratio) for e in (-ROUNDING, ROUNDING))
                 for what, before, after in zip(("load", "area"), low, high, strict=True):
                     where = f"{name}, ν = {ratio}, jump of the {what} at {at:g} w_c [%]"
-                    rows.append(reported(where, 1e2 * (after / before - 1.0), JUMP))
-    return rows
+                    yield reported(where, 1e2 * (after / before - 1.0), JUMP)
 
 
-def _growth() -> list[Row]:
+def _growth() -> Iterator[Row]:
     """Check that load and area grow with the indentation, for soft and hard materials."""
-    rows: list[Row] = []
     for kind in BREAKS:
         slopes = []
         for strain in np.geomspace(1e-3, 1.0, 25):
@@ -128,8 +125,7 @@ def _growth() -> list[Row]:
                 p = bound(law, ratio).load(a, RADIUS)
                 slopes += [np.diff(np.log(p)).min(), np.diff(np.log(a)).min()]
         least = float(min(slopes))
-        rows.append(_positive(f"{kind.__name__}: least step of ln P and ln a", least, 0.0, GROWS))
-    return rows
+        yield _positive(f"{kind.__name__}: least step of ln P and ln a", least, 0.0, GROWS)
 
 
 def _positive(name: str, computed: float, limit: float, source: Source) -> Check:
@@ -137,14 +133,13 @@ def _positive(name: str, computed: float, limit: float, source: Source) -> Check
     return Check(name, computed, f"above {limit:g}", computed > limit, source)
 
 
-def _limits() -> list[Row]:
+def _limits() -> Iterator[Row]:
     """Compare hard materials and a table of Hertz's law with Hertz's closed form."""
     a = np.geomspace(1e-3, 0.4, 100)
     load, d = np.array([single_contacts.hertz(float(each), RADIUS) for each in a]).T
     edge = np.linspace(0.0, 0.4, 21) ** 0.5 * RADIUS**0.5  # equal steps of the indentation
     force, depth = np.array([single_contacts.hertz(float(each), RADIUS) for each in edge]).T
     table = mf.TabulatedContact(depth, MODULUS * force, np.pi * edge**2)
-    rows: list[Row] = []
     for law, name, limit in (
         (mf.KogutEtsion(1e6), "KogutEtsion of a hard material", 1e-9),
         (mf.JacksonGreen(1e6), "JacksonGreen of a strong material", 1e-9),
@@ -154,14 +149,12 @@ def _limits() -> list[Row]:
         found = one.contact_radius(d, RADIUS)
         parts = found / a, one.load(found, RADIUS) / load
         worst = max(float(np.abs(part - 1.0).max()) for part in parts)
-        rows.append(below(f"{name}: largest relative difference from Hertz's law", worst, limit, HERTZ))
-    return rows
+        yield below(f"{name}: largest relative difference from Hertz's law", worst, limit, HERTZ)
 
 
-def _cycles() -> list[Row]:
+def _cycles() -> Iterator[Row]:
     """Check the energy of cycles, and the second loading of a surface."""
     node, weight = np.polynomial.legendre.leggauss(30)
-    rows: list[Row] = []
     height = 0.2 - np.random.default_rng(5).exponential(0.03, 64).clip(0.0, 0.15)
     surface = mf.Surface.square_lattice(height, radius=RADIUS, material=mf.Material(MODULUS, 0.3))
     for law in LAWS:
@@ -181,8 +174,8 @@ def _cycles() -> list[Row]:
             lost.append(1.0 - top * (largest - loss[0]) / (after.load_exponent[0] + 1.0) / taken)
         least = float(min(lost))
         label = f"{name}: least share of the energy that is lost in a cycle, to rounding"
-        rows.append(_positive(label, least, -ROUNDING, GAIN))
-        rows.append(below(f"{name}: loss of height, largest relative error", worst, 1e-8, UNLOADED))
+        yield _positive(label, least, -ROUNDING, GAIN)
+        yield below(f"{name}: loss of height, largest relative error", worst, 1e-8, UNLOADED)
         for model in (mf.Independent(law), mf.Interacting(1, contact=law)):
             after, second = mf.flattened(surface, model, load=0.2)
             load = np.array([0.2, 0.3])
@@ -192,8 +185,7 @@ def _cycles() -> list[Row]:
             worst = float(np.abs(again / first - 1.0).max())
             how = "order 1" if model.couples else "independent"
             label = f"{name}, {how}: second loading at the earlier load and beyond, relative change of A0"
-            rows.append(below(label, worst, 1e-9, AGAIN))
-    return rows
+            yield below(label, worst, 1e-9, AGAIN)
 
 
 def _lost(star: float) -> float:

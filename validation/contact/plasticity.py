@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
 
 import metafem as mf
 from metafem.drawing import QUIET
-from validation.check import Check, Claim, Picture, Result, above, below, near, reported
+from validation.check import Check, Claim, Picture, Result, above, below, near, reported, rms
 from validation.figures import panels
 from validation.paper.pictures import INKS
 from validation.paper.surfaces import fig4, surfaces, template
@@ -84,34 +85,30 @@ def claim() -> Claim:
     )
 
 
-def _indices() -> list[Check | Result]:
-    rows: list[Check | Result] = []
+def _indices() -> Iterator[Check | Result]:
     for name, surface in surfaces().items():
         modulus, spread, rough = surface.material.composite_modulus, surface.height.std(), roughness(name)
         hard = 10.0 * modulus
         expected = modulus / hard * np.sqrt(spread / surface.radius.mean())
-        rows += [
-            reported(f"{name}: standard deviation s of the heights [µm]", 1e3 * spread,
-                     "heights of the surface"),
-            near(f"{name}: index with H = 10 E*", mf.plasticity_index(surface, hard), expected, 1e-12,
-                 INDEX),
-            reported(f"{name}: hardness at which the index is {LIMIT} [MPa]", modulus * rough / LIMIT,
-                     "H = E* √(s/R)/0.6, E* of the PDMS"),
-            reported(f"{name}: largest E*/H of a material for elastic contacts", LIMIT / rough, "0.6/√(s/R)"),
-        ]  # fmt: skip
+        yield reported(f"{name}: standard deviation s of the heights [µm]", 1e3 * spread,
+                       "heights of the surface")  # fmt: skip
+        yield near(f"{name}: index with H = 10 E*", mf.plasticity_index(surface, hard), expected, 1e-12,
+                   INDEX)  # fmt: skip
+        yield reported(f"{name}: hardness at which the index is {LIMIT} [MPa]", modulus * rough / LIMIT,
+                       "H = E* √(s/R)/0.6, E* of the PDMS")  # fmt: skip
+        yield reported(
+            f"{name}: largest E*/H of a material for elastic contacts", LIMIT / rough, "0.6/√(s/R)"
+        )
     surface = surfaces()["Fig. 4 red"]
     hardness = surface.material.composite_modulus * roughness("Fig. 4 red") / LIMIT
     warned = [_warns(surface, hardness * factor) for factor in (1.0 + 1e-9, 1.0 - 1e-9)]
     roughest = max(roughness(name) for name in surfaces())
-    return [
-        *rows,
-        *(
-            reported(f"assumed {words}: largest index on the five surfaces", ratio * roughest, "E*/H √(s/R)")
-            for words, ratio in MATERIALS.items()
-        ),
-        near("Fig. 4 red: warnings just below the limit", warned[0], 0, 0, CRITERION),
-        near("Fig. 4 red: warnings just above the limit", warned[1], 1, 0, CRITERION),
-    ]
+    yield from (
+        reported(f"assumed {words}: largest index on the five surfaces", ratio * roughest, "E*/H √(s/R)")
+        for words, ratio in MATERIALS.items()
+    )
+    yield near("Fig. 4 red: warnings just below the limit", warned[0], 0, 0, CRITERION)
+    yield near("Fig. 4 red: warnings just above the limit", warned[1], 1, 0, CRITERION)
 
 
 def _warns(surface: mf.Surface, hardness: float) -> int:
@@ -121,7 +118,7 @@ def _warns(surface: mf.Surface, hardness: float) -> int:
     return len(caught)
 
 
-def _yield() -> list[Check]:
+def _yield() -> Iterator[Check]:
     """Compare indentation at yield, and the share of contacts past it, with closed forms."""
     quantile = (np.arange(MANY) + 0.5) / MANY
     height = -SCALE * np.log(quantile)
@@ -129,36 +126,30 @@ def _yield() -> list[Check]:
     position = np.column_stack([np.arange(MANY), np.zeros(MANY)])
     surface = mf.Surface(position, height, RADIUS, material)
     factor = 0.454 + 0.41 * material.poisson_ratio
-    rows = []
     for index in (LIMIT, 1.0):
         hardness = material.composite_modulus * np.sqrt(SCALE / RADIUS) / index
         law = mf.KogutEtsion(hardness).for_material(material)
         deep = float(law.yield_indentation(RADIUS)) / SCALE
         expected = (0.5 * np.pi * factor / index) ** 2
-        rows.append(near(f"ψ = {index}: indentation at yield over λ", deep, expected, 1e-12, YIELD))
+        yield near(f"ψ = {index}: indentation at yield over λ", deep, expected, 1e-12, YIELD)
         for plane in PLANES:
             state = mf.equilibrium(surface, mf.Independent(law), separation=plane * SCALE)
             past = np.count_nonzero(state.asperity_area > np.pi * RADIUS * deep * SCALE)
             closed = np.count_nonzero(state.asperity_area)
             name = f"ψ = {index}, {closed} of {MANY} exponential heights in contact: share past yield"
             # quantiles are whole numbers: at most one contact too many or too few
-            rows.append(near(name, past / closed, float(np.exp(-expected)), 1.0 / closed, SHARE))
-    return rows
+            yield near(name, past / closed, float(np.exp(-expected)), 1.0 / closed, SHARE)
 
 
-def _criterion() -> list[Result]:
-    rows: list[Result] = []
+def _criterion() -> Iterator[Result]:
     for name in surfaces():
         at, beyond = changed(name, LIMIT), changed(name, 1.0)
-        rows += [
-            reported(f"{name}, ψ = {LIMIT}: rms change of A0(P) by plasticity [%]", 1e2 * _rms(at[0]),
-                     METHOD),
-            reported(f"{name}, ψ = 1: rms change of A0(P) by plasticity [%]", 1e2 * _rms(beyond[0]), METHOD),
-            reported(f"{name}, ψ = {LIMIT}: largest change of A0(P)", float(np.abs(at[0]).max()), METHOD),
-            reported(f"{name}, ψ = {LIMIT}: share of A0 past yield, median over the loads",
-                     float(np.median(at[1])), METHOD),
-        ]  # fmt: skip
-    return rows
+        yield reported(f"{name}, ψ = {LIMIT}: rms change of A0(P) by plasticity [%]", 1e2 * rms(at[0]),
+                       METHOD)  # fmt: skip
+        yield reported(f"{name}, ψ = 1: rms change of A0(P) by plasticity [%]", 1e2 * rms(beyond[0]), METHOD)
+        yield reported(f"{name}, ψ = {LIMIT}: largest change of A0(P)", float(np.abs(at[0]).max()), METHOD)
+        yield reported(f"{name}, ψ = {LIMIT}: share of A0 past yield, median over the loads",
+                       float(np.median(at[1])), METHOD)  # fmt: skip
 
 
 def _steps() -> list[Check | Result]:
@@ -184,10 +175,6 @@ def _steps() -> list[Check | Result]:
     ]  # fmt: skip
 
 
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt((values**2).mean()))
-
-
 @panels(6.4, 3.8)
 def _criterion_figure(ax):
     """Rms change of A0(P) by plastic deformation over the plasticity index, on the five surfaces. It begins
@@ -195,7 +182,7 @@ def _criterion_figure(ax):
     (horizontal line), and exceeds that at 1.
     """
     for name in surfaces():
-        values = np.array([100.0 * _rms(changed(name, index)[0]) for index in INDICES])
+        values = np.array([100.0 * rms(changed(name, index)[0]) for index in INDICES])
         ax.plot(INDICES, np.where(values > 1e-3, values, np.nan), "o-", ms=4, color=INKS[name], label=name)
     ax.axvline(LIMIT, color=QUIET, lw=0.8)
     ax.axhline(100.0 * paper()["interaction"]["rms_area_difference_below"], color=QUIET, lw=0.8, ls="--")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from functools import partial
 
 import metafem as mf
@@ -85,31 +86,27 @@ def measure() -> Claim:
     )
 
 
-def _errors(scene: str) -> list[Row]:
+def _errors(scene: str) -> Iterator[Row]:
     """Compare the errors on one scene with those that the models state, and report what they cost."""
     known, exact, found = SCENES[scene], reference(scene), models(scene)
     title = known.title
     order_3 = next(each for each in found if each.line == ORDER_3)
-    rows: list[Row] = []
     if known.finest:
         resolved = second_method(mf.BoundaryElements, EXTRAPOLATED)
-        rows += [
-            below(f"{title}: uncertainty of A0 of the reference",
-                  exact.area_uncertainty, UNCERTAINTY, resolved),
-            below(f"{title}: error of order 3, A0(P)", order_3.area_error, AREA_ERROR, resolved),
-            below(f"{title}: error of order 3, P(δ)", order_3.load_error, LOAD_ERROR, resolved),
-        ]  # fmt: skip
-        rows += [
+        yield below(f"{title}: uncertainty of A0 of the reference",
+                    exact.area_uncertainty, UNCERTAINTY, resolved)  # fmt: skip
+        yield below(f"{title}: error of order 3, A0(P)", order_3.area_error, AREA_ERROR, resolved)
+        yield below(f"{title}: error of order 3, P(δ)", order_3.load_error, LOAD_ERROR, resolved)
+        yield from (
             below(f"{title}: error of Automatic({value:g}), A0(P)", each.area_error, value, resolved)
             for value in known.tolerances
             for each in found
             if (each.line, each.setting) == (AUTOMATIC, f"{value:g}")
-        ]
+        )
     for each in found:
         if each is order_3 or (scene == TABLE_SCENE and each.setting in SHOWN):
-            rows += _results(scene, each)
-    rows.append(reported(f"{title}: {PAIRS} [s]", rounded(floor(known.surface.count)), TIMES))
-    return rows
+            yield from _results(scene, each)
+    yield reported(f"{title}: {PAIRS} [s]", rounded(floor(known.surface.count)), TIMES)
 
 
 def _results(scene: str, point: Point) -> list[Row]:
@@ -149,7 +146,7 @@ def _ratios() -> list[Row]:
     ]
 
 
-def _compared(point: Point, error: float) -> list[Row]:
+def _compared(point: Point, error: float) -> Iterator[Row]:
     """Report the times of a grid of another code over those of models with at most the same error of A0."""
     found = models(TABLE_SCENE)
     name = f"{SCENES[TABLE_SCENE].title}: A0 to {100.0 * error:g} %, time of {point.line} over that of"
@@ -157,18 +154,16 @@ def _compared(point: Point, error: float) -> list[Row]:
         f"{RUN}; cells of {1e3 * point.cell:g} µm, error {100.0 * point.area_error:.2g} %, "
         f"{SOLVED_BY[point.code]}"
     )
-    rows: list[Row] = []
     for line in (ORDER_3, RESOLVED):
         if known := fastest_within(found, line, error):
             words = f"{name} {_named(known)}, one load of a new surface"
-            rows.append(reported(words, rounded(point.cold / known.cold, down=True), method))
+            yield reported(words, rounded(point.cold / known.cold, down=True), method)
     order_3 = fastest_within(found, ORDER_3, error)
     if order_3 and point.code == PEER:
         grid = Grid(SCENES[TABLE_SCENE].surface, point.cell)
         seconds = next_load_with_tamaas(grid, SCENES[TABLE_SCENE].newtons)
         words = f"{name} {ORDER_3}, each load of a curve"
-        rows.append(reported(words, rounded(seconds / order_3.per_load, down=True), f"{method}; {WARM}"))
-    return rows
+        yield reported(words, rounded(seconds / order_3.per_load, down=True), f"{method}; {WARM}")
 
 
 def one_panel(scene: str):

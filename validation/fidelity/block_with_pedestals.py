@@ -7,6 +7,7 @@ set of sites and is then read from disk.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
@@ -14,7 +15,7 @@ import numpy as np
 import metafem as mf
 from metafem.contact import pedestal_compliance
 from metafem.drawing import QUIET
-from validation.check import Check, Claim, Picture, Result, below, near, reported
+from validation.check import Check, Claim, Picture, Result, below, near, reported, rms
 from validation.figures import panels
 from validation.methods import contact_equations
 from validation.paper.pictures import INKS
@@ -92,7 +93,7 @@ def claim() -> Claim:
     for name, design in designs().items():
         rows += [*_slopes(name, design), *_redesigned(name, design)]
     wide = [row.value for row in rows if isinstance(row, Result) and "actual contact radii" in row.name]
-    rms = [100.0 * _rms(change(name, WHOLE)) for name in surfaces() if "3" not in name]
+    changed = [100.0 * rms(change(name, WHOLE)) for name in surfaces() if "3" not in name]
     return Claim(
         "Block with pedestals: what is left of the paper's laws",
         rows,
@@ -100,7 +101,7 @@ def claim() -> Claim:
             "change": Picture(_change_figure),
             "redesign": Picture(_redesign_figure),
         },
-        {"least_rms": min(rms), "most_rms": max(rms), "most_wide": max(wide)},
+        {"least_rms": min(changed), "most_rms": max(changed), "most_wide": max(wide)},
     )
 
 
@@ -108,30 +109,26 @@ def _changes(name: str) -> list[Result]:
     whole = change(name, WHOLE)
     lower = 1e3 * (law(name, "independent").separation - law(name, WHOLE).separation)
     return [
-        reported(f"{name}: rms change of A0 by block and pedestals", _rms(whole), METHOD),
-        reported(f"{name}: rms change of A0 by the block alone", _rms(change(name, "block")), METHOD),
-        reported(f"{name}: rms change of A0 by the layer alone", _rms(change(name, "layer")), METHOD),
+        reported(f"{name}: rms change of A0 by block and pedestals", rms(whole), METHOD),
+        reported(f"{name}: rms change of A0 by the block alone", rms(change(name, "block")), METHOD),
+        reported(f"{name}: rms change of A0 by the layer alone", rms(change(name, "layer")), METHOD),
         reported(f"{name}: largest change of A0", whole[np.abs(whole).argmax()], METHOD),
         reported(f"{name}: decrease of the separation at {LOADS[-1]:g} mm² [µm]", lower[-1], METHOD),
     ]
 
 
-def _second(name: str) -> list[Check]:
+def _second(name: str) -> Iterator[Check]:
     """Compare order 1 at a light and a high load with Newton's method in numpy."""
     surface = surfaces()[name]
     influence = mf.fe.Block3D().influence_matrix(surface)
     influence[np.diag_indices_from(influence)] += pedestal_compliance(surface.height, surface.radius) / np.pi
     radius, modulus = float(surface.radius[0]), surface.material.composite_modulus
     model = mf.Interacting(order=1, substrate=mf.fe.Block3D(), pedestal=True)
-    rows = []
     for load in LOADS[[1, -1]]:
         depth, _ = contact_equations.coupled(surface.height, radius, influence, float(load))
         area = contact_equations.area(depth, radius)
         found = mf.equilibrium(surface, model, load=modulus * load).area
-        rows.append(
-            near(f"{name}, order 1, P/E* = {load:g} mm²: A0 [mm²]", found, area, ROUNDING * area, NEWTON)
-        )
-    return rows
+        yield near(f"{name}, order 1, P/E* = {load:g} mm²: A0 [mm²]", found, area, ROUNDING * area, NEWTON)
 
 
 def _wide(name: str) -> Result:
@@ -151,28 +148,22 @@ def _wide(name: str) -> Result:
         ratio.append(areas[-1] / areas[0] - 1.0)
     words = "compliance by finite elements at small strain at each contact radius, order 1, with numpy"
     label = f"{name}: further rms change of A0 by pedestals at the actual contact radii [%]"
-    return reported(label, 1e2 * _rms(np.array(ratio)), words)
+    return reported(label, 1e2 * rms(np.array(ratio)), words)
 
 
-def _slopes(name: str, design: mf.Design) -> list[Result]:
+def _slopes(name: str, design: mf.Design) -> Iterator[Result]:
     """Return the change of the fitted slopes, and of the load at which two branches cross."""
     lines = [_lines(name, design, model) for model in ("independent", WHOLE)]
-    rows: list[Result] = []
     for i, (before, after) in enumerate(zip(*lines, strict=True)):
         which = f"slope {i + 1}" if len(lines[0]) > 1 else "slope"
-        rows += [
-            reported(f"{name}: relative change of the fitted {which}", abs(after[0] / before[0] - 1.0),
-                     LINEAR if "4" in name else BILINEAR),
-            reported(f"{name}: fitted {which} on the block with pedestals", after[0], METHOD),
-        ]  # fmt: skip
+        yield reported(f"{name}: relative change of the fitted {which}", abs(after[0] / before[0] - 1.0),
+                       LINEAR if "4" in name else BILINEAR)  # fmt: skip
+        yield reported(f"{name}: fitted {which} on the block with pedestals", after[0], METHOD)
     if len(lines[0]) > 1:
         cross = [float((b[1] - a[1]) / (a[0] - b[0])) for a, b in lines]
-        rows += [
-            reported(f"{name}: load P/E* at which the branches cross, independent [mm²]", cross[0],
-                     "intersection of the fitted lines, independent asperities"),
-            reported(f"{name}: the same on the block with pedestals [mm²]", cross[1], METHOD),
-        ]  # fmt: skip
-    return rows
+        yield reported(f"{name}: load P/E* at which the branches cross, independent [mm²]", cross[0],
+                       "intersection of the fitted lines, independent asperities")  # fmt: skip
+        yield reported(f"{name}: the same on the block with pedestals [mm²]", cross[1], METHOD)
 
 
 def _lines(name: str, design: mf.Design, model: str) -> list[tuple[float, float]]:
@@ -213,10 +204,6 @@ def _redesigned(name: str, first: mf.Design) -> list[Check | Result]:
         label = f"{name}, redesigned: s.d. of the changes of the heights [µm]"
         return [*rows, reported(label, moved.std(), METHOD)]
     return [*rows, reported(f"{name}, redesigned: number of asperities", after.surface.count, METHOD)]
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt((values**2).mean()))
 
 
 @panels(8.4, 3.8, columns=2, sharey=True)

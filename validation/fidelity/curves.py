@@ -5,13 +5,14 @@ The influence of the block takes half a minute for each set of sites and is then
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 import metafem as mf
-from validation.check import Check, Claim, Picture, Result, below, near, reported
+from validation.check import Check, Claim, Picture, Result, below, near, reported, rms
 from validation.figures import panels
 from validation.methods import contact_equations, square_mean
 from validation.paper.surfaces import surfaces
@@ -81,9 +82,9 @@ def claim() -> Claim:
     for name in surfaces():
         rows += [*_mean_field(name), *_changes(name), *_second(name)]
     rows += [*_largest(), *_against_block()]
-    area = [_rms(_change(name, "block")[0]) for name in surfaces()]
-    load = [_rms(_change(name, "block")[1]) for name in surfaces()]
-    wrong, flat = ([_rms(_to_block(name, each)) for name in surfaces()] for each in ("half-space", "layer"))
+    area = [rms(_change(name, "block")[0]) for name in surfaces()]
+    load = [rms(_change(name, "block")[1]) for name in surfaces()]
+    wrong, flat = ([rms(_to_block(name, each)) for name in surfaces()] for each in ("half-space", "layer"))
     return Claim(
         "A0(P), P(δ) and A0(δ) under five models",
         rows,
@@ -104,50 +105,41 @@ def claim() -> Claim:
     )
 
 
-def _mean_field(name: str) -> list[Check]:
+def _mean_field(name: str) -> Iterator[Check]:
     first, field = curves(name, "independent"), curves(name, "mean field")
-    rows = [
-        below(f"{name}, mean field: largest relative change of A0(P)",
-              np.abs(field.area / first.area - 1.0).max(), 1e-12, SHIFT),
-    ]  # fmt: skip
+    yield below(f"{name}, mean field: largest relative change of A0(P)",
+                np.abs(field.area / first.area - 1.0).max(), 1e-12, SHIFT)  # fmt: skip
     surface = surfaces()[name]
     sample = paper()["sample"]
     rows_and_columns = sample["lattice_shape"]
     if surface.count == np.prod(rows_and_columns):
         side = sample["lattice_pitch_mm"] * np.sqrt(np.prod(rows_and_columns))
         factor = (first.separation - field.separation) / LOADS * side
-        rows.append(
-            near(f"{name}, mean field: factor c of the displacement c p √A/E*",
-                 float(factor[-1]), square_mean.mean_influence(), 1e-9, SQUARE)
-        )  # fmt: skip
-    return rows
+        yield near(f"{name}, mean field: factor c of the displacement c p √A/E*",
+                   float(factor[-1]), square_mean.mean_influence(), 1e-9, SQUARE)  # fmt: skip
 
 
-def _changes(name: str) -> list[Result]:
-    rows: list[Result] = []
+def _changes(name: str) -> Iterator[Result]:
     for model in SUBSTRATES:
-        rows += [
-            reported(f"{name}, {model}: rms change of {label} [%]", _rms(values), METHOD)
+        yield from (
+            reported(f"{name}, {model}: rms change of {label} [%]", rms(values), METHOD)
             for label, values in zip(CURVES, _change(name, model), strict=True)
-        ]
-    return rows
+        )
 
 
-def _largest() -> list[Result]:
+def _largest() -> Iterator[Result]:
     """Report the largest change of each curve at one load or separation, over the five surfaces."""
-    rows = []
     for model in SUBSTRATES:
         for k, label in enumerate(CURVES):
             values = np.concatenate([_change(name, model)[k] for name in surfaces()])
             found = float(values[np.abs(values).argmax()])
-            rows.append(reported(f"five surfaces, {model}: largest change of {label} [%]", found, METHOD))
-    return rows
+            yield reported(f"five surfaces, {model}: largest change of {label} [%]", found, METHOD)
 
 
 def _against_block() -> list[Check | Result]:
     """State how wrong P(δ) is on the half-space and on the layer."""
     half_space, layer = (
-        {name: _rms(_to_block(name, model)) for name in surfaces()} for model in ("half-space", "layer")
+        {name: rms(_to_block(name, model)) for name in surfaces()} for model in ("half-space", "layer")
     )
     name = "five surfaces, half-space against block: largest rms error of P(δ) [%]"
     return [
@@ -162,24 +154,19 @@ def _against_block() -> list[Check | Result]:
     ]  # fmt: skip
 
 
-def _second(name: str) -> list[Check]:
+def _second(name: str) -> Iterator[Check]:
     """Compare the separations of order 1 with those of Newton's method in numpy, at the tenth load."""
     surface = surfaces()[name]
     radius, load = float(surface.radius[0]), float(LOADS[9])
-    rows = []
     for label, substrate in (("half-space", mf.HalfSpace()), ("block", mf.fe.Block3D())):
         influence = substrate.influence_matrix(surface)
         if label == "half-space":
-            apart = np.linalg.norm(surface.position[:, None] - surface.position, axis=2)
-            influence = np.where(apart > 0.0, 1.0 / (np.pi * np.where(apart > 0.0, apart, 1.0)), 0.0)
+            influence = contact_equations.half_space_influence(surface.position)
         _, plane = contact_equations.coupled(surface.height, radius, influence, load)
         model = mf.Interacting(order=1, substrate=substrate)
         found = mf.equilibrium(surface, model, load=load * surface.material.composite_modulus).separation
-        rows.append(
-            near(f"{name}, {label}, order 1: separation at {load:g} mm² [µm]",
-                 1e3 * found, 1e3 * plane, 1e3 * ROUNDING * radius, NEWTON)
-        )  # fmt: skip
-    return rows
+        yield near(f"{name}, {label}, order 1: separation at {load:g} mm² [µm]",
+                   1e3 * found, 1e3 * plane, 1e3 * ROUNDING * radius, NEWTON)  # fmt: skip
 
 
 def _change(name: str, model: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -195,10 +182,6 @@ def _change(name: str, model: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _to_block(name: str, model: str) -> np.ndarray:
     """Return the difference of P(δ) from that on the block, (k,) [%]."""
     return 1e2 * (curves(name, model).load_there / curves(name, "block").load_there - 1.0)
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt((values**2).mean()))
 
 
 @panels(9.0, 3.4, columns=3)
@@ -226,7 +209,7 @@ def _changes_figure(*axes):
     """
     for k, (ax, title) in enumerate(zip(axes, CURVES, strict=True)):
         for j, model in enumerate(SUBSTRATES):
-            values = [_rms(_change(name, model)[k]) for name in surfaces()]
+            values = [rms(_change(name, model)[k]) for name in surfaces()]
             place = np.arange(len(values)) + 0.12 * (j - 1)
             ax.plot(place, values, "osD"[j], color=STYLES[model][:2], label=model)
         ax.set_xticks(range(len(surfaces())), list(surfaces()), rotation=45, ha="right", fontsize=8)

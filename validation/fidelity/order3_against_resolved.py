@@ -6,7 +6,7 @@ are extrapolated to vanishing ones.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 
@@ -156,21 +156,17 @@ def claim() -> Claim:
     )
 
 
-def _scenes() -> list[Check | Result]:
-    rows: list[Check | Result] = []
+def _scenes() -> Iterator[Check | Result]:
     for name in scenes():
         first, third = errors(name, 1), errors(name, 3)
-        rows += [
-            below(f"{name}, order 3: error of the load", abs(third.load), LOAD_ERROR, RESOLVED),
-            below(f"{name}, order 3: error of A0", abs(third.area), FEW_ERROR, RESOLVED),
-            above(f"{name}: error of A0, order 1 over order 3",
-                  abs(first.area / third.area), LEAST_GAIN, RESOLVED),
-            reported(f"{name}, order 1: error of the load [%]", 1e2 * first.load, str(RESOLVED)),
-            reported(f"{name}, order 1: error of A0 [%]", 1e2 * first.area, str(RESOLVED)),
-            reported(f"{name}: uncertainty of the resolved A0 [%]", 1e2 * float(third.uncertain[1]),
-                     f"scatter of {len(CELLS)} cells about a line"),
-        ]  # fmt: skip
-    return rows
+        yield below(f"{name}, order 3: error of the load", abs(third.load), LOAD_ERROR, RESOLVED)
+        yield below(f"{name}, order 3: error of A0", abs(third.area), FEW_ERROR, RESOLVED)
+        yield above(f"{name}: error of A0, order 1 over order 3",
+                    abs(first.area / third.area), LEAST_GAIN, RESOLVED)  # fmt: skip
+        yield reported(f"{name}, order 1: error of the load [%]", 1e2 * first.load, str(RESOLVED))
+        yield reported(f"{name}, order 1: error of A0 [%]", 1e2 * first.area, str(RESOLVED))
+        yield reported(f"{name}: uncertainty of the resolved A0 [%]", 1e2 * float(third.uncertain[1]),
+                       f"scatter of {len(CELLS)} cells about a line")  # fmt: skip
 
 
 def _rates() -> list[Check | Result]:
@@ -210,17 +206,13 @@ def single() -> np.ndarray:
     return np.array(found)
 
 
-def _single() -> list[Check | Result]:
-    rows: list[Check | Result] = []
+def _single() -> Iterator[Check | Result]:
     last, _ = extrapolated(1.0 + single(), CELLS)
     for k, (name, bound) in enumerate((("load", CELL_LOAD), ("A0", CELL_AREA))):
         scaled = np.abs(single()[:, k]) * np.array(CELLS) ** 2
-        rows += [
-            below(f"one resolved contact: largest error of {name} times cells per radius squared",
-                  float(scaled.max()), bound, HERTZ),
-            below(f"one resolved contact, extrapolated: error of {name}", abs(last[k] - 1.0), 5e-5, HERTZ),
-        ]  # fmt: skip
-    return rows
+        yield below(f"one resolved contact: largest error of {name} times cells per radius squared",
+                    float(scaled.max()), bound, HERTZ)  # fmt: skip
+        yield below(f"one resolved contact, extrapolated: error of {name}", abs(last[k] - 1.0), 5e-5, HERTZ)
 
 
 @panels(7.0, 4.0)

@@ -6,7 +6,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.contact import pedestal_compliance
-from validation.check import Claim, Picture, Row, near, reported
+from validation.check import Claim, Picture, Row, near, reported, rms
 from validation.figures import panels
 from validation.methods import contact_equations
 from validation.paper.interaction_error import LOADS
@@ -38,10 +38,10 @@ def claim() -> Claim:
         lower = 1e3 * (layer.separation - pedestals.separation)
         rows += [
             _second(name),
-            reported(f"{name}: rms change of A0 by the pedestals", _rms(added), MODELS),
-            reported(f"{name}: rms change of A0 by the layer alone", _rms(coupled), MODELS),
+            reported(f"{name}: rms change of A0 by the pedestals", rms(added), MODELS),
+            reported(f"{name}: rms change of A0 by the layer alone", rms(coupled), MODELS),
             reported(
-                f"{name}: rms change of A0 by both", _rms(pedestals.area / independent.area - 1.0), MODELS
+                f"{name}: rms change of A0 by both", rms(pedestals.area / independent.area - 1.0), MODELS
             ),
             reported(f"{name}: decrease of separation at the last load [µm]", lower[-1], MODELS),
         ]
@@ -76,10 +76,6 @@ def laws(name: str) -> tuple[mf.FrictionLaw, mf.FrictionLaw, mf.FrictionLaw]:
     )
     first, second, third = (mf.friction_law(surface, model, load=load) for model in models)
     return first, second, third
-
-
-def _rms(change: np.ndarray) -> float:
-    return float(np.sqrt((change**2).mean()))
 
 
 @panels(8.0, 3.2)

@@ -10,7 +10,7 @@ import metafem as mf
 from metafem.reference.single_contacts import hertz
 from validation.check import LINE_REQUIRED, REQUIRED, Claim, Picture, Row, below
 from validation.figures import panels
-from validation.paper.surfaces import template
+from validation.paper.surfaces import friction_of_slope, template
 from validation.scenes.models import MODELS
 from validation.sources import Source, closed_form, printed
 
@@ -73,7 +73,7 @@ def claim() -> Claim:
     pair = template("fig4_red")
     target = mf.LinearLaw.from_friction_coefficient(LOW_COEFFICIENT, pair.material, pair.friction)
     found = mf.design(target, pair, limits=mf.Limits(TOP, height_sd=0.0009), radii=TOOLS, common_radius=True)
-    stress = pair.friction.shear_strength * pair.friction.area_ratio / pair.material.composite_modulus
+    stress = friction_of_slope(pair)
     largest = TOP * (LOW_COEFFICIENT / (0.75 * np.pi * stress)) ** 2
     checks += [
         below(f"μ = {LOW_COEFFICIENT:g} with the best tool: misfit", found.misfit, 0.1, LINE_REQUIRED),

@@ -7,6 +7,7 @@ axisymmetric asperities.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
@@ -111,24 +112,18 @@ def claim() -> Claim:
     )
 
 
-def _powers() -> list[Row]:
+def _powers() -> Iterator[Row]:
     load = np.geomspace(*RANGE, 30)
-    rows: list[Row] = []
     for exponent in EXPONENTS:
         name, design = f"power {exponent:.3g} of the load", designed(exponent)
         found = exponent_between(load, independent.areas(design.surface.height, load, RADIUS))
-        rows += [
-            below(f"{name}: misfit", design.misfit, REACHED, REQUIRED),
-            near(f"{name}: exponent of the law of the heights, by bisection", found, exponent, 2e-3, PUT_IN),
-        ]
+        yield below(f"{name}: misfit", design.misfit, REACHED, REQUIRED)
+        yield near(f"{name}: exponent of the law of the heights, by bisection", found, exponent, 2e-3, PUT_IN)
     reached = largest_exponent()
     ends, last = bounds()
-    return [
-        *rows,
-        above("largest exponent within 1 %", reached, 1.35, FU),
-        below("the same against the bound by both ends", reached, ends, ENDS),
-        below("the same against the bound by the last slope", reached, last, LAST),
-    ]
+    yield above("largest exponent within 1 %", reached, 1.35, FU)
+    yield below("the same against the bound by both ends", reached, ends, ENDS)
+    yield below("the same against the bound by the last slope", reached, last, LAST)
 
 
 def bounds() -> tuple[float, float]:
@@ -140,37 +135,29 @@ def bounds() -> tuple[float, float]:
     return float(ends), float(brentq(lambda b: 1.5 * b * ratio ** (3.0 * b - 2.0) - COUNT, 2.0 / 3.0, 3.0))
 
 
-def _bilinear() -> list[Row]:
-    rows: list[Row] = []
+def _bilinear() -> Iterator[Row]:
     for slopes in SLOPES:
         for slope, (low, high) in zip(slopes, BRANCHES, strict=True):
             load = np.linspace(low, high, 20)
             found = np.polyfit(load, independent.areas(bent(slopes).surface.height, load, RADIUS), 1)[0]
             name = f"slopes {slopes[0]:g}, then {slopes[1]:g}: slope from {low:g} to {high:g} mm²"
-            rows.append(near(name, found, slope, 0.01 * slope, known_input("slopes of the target")))
-    return rows
+            yield near(name, found, slope, 0.01 * slope, known_input("slopes of the target"))
 
 
-def _caps() -> list[Row]:
+def _caps() -> Iterator[Row]:
     load = np.geomspace(*RANGE, 30)
-    rows: list[Row] = []
     for shape, exponent in CAPS:
         design = capped(shape, exponent)
         area = power_caps.areas(design.surface.height, load, 0.5 * RADIUS ** (1.0 - shape), shape)
         name = f"caps of power {shape:g}, power {exponent:g} of the load"
-        rows += [
-            below(f"{name}: misfit", design.misfit, REACHED, REQUIRED),
-            near(f"{name}: exponent by bisection", exponent_between(load, area), exponent, 2e-3, PUT_IN),
-        ]
+        yield below(f"{name}: misfit", design.misfit, REACHED, REQUIRED)
+        yield near(f"{name}: exponent by bisection", exponent_between(load, area), exponent, 2e-3, PUT_IN)
     cones = template("fig4_red").replaced(height=np.random.default_rng(1).uniform(0.0, 0.1, COUNT))
     found = mf.Independent(contact=mf.PowerCap(1.0)).curve(cones, load).area / load
     unit = power_law(1.0, 0.5, 1.0)[0]
     same = closed_form(power_law, "area over load of one cone, which does not depend on the load")
-    return [
-        *rows,
-        near("cones of random heights: area over load, least", found.min(), np.pi / unit, 1e-9, same),
-        near("cones of random heights: area over load, largest", found.max(), np.pi / unit, 1e-9, same),
-    ]
+    yield near("cones of random heights: area over load, least", found.min(), np.pi / unit, 1e-9, same)
+    yield near("cones of random heights: area over load, largest", found.max(), np.pi / unit, 1e-9, same)
 
 
 def _network() -> list[Row]:

@@ -14,7 +14,7 @@ from metafem.reference.single_contacts import hertz
 from validation.check import LINE_REQUIRED, REQUIRED, Claim, Picture, Row, above, below, near
 from validation.figures import panels
 from validation.inversion.later_targets import area_at, largest_exponent
-from validation.paper.surfaces import template
+from validation.paper.surfaces import friction_of_slope, template
 from validation.scenes.models import MODELS
 from validation.sources import closed_form, known_input, printed, second_method, self_consistency
 
@@ -101,7 +101,7 @@ def _least() -> list[Row]:
 def _coefficients() -> list[Row]:
     """Friction coefficients range from the least of the smaller tool to the largest of the larger one."""
     pair, limits = template("fig4_red"), mf.Limits(0.12, offset=0.1, height_sd=0.003)
-    stress = pair.friction.shear_strength * pair.friction.area_ratio / pair.material.composite_modulus
+    stress = friction_of_slope(pair)
     single = [mf.achievable_friction_coefficients(pair, limits, [radius]) for radius in (0.2, 1.6)]
     both = mf.achievable_friction_coefficients(pair, limits, [0.2, 1.6])
     target = mf.LinearLaw.from_friction_coefficient(

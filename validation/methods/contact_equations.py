@@ -55,6 +55,13 @@ def area(indentation: FloatArray, radius: float) -> float:
     return float(sums(indentation, radius)[0])
 
 
+def half_space_influence(position: FloatArray) -> FloatArray:
+    """Return the influence 1/(pi r) between sites on the half-space, 0 on the diagonal [1/mm]."""
+    distance = np.linalg.norm(position[:, None] - position, axis=2)
+    np.fill_diagonal(distance, np.inf)
+    return np.asarray(1.0 / (np.pi * distance))
+
+
 def layer_influence(position: FloatArray, thickness: float, poisson_ratio: float) -> FloatArray:
     """Return the influence between sites on the bonded layer, its regular part on the diagonal [1/mm].
 

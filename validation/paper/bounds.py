@@ -11,7 +11,7 @@ from metafem.reference import height_densities as reference
 from validation.check import Claim, Picture, near
 from validation.figures import panels
 from validation.paper.pictures import INKS
-from validation.paper.surfaces import template
+from validation.paper.surfaces import friction_of_slope, template
 from validation.published import paper
 from validation.sources import closed_form, printed
 
@@ -32,7 +32,7 @@ def claim() -> Claim:
     surface = template("fig4_red")
     limits = mf.Limits(TOP, height_sd=paper()["sample"]["depth_precision_um"] / 1e3)
     low, high = mf.achievable_friction_coefficients(surface, limits)
-    factor, radius = _factor(surface), float(surface.radius[0])
+    factor, radius = friction_of_slope(surface), float(surface.radius[0])
     finest = numbers["smallest_scale_um"] / 1e3
     where = "SM, bounds on achievable friction coefficients"
     tiny = 1e-9
@@ -64,12 +64,6 @@ def claim() -> Claim:
     )
 
 
-def _factor(surface: mf.Surface) -> float:
-    """Return the friction coefficient of a slope of 1."""
-    friction = surface.friction
-    return friction.shear_strength * friction.area_ratio / surface.material.composite_modulus
-
-
 @panels(7.0, 3.6)
 def _figure(ax):
     """Friction coefficient μ over the scale λ of the density [µm], on logarithmic axes. The curve runs
@@ -77,7 +71,7 @@ def _figure(ax):
     9 µm (dotted line). The square is the red surface of Fig. 4, designed for m = 6.87.
     """
     surface, numbers = template("fig4_red"), paper()["bounds"]
-    factor, radius = _factor(surface), float(surface.radius[0])
+    factor, radius = friction_of_slope(surface), float(surface.radius[0])
     scale = np.geomspace(0.005, 1.0, 200)
     slope = [TruncatedExponential(x, TOP).asymptotic_slope(radius) for x in scale]
     ax.loglog(1e3 * scale, factor * np.array(slope), color=ACHIEVED, label="density of heights")

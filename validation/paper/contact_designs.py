@@ -15,7 +15,8 @@ import metafem as mf
 from validation.check import Claim, Picture, Row, below, reported
 from validation.figures import panels
 from validation.methods import tabulated_contacts
-from validation.paper.contact_laws import ENERGY, LARGEST, model
+from validation.paper.contact_laws import model
+from validation.paper.measured_slopes import tabulated
 from validation.paper.surfaces import fig3, fig4, fig5, words
 from validation.sources import second_method
 
@@ -94,14 +95,8 @@ def claim() -> Claim:
 def _points(name: str) -> Row:
     """Evaluate the heights of Fig. 3 for a contact law at the operating points by the second method."""
     design = again("Fig. 3", name)
-    radius, modulus = float(design.surface.radius[0]), design.surface.material.composite_modulus
-    table = (
-        tabulated_contacts.sphere(radius, LARGEST)
-        if name == "spheres"
-        else tabulated_contacts.adhesive(ENERGY, modulus, radius, LARGEST)
-    )
     load, wanted = design.target.rescaled_load, design.target.rescaled_friction
-    found = tabulated_contacts.areas(table, design.surface.height, load)
+    found = tabulated(design.surface, name, load)
     return below(
         f"Fig. 3, {name}: largest relative error of the designed heights at the operating points",
         np.abs(found / wanted - 1.0).max(), METHODS,

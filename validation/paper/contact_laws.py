@@ -15,9 +15,9 @@ from metafem.drawing import ACHIEVED, TARGET
 from metafem.reference import single_contacts
 from validation.check import Claim, Difference, Picture, Row, near, reported
 from validation.figures import panels
-from validation.methods import independent, tabulated_contacts
+from validation.methods import independent
 from validation.paper import measured_slopes
-from validation.paper.measured_slopes import ADHESION, ENERGY, LARGEST, RADIUS, SECOND, strength
+from validation.paper.measured_slopes import ADHESION, ENERGY, RADIUS, SECOND, strength, tabulated
 from validation.paper.surfaces import fig4, fig5, surfaces, words
 from validation.sources import closed_form, printed
 
@@ -104,13 +104,7 @@ def slopes(design: mf.Design, chosen: mf.Independent) -> list[float]:
 def second(surface: str, name: str) -> float:
     """Rms change of A0 [%] from tables of one contact."""
     found = surfaces()[surface]
-    if name == "spheres":
-        table = tabulated_contacts.sphere(RADIUS, LARGEST)
-    else:
-        energy = 1e-6 * float(name.split()[2])
-        modulus = found.material.composite_modulus
-        table = tabulated_contacts.adhesive(energy, modulus, RADIUS, LARGEST)
-    after = tabulated_contacts.areas(table, found.height, LOADS)
+    after = tabulated(found, name, LOADS)
     return 1e2 * rms(after / independent.areas(found.height, LOADS, RADIUS) - 1.0)
 
 

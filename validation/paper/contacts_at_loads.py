@@ -5,6 +5,7 @@ Neither counts nor areas are printed beside them.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
@@ -68,7 +69,7 @@ def claim() -> Claim:
     return Claim("Contacts at the loads of the photographs", rows, {"contacts": Picture(_picture)})
 
 
-def _rows(name: str) -> list[Check | Result]:
+def _rows(name: str) -> Iterator[Check | Result]:
     surface = surfaces()[name]
     radius, rescaled = float(surface.radius[0]), load(name) / surface.material.composite_modulus
     block, ratio = surface.block, surface.material.poisson_ratio
@@ -82,27 +83,21 @@ def _rows(name: str) -> list[Check | Result]:
             contact_equations.coupled(surface.height, radius, influence, rescaled),
         ),
     }
-    rows: list[Check | Result] = []
     for model, (source, tolerance, (indentation, separation)) in methods.items():
         found, label = state(name, model), f"{name}, {load(name)} N, {model}"
         count, area = np.count_nonzero(indentation > 0.0), contact_equations.area(indentation, radius)
-        rows += [
-            near(f"{label}: contacts", _count(found), count, 0, source),
-            near(f"{label}: A0 [mm²]", found.area, area, tolerance * area, source),
-            near(f"{label}: separation [µm]", 1e3 * found.separation, 1e3 * separation,
-                 1e3 * tolerance * radius, source),
-        ]  # fmt: skip
+        yield near(f"{label}: contacts", _count(found), count, 0, source)
+        yield near(f"{label}: A0 [mm²]", found.area, area, tolerance * area, source)
+        yield near(f"{label}: separation [µm]", 1e3 * found.separation, 1e3 * separation,
+                   1e3 * tolerance * radius, source)  # fmt: skip
     found, alone = state(name, "layer, order 3"), state(name, "independent")
     radii = 1e3 * np.sqrt(found.asperity_area[found.asperity_area > 0.0] / np.pi)
     label, method = f"{name}, {load(name)} N, layer, order 3", "mf.Interacting(substrate=mf.BondedLayer())"
-    return [
-        *rows,
-        reported(f"{label}: contacts", _count(found), method),
-        reported(f"{label}: A0 [mm²]", found.area, method),
-        reported(f"{label}: change of A0 by interaction [%]", 1e2 * (found.area / alone.area - 1.0), method),
-        reported(f"{label}: smallest contact radius [µm]", float(radii.min()), method),
-        reported(f"{label}: largest contact radius [µm]", float(radii.max()), method),
-    ]  # fmt: skip
+    yield reported(f"{label}: contacts", _count(found), method)
+    yield reported(f"{label}: A0 [mm²]", found.area, method)
+    yield reported(f"{label}: change of A0 by interaction [%]", 1e2 * (found.area / alone.area - 1.0), method)
+    yield reported(f"{label}: smallest contact radius [µm]", float(radii.min()), method)
+    yield reported(f"{label}: largest contact radius [µm]", float(radii.max()), method)
 
 
 def _count(found: mf.ContactState) -> int:

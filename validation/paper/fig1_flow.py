@@ -15,6 +15,7 @@ from metafem.reference import height_densities
 from validation.check import Check, Claim, Picture, Result, above, below, near, reported
 from validation.figures import panels
 from validation.methods import independent
+from validation.paper.surfaces import friction_of_slope
 from validation.published import paper
 from validation.scenes.flow import COEFFICIENT, Flow, flow
 from validation.sources import closed_form, known_input, printed, second_method
@@ -60,13 +61,6 @@ def claim() -> Claim:
     )
 
 
-def _factor(surface: mf.Surface) -> float:
-    """Return σB/E*, friction coefficient over slope."""
-    friction = surface.friction
-    assert friction is not None
-    return friction.shear_strength * friction.area_ratio / surface.material.composite_modulus
-
-
 def _slope(design: mf.Design) -> float:
     ((branch, _),) = design.fits
     return branch.slope
@@ -74,7 +68,7 @@ def _slope(design: mf.Design) -> float:
 
 def _target(found: Flow) -> list[Check | Result]:
     template = found.specification.template
-    slope = COEFFICIENT / _factor(template)
+    slope = COEFFICIENT / friction_of_slope(template)
     scale, radius = float(found.design.parameters["scale"]), float(template.radius[0])
     height = found.specification.limits.max_height
     return [
@@ -115,7 +109,8 @@ def _files(found: Flow) -> list[Check]:
     worst = np.abs(again.area / design.law.area - 1.0).max()
     heights, radius = design.surface.height, float(design.surface.radius[0])
     area = independent.areas(heights, design.law.load / modulus, radius)
-    force = _factor(design.surface) * modulus * area
+    factor = friction_of_slope(design.surface)
+    force = factor * modulus * area
     return [
         near("files: designs that differ after saving and loading", found.loaded != design, 0, 0, KEPT),
         below("files: largest difference of the heights in heights.csv [µm]",
@@ -127,7 +122,7 @@ def _files(found: Flow) -> list[Check]:
         below("4 predicted law: largest relative difference of the friction force F = σB A0",
               float(np.abs(design.law.friction_force / force - 1.0).max()), ROUNDING, FORCES),
         near("4 predicted law: friction coefficient of the fitted slope", fit.friction_coefficient,
-             second * _factor(design.surface), 0.005 * second * _factor(design.surface), SUMS),
+             second * factor, 0.005 * second * factor, SUMS),
         near("4 predicted law: half of the 68 % interval of the slope", found_line.slope_interval[1] - slope,
              *_interval(loads, line.area), LINE),
         near("4 predicted law: fitted slope", slope, second, ROUNDING * second, SUMS),
@@ -142,7 +137,7 @@ def _part(found: Flow) -> list[Check | Result]:
     designed, made = (
         mf.friction_law(surface, load=loads).fit((low, high)).slope for surface in (found.table, found.made)
     )
-    feature, factor = found.feature, _factor(found.made)
+    feature, factor = found.feature, friction_of_slope(found.made)
     truth = _line(found.made, found.measured, branch.load_range)
     scatter = paper()["manufacturing"]["slope_sd_below_at_0p9um"]
     moved = 1e3 * (found.made.height - found.table.height)

@@ -6,6 +6,7 @@ the whole surface at an operating point, where the plane reaches the next level.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 
@@ -85,10 +86,9 @@ def claim() -> Claim:
     )
 
 
-def _continuations() -> list[Check | Result]:
+def _continuations() -> Iterator[Check | Result]:
     found = levels()
     modulus = found.surface.material.composite_modulus
-    rows: list[Check | Result] = []
     for i, load in enumerate(found.loads[:-1]):
         part, name = found.upper(i + 1), f"continuation {i + 1}"
         shared = load * np.linspace(0.02, 1.0, 50)
@@ -99,15 +99,12 @@ def _continuations() -> list[Check | Result]:
         area, by_sums = mf.equilibrium(part, load=modulus * last).area, _area(part, last)
         loss = area / mf.equilibrium(found.surface, load=modulus * last).area - 1.0
         where = f"up to operating point {i + 1}"
-        rows += [
-            below(f"{name}, {where}: largest difference of A0 from the law",
-                  np.abs(alone / whole - 1.0).max(), 1e-12, SAME),
-            near(f"kink of the law at operating point {i + 1}: slope after over slope before",
-                 after / before, kink := (part.count + new) / part.count, 1e-3 * kink, KINK),
-            near(f"{name} at P/E* = {last} [mm²]: F/σB [mm²]", area, by_sums, ROUNDING * by_sums, SUMS),
-            reported(f"{name} at P/E* = {last} [mm²]: F/σB missing from the law [%]", 1e2 * loss, METHOD),
-        ]  # fmt: skip
-    return rows
+        yield below(f"{name}, {where}: largest difference of A0 from the law",
+                    np.abs(alone / whole - 1.0).max(), 1e-12, SAME)  # fmt: skip
+        yield near(f"kink of the law at operating point {i + 1}: slope after over slope before",
+                   after / before, kink := (part.count + new) / part.count, 1e-3 * kink, KINK)  # fmt: skip
+        yield near(f"{name} at P/E* = {last} [mm²]: F/σB [mm²]", area, by_sums, ROUNDING * by_sums, SUMS)
+        yield reported(f"{name} at P/E* = {last} [mm²]: F/σB missing from the law [%]", 1e2 * loss, METHOD)
 
 
 def _slope_beside(part: mf.Surface, whole: mf.Surface, load: float, side: float) -> float:
@@ -119,34 +116,27 @@ def _slope_beside(part: mf.Surface, whole: mf.Surface, load: float, side: float)
     return modulus * (second.area - first.area) / (second.load - first.load)
 
 
-def _contacts() -> list[Check | Result]:
+def _contacts() -> Iterator[Check | Result]:
     found, state, published = levels(), inset(), paper()["fig3"]
     rescaled = state.load / found.surface.material.composite_modulus
-    rows: list[Check | Result] = [
-        reported(
-            f"{published['inset_load_N']} N: P/E* [mm²]", rescaled, "load of the inset over E* of batch 1"
-        ),
-    ]
+    yield reported(
+        f"{published['inset_load_N']} N: P/E* [mm²]", rescaled, "load of the inset over E* of batch 1"
+    )
     for i, count in enumerate(published["counts"]):
         on = (found.number == i) & (state.asperity_area > 0.0)
         radius = 1e3 * np.sqrt(state.asperity_area[on] / np.pi)
         name = f"level {i + 1} at {published['inset_load_N']} N"
-        rows += [
-            near(f"{name}: contacts, with the adjustment asperity",
-                 np.count_nonzero(on), count + 1, 0, ALL),
-            reported(f"{name}: area [mm²]", float(state.asperity_area[on].sum()), METHOD),
-            reported(f"{name}: contact radius [µm]", float(radius.max()), METHOD),
-            reported(f"{name}: contact radius of the adjustment asperity [µm]", float(radius.min()), METHOD),
-        ]  # fmt: skip
+        yield near(f"{name}: contacts, with the adjustment asperity",
+                   np.count_nonzero(on), count + 1, 0, ALL)  # fmt: skip
+        yield reported(f"{name}: area [mm²]", float(state.asperity_area[on].sum()), METHOD)
+        yield reported(f"{name}: contact radius [µm]", float(radius.max()), METHOD)
+        yield reported(f"{name}: contact radius of the adjustment asperity [µm]", float(radius.min()), METHOD)
     largest = float(1e3 * np.sqrt(state.asperity_area.max() / np.pi))
     area = _area(found.surface, rescaled)
-    return [
-        *rows,
-        near(f"A0 at {published['inset_load_N']} N [mm²]", state.area, area, ROUNDING * area, SUMS),
-        below(f"largest contact radius at {published['inset_load_N']} N [µm]", largest,
-              paper()["sample"]["max_contact_radius_um"],
-              printed("SM, calibration of individual microcontacts, largest calibrated radius")),
-    ]  # fmt: skip
+    yield near(f"A0 at {published['inset_load_N']} N [mm²]", state.area, area, ROUNDING * area, SUMS)
+    calibrated = printed("SM, calibration of individual microcontacts, largest calibrated radius")
+    yield below(f"largest contact radius at {published['inset_load_N']} N [µm]", largest,
+                paper()["sample"]["max_contact_radius_um"], calibrated)  # fmt: skip
 
 
 def _area(surface: mf.Surface, load: float) -> float:

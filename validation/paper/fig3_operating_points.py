@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -95,18 +96,17 @@ def second() -> Levels:
     return levels(numbers["load_mm2"], numbers["friction_mm2"], top, radius)
 
 
-def _designed() -> list[Check]:
+def _designed() -> Iterator[Check]:
     """Compare the design for the printed points with the printed counts and with the second method."""
     design, numbers, solved = fig3(), paper()["fig3"], second()
     targets = known_input("the operating points, targets of the design; their values are printed in the SM")
-    checks = [below("largest relative error at the points", design.misfit, 1e-9, targets)]
+    yield below("largest relative error at the points", design.misfit, 1e-9, targets)
     for i, count in enumerate(numbers["counts"]):
         source = printed(SCHEME, f"Fig. 3, n_{i + 1}")
-        checks.append(near(f"n_{i + 1}", design.parameters["counts"][i], count, 0, source))
+        yield near(f"n_{i + 1}", design.parameters["counts"][i], count, 0, source)
     other = [*solved.level[1:], *solved.adjustment]
     for name, value, expected in zip(list(heights())[1:], _of_design(), other, strict=True):
-        checks.append(near(f"{name} [µm]", value, 1e3 * expected, METHODS, SOLVED))
-    return checks
+        yield near(f"{name} [µm]", value, 1e3 * expected, METHODS, SOLVED)
 
 
 def _of_design() -> list[float]:
@@ -154,11 +154,10 @@ def points(surface: mf.Surface) -> list[mf.ContactState]:
     return [*found, mf.equilibrium(surface, load=float(load[nearest]))]
 
 
-def points_of_printed_heights(changed: str = "", by: float = 0.0) -> list[Check]:
+def points_of_printed_heights(changed: str = "", by: float = 0.0) -> Iterator[Check]:
     """Check that the law of the printed heights passes through the printed points where it has to."""
     numbers, surface = paper()["fig3"], printed_surface(changed, by)
     found, last = points(surface), len(numbers["counts"])
-    checks = []
     for i, state in enumerate(found):
         which = f"operating point {i + 1} of the printed heights"
         name, load = (
@@ -167,17 +166,14 @@ def points_of_printed_heights(changed: str = "", by: float = 0.0) -> list[Check]
         )
         if i + 1 < last:  # the load of the last point is chosen
             source = printed(SCHEME, name.format("P/E*"))
-            checks.append(near(f"{which}: P/E* [mm²]", load, numbers["load_mm2"][i], LOAD_DIGIT, source))
+            yield near(f"{which}: P/E* [mm²]", load, numbers["load_mm2"][i], LOAD_DIGIT, source)
         source = printed(SCHEME, name.format("F/(σB)"))
         value = numbers["friction_mm2"][i]
-        checks.append(near(f"{which}: F/(σB) [mm²]", state.area, value, FRICTION_DIGIT, source))
+        yield near(f"{which}: F/(σB) [mm²]", state.area, value, FRICTION_DIGIT, source)
     tops = surface.height[np.cumsum([0, *numbers["counts"][:-1]])]
     planes, added = [state.separation for state in found], surface.height[-last:]
     between = 1e3 * float(min((tops - added).min(), (added - planes).min()))
-    return [
-        *checks,
-        above("least distance of an adjustment height from its bounds [µm]", between, 0.0, ORDER),
-    ]
+    yield above("least distance of an adjustment height from its bounds [µm]", between, 0.0, ORDER)
 
 
 def _designed_again() -> list[Check]:

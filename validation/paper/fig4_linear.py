@@ -11,7 +11,7 @@ from validation.check import Claim, Picture, Row, near, reported
 from validation.methods.densities import load_at_foot
 from validation.methods.independent import fitted_slope
 from validation.paper.pictures import law_and_slopes, slope_band
-from validation.paper.surfaces import fig4
+from validation.paper.surfaces import fig4, friction_of_slope
 from validation.published import paper, table
 from validation.sources import known_input, printed, second_method
 
@@ -44,8 +44,7 @@ def claim() -> Claim:
         design, numbers = fig4(colour), paper()["fig4"][colour]
         branch, fit = design.fits[0]
         measured, error = numbers["measured_slope"]
-        friction, modulus = design.surface.friction, design.surface.material.composite_modulus
-        coefficient = friction.shear_strength * friction.area_ratio / modulus * measured
+        coefficient = friction_of_slope(design.surface) * measured
         checks += [
             near(
                 f"{colour}: asymptotic slope of the density",

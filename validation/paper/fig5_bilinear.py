@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -64,7 +65,7 @@ def claim() -> Claim:
     """
     rows: list[Row] = []
     for colour in COLOURS:
-        rows += _densities(colour) + _asperities(colour)
+        rows += [*_densities(colour), *_asperities(colour)]
     rows += [row for colour in COLOURS for row in _crossover(colour)]
     above = {
         colour: 1e2 * (_intersection(colour) / fig5(colour).target.crossover_load - 1.0) for colour in COLOURS
@@ -156,35 +157,29 @@ def _densities(colour: str) -> list[Row]:
     ]  # fmt: skip
 
 
-def _asperities(colour: str) -> list[Row]:
+def _asperities(colour: str) -> Iterator[Row]:
     """Check the law of 64 asperities by the second method, and report its deviations from the targets."""
     design, height = fig5(colour), heights(colour)
     radius, modulus = paper()["sample"]["radius_um"] / 1e3, design.surface.material.composite_modulus
-    rows: list[Row] = []
     for i, (branch, fit) in enumerate(design.fits):
         expected = float(fitted_slope(height, branch.load, radius))
         source = second_method(fitted_slope, f"line through the law by Newton's method; {HEIGHTS}")
         name = f"{colour}: fitted slope {i + 1}"
-        rows += [
-            near(f"{name} of 64 asperities", fit.slope, expected, METHODS, source),
-            _deviation(f"{name}, deviation from the target [%]", colour, i),
-        ]
+        yield near(f"{name} of 64 asperities", fit.slope, expected, METHODS, source)
+        yield _deviation(f"{name}, deviation from the target [%]", colour, i)
     crossover = design.parameters["crossover_height"]
     load = mf.equilibrium(design.surface, separation=crossover).load / modulus
     expected = float(sums(height - solved(colour)[2], radius)[1])
     target = design.target.crossover_load
-    return [
-        *rows,
-        near(
-            f"{colour}: load of 64 asperities at the crossover height [mm²]", load, expected, METHODS,
-            second_method(sums, f"sum of Hertz's loads; {HEIGHTS}"),
-        ),
-        reported(f"{colour}: load at the crossover height, deviation from the target [%]",
-                 1e2 * (load / target - 1.0),
-                 "independent Hertz contacts with the plane at the crossover height"),
-        reported(f"{colour}: intersection of the fitted lines over the target load",
-                 _intersection(colour) / target, PREDICTED),
-    ]  # fmt: skip
+    yield near(
+              f"{colour}: load of 64 asperities at the crossover height [mm²]", load, expected, METHODS,
+              second_method(sums, f"sum of Hertz's loads; {HEIGHTS}"),
+    )  # fmt: skip
+    yield reported(f"{colour}: load at the crossover height, deviation from the target [%]",
+                   1e2 * (load / target - 1.0),
+                   "independent Hertz contacts with the plane at the crossover height")  # fmt: skip
+    yield reported(f"{colour}: intersection of the fitted lines over the target load",
+                   _intersection(colour) / target, PREDICTED)  # fmt: skip
 
 
 def _deviation(name: str, colour: str, i: int) -> Row:

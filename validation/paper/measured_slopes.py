@@ -7,6 +7,7 @@ P/E* with its σ and E*, so that the measured ones stay as they are printed.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
@@ -76,14 +77,14 @@ def area(surface: str, law: str, load: FloatArray, factor: float = 1.0) -> Float
     return mf.friction_law(softer, mf.Independent(contact=LAWS[law]), load=printed * load).area
 
 
-def tabulated(surface: str, law: str, load: FloatArray) -> FloatArray:
-    """Return the same areas by the second method."""
-    found = surfaces()[surface]
+def tabulated(surface: mf.Surface, law: str, load: FloatArray) -> FloatArray:
+    """Return the same areas by the second method, for spheres or a law such as "w = 9 mJ/m²"."""
     if law == "spheres":
         table = tabulated_contacts.sphere(RADIUS, LARGEST)
     else:
-        table = tabulated_contacts.adhesive(ENERGY, found.material.composite_modulus, RADIUS, LARGEST)
-    return tabulated_contacts.areas(table, found.height, load)
+        energy, modulus = 1e-6 * float(law.split()[2]), surface.material.composite_modulus
+        table = tabulated_contacts.adhesive(energy, modulus, RADIUS, LARGEST)
+    return tabulated_contacts.areas(table, surface.height, load)
 
 
 def full_contact(surface: str, over: tuple[float, ...] = FULL) -> FloatArray:
@@ -128,24 +129,24 @@ def deviation(branch: str, law: str, case: str) -> float:
     return (found - wanted) / error if _linear(branch) else 1e2 * (found / wanted - 1.0)
 
 
-def compared() -> list[Row]:
+def compared() -> Iterator[Row]:
     """Return the ratios of σ, the slopes, and their differences from the measured ones."""
     batch = paper()["batch"]["1"]["composite_modulus_MPa"]
-    found: list[Row] = [reported("E* of batch 1 by Hertz's law [MPa]", batch * softening(batch), MODULUS)]
+    yield reported("E* of batch 1 by Hertz's law [MPa]", batch * softening(batch), MODULUS)
     for law in LAWS:
         if law != "Hertz":
-            found += [
+            yield from (
                 _sigma(surface, law) for surface in dict.fromkeys(each[0] for each in branches().values())
-            ]
-            found += [_slope(branch, law) for branch in branches()]
-    found += [_deviation(branch, *case) for case in CASES for branch in branches()]
-    return found + [_at_one_load(branch, over) for branch in branches() if _linear(branch) for over in ENDS]
+            )
+            yield from (_slope(branch, law) for branch in branches())
+    yield from (_deviation(branch, *case) for case in CASES for branch in branches())
+    yield from (_at_one_load(branch, over) for branch in branches() if _linear(branch) for over in ENDS)
 
 
 def _sigma(surface: str, law: str) -> Row:
     load = full_contact(surface)
     second = refitted(
-        independent.areas(surfaces()[surface].height, load, RADIUS), tabulated(surface, law, load)
+        independent.areas(surfaces()[surface].height, load, RADIUS), tabulated(surfaces()[surface], law, load)
     )
     name = f"{surface}, {law}: σ refitted over σ as printed"
     return near(name, strength(surface, law), second, METHODS, SECOND)
@@ -153,7 +154,7 @@ def _sigma(surface: str, law: str) -> Row:
 
 def _slope(branch: str, law: str) -> Row:
     surface, load, *_ = branches()[branch]
-    second = float(np.polyfit(load, tabulated(surface, law, load), 1)[0])
+    second = float(np.polyfit(load, tabulated(surfaces()[surface], law, load), 1)[0])
     return near(
         f"{branch}, {law}, {PRINTED}: slope", slope(branch, law, PRINTED), second, METHODS * second, SECOND
     )

@@ -66,6 +66,13 @@ def surfaces() -> dict[str, mf.Surface]:
     return found
 
 
+def friction_of_slope(surface: mf.Surface) -> float:
+    """Return the friction coefficient of a slope of 1, σB/E*."""
+    friction = surface.friction
+    assert friction is not None
+    return friction.shear_strength * friction.area_ratio / surface.material.composite_modulus
+
+
 def words(name: str) -> str:
     """Return the name of a surface, such as "Fig. 4 blue", in words: "Fig. 4, blue surface"."""
     figure, _, colour = name.partition(" ")[2].partition(" ")

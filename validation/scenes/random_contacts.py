@@ -119,7 +119,8 @@ def _surface(rng: np.random.Generator, units: Units, most: int, kind: str, insid
         grid = pitch * np.stack(np.meshgrid(np.arange(side), np.arange(side)), axis=-1).reshape(-1, 2)
         position = np.asarray(grid, dtype=np.float64)
     else:
-        position = _scattered(rng, count, rng.uniform(0.4, 1.0))
+        closest = rng.uniform(0.4, 1.0)
+        position = scattered(rng, count, closest, 1.6 * closest * np.sqrt(count))
     several = rng.random() < 0.3 and kind != "design"
     radius = rng.choice([0.3, 0.526, 0.8], count) if several else np.full(count, 0.526)
     depth = rng.exponential(rng.uniform(0.002, 0.05), count)
@@ -132,9 +133,8 @@ def _surface(rng: np.random.Generator, units: Units, most: int, kind: str, insid
     return mf.Surface(length * position, length * height, length * radius, material, block=block)
 
 
-def _scattered(rng: np.random.Generator, count: int, closest: float) -> np.ndarray:
-    """Return random sites at least `closest` apart."""
-    width = 1.6 * closest * np.sqrt(count)
+def scattered(rng: np.random.Generator, count: int, closest: float, width: float) -> np.ndarray:
+    """Return random sites at least `closest` apart in a square, which grows until the next one fits."""
     position = rng.uniform(0.0, width, (1, 2))
     while len(position) < count:
         site = rng.uniform(0.0, width, 2)

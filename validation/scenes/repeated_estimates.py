@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.calibration.bounded_interval import WIDTH
 from metafem.drawing import ACHIEVED, MEASURED_BESIDE, QUIET, TARGET, new_figure
+from validation.check import Check, below, near
 from validation.sources import known_input
 
 # A bias of a fifth of the standard deviation changes the coverage of 68 % intervals by less than 1 %.
@@ -37,6 +38,13 @@ class Errors(NamedTuple):
     def coverage(self) -> float:
         """Share of 68 % intervals that hold the true value."""
         return float((np.abs(self.error) <= WIDTH * self.sd).mean())
+
+
+def judged(case: str, name: str, errors: Errors) -> Iterator[Check]:
+    """Check the bias and the coverage of an estimate."""
+    yield below(f"{case}: bias of {name} over its uncertainty", abs(errors.bias), 0.2, TRUTH)
+    what = f"{case}: 68 % intervals of {name} that hold it"
+    yield near(what, errors.coverage, NOMINAL, ALLOWED, COVERED)
 
 
 def bias_and_coverage(found: Mapping[str, Mapping[str, Errors]], limit: float = 1.0) -> Any:

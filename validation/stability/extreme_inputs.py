@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
@@ -147,30 +148,25 @@ def claim() -> Claim:
     )
 
 
-def _checks(ends: dict[str, tuple[str, str]]) -> list[Check]:
-    rows = []
+def _checks(ends: dict[str, tuple[str, str]]) -> Iterator[Check]:
     for name, model in MODELS.items():
         cells = isinstance(model, mf.BoundaryElements)
         rounding = CELLS_ROUNDING if cells else ROUNDING
-        rows += [
-            below(f"{name}: change of A0 by units of 1e-6 and 1e6", rescaled(model), rounding, SCALED),
-            below(f"{name}: change of A0 by height differences of 1e-12 R", nearly_equal(model),
-                  CELLS_ROUNDING if cells else SHIFTED, EQUAL),
-        ]  # fmt: skip
+        yield below(f"{name}: change of A0 by units of 1e-6 and 1e6", rescaled(model), rounding, SCALED)
+        yield below(f"{name}: change of A0 by height differences of 1e-12 R", nearly_equal(model),
+                    CELLS_ROUNDING if cells else SHIFTED, EQUAL)  # fmt: skip
         if "layer" not in name:
-            rows.append(below(f"{name}: error of A0 of one asperity", lone(model),
-                              BY_CELLS if cells else ROUNDING, HERTZ))  # fmt: skip
+            yield below(f"{name}: error of A0 of one asperity", lone(model),
+                        BY_CELLS if cells else ROUNDING, HERTZ)  # fmt: skip
         if not cells and name != "automatic":
             _, area = decades(name)
             back = int((np.diff(area) <= 0.0).sum())
-            rows += [
-                near(f"{name}: loads over twelve decades at which A0 does not grow", back, 0, 0, RISING),
-                below(f"{name}: error of the load at A0 of the lightest load", lightest(name), 1e-9, HERTZ),
-                below(f"{name}: error of the equations with radii of 1 to 1000", unequal(model),
-                      ROUNDING, RECOMPUTED),
-            ]  # fmt: skip
+            yield near(f"{name}: loads over twelve decades at which A0 does not grow", back, 0, 0, RISING)
+            yield below(f"{name}: error of the load at A0 of the lightest load", lightest(name), 1e-9, HERTZ)
+            yield below(f"{name}: error of the equations with radii of 1 to 1000", unequal(model),
+                        ROUNDING, RECOMPUTED)  # fmt: skip
     refused = sum(second.startswith("refused") for _, second in ends.values())
-    return [*rows, near("layers thinner than the contacts that Automatic refuses", refused, 0, 0, SAID)]
+    yield near("layers thinner than the contacts that Automatic refuses", refused, 0, 0, SAID)
 
 
 def _results(ends: dict[str, tuple[str, str]]) -> list[Row]:

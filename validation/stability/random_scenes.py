@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -154,30 +155,25 @@ def _checks(found: list[Outcome]) -> list[Check]:
     ]  # fmt: skip
 
 
-def _results(found: list[Outcome]) -> list[Row]:
+def _results(found: list[Outcome]) -> Iterator[Row]:
     """State how many scenes of each model and of each law are solved."""
     recomputed = sum(each.error is not None for each in found)
-    rows: list[Row] = [
-        reported("scenes", len(found), "half of them inside the documented ranges"),
-        reported(
-            "scenes whose equations are recomputed", recomputed, "those that converge, at the last load"
-        ),
-    ]
+    yield reported("scenes", len(found), "half of them inside the documented ranges")
+    yield reported(
+        "scenes whose equations are recomputed", recomputed, "those that converge, at the last load"
+    )
     for kind in ("model", "law"):
         for name, group in _groups(found, kind).items():
             inside = sum(each.inside for each in group if each.end == "refused")
             outside = _count(group, "refused") - inside
             words = f"of {len(group)} scenes; refused: {inside} inside the ranges, {outside} outside"
-            rows.append(reported(f"{kind} {name}: scenes that converge", _count(group, "converged"), words))
+            yield reported(f"{kind} {name}: scenes that converge", _count(group, "converged"), words)
     designs, others = _designs(found)
-    rows += [
-        reported("designs that are refused", _count(designs, "refused"), f"of {len(designs):,} designs"),
-        reported(
-            "other scenes that are refused", _count(others, "refused"), f"of {len(others):,} other scenes"
-        ),
-        *_unsolved(found),
-    ]
-    return rows
+    yield reported("designs that are refused", _count(designs, "refused"), f"of {len(designs):,} designs")
+    yield reported(
+        "other scenes that are refused", _count(others, "refused"), f"of {len(others):,} other scenes"
+    )
+    yield from _unsolved(found)
 
 
 def _groups(found: list[Outcome], kind: str) -> dict[str, list[Outcome]]:
