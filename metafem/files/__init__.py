@@ -1,21 +1,20 @@
 """Specifications, result folders and part files, with their units and formats."""
 
-from metafem.files.atomic import check_free, refuse_existing, write_text
+from metafem.files.atomic import MARKS, check_free, refuse_existing, write_text
 from metafem.files.loads import load_range
-from metafem.files.measurement.block import block_text, is_block
-from metafem.files.measurement.contacts import contacts_table, is_contacts_table, read_contacts
+from metafem.files.measurement.block import block_text
+from metafem.files.measurement.contacts import contacts_table, read_contacts
 from metafem.files.measurement.figures import refuse_figure, write_figure
 from metafem.files.measurement.handed_on import (
     HandedOn,
     calibration_data,
-    is_calibration,
     read_handed_on,
 )
 from metafem.files.measurement.images.find import ImageFile, Images, find_images
 from metafem.files.measurement.images.forces import Shot, shots
 from metafem.files.measurement.images.pixel_size import pixel_size
 from metafem.files.measurement.laws import read_measured_law
-from metafem.files.measurement.made import corrected_table, is_heights_table, made_table
+from metafem.files.measurement.made import corrected_table, made_table
 from metafem.files.measurement.maps import read_height_map
 from metafem.files.measurement.sites import Sites, read_sites
 from metafem.files.measurement.tables import CalibrationData, of_files, read_calibration
@@ -31,7 +30,7 @@ from metafem.files.result.folder import (
     write_all,
 )
 from metafem.files.result.study import stored_studies, study_data, study_path, write_study
-from metafem.files.result.tables import is_law_table, law_table, read_surface
+from metafem.files.result.tables import law_table, read_surface
 from metafem.files.schema.document import place_schema, schema_text, write_schema
 from metafem.files.schema.forms import KeyForm, SectionForm, section_forms
 from metafem.files.specification.demos import DEMOS, demo_text
@@ -50,6 +49,7 @@ from metafem.files.units import option_names, quantity
 
 __all__ = [
     "DEMOS",
+    "MARKS",
     "MODELS",
     "CalibrationData",
     "HandedOn",
@@ -70,11 +70,6 @@ __all__ = [
     "corrected_table",
     "demo_text",
     "find_images",
-    "is_block",
-    "is_calibration",
-    "is_contacts_table",
-    "is_heights_table",
-    "is_law_table",
     "law_table",
     "load",
     "load_compared",

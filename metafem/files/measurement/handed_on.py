@@ -172,11 +172,6 @@ def read_handed_on(path: str | Path) -> HandedOn:
     return HandedOn(names, value, covariance)
 
 
-def is_calibration(content: bytes) -> bool:
-    """Whether a file holds the data of `calibration_data`."""
-    return content.startswith(b'{"kind": "' + KIND.encode() + b'"')
-
-
 def _known(value: float) -> float | None:
     """Return a number, None where it was not determined."""
     return None if math.isnan(value) else float(value)
