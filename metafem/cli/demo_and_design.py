@@ -32,9 +32,6 @@ if TYPE_CHECKING:
     from metafem.notes import Note
     from metafem.prediction import BranchFit
 
-# First line of a table that a refusal writes, by which a later one recognises and replaces it.
-NEAREST = "# The nearest law that was found, by metafem."
-
 
 @main.command(short_help="Write and design one of the paper's specifications.")
 @click.argument("name", type=click.Choice(DEMOS))
@@ -112,7 +109,6 @@ def _run(
 ) -> None:
     import metafem as mf
     from metafem.files import (
-        check_free,
         chosen_model,
         part_notes,
         planned,
@@ -124,7 +120,6 @@ def _run(
     from metafem.models.model import contact_of
     from metafem.report import all_notes, page
 
-    check_free(folder, force)
     with progress(), doing("designing"):
         specification = mf.read_spec(spec)
         if chord_error is not None:
@@ -149,7 +144,7 @@ def _run(
 
 def _refusal(error: Infeasible, folder: Path) -> NotAchieved:
     """Return the error of a refused target; its nearest law is a table beside the folder, and data."""
-    from metafem.files import write_text
+    from metafem.files import MARKS, write_text
 
     if error.nearest is None:
         return NotAchieved("Infeasible", str(error))
@@ -158,11 +153,13 @@ def _refusal(error: Infeasible, folder: Path) -> NotAchieved:
     if law is not None:
         path = Path(f"{folder.absolute()}-nearest.csv")
         rows = zip(*(column.tolist() for column in law), strict=True)
-        lines = [NEAREST, "rescaled_load_mm2,rescaled_friction_mm2", *(f"{x!r},{y!r}" for x, y in rows)]
+        lines = [
+            MARKS["nearest law"].decode(),
+            "rescaled_load_mm2,rescaled_friction_mm2",
+            *(f"{x!r},{y!r}" for x, y in rows),
+        ]
         try:
-            write_text(
-                path, "\n".join(lines) + "\n", force=True, ours=lambda raw: raw.startswith(NEAREST.encode())
-            )
+            write_text(path, "\n".join(lines) + "\n", force=True, kind="nearest law")
             words += f"; the nearest law is written to {path.name}; design it as a sampled target with "
             words += f'file = "{path.name}"'
             nearest["file"] = str(path)

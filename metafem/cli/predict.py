@@ -82,7 +82,6 @@ def predict(
     from metafem._given import printable
     from metafem.files import (
         chosen_model,
-        is_law_table,
         law_table,
         quantity,
         refuse_existing,
@@ -115,7 +114,7 @@ def predict(
     if output is not None:
         if len(pairs) > 1:
             raise InvalidInput(f"--output holds one law, and {len(pairs)} are compared; choose one of them")
-        refuse_existing(output, force, is_law_table)
+        refuse_existing(output, force, "law")
     newtons = [quantity("--load", text, "N") for text in load]
     models = []
     for kind, words in pairs:
@@ -133,7 +132,7 @@ def predict(
             loads = laws[0].load if laws else newtons or None
             laws.append(mf.friction_law(surface, each, load=loads))
     if output is not None:
-        write_text(output, law_table(laws[0]), force=force, ours=is_law_table)
+        write_text(output, law_table(laws[0]), force=force, kind="law")
     data = [_law_data(law) for law in laws] if as_json else []
     if as_json:
         print_json(data[0] if len(data) == 1 else {"laws": data})

@@ -32,6 +32,19 @@ LOCK, WORK, OLD = ".metafem-lock", ".metafem-writing", ".old"
 # Seconds to wait for a lock: the writing of a single file and the removal of leftovers take less.
 PATIENCE = 0.5
 
+# What a file of each kind holds among its first bytes, by which it is recognised outside a result folder.
+FIRST_BYTES = 200
+MARKS: Mapping[str, bytes] = {
+    "law": b"load_N,area_mm2,separation_mm,rescaled_load_mm2,rescaled_friction_mm2",
+    "nearest law": b"# The nearest law that was found, by metafem.",
+    "heights": b"site,x_mm,y_mm,height_mm,radius_mm",
+    "contacts": b"image,test,load_N,friction_force_N,contact,site,x_mm,y_mm,area_mm2,area_error_mm2",
+    "sections": b"# Calibration by metafem: sections of a specification",
+    "calibration": b'{"kind": "metafem calibration"',
+    "schema": b'"title": "Specification of metafem"',
+    "figure": b"figure by metafem",
+}
+
 NOTHING: Mapping[str, bytes] = MappingProxyType({})
 
 
@@ -160,35 +173,33 @@ def write_file(
     write: Callable[[Path], object],
     *,
     force: bool = False,
-    ours: Callable[[bytes], bool] = lambda _: True,
+    kind: str = "",
     still: Callable[[], None] = lambda: None,
     fixed: bool = False,
 ) -> None:
     """Write a file by the function `write` under another name, and rename it.
 
     With `force` an existing file is replaced: in a result folder one that metafem wrote and that was not
-    changed, elsewhere one whose content `ours` accepts as metafem's. `still` raises an error if the content
-    is not valid any more, and is called before the file is renamed. `fixed` says that no other name can be
+    changed, elsewhere one of the same `kind` of `MARKS`, or any. `still` raises an error if the content is
+    not valid any more, and is called before the file is renamed. `fixed` says that no other name can be
     chosen. Raise InvalidInput if the file exists or cannot be written; no unfinished file is left.
     """
     target = Path(path).absolute()
-    refuse_existing(target, force, ours, fixed)
+    refuse_existing(target, force, kind, fixed)
     manifest = target.with_name(MANIFEST)
     in_result = manifest.is_file()
     with _reported(target), _claimed(target.parent if in_result else target) as work:
         fresh = work / target.name
         write(fresh)
         still()
-        refuse_existing(target, force, ours, fixed)
+        refuse_existing(target, force, kind, fixed)
         if in_result:  # before the file: a run that is killed between them leaves the old file unchanged
             with manifest.open("a", encoding="utf-8") as file:
                 file.write(_manifest_line(fresh))
         fresh.replace(target)
 
 
-def refuse_existing(
-    path: str | Path, force: bool, ours: Callable[[bytes], bool] = lambda _: True, fixed: bool = False
-) -> None:
+def refuse_existing(path: str | Path, force: bool, kind: str = "", fixed: bool = False) -> None:
     """Raise InvalidInput if `write_file` would refuse the file, before a long run."""
     target = Path(path).absolute()
     if not os.path.lexists(target):
@@ -197,11 +208,11 @@ def refuse_existing(
         other = "" if fixed else "choose another name, or "
         raise InvalidInput(f"{target} exists; {other}replace it with force=True")
     if target.is_symlink() or not target.is_file():
-        kind = "a link" if target.is_symlink() else "a folder" if target.is_dir() else "no regular file"
-        raise InvalidInput(f"{target} cannot be written: it is {kind}; choose another name")
+        what = "a link" if target.is_symlink() else "a folder" if target.is_dir() else "no regular file"
+        raise InvalidInput(f"{target} cannot be written: it is {what}; choose another name")
     known = written(target.parent)
     in_result = target.with_name(MANIFEST).is_file()
-    if not (unchanged(target, known.get(target.name, ())) if in_result else ours(target.read_bytes())):
+    if not (unchanged(target, known.get(target.name, ())) if in_result else is_of_kind(target, kind)):
         raise _foreign(target.parent, [target.name], known)
 
 
@@ -259,6 +270,12 @@ def _reported(target: Path) -> Iterator[None]:
     except OSError as error:
         reason = error.strerror or error
         raise InvalidInput(f"{target} cannot be written: {reason}; choose another folder") from None
+
+
+def is_of_kind(path: Path, kind: str) -> bool:
+    """Whether a file is one of a kind that metafem writes, by its first bytes; "" is any kind."""
+    with path.open("rb") as file:
+        return MARKS.get(kind, b"") in file.read(FIRST_BYTES)
 
 
 def digest(path: Path) -> str:

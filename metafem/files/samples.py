@@ -1,8 +1,9 @@
-"""Tables of measured or wanted laws, as the keys of a sampled target."""
+"""Tables that a specification names: laws that are wanted or measured, and profiles of caps."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,27 +11,89 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.calibration import MeasuredLaw
 from metafem.errors import InvalidInput
-from metafem.files.columns import TARGET, columns_of
-from metafem.files.csv_rows import Table, table_of
-from metafem.files.measurement.contacts import contacts_of
-from metafem.files.measurement.laws import CONTACTS
+from metafem.files.measurement.contacts import contacts_of, is_of_contacts
+from metafem.files.tables import OWN, Columns, Entries, Table, table_of
 from metafem.files.units import converted
 from metafem.surface import Material
+
+
+@dataclass(frozen=True)
+class SampleColumns(Columns):
+    """The columns of a table of samples, which are also keys of a specification.
+
+    `what` is the content of the table in words, `rising` are the columns whose entries increase, and
+    `from_zero` says whether the first entries are 0; None: they may be; others are above 0.
+    """
+
+    what: str = "law"
+    rising: tuple[str, ...] = ()
+    from_zero: bool | None = False
+
+
+TARGET = SampleColumns(
+    "load_N,friction_force_N,area_mm2,rescaled_load_mm2,rescaled_friction_mm2,weight,relative_error,load_sd_N,"
+    "friction_force_sd_N,area_sd_mm2,rescaled_load_sd_mm2,rescaled_friction_sd_mm2",
+    ("load,friction_force", "load,area", "rescaled_load,rescaled_friction"),
+    "sample",
+    "load_N,friction_force_N, or load_N,area_mm2, or rescaled_load_mm2,rescaled_friction_mm2 (or in other "
+    "units), and optionally their errors such as friction_force_sd_mN, or weight",
+)
+
+PROFILE = SampleColumns(
+    "rho_mm,f_um", ("rho,f",), "sample", what="profile", rising=("rho", "f"), from_zero=True
+)
+
+MEASURED = SampleColumns(
+    "indentation_um,load_mN,area_mm2",
+    ("indentation,load,area",),
+    "sample",
+    rising=("indentation", "load", "area"),
+    from_zero=None,
+)
+
+# The columns of the tables that a specification names, by the kind of its section.
+COLUMNS = {"sampled": TARGET, "profile": PROFILE, "tabulated": MEASURED}
 
 # Keys of a sampled target in the order in which a table is preferred to state them.
 LOADS, FRICTIONS = ("rescaled_load", "load"), ("rescaled_friction", "friction_force", "area")
 
-Entries = dict[str, list[Any]]
+# Columns as keys of a specification: a text with its unit for each entry, or a number of a plain column.
+Keys = dict[str, list[Any]]
 
 
-def samples_of(name: str, content: bytes) -> Entries:
+def columns_of(name: str, content: bytes, columns: SampleColumns) -> Keys:
+    """Return the columns of a table as keys of a specification."""
+    entries = columns.of(table_of(name, content, columns.example))
+    return {key: _key(entries, key, columns) for key in entries.columns}
+
+
+def _key(entries: Entries, name: str, columns: SampleColumns) -> list[Any]:
+    """Return a column; it is checked here, where the line is known, and read again with the specification."""
+    values = entries.numbers(name)
+    if name in columns.plain:
+        return list(values.tolist())
+    texts = [entries.table.plain(text) for text in entries.texts(name)]
+    for row, (text, value) in enumerate(zip(texts, values.tolist(), strict=True)):
+        key, first = f"{entries.cell(row, name)} = {text}", row == 0
+        if columns.from_zero and first and value != 0.0:
+            raise InvalidInput(f"{key} must be 0; the first line of a {columns.what} is its origin")
+        if value < 0.0 or (value == 0.0 and not (first and columns.from_zero is not False)):
+            of_law = columns.from_zero is False and not name.endswith("_sd")
+            raise InvalidInput(f"{key} must be greater than 0{'; omit the origin' if of_law else ''}")
+        if name in columns.rising and not first and value <= values[row - 1]:
+            raise InvalidInput(f"{key} must exceed the {name} of the previous line")
+    unit = entries.title(name).rpartition("_")[2]
+    return [f"{text} {unit}" for text in texts]
+
+
+def samples_of(name: str, content: bytes) -> Keys:
     """Return the keys of a sampled target from a table, also of `metafem images` or with error bars.
 
     The loads may be in any order, and samples of equal loads are averaged. Standard deviations of the loads
     and of the frictions become relative errors of the frictions; only those that the table states.
     """
     table = table_of(name, content, TARGET.example)
-    entries = _of_images(table) if set(table.header) >= CONTACTS else columns_of(name, content, TARGET)
+    entries = _of_images(table) if is_of_contacts(table) else columns_of(name, content, TARGET)
     values = {key: _numbers(key, column) for key, column in entries.items()}
     load = next(key for key in LOADS if key in values)
     friction = next(key for key in FRICTIONS if key in values)
@@ -48,7 +111,7 @@ def _numbers(key: str, column: list[Any]) -> FloatArray:
     """Return a column in the package's unit."""
     if key in TARGET.plain:
         return np.array(column)
-    return np.array([converted(text, TARGET.units[key]) for text in column])
+    return np.array([converted(text, OWN[TARGET.units[key]]) for text in column])
 
 
 def _relative_error(
@@ -73,10 +136,10 @@ def _relative_error(
     return error
 
 
-def _averaged(values: Mapping[str, FloatArray], load: str) -> Entries:
+def _averaged(values: Mapping[str, FloatArray], load: str) -> Keys:
     """Return samples in the order of their loads, one for each, of columns (k,)."""
     loads, group, counts = np.unique(values[load], return_inverse=True, return_counts=True)
-    found: Entries = {}
+    found: Keys = {}
     for key, column in values.items():
         if key == load:
             mean = loads  # themselves, not their rounded means
@@ -93,7 +156,7 @@ def _averaged(values: Mapping[str, FloatArray], load: str) -> Entries:
     return found
 
 
-def _of_images(table: Table) -> Entries:
+def _of_images(table: Table) -> Keys:
     """Return the loads and areas of a table of the contacts in images."""
     try:
         # only rescaled values depend on the material

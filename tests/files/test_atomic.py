@@ -444,14 +444,14 @@ def test_force_replaces_only_content_that_is_known(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("mine")
     for call in (
-        lambda: refuse_existing(path, True, lambda content: content == b"ours"),
-        lambda: write_text(path, "new", force=True, ours=lambda content: content == b"ours"),
+        lambda: refuse_existing(path, True, "figure"),
+        lambda: write_text(path, "new", force=True, kind="figure"),
     ):
         with pytest.raises(mf.InvalidInput, match=r"a\.txt was not written by metafem"):
             call()
     assert path.read_text() == "mine"
-    path.write_text("ours")
-    write_text(path, "new", force=True, ours=lambda content: content == b"ours")
+    path.write_text("a figure by metafem")
+    write_text(path, "new", force=True, kind="figure")
     assert path.read_text() == "new"
 
 
@@ -464,7 +464,7 @@ def test_a_file_made_in_the_meantime_stays(tmp_path, force):
         path.write_text("theirs")
 
     with pytest.raises(mf.InvalidInput, match=r"exists|was not written by metafem"):
-        write_file(path, write, force=force, ours=lambda content: content == b"ours")
+        write_file(path, write, force=force, kind="figure")
     assert path.read_text() == "theirs"
     assert [each.name for each in tmp_path.iterdir()] == ["a.txt"]
 

@@ -128,8 +128,6 @@ def calibrate(
     from metafem.files import (
         block_text,
         calibration_data,
-        is_block,
-        is_calibration,
         read_calibration,
         refuse_existing,
         refuse_figure,
@@ -137,7 +135,7 @@ def calibrate(
         write_text,
     )
 
-    kinds = {".toml": is_block, ".json": is_calibration}
+    kinds = {".toml": "sections", ".json": "calibration"}
     for path in output:
         if path.suffix.lower() not in kinds:
             raise InvalidInput(f"--output {path} must end with .toml or .json")
@@ -164,7 +162,7 @@ def calibrate(
                 if suffix == ".toml"
                 else text + "\n"
             )
-            write_text(path, content, force=force, ours=kinds[suffix])
+            write_text(path, content, force=force, kind=kinds[suffix])
         if figure is not None:
             write_figure(figure, calibration_figure(contact, shear, strength), "calibration", force=force)
     if as_json:

@@ -102,7 +102,6 @@ def images(
     from metafem.files import (
         Images,
         contacts_table,
-        is_contacts_table,
         refuse_existing,
         refuse_figure,
         write_figure,
@@ -110,7 +109,7 @@ def images(
     )
 
     if output is not None:
-        refuse_existing(output, force, is_contacts_table)
+        refuse_existing(output, force, "contacts")
     if picture is not None:
         refuse_figure(picture, force)
     elif options["picture_of"] is not None:
@@ -119,7 +118,7 @@ def images(
         found = _measured(source, options)
         drawn = _drawn(found, options["picture_of"]) if picture is not None else None
         if output is not None:
-            write_text(output, contacts_table(found.tracked.table), force=force, ours=is_contacts_table)
+            write_text(output, contacts_table(found.tracked.table), force=force, kind="contacts")
         if picture is not None and drawn is not None:
             with doing("drawing the picture"):
                 index, file, sheared = drawn

@@ -74,7 +74,6 @@ def topography(
     import metafem as mf
     from metafem.files import (
         corrected_table,
-        is_heights_table,
         made_table,
         read_height_map,
         refuse_existing,
@@ -85,7 +84,7 @@ def topography(
 
     for path in (output, corrected):
         if path is not None:
-            refuse_existing(path, force, is_heights_table)
+            refuse_existing(path, force, "heights")
     if picture is not None:
         refuse_figure(picture, force)
     if output is not None and corrected is not None and output.absolute() == corrected.absolute():
@@ -112,7 +111,7 @@ def topography(
             heights = HeightMap(stored.values, stored.pixel, -1.0 if mould else 1.0)
             figure = made_figure(made, correction, heights, design.law, law)
             write_figure(picture, figure, "made surface", force=force)
-    ours: dict[str, Any] = {"force": force, "ours": is_heights_table}
+    ours: dict[str, Any] = {"force": force, "kind": "heights"}
     if output is not None:
         write_text(output, made_table(made, design.sites), **ours)
     if corrected is not None and correction is not None:

@@ -20,7 +20,7 @@ from metafem.explorer.law.kinds import points
 from metafem.explorer.law.shown import EDITED, Units, numbers
 from metafem.explorer.text.document import Document
 from metafem.files import read_measured_law
-from metafem.files.columns import TARGET, columns_of
+from metafem.files.samples import TARGET, columns_of
 from metafem.files.units import converted
 from metafem.inversion import Design
 from metafem.progress import listening

@@ -11,7 +11,7 @@ from metafem.calibration import ContactCalibration, ShearCalibration, StrengthFi
 from metafem.files.measurement.numbers import interval, rounded
 from metafem.files.specification.options import section_named
 
-# First line, by which the file is recognised.
+# First line of the file.
 FIRST = "# Calibration by metafem: sections of a specification, with 68 % intervals."
 
 # mJ/m^2 in N/mm.
@@ -35,11 +35,6 @@ def block_text(
     if shear is not None or strength is not None:
         lines += ["", "[friction]", _strength(shear, strength), _ratio(shear, strength)]
     return "\n".join(lines) + "\n"
-
-
-def is_block(content: bytes) -> bool:
-    """Whether a file is a text of `block_text`."""
-    return content.startswith(FIRST.encode())
 
 
 def _material(found: ContactCalibration) -> list[str]:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -14,28 +11,15 @@ from metafem._given import printable, shown
 from metafem._validate import FloatArray
 from metafem.calibration import ContactTable
 from metafem.errors import InvalidInput
-from metafem.files.csv_rows import Table, read_table
 from metafem.files.measurement.remarks import cells_of_remarks, remarks_of_cells
-from metafem.files.units import factor
-
-# The columns of texts and whole numbers, and the units of the others.
-NAMES = ("image", "test", "contact", "site", "remark")
-UNITS = {
-    "load": "N",
-    "friction_force": "N",
-    "x": "mm",
-    "y": "mm",
-    "area": "mm^2",
-    "area_error": "mm^2",
-    "sheared_area": "mm^2",
-    "sheared_area_error": "mm^2",
-}
-NEEDED = ("image", "load", "contact", "x", "y", "area", "area_error")
+from metafem.files.tables import Columns, Entries, Table, read_table
 
 HEADER = (
     "image,test,load_N,friction_force_N,contact,site,x_mm,y_mm,area_mm2,area_error_mm2,"
     "sheared_area_mm2,sheared_area_error_mm2,remark"
 )
+
+COLUMNS = Columns(HEADER, ("image,load,contact,x,y,area,area_error",), "contact")
 
 # Most characters of a text.
 MOST = 10**4
@@ -67,11 +51,6 @@ def contacts_table(table: ContactTable) -> str:
     return "\n".join(lines) + "\n"
 
 
-def is_contacts_table(content: bytes) -> bool:
-    """Whether a file is a table of `contacts_table`, by its first line."""
-    return content.startswith(HEADER.encode())
-
-
 def read_contacts(path: str | Path) -> ContactTable:
     """Return the contact areas of a table that `contacts_table` wrote, or of one with its columns.
 
@@ -81,35 +60,30 @@ def read_contacts(path: str | Path) -> ContactTable:
     return contacts_of(read_table(path, HEADER))
 
 
+def is_of_contacts(table: Table) -> bool:
+    """Whether a table is one of the contacts in images, by its columns."""
+    return {"image", "contact"} <= set(table.header)
+
+
 def contacts_of(table: Table) -> ContactTable:
     """Return the contact areas of a table whose columns are those of `read_contacts`."""
-    columns = _columns(table)
-    table.report_unread([table.header[column] for column, _ in columns.values()])
-    entries = table.entries()
-    if not entries:
-        raise InvalidInput(f"{table.name} names columns but holds no contact")
-    return _Rows(table, columns, entries).contacts()
+    return _Rows(COLUMNS.of(table)).contacts()
 
 
 class _Rows:
-    """The lines of a table, in order of images and contacts."""
+    """The entries of a table, in order of images and contacts."""
 
-    def __init__(
-        self,
-        table: Table,
-        columns: Mapping[str, tuple[int, Fraction]],
-        entries: Sequence[tuple[int, list[str]]],
-    ) -> None:
-        self.table, self.columns, self.entries = table, columns, entries
-        images = [(self._text(row, "test"), self._text(row, "image")) for _, row in entries]
-        numbers = [self._whole(line, row, "contact", 1) for line, row in entries]
+    def __init__(self, entries: Entries) -> None:
+        self.entries = entries
+        images = list(zip(entries.texts("test"), entries.texts("image"), strict=True))
+        numbers = entries.whole("contact", 1)
         self.images = list(dict.fromkeys(images))
         self.numbers = list(dict.fromkeys(numbers))
         self.place = self._places(images, numbers)
 
     def contacts(self) -> ContactTable:
         """Return the table."""
-        values = {name: self._numbers(name) for name in UNITS}
+        values = {name: self.entries.numbers(name, empty=True)[self.place] for name in COLUMNS.units}
         for name in ERROR_OF:
             self._refuse_areas(name, values[name], values[ERROR_OF[name]])
         sites = self._sites()
@@ -137,49 +111,29 @@ class _Rows:
         place = np.full((len(row), len(column)), -1)
         for index, (image, number) in enumerate(zip(images, numbers, strict=True)):
             if not image[1]:
-                raise InvalidInput(f"{self._cell(index, 'image')} is empty; write the name of the image")
+                raise InvalidInput(
+                    f"{self.entries.cell(index, 'image')} is empty; write the name of the image"
+                )
             i, j = row[image], column[number]
             if place[i, j] >= 0:
-                before = self.entries[place[i, j]][0]
+                before = self._line(place[i, j])
                 raise InvalidInput(
-                    f"{self._cell(index, 'contact')} = {number} of image {printable(image[1], 60)} "
+                    f"{self.entries.cell(index, 'contact')} = {number} of image {printable(image[1], 60)} "
                     f"is in line {before} too; keep one"
                 )
             place[i, j] = index
         for i, j in np.argwhere(place < 0)[:1]:
             raise InvalidInput(
-                f"{self.table.name}: image {printable(self.images[i][1], 60)} lacks contact "
+                f"{self.entries.table.name}: image {printable(self.images[i][1], 60)} lacks contact "
                 f"{self.numbers[j]}, which others have; add its line, with the area 0 if it is open"
             )
         return place
 
-    def _cell(self, index: int, name: str) -> str:
-        line, title = self.entries[index][0], self.table.header[self.columns[name][0]]
-        return f"{self.table.name}, line {line}: {title}"
+    def _line(self, index: int) -> int:
+        return self.entries.table.rows[index][0]
 
-    def _text(self, row: list[str], name: str) -> str:
-        return row[self.columns[name][0]].strip() if name in self.columns else ""
-
-    def _whole(self, line: int, row: list[str], name: str, least: int) -> int:
-        column = self.columns[name][0]
-        text = row[column].strip()
-        if not re.fullmatch(r"\d{1,9}", text, re.ASCII) or int(text) < least:
-            raise InvalidInput(
-                f"{self.table.name}, line {line}: {self.table.header[column]} = {shown(text, 40)} must be a "
-                f"whole number of at least {least}"
-            )
-        return int(text)
-
-    def _numbers(self, name: str) -> FloatArray:
-        """Return the numbers of a column, nan where it is empty, (k, n)."""
-        if name not in self.columns:
-            return np.full(self.place.shape, np.nan)
-        column, size = self.columns[name]
-        values = [
-            float(self.table.number(line, column, row[column]) * size) if row[column].strip() else np.nan
-            for line, row in self.entries
-        ]
-        return np.array(values, dtype=np.float64).take(self.place)
+    def _text(self, index: int, name: str) -> str:
+        return self.entries.texts(name)[index]
 
     def _of_image(self, name: str, values: FloatArray) -> FloatArray:
         """Return the values of a column that is the same for all contacts of an image, (k,)."""
@@ -188,7 +142,9 @@ class _Rows:
     def _of_contact(self, name: str, values: FloatArray) -> FloatArray:
         """Return the values of a column that is the same for a contact in all images, (n,)."""
         for i, j in np.argwhere(np.isnan(values))[:1]:
-            raise InvalidInput(f"{self._cell(self.place[i, j], name)} is empty; write the contact's position")
+            raise InvalidInput(
+                f"{self.entries.cell(self.place[i, j], name)} is empty; write the contact's position"
+            )
         return self._alike(name, values.T, "the contact", self.place.T)[:, 0].copy()
 
     def _alike(self, name: str, values: FloatArray, of: str, place: np.ndarray | None = None) -> FloatArray:
@@ -196,10 +152,10 @@ class _Rows:
         first = values[:, :1]
         differs = (values != first) & ~(np.isnan(values) & np.isnan(first))
         for i, j in np.argwhere(differs)[:1]:
-            text = self._text(self.entries[place[i, j]][1], name)
+            text = self._text(place[i, j], name)
             raise InvalidInput(
-                f"{self._cell(place[i, j], name)} = {shown(text, 40)} differs from line "
-                f"{self.entries[place[i, 0]][0]}; {of} has one value"
+                f"{self.entries.cell(place[i, j], name)} = {shown(text, 40)} differs from line "
+                f"{self._line(place[i, 0])}; {of} has one value"
             )
         return values
 
@@ -207,67 +163,34 @@ class _Rows:
         """Refuse negative areas and errors, and an area without its error."""
         for column, values in ((name, area), (ERROR_OF[name], error)):
             for i, j in np.argwhere(values < 0.0)[:1]:
-                text = self._text(self.entries[self.place[i, j]][1], column)
-                raise InvalidInput(f"{self._cell(self.place[i, j], column)} = {text} must not be negative")
+                text = self._text(self.place[i, j], column)
+                raise InvalidInput(
+                    f"{self.entries.cell(self.place[i, j], column)} = {text} must not be negative"
+                )
         for i, j in np.argwhere(np.isnan(area) != np.isnan(error))[:1]:
             given, missing = (ERROR_OF[name], name) if np.isnan(area[i, j]) else (name, ERROR_OF[name])
-            title = self.table.header[self.columns[given][0]]
-            if missing not in self.columns:
-                lacks = f"lacks {missing}_{UNITS[missing].replace('^', '')}"
-                raise InvalidInput(
-                    f"{self.table.name} has the column {title} and {lacks}; write both or none"
-                )
-            raise InvalidInput(
-                f"{self._cell(self.place[i, j], missing)} is empty, and {title} is not; write both or none"
-            )
+            if missing not in self.entries.columns:
+                raise COLUMNS.lacking(self.entries, missing)
+            cell, title = self.entries.cell(self.place[i, j], missing), self.entries.title(given)
+            raise InvalidInput(f"{cell} is empty, and {title} is not; write both or none")
 
     def _sites(self) -> np.ndarray | None:
         """Return the site of each contact, (n,), or None if no contact has one."""
-        texts = [self._text(row, "site") for _, row in self.entries]
-        if not any(texts):
+        if not any(self.entries.texts("site")):
             return None
-        whole = [self._whole(line, row, "site", 0) for line, row in self.entries]
-        sites = self._alike("site", np.array(whole, dtype=float)[self.place].T, "the contact", self.place.T)
+        whole = np.array(self.entries.whole("site", 0), dtype=float)
+        sites = self._alike("site", whole[self.place].T, "the contact", self.place.T)
         found = sites[:, 0].astype(np.intp)
         for j in range(len(found)):
             if found[j] in found[:j]:
-                raise InvalidInput(
-                    f"{self._cell(self.place[0, j], 'site')} = {found[j]} is the site of another contact too"
-                )
+                cell = self.entries.cell(self.place[0, j], "site")
+                raise InvalidInput(f"{cell} = {found[j]} is the site of another contact too")
         return found
 
     def _remarks(self) -> dict[tuple[int, int], str]:
         """Return the remarks of each image and contact."""
-        return {
-            (i, j): self._text(self.entries[index][1], "remark")
-            for (i, j), index in np.ndenumerate(self.place)
-        }
-
-
-def _columns(table: Table) -> dict[str, tuple[int, Fraction]]:
-    """Return the number of each known column and its unit in ours."""
-    found: dict[str, tuple[int, Fraction]] = {}
-    for column, title in enumerate(table.header):
-        name, size = title, Fraction(1)
-        if title not in NAMES:
-            name, _, unit = title.rpartition("_")
-            if name not in UNITS:
-                continue
-            try:
-                size = factor(unit, UNITS[name])
-            except InvalidInput as error:
-                raise InvalidInput(f"{table.name}: column {printable(title, 40)} {error}") from None
-        if name in found:
-            raise InvalidInput(f"{table.name}: {name} is in two columns; keep one")
-        found[name] = (column, size)
-    missing = [name for name in NEEDED if name not in found]
-    if missing:
-        titles = [f"{name}_{UNITS[name].replace('^', '')}" if name in UNITS else name for name in missing]
-        raise InvalidInput(
-            f"{table.name} lacks the columns {', '.join(titles)} of a table of contacts; it has "
-            f"{printable(', '.join(table.header))}"
-        )
-    return found
+        remarks = self.entries.texts("remark")
+        return {(i, j): remarks[index] for (i, j), index in np.ndenumerate(self.place)}
 
 
 def _cell(value: object) -> str:

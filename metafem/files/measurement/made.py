@@ -6,11 +6,11 @@ import numpy as np
 
 from metafem._validate import IntArray
 from metafem.calibration import MadeSurface
-from metafem.files.result.tables import SITE, csv
+from metafem.files.result.tables import csv
 from metafem.surface import Surface
 
 # The first line of a table of heights, and of one with standard deviations.
-HEIGHTS = (SITE, "x_mm", "y_mm", "height_mm", "radius_mm")
+HEIGHTS = ("site", "x_mm", "y_mm", "height_mm", "radius_mm")
 MADE = (*HEIGHTS, "sd_position_mm", "sd_height_mm", "sd_radius_mm")
 
 
@@ -24,11 +24,6 @@ def made_table(made: MadeSurface, sites: IntArray) -> str:
 def corrected_table(surface: Surface, sites: IntArray) -> str:
     """Return corrected heights as in ``heights.csv``."""
     return csv(HEIGHTS, _rows(surface, sites))
-
-
-def is_heights_table(content: bytes) -> bool:
-    """Whether a file is one of these tables, by its first line."""
-    return content.startswith(",".join(HEIGHTS).encode())
 
 
 def _rows(surface: Surface, sites: IntArray) -> list[tuple[float, ...]]:

@@ -7,14 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from metafem._given import printable
 from metafem._validate import FloatArray
 from metafem.calibration.sites.search import IntArray
 from metafem.errors import InvalidInput
-from metafem.files.csv_rows import read_table
-from metafem.files.units import factor
+from metafem.files.tables import Columns, read_table
 
-EXAMPLE = "x_mm,y_mm"
+COLUMNS = Columns("site,x_mm,y_mm", ("x,y",), "site")
 
 
 @dataclass(frozen=True)
@@ -30,44 +28,17 @@ def read_sites(path: str | Path) -> Sites:
 
     Without the column site they are numbered from 0. A table of a mould, which is mirrored, is refused.
     """
-    table = read_table(path, EXAMPLE)
+    table = read_table(path, COLUMNS.example)
     if any(title.startswith("depth_") for title in table.header):
         raise InvalidInput(
             f"{table.name} describes a mould, which is mirrored; give heights.csv of the design"
         )
-    columns = {}
-    for column, title in enumerate(table.header):
-        name, _, unit = title.partition("_")
-        if name not in ("x", "y"):
-            continue
-        if name in columns:
-            raise InvalidInput(f"{table.name}: {name} is in two columns; keep one")
-        try:
-            columns[name] = (column, factor(unit, "mm"))
-        except InvalidInput as error:
-            raise InvalidInput(f"{table.name}: column {printable(title, 40)} {error}") from None
-    if len(columns) < 2:
-        raise InvalidInput(
-            f"{table.name} lacks the columns x_mm and y_mm of the sites (or in another unit); it has "
-            f"{printable(', '.join(table.header))}"
-        )
-    entries = table.entries()
-    both = (columns["x"], columns["y"])
-    values = [
-        [float(table.number(line, column, row[column]) * size) for column, size in both]
-        for line, row in entries
-    ]
-    position = np.array(values, dtype=np.float64).reshape(-1, 2)
-    number = np.arange(len(entries))
-    if "site" in table.header:
-        column = table.header.index("site")
-        given = [(line, table.number(line, column, row[column])) for line, row in entries]
-        before = set()
-        for line, value in given:
-            if value.denominator != 1 or value < 0 or value in before:
-                raise InvalidInput(
-                    f"{table.name}, line {line}: site = {float(value):g} must be a whole number of its own"
-                )
-            before.add(value)
-        number = np.array([int(value) for _, value in given])
-    return Sites(position, number)
+    entries = COLUMNS.of(table)
+    position = np.column_stack([entries.numbers("x"), entries.numbers("y")])
+    if "site" not in entries.columns:
+        return Sites(position, np.arange(len(position)))
+    number = entries.whole("site", 0)
+    for row, site in enumerate(number):
+        if site in number[:row]:
+            raise InvalidInput(f"{entries.cell(row, 'site')} = {site} is the number of another site too")
+    return Sites(position, np.array(number))

@@ -9,46 +9,28 @@ from pathlib import Path
 
 import numpy as np
 
-from metafem._given import Names, printable
+from metafem._given import printable
 from metafem._validate import FloatArray
 from metafem.calibration import ContactTable, ShearRecord, shear_record
 from metafem.calibration.contact_table import pressed_images, sheared_points
 from metafem.errors import InvalidInput, named
-from metafem.files.csv_rows import Table, read_table
-from metafem.files.measurement.contacts import read_contacts
+from metafem.files.measurement.contacts import contacts_of, is_of_contacts
 from metafem.files.measurement.points import Compression, Shear, pooled_compression, pooled_shear
-from metafem.files.measurement.quantity_columns import Column, numbers, quantity_columns
 from metafem.files.reading import file_label
+from metafem.files.tables import Columns, Entries, read_table
 from metafem.notes import Note
-
-# Quantities with the package's unit and a usual one in the name of a column.
-UNITS = {
-    "load": ("N", "mN"),
-    "area": ("mm^2", "mm2"),
-    "area_before": ("mm^2", "mm2"),
-    "area_sheared": ("mm^2", "mm2"),
-    "friction_force": ("N", "mN"),
-    "displacement": ("mm", "um"),
-}
-
-# Column of the labels of tests.
-TEST = "test"
-
-EXAMPLE = "load_mN,area_mm2"
-
-WANTED = (
-    "load_mN,area_mm2 of a compression test, area_before_mm2,area_sheared_mm2,friction_force_mN of a shear "
-    "test, or displacement_um,friction_force_mN,area_mm2 of the record of one pull (or in other units)"
-)
-
-# Columns of a table of contacts in images.
-CONTACTS = frozenset({"image", "contact"})
-
-# Errors print numbers with the package's units.
-PLAIN = {"": ("", 1.0)}
 
 # Areas of single contacts: area_1, area_2 and so on.
 SINGLE = re.compile(r"area_\d{1,4}", re.ASCII)
+
+COLUMNS = Columns(
+    "test,load_mN,area_mm2,area_before_mm2,area_sheared_mm2,friction_force_mN,displacement_um",
+    (),  # which are needed together follows from those that are there
+    "measured point",
+    "load_mN,area_mm2 of a compression test, area_before_mm2,area_sheared_mm2,friction_force_mN of a shear "
+    "test, or displacement_um,friction_force_mN,area_mm2 of the record of one pull (or in other units)",
+    lambda name: "area" if SINGLE.fullmatch(name) else name,
+)
 
 
 @dataclass(eq=False)
@@ -99,11 +81,11 @@ def read_calibration(
             raise InvalidInput(f"{file_label(path)} is given twice")
     stems = [path.stem for path in files]
     for path in files:
-        table = read_table(path, EXAMPLE)
+        table = read_table(path, "load_mN,area_mm2")
         # files of one name in several folders are several tests
         label = path.stem if stems.count(path.stem) == 1 else str(path.with_suffix(""))
-        if set(table.header) >= CONTACTS:
-            contacts = read_contacts(path)
+        if is_of_contacts(table):
+            contacts = contacts_of(table)
             found, notes = _of_contacts(contacts, table.name, label)
             parts += found
             data.notes += notes
@@ -111,16 +93,13 @@ def read_calibration(
             data.position = contacts.position if data.position is None else data.position
             continue
         boundaries.append(None)
-        columns = quantity_columns(table, UNITS, _quantity)
-        table.report_unread([*(table.header[column] for column, _ in columns.values()), TEST])
-        if not table.entries():
-            raise InvalidInput(f"{table.name} names columns but holds no measured point")
-        if "displacement" in columns:
-            record = data.records[table.name] = _record(table, columns, sliding_range)
+        entries = COLUMNS.of(table)
+        if "displacement" in entries.columns:
+            record = data.records[table.name] = _record(entries, sliding_range)
             data.notes += [replace(note, text=f"{table.name}: {note}") for note in record.notes]
-            parts.append(_pull(table, record, sliding))
+            parts.append(_pull(entries, record, sliding))
         else:
-            parts += _points(table, columns, label)
+            parts += _points(entries, label)
     if (sliding or sliding_range is not None) and not data.records:
         raise InvalidInput(
             f"{'--sliding' if sliding else '--sliding-range'} belongs to records of pulls, and no table has "
@@ -135,80 +114,60 @@ def read_calibration(
     return data
 
 
-def _quantity(name: str) -> str | None:
-    """Return the quantity of a column's name."""
-    return "area" if SINGLE.fullmatch(name) else name if name in UNITS else None
-
-
-def _points(table: Table, columns: dict[str, Column], label: str) -> list[Compression | Shear]:
+def _points(entries: Entries, label: str) -> list[Compression | Shear]:
     """Return the points of a compression test, of a shear test, or of both."""
+    file, columns = entries.table.name, entries.columns.keys() - {"test"}
     sheared = "area_sheared" in columns  # beside which an entry may be empty
-    values = {name: numbers(table, column, empty=sheared) for name, column in columns.items()}
+    values = {name: entries.numbers(name, empty=sheared) for name in columns}
     single = sorted((name for name in values if SINGLE.fullmatch(name)), key=lambda name: int(name[5:]))
     if single and "area" in values:
-        raise InvalidInput(f"{table.name} has a column of the total area and {single[0]}; keep one")
+        raise InvalidInput(f"{file} has a column of the total area and {single[0]}; keep one")
     if "area" in values and "area_before" in values:
-        raise InvalidInput(f"{table.name} has the columns area and area_before, which are the same; keep one")
+        raise InvalidInput(f"{file} has the columns area and area_before, which are the same; keep one")
     area = np.stack([values[name] for name in single], axis=1) if single else None
     if area is None:
         area = values.get("area", values.get("area_before"))
-    line = [number for number, _ in table.entries()]
-    place = np.array([f"{table.name}, line {number}" for number in line])
-    test = np.array(_tests(table, label))
+    place, test = np.array(entries.places()), np.array(_tests(entries, label))
     found: list[Compression | Shear] = []
     if "load" in values and area is not None:
         known = np.isfinite(values["load"]) & np.isfinite(area if area.ndim == 1 else area.sum(axis=1))
         found.append(Compression(values["load"][known], area[known], tuple(test[known]), tuple(place[known])))
     total = area if area is None or area.ndim == 1 else area.sum(axis=1)
     if sheared and (total is not None or "friction_force" in values):
-        missing = np.full(len(line), np.nan)
+        missing = np.full(len(place), np.nan)
         before, force = missing if total is None else total, values.get("friction_force", missing)
         found.append(Shear(before, values["area_sheared"], force, tuple(test), tuple(place)))
     if not found:
-        titles = printable(", ".join(table.header), 120)
-        raise InvalidInput(f"{table.name} has the columns {titles}; name its columns {WANTED}")
+        raise COLUMNS.lacking(entries)
     return found
 
 
-def _tests(table: Table, default: str) -> list[str]:
+def _tests(entries: Entries, default: str) -> list[str]:
     """Return the test of each line."""
-    if TEST not in table.header:
-        return [default] * len(table.rows)
-    column = table.header.index(TEST)
-    return [printable(row[column].strip(), 60) for _, row in table.rows]
+    if "test" not in entries.columns:
+        return [default] * len(entries.table.rows)
+    return [printable(text, 60) for text in entries.texts("test")]
 
 
-def _record(
-    table: Table, columns: dict[str, Column], sliding_range: tuple[float, float] | None
-) -> ShearRecord:
+def _record(entries: Entries, sliding_range: tuple[float, float] | None) -> ShearRecord:
     """Return the record of one pull."""
-    missing = [name for name in ("friction_force", "area") if name not in columns]
+    missing = [name for name in ("friction_force", "area") if name not in entries.columns]
     if missing:
-        wanted = ", ".join(f"{name}_{UNITS[name][1]}" for name in missing)
-        raise InvalidInput(
-            f"{table.name} has the column of a displacement, as the record of a pull, but lacks {wanted}"
-        )
-    displacement, force, area = (
-        numbers(table, columns[name], empty=name == "area")
-        for name in ("displacement", "friction_force", "area")
-    )
-    names = Names(
-        places=[f"{table.name}, line {line}" for line, _ in table.entries()],
-        names={name: table.header[column] for name, (column, _) in columns.items()},
-        units=PLAIN,
-    )
+        raise COLUMNS.lacking(entries, *missing)
+    displacement, force = entries.numbers("displacement"), entries.numbers("friction_force")
+    area = entries.numbers("area", empty=True)
     try:
-        with named(names):
+        with named(entries.names()):
             if sliding_range is None:
                 record = shear_record(displacement, force, area)
             else:
                 record = shear_record(displacement, force, area, sliding_range=sliding_range)
     except InvalidInput as error:
-        raise of_files(error, [table.name]) from None
+        raise of_files(error, [entries.table.name]) from None
     return record
 
 
-def _pull(table: Table, record: ShearRecord, sliding: bool) -> Shear:
+def _pull(entries: Entries, record: ShearRecord, sliding: bool) -> Shear:
     """Return the point of the record of one pull."""
     if sliding:
         area, force = record.sliding_area, record.sliding_force
@@ -216,8 +175,8 @@ def _pull(table: Table, record: ShearRecord, sliding: bool) -> Shear:
         area, force = record.static_area, record.static_force
     assert record.area_before is not None
     assert area is not None
-    test = (_tests(table, "records")[0],)
-    return Shear(np.array([record.area_before]), np.array([area]), np.array([force]), test, (table.name,))
+    test, place = (_tests(entries, "records")[0],), (entries.table.name,)
+    return Shear(np.array([record.area_before]), np.array([area]), np.array([force]), test, place)
 
 
 def _of_contacts(

@@ -11,56 +11,25 @@ from typing import Any, get_type_hints
 
 import numpy as np
 
+from metafem import contact, inversion, models, notes, prediction, substrate, surface
 from metafem._given import printable, shown
 from metafem._validate import plain
-from metafem.contact import (
-    JKR,
-    AxisymmetricCap,
-    Hertz,
-    JacksonGreen,
-    KogutEtsion,
-    PowerCap,
-    SphericalCap,
-    TabulatedContact,
-)
-from metafem.contact.flattened import FlattenedContact
+from metafem.contact import TabulatedContact, flattened
 from metafem.errors import InvalidInput
 from metafem.files.result.hints import fits, in_words, with_whole_keys
-from metafem.inversion import (
-    BilinearLaw,
-    Design,
-    DesignStatus,
-    Layout,
-    Limits,
-    LinearLaw,
-    MultilinearLaw,
-    OperatingPoints,
-    PowerLaw,
-    RadiusRange,
-    SampledLaw,
-)
-from metafem.inversion.candidate import Branch
-from metafem.inversion.height_density import TruncatedExponential, TwoBranchExponential
-from metafem.inversion.targets.wording import Wording
-from metafem.models import Automatic, BoundaryElements, Independent, Interacting, MeanField, Status
-from metafem.notes import Level, Note
-from metafem.prediction import BranchFit, FrictionLaw
-from metafem.prediction.perturbation import Tolerances
-from metafem.substrate import BondedLayer, HalfSpace
-from metafem.surface import Block, Friction, Material, Surface
+from metafem.inversion import candidate, height_density
+from metafem.inversion.targets import wording
 
-# The types of a record. A new model, target or density is added here.
-VALUES: Mapping[str, type] = {
-    kind.__name__: kind
-    for kind in (
-        *(Material, Friction, Block, Surface, HalfSpace, BondedLayer),
-        *(Hertz, PowerCap, SphericalCap, AxisymmetricCap, JKR, KogutEtsion, JacksonGreen),
-        *(TabulatedContact, FlattenedContact),
-        *(Independent, MeanField, Interacting, BoundaryElements, Automatic),
-        *(OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw),
-        *(Limits, Layout, RadiusRange, Tolerances, Design, FrictionLaw),
-        *(Note, Wording, Branch, BranchFit, TruncatedExponential, TwoBranchExponential),
-    )
+# The modules whose dataclasses and enums are the types of a record.
+MODULES = (
+    *(surface, contact, flattened, substrate, models, prediction, notes),
+    *(inversion, candidate, height_density, wording),
+)
+TYPES: Mapping[str, type] = {
+    name: kind
+    for module in MODULES
+    for name, kind in vars(module).items()
+    if isinstance(kind, type) and (is_dataclass(kind) or issubclass(kind, Enum))
 }
 # Classes whose constructor takes the rows of a table.
 MAKERS: Mapping[str, Callable[..., Any]] = {
@@ -68,7 +37,6 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
 }
 # Types whose modules are imported when a record holds one.
 LATE: Mapping[str, str] = {"Block3D": "metafem.fe"}
-ENUMS: Mapping[str, type[Enum]] = {kind.__name__: kind for kind in (Status, DesignStatus, Level)}
 ARRAYS = ("float64", "int64")
 
 
@@ -78,10 +46,10 @@ def to_record(value: Any) -> Any:
     A dataclass becomes ``{"type": its name, field: ...}``, an array ``{"float64": [...]}`` or
     ``{"int64": [...]}``, an enum ``{"type": ..., "name": ..., "message": ...}``, a tuple a list.
     """
-    if isinstance(value, Enum) and type(value).__name__ in ENUMS:
-        return {"type": type(value).__name__, "name": value.name, "message": value.value}
-    if is_dataclass(value) and type(value).__name__ in {*VALUES, *LATE}:
-        title = type(value).__name__
+    title = type(value).__name__
+    if isinstance(value, Enum) and title in TYPES:
+        return {"type": title, "name": value.name, "message": value.value}
+    if is_dataclass(value) and title in {*TYPES, *LATE}:
         members = {field.name: getattr(value, field.name) for field in fields(value)}
         for name, member in members.items():
             if isfunction(member) or isbuiltin(member) or isinstance(member, np.ufunc):
@@ -100,7 +68,7 @@ def to_record(value: Any) -> Any:
         return [to_record(member) for member in value]
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
-    raise InvalidInput(f"{value!r:.80} cannot be written to a record; known are {', '.join(VALUES)}")
+    raise InvalidInput(f"{value!r:.80} cannot be written to a record")
 
 
 def from_record(record: Any, name: str = "record") -> Any:
@@ -120,21 +88,20 @@ def from_record(record: Any, name: str = "record") -> Any:
             if len(record) == 1 and next(iter(record)) in ARRAYS
             else {key: from_record(member, f"{name}.{printable(key, 40)}") for key, member in record.items()}
         )
-    if not isinstance(title, str) or title not in {*ENUMS, *VALUES, *LATE}:
-        raise InvalidInput(
-            f"{name}: {shown(title)} is not a type of this version; known are {', '.join(VALUES)}"
-        )
-    if title in ENUMS:
+    if not isinstance(title, str) or title not in {*TYPES, *LATE}:
+        raise InvalidInput(f"{name}: {shown(title)} is not a type of this version")
+    kind: Any = TYPES[title] if title in TYPES else getattr(import_module(LATE[title]), title)
+    if issubclass(kind, Enum):
         member = record.get("name")
-        if not isinstance(member, str) or member not in ENUMS[title].__members__:
+        if not isinstance(member, str) or member not in kind.__members__:
             raise InvalidInput(f"{name}: {shown(member)} is not a {title}")
-        return ENUMS[title][member]
-    return _made(title, record, name)
+        return kind[member]
+    return _made(kind, record, name)
 
 
-def _made(title: str, record: dict[str, Any], name: str) -> Any:
+def _made(kind: Any, record: dict[str, Any], name: str) -> Any:
     """Return the value of a class; its members are checked by annotations and constructor."""
-    kind: Any = VALUES[title] if title in VALUES else getattr(import_module(LATE[title]), title)
+    title = kind.__name__
     given, known = record.keys() - {"type"}, {field.name for field in fields(kind)}
     if given != known:
         differing = printable(", ".join(sorted(given ^ known)))

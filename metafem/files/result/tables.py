@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from fractions import Fraction
 from itertools import chain, repeat
 from pathlib import Path
 
 import numpy as np
 
-from metafem._given import Names, printable
 from metafem.errors import InvalidInput, named
-from metafem.files.csv_rows import Table, read_table
 from metafem.files.part.mirror import mirrored
-from metafem.files.units import factor
+from metafem.files.tables import Columns
 from metafem.inversion import Design
 from metafem.prediction import FrictionLaw, tables
 from metafem.surface import Block, Friction, Material, Surface
 
-COLUMNS = ("x", "y", "height", "radius")
-
-# Columns of a table of metafem that are not needed to read it: the site, and those of standard deviations.
-SITE, DEVIATION = "site", "sd_"
+# The columns of a table of summits; the site and standard deviations, as metafem writes them, are not needed.
+COLUMNS = Columns(
+    "site,x_mm,y_mm,height_um,radius_um,sd_position_mm,sd_height_mm,sd_radius_mm",
+    ("x,y,height",),
+    "summit",
+    "x_mm,y_mm,height_um,radius_um (or in other units)",
+)
 
 # Digits of a number in a table: without the rounding of sums in the sixteenth.
 DIGITS = 13
@@ -31,18 +31,13 @@ def heights_table(design: Design) -> str:
     """Return the table of the summits: site in the template, position, height and radius."""
     surface = design.surface
     rows = zip(design.sites.tolist(), *_columns(surface), strict=True)
-    return csv((SITE, "x_mm", "y_mm", "height_mm", "radius_mm"), rows)
+    return csv(("site", "x_mm", "y_mm", "height_mm", "radius_mm"), rows)
 
 
 def law_table(law: FrictionLaw) -> str:
     """Return the friction law, with friction forces where the surface has a Friction."""
     columns = tables.columns(law.quantities(), without=tables.UNWRITTEN)
     return csv(tuple(columns), zip(*(column.tolist() for column in columns.values()), strict=True))
-
-
-def is_law_table(content: bytes) -> bool:
-    """Whether a file is a table of `law_table`, by its first line."""
-    return content.startswith(b"load_N,area_mm2,separation_mm,rescaled_load_mm2,rescaled_friction_mm2")
 
 
 def mould_table(design: Design, part: Surface | None = None) -> str:
@@ -105,60 +100,22 @@ def read_surface(
     ...     read_surface(path, Material(1.36), radius=0.526).height
     array([0.12  , 0.0943])
     """
-    table = read_table(path, "x_mm,y_mm,height_um")
-    columns = _quantities(table)
-    if "radius" in columns and radius is not None:
-        title = table.header[columns["radius"][0]]
-        raise InvalidInput(f"{table.name} has the column {title}, and --radius is given too; leave one out")
-    missing = [name for name in COLUMNS if name not in columns and (name != "radius" or radius is None)]
-    if missing:
-        needed = ", ".join(f"{name}_um" if name in ("height", "radius") else f"{name}_mm" for name in missing)
-        instead = '; for one radius of all summits add --radius "526 um"' if missing == ["radius"] else ""
+    entries = COLUMNS.read(path)
+    if radius is None and "radius" not in entries.columns:
+        hint = '; for one radius of all summits add --radius "526 um"'
+        raise COLUMNS.lacking(entries, "radius", hint=hint)
+    if radius is not None and "radius" in entries.columns:
+        title = entries.title("radius")
         raise InvalidInput(
-            f"{table.name} lacks the columns {needed} (or in another unit); it has "
-            f"{printable(', '.join(table.header))}{instead}"
+            f"{entries.table.name} has the column {title}, and --radius is given too; leave one out"
         )
-    known = {SITE, *(title for title in table.header if title.startswith(DEVIATION))}
-    table.report_unread(known | {table.header[i] for i, _ in columns.values()})
-    entries = table.entries()
-    if not entries:
-        raise InvalidInput(f"{table.name} names columns but holds no summit")
-    values = {
-        name: np.array([float(table.number(line, i, row[i]) * size) for line, row in entries])
-        for name, (i, size) in columns.items()
-    }
-    titles = {name: table.header[i] for name, (i, _) in columns.items()}
-    names = Names(
-        places=[f"{table.name}, line {line}" for line, _ in entries],
-        names={"radius": "--radius", **titles, "position": f"{titles['x']}, {titles['y']}"},
-        units={name: ("", float(size)) for name, (_, size) in columns.items()},
-    )
-    with named(names):
-        position = np.column_stack([values["x"], values["y"]])
-        radii = values.get("radius", radius or 0.0)
-        return Surface(position, values["height"], radii, material, friction, block)
-
-
-def _quantities(table: Table) -> dict[str, tuple[int, Fraction]]:
-    """Return column number and millimetres per unit of each known quantity."""
-    columns: dict[str, tuple[int, Fraction]] = {}
-    for column, title in enumerate(table.header):
-        name, _, unit = title.partition("_")
-        if name not in COLUMNS:
-            continue
-        if not unit:
-            raise InvalidInput(
-                f"{table.name}: column {title} needs a unit in its name; write {title}_mm or {title}_um"
-            )
-        if name in columns:
-            raise InvalidInput(f"{table.name}: {name} is in two columns; keep one")
-        try:
-            columns[name] = (column, factor(unit, "mm"))
-        except InvalidInput as error:
-            raise InvalidInput(
-                f"{table.name}: column {printable(title, 40)} {error}; write {name}_mm or {name}_um"
-            ) from None
-    return columns
+    position = np.column_stack([entries.numbers("x"), entries.numbers("y")])
+    names = {"position": f"{entries.title('x')}, {entries.title('y')}"}
+    if radius is not None:
+        names["radius"] = "--radius"
+    with named(entries.names(**names)):
+        radii = entries.numbers("radius") if radius is None else radius
+        return Surface(position, entries.numbers("height"), radii, material, friction, block)
 
 
 def _columns(surface: Surface) -> list[list[float]]:

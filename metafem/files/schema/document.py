@@ -70,16 +70,11 @@ def schema_text() -> str:
     return json.dumps(schema(), indent=2, ensure_ascii=False) + "\n"
 
 
-def is_schema(content: bytes) -> bool:
-    """Whether a file is a text of `schema_text`."""
-    return content.startswith(json.dumps(FIRST, indent=2).removesuffix("\n}").encode())
-
-
 def write_schema(path: Path, force: bool = False) -> None:
     """Write the schema into a file that does not hold it; with `force` a schema of metafem is replaced."""
     if path.is_file() and path.read_bytes() == schema_text().encode("utf-8"):
         return
-    write_text(path, schema_text(), force=force, ours=is_schema)
+    write_text(path, schema_text(), force=force, kind="schema")
 
 
 def place_schema(folder: Path) -> str | None:

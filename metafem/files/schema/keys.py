@@ -6,7 +6,7 @@ import types
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args, get_origin
 
-from metafem.files.columns import COLUMNS
+from metafem.files.samples import COLUMNS
 from metafem.files.schema.quantities import pattern
 from metafem.files.specification.fields import OneOf, Reader, Section
 from metafem.files.specification.manual import as_toml, default_of, kind_of, remark

@@ -12,9 +12,8 @@ from typing import Any
 
 from metafem._given import printable, shown
 from metafem.errors import InvalidInput
-from metafem.files.columns import COLUMNS, TARGET, columns_of
 from metafem.files.reading import TABLE, file_label, read_bytes
-from metafem.files.samples import samples_of
+from metafem.files.samples import COLUMNS, TARGET, columns_of, samples_of
 from metafem.files.units import converted
 
 # Files of a design in its result folder, which also holds a copy of the table.

@@ -180,7 +180,7 @@ def test_the_error_of_a_sum_is_that_of_the_closed_contacts(run, pictures):
     (["--picture-of", "9.tif"], "--picture-of needs --picture"),
     (["--picture", "a.jpg"], "must end with .svg or .png"),
     (["--picture", "a.png", "--picture-of", "x.tif"], "--picture-of = x.tif is not among the images"),
-    (["--forces", "heights.csv"], "lacks the columns image, load_mN"),
+    (["--forces", "heights.csv"], "lacks image, load_mN: it has"),
     (["--sites", "heights.csv", "--rotation", "45 deg"], "11.tif: the 9 contacts are not on the sites"),
 ])  # fmt: skip
 def test_bad_input(run, pictures, arguments, message):

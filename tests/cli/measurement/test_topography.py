@@ -44,7 +44,7 @@ def test_the_made_surface_is_printed_written_and_predicted(run, part):
         "wrote made.csv",
     ):
         assert text in result.output
-    assert (part / "made.svg").read_text("utf-8").startswith("<svg")
+    assert "<svg" in (part / "made.svg").read_text("utf-8")
     following = np.loadtxt(part / "next.csv", delimiter=",", skiprows=1)
     np.testing.assert_allclose(following[:, 3], DESIGN.surface.height - 4e-3, atol=2e-4)
     predicted = run("predict", "made.csv", "--composite-modulus", "1.36 MPa", "--json")

@@ -9,7 +9,8 @@ import pytest
 
 import metafem as mf
 from metafem.calibration import fit_compression, shear
-from metafem.files import block_text, demo_text, is_block
+from metafem.files import block_text, demo_text
+from metafem.files.atomic import MARKS
 
 A = np.linspace(0.08, 0.4, 20)
 AREA = math.pi * A**2
@@ -39,7 +40,7 @@ def read_back(text, tmp_path):
 def test_the_sections_are_read_back_in_a_specification(tmp_path):
     found = pressed(5e-4)
     text = block_text(found, SHEARED, ["a.csv", "b.csv"])
-    assert is_block(text.encode())
+    assert text.encode().startswith(MARKS["sections"])
     spec = read_back(text, tmp_path)
     # as many digits as the standard deviations allow
     assert spec.template.material.composite_modulus == pytest.approx(1.36, abs=0.01 * 0.06)

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from metafem.calibration import ContactTable
 from metafem.errors import InvalidInput
-from metafem.files.measurement.contacts import HEADER, contacts_table, is_contacts_table, read_contacts
+from metafem.files.atomic import MARKS
+from metafem.files.measurement.contacts import HEADER, contacts_table, read_contacts
 from metafem.progress import listening
 
 
@@ -53,7 +54,7 @@ def test_what_is_written_is_read_to_the_bit(tmp_path_factory, k, n, matched, see
     read = read_contacts(path)
     assert read == table
     assert contacts_table(read) == text
-    assert is_contacts_table(text.encode())
+    assert text.encode().startswith(MARKS["contacts"])
 
 
 def test_one_line_for_each_image_and_contact():
@@ -135,7 +136,7 @@ GOOD = [
     (3, "1.5", "", "line 3: x_mm is empty; write the contact's position"),
     (1, "site", "y_mm", "y is in two columns; keep one"),
     (1, "area_mm2", "area_mm", 'column area_mm has the unit "mm", which does not measure in'),
-    (1, "area_mm2", "size_mm2", "lacks the columns area_mm2 of a table of contacts"),
+    (1, "area_mm2", "size_mm2", "lacks area_mm2: it has the columns"),
     (2, ",0.01", ",0.01,5", "line 2 has 9 entries; the first names 8"),
 ])  # fmt: skip
 def test_a_bad_cell_is_named(tmp_path, line, old, new, message):

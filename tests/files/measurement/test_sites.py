@@ -21,12 +21,12 @@ def test_sites_with_and_without_numbers(tmp_path):
 
 @pytest.mark.parametrize(("text", "message"), [
     ("number,kind,site,x_mm,y_mm,depth_mm\n", "describes a mould, which is mirrored; give heights.csv"),
-    ("x_mm,z_mm\n1,2\n", "lacks the columns x_mm and y_mm"),
+    ("x_mm,z_mm\n1,2\n", "lacks y_mm: it has the columns x_mm, z_mm"),
     ("x_N,y_mm\n1,2\n", "column x_N has the unit"),
     ("x_mm,x_um\n1,2\n", "x is in two columns"),
     ("x_mm,y_mm\n1,a\n", "line 2: y_mm = 'a' is not a finite number"),
-    ("site,x_mm,y_mm\n1.5,1,1\n", "line 2: site = 1.5 must be a whole number"),
-    ("site,x_mm,y_mm\n1,1,1\n1,2,2\n", "line 3: site = 1 must be a whole number of its own"),
+    ("site,x_mm,y_mm\n1.5,1,1\n", "line 2: site = '1.5' must be a whole number"),
+    ("site,x_mm,y_mm\n1,1,1\n1,2,2\n", "line 3: site = 1 is the number of another site too"),
 ])  # fmt: skip
 def test_bad_tables(tmp_path, text, message):
     with pytest.raises(InvalidInput, match=message):

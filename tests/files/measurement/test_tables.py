@@ -149,11 +149,11 @@ def test_contacts_of_images_are_points(read):
         ("load_mN,friction_force_mN\n1,2\n", "name its columns load_mN,area_mm2 of a compression test"),
         ("load_mN,area_mm2,area_1_mm2\n1,2,3\n", "total area and area_1; keep one"),
         ("area_mm2,area_before_mm2,area_sheared_mm2\n1,2,3\n", "area and area_before, which are the same"),
-        ("displacement_um,area_mm2\n1,2\n", "but lacks friction_force_mN"),
+        ("displacement_um,area_mm2\n1,2\n", "lacks friction_force_mN: it has"),
         ("\n".join(PULL.split("\n")[:12]), "a.csv: friction_force is largest at the last entry"),
         (
             PULL.replace("\n20,", "\n5,"),
-            "a.csv, line 4: displacement_um = 0.005 mm is less than the one before",
+            "a.csv, line 4: displacement_um = 5 is less than the one before",
         ),
     ],
 )

@@ -104,8 +104,8 @@ def test_units_of_the_header_are_applied(tmp_path_factory, nanometres):
 @pytest.mark.parametrize(("text", "message"), [
     ("", "is empty"),
     ("x_mm,y_mm,height_um,radius_um\n", "no summit"),
-    ("x_mm,y_mm,radius_um\n0,0,5\n", "lacks the columns height_um"),
-    ("x_mm,y_mm,height_um\n0,0,5\n", r'lacks the columns radius_um .* --radius "526 um"'),
+    ("x_mm,y_mm,radius_um\n0,0,5\n", "lacks height_um: it has the columns"),
+    ("x_mm,y_mm,height_um\n0,0,5\n", r'lacks radius_um: .* --radius "526 um"'),
     ("x_mm,y_mm,height,radius_um\n0,0,5,5\n", "height needs a unit"),
     ("x_mm,y_mm,height_N,radius_um\n0,0,5,5\n", "does not measure in mm"),
     ("x_mm,y_mm,height_um,height_mm\n0,0,5,5\n", "two columns"),

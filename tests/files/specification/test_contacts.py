@@ -137,7 +137,7 @@ def test_tables_of_a_target_and_of_a_profile_are_both_kept(home):
         ),
         (
             'kind = "profile"\nfile = "bare.csv"',
-            "bare.csv has the columns rho, f; name its columns rho_mm,f_um",
+            "bare.csv: column rho needs a unit in its name; write rho_mm",
         ),
     ],
 )

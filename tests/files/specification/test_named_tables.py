@@ -95,7 +95,7 @@ def test_rescaled_columns_keep_their_digits(tmp_path):
         ('file = "none.csv"', None, "none.csv: no such file"),
         ("file = 3", None, "target.file = 3 must be a text"),
         ('file = "wanted.csv"', "", "is empty"),
-        ('file = "wanted.csv"', "load_N,friction_force_N\n", "has no samples"),
+        ('file = "wanted.csv"', "load_N,friction_force_N\n", "names columns but holds no sample"),
         (
             'file = "wanted.csv"',
             "load_N,friction_force_N\n1,2,3\n",
@@ -107,7 +107,7 @@ def test_rescaled_columns_keep_their_digits(tmp_path):
             "load_N,other\n1,2\n",
             "has the columns load_N, other; name its columns load_N,fric",
         ),
-        ('file = "wanted.csv"', "load,friction\n1,2\n", "wanted.csv has the columns load, friction; name"),
+        ('file = "wanted.csv"', "load,friction\n1,2\n", "column load needs a unit in its name; write load_N"),
         ('file = "wanted.csv"', "P_N,F_N\n1,2\n", "the columns P_N, F_N; .* or rescaled_load_mm2"),
         ('file = "wanted.csv"', "load_N\n1\n", "has one column, .* separated by commas"),
         ('file = "wanted.csv"', "load_N,load_mN,friction_force_N\n1,2,3\n", "load is in two columns"),

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from metafem._extras import refuse_missing
 from metafem._given import printable
 from metafem.errors import InvalidInput
-from metafem.files.measurement.figures import FIRST_CHUNKS, is_figure
+from metafem.files.atomic import is_of_kind
 from metafem.files.measurement.images import png, tiff
 from metafem.files.measurement.images.pages import Damaged, Page
 from metafem.files.reading import file_label
@@ -147,8 +147,8 @@ def _in_folder(folder: Path) -> list[Path]:
 
 def _is_drawing(path: Path) -> bool:
     """Whether a file is a figure that metafem wrote, such as that of an earlier measurement."""
-    with suppress(OSError), path.open("rb") as file:
-        return is_figure(file.read(FIRST_CHUNKS))
+    with suppress(OSError):
+        return is_of_kind(path, "figure")
     return False
 
 

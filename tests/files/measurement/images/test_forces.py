@@ -74,10 +74,10 @@ def test_a_line_without_its_image_is_left_out(tmp_path):
 
 @pytest.mark.parametrize(("text", "message"), [
     ("image,load_mN\n", "names columns but holds no image"),
-    ("image,load\n1.tif,5\n", "column load needs a unit in its name; write load_mN or load_N"),
+    ("image,load\n1.tif,5\n", "column load needs a unit in its name; write load_mN"),
     ("image,load_mm\n1.tif,5\n", 'column load_mm has the unit "mm", which does not measure in'),
-    ("image,force_mN\n1.tif,5\n", "lacks the column load_mN; it has image, force_mN"),
-    ("name,load_mN\n1.tif,5\n", "lacks the column image"),
+    ("image,force_mN\n1.tif,5\n", "lacks load_mN: it has the columns image, force_mN; name its"),
+    ("name,load_mN\n1.tif,5\n", "lacks image: it has"),
     ("image,load_mN,load_N\n1.tif,5,5\n", "load is in two columns"),
     ("image,load_mN\n1.tif,\n", "line 2: load_mN is empty; write the load of the image"),
     ("image,load_mN\n1.tif,abc\n", "line 2: load_mN = 'abc' is not a finite number"),

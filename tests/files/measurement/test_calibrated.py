@@ -8,7 +8,7 @@ import pytest
 
 from metafem.calibration import fit_compression
 from metafem.errors import InvalidInput
-from metafem.files.measurement.handed_on import KIND, calibration_data, read_handed_on
+from metafem.files.measurement.calibrated import KIND, calibration_data, read_handed_on
 
 
 @pytest.fixture

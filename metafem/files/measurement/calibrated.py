@@ -21,6 +21,7 @@ from metafem.calibration import (
     Verdict,
     joint_covariance,
 )
+from metafem.calibration.verdict import SingleTest
 from metafem.errors import InvalidInput
 from metafem.files.reading import RECORD, file_label, read_bytes, read_record
 
@@ -32,6 +33,17 @@ BLANK = b" \t\r\n\xef\xbb\xbf"
 
 # Parameters that a calibration determines, with their units in the names of keys.
 UNITS = {"radius": "mm", "composite_modulus": "MPa", "area_ratio": "1", "shear_strength": "MPa"}
+
+
+# What is written of the record of a pull, with the units in the names of keys.
+OF_RECORD = {
+    "static_force": "N",
+    "sliding_force": "N",
+    "area_before": "mm2",
+    "static_area": "mm2",
+    "sliding_area": "mm2",
+    "noise": "N",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,25 +80,16 @@ def calibration_data(
         # that of the sections of a specification, which are without adhesion where the best w is 0
         used = modulus if contact.adhesion_energy <= 0.0 else contact.composite_modulus
         values |= {"radius": contact.radius, "composite_modulus": used}
+        sd = math.sqrt(contact.root_covariance[0, 0])
         data |= {
-            "composite_modulus_MPa": contact.composite_modulus,
-            "composite_modulus_sd_MPa": math.sqrt(contact.root_covariance[0, 0]),
-            "composite_modulus_interval_MPa": list(contact.composite_modulus_interval),
+            **_stated("composite_modulus", contact, sd),
             "poisson_ratio": contact.material.poisson_ratio,
             "adhesion_energy_N_per_mm": contact.adhesion_energy,
             "adhesion_energy_interval_N_per_mm": list(contact.adhesion_energy_interval),
             "modulus_without_adhesion_MPa": modulus,
             "modulus_without_adhesion_sd_MPa": without_sd,
             "compression_verdict": _verdict(contact.verdict),
-            "compression_tests": [
-                {
-                    "test": test.name,
-                    "points": test.points,
-                    "composite_modulus_MPa": _known(test.value[0]),
-                    "composite_modulus_sd_MPa": _known(test.sd[0]),
-                }
-                for test in contact.tests
-            ],
+            "compression_tests": _tests(contact.tests, "composite_modulus"),
             "compression_heterogeneity": _heterogeneity(contact.heterogeneity),
             "compression_bootstrap_sd": _spread(contact.bootstrap, ("composite_modulus", "adhesion_root")),
         }
@@ -94,47 +97,22 @@ def calibration_data(
         values |= {"area_ratio": shear.area_ratio, "shear_strength": shear.shear_strength}
         ratio_sd, strength_sd = np.sqrt(np.diagonal(shear.covariance)).tolist()
         data |= {
-            "area_ratio": shear.area_ratio,
-            "area_ratio_sd": ratio_sd,
-            "area_ratio_interval": list(shear.area_ratio_interval),
-            "shear_strength_MPa": shear.shear_strength,
-            "shear_strength_sd_MPa": strength_sd,
-            "shear_strength_interval_MPa": list(shear.shear_strength_interval),
+            **_stated("area_ratio", shear, ratio_sd),
+            **_stated("shear_strength", shear, strength_sd),
             "area_ratio_verdict": _verdict(shear.area_verdict),
             "shear_strength_verdict": _verdict(shear.friction_verdict),
-            "shear_tests": [
-                {
-                    "test": test.name,
-                    "points": test.points,
-                    "area_ratio": _known(test.value[0]),
-                    "area_ratio_sd": _known(test.sd[0]),
-                    "shear_strength_MPa": _known(test.value[1]),
-                    "shear_strength_sd_MPa": _known(test.sd[1]),
-                }
-                for test in shear.tests
-            ],
+            "shear_tests": _tests(shear.tests, "area_ratio", "shear_strength"),
             "shear_heterogeneity": _heterogeneity(shear.heterogeneity),
             "shear_bootstrap_sd": _spread(shear.bootstrap, ("area_ratio", "shear_strength")),
         }
     if strength is not None:
         values["shear_strength"] = strength.shear_strength
-        data |= {
-            "full_contact_shear_strength_MPa": strength.shear_strength,
-            "full_contact_shear_strength_sd_MPa": math.sqrt(strength.covariance[-1, -1]),
-            "full_contact_shear_strength_interval_MPa": list(strength.shear_strength_interval),
-            "full_contact_verdict": _verdict(strength.verdict),
-        }
+        stated = _stated("shear_strength", strength, math.sqrt(strength.covariance[-1, -1]))
+        data |= {f"full_contact_{key}": value for key, value in stated.items()}
+        data["full_contact_verdict"] = _verdict(strength.verdict)
     if records:
         data["records"] = [
-            {
-                "file": name,
-                "static_force_N": record.static_force,
-                "sliding_force_N": record.sliding_force,
-                "area_before_mm2": record.area_before,
-                "static_area_mm2": record.static_area,
-                "sliding_area_mm2": record.sliding_area,
-                "noise_N": record.noise,
-            }
+            {"file": name, **{f"{key}_{unit}": getattr(record, key) for key, unit in OF_RECORD.items()}}
             for name, record in records.items()
         ]
     return data | {
@@ -172,9 +150,30 @@ def read_handed_on(path: str | Path) -> HandedOn:
     return HandedOn(names, value, covariance)
 
 
-def is_calibration(content: bytes) -> bool:
-    """Whether a file holds the data of `calibration_data`."""
-    return content.startswith(b'{"kind": "' + KIND.encode() + b'"')
+def _key(name: str, what: str = "") -> str:
+    """Return the key of a parameter, or of its `what`, with its unit."""
+    return f"{name}{what}" + ("" if UNITS[name] == "1" else f"_{UNITS[name]}")
+
+
+def _stated(
+    name: str, found: ContactCalibration | ShearCalibration | StrengthFit, sd: float
+) -> dict[str, Any]:
+    """Return the value of a parameter, its standard deviation and its interval."""
+    interval = list(getattr(found, f"{name}_interval"))
+    return {_key(name): getattr(found, name), _key(name, "_sd"): sd, _key(name, "_interval"): interval}
+
+
+def _tests(tests: Sequence[SingleTest], *names: str) -> list[dict[str, Any]]:
+    """Return the parameters of each test."""
+    return [
+        {"test": test.name, "points": test.points}
+        | {
+            _key(name, what): _known(numbers[i])
+            for i, name in enumerate(names)
+            for what, numbers in (("", test.value), ("_sd", test.sd))
+        }
+        for test in tests
+    ]
 
 
 def _known(value: float) -> float | None:
@@ -193,12 +192,7 @@ def _verdict(found: Verdict) -> dict[str, Any]:
 def _heterogeneity(found: Heterogeneity | None) -> dict[str, Any] | None:
     if found is None:
         return None
-    return {
-        "agree": found.agree,
-        "chi_square": found.chi_square,
-        "freedom": found.freedom,
-        "probability": found.probability,
-    }
+    return {key: getattr(found, key) for key in ("agree", "chi_square", "freedom", "probability")}
 
 
 def _spread(draws: FloatArray | None, names: tuple[str, str]) -> dict[str, float] | None:

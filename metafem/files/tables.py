@@ -1,0 +1,259 @@
+"""Tables as CSV files: columns are declared, and their entries read with units and by line."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from metafem._given import Names, printable, shown
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+from metafem.files.reading import TABLE, decoded, file_label, read_bytes
+from metafem.files.units import decimal, factor
+from metafem.progress import message
+
+# The package's unit of a unit in the name of a column.
+OWN = {"mm": "mm", "um": "mm", "mm2": "mm^2", "N": "N", "mN": "N"}
+
+SEMICOLONS = "if commas are decimal, separate the columns by semicolons"
+
+
+# Number of a column and the size of its unit in the package's.
+Column = tuple[int, Fraction]
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table whose first line names its columns.
+
+    Empty lines and lines that begin with ``#`` are skipped. Columns are separated by semicolons or tabs if
+    the first line contains one, and commas are then decimal; otherwise by commas.
+    """
+
+    name: str
+    header: list[str]
+    rows: list[tuple[int, list[str]]]
+    separator: str
+
+    def entries(self) -> list[tuple[int, list[str]]]:
+        """Return the lines below the first with their numbers, each with an entry for every column."""
+        for line, row in self.rows:
+            if len(row) != len(self.header):
+                hint = f"; {SEMICOLONS}" if self.separator == "," and len(row) > len(self.header) else ""
+                raise InvalidInput(
+                    f"{self.name}, line {line} has {len(row)} entries; the first names "
+                    f"{len(self.header)}{hint}"
+                )
+        return self.rows
+
+    def number(self, line: int, column: int, text: str) -> Fraction:
+        """Return an entry as an exact fraction."""
+        try:
+            value = decimal(self.plain(text))
+            float(value)  # a number that is too large is refused
+        except (ValueError, OverflowError):
+            hint = f"; {SEMICOLONS}" if "," in text and self.separator == "," else ""
+            title = printable(self.header[column], 40)
+            raise InvalidInput(
+                f"{self.name}, line {line}: {title} = {shown(text, 40)} is not a finite number{hint}"
+            ) from None
+        return value
+
+    def plain(self, text: str) -> str:
+        """Return an entry with a decimal point."""
+        return text.strip() if self.separator == "," else text.strip().replace(",", ".")
+
+
+def read_table(path: str | Path, example: str) -> Table:
+    """Read a table, or raise InvalidInput; `example` is a valid first line."""
+    return table_of(file_label(path), read_bytes(path, TABLE), example)
+
+
+def table_of(name: str, content: bytes, example: str) -> Table:
+    """Return the table of a file's name, as errors state it, and content, or raise InvalidInput."""
+    text = decoded(name, content)
+    lines = ["\n" if line.lstrip().startswith("#") else line for line in io.StringIO(text, newline=None)]
+    first = next((line for line in lines if line.strip()), None)
+    if first is None:
+        raise InvalidInput(f"{name} is empty; its first line must name the columns, for example {example}")
+    separator = next((sign for sign in ";\t" if sign in first), ",")
+    reader = csv.reader(lines, delimiter=separator)
+    try:
+        rows = [(reader.line_num, row) for row in reader if any(entry.strip() for entry in row)]
+    except csv.Error as error:
+        raise InvalidInput(f"{name}, line {reader.line_num}: {error}") from None
+    header = [title.strip() for title in rows[0][1]] if rows else []
+    if len(header) < 2:
+        raise InvalidInput(
+            f"{name} has one column, {printable(''.join(header), 60)}; name its columns, "
+            f"for example {example}, separated by commas or semicolons"
+        )
+    return Table(name, header, rows[1:], separator)
+
+
+@dataclass(frozen=True)
+class Columns:
+    """The columns of a kind of table.
+
+    `titles` names them, separated by commas: a quantity as quantity_unit, with the unit that errors propose,
+    and texts and numbers without unit by their name alone. Of the lists of names `needed`, one must be there,
+    and the column of a standard deviation, NAME_sd, only with NAME. `entry` says what a line holds, `wanted`
+    what the first line must be, and `declared` returns the declared name of another one.
+    """
+
+    titles: str
+    needed: tuple[str, ...]
+    entry: str
+    wanted: str = ""
+    declared: Callable[[str], str] = str
+
+    @cached_property
+    def units(self) -> Mapping[str, str]:
+        """The quantities, with the unit that errors propose."""
+        parts = (title.rpartition("_") for title in self.titles.split(","))
+        return {name: unit for name, _, unit in parts if unit in OWN}
+
+    @cached_property
+    def plain(self) -> frozenset[str]:
+        """The columns without a unit."""
+        titles = self.titles.split(",")
+        return frozenset(title for title in titles if title.rpartition("_")[2] not in OWN)
+
+    @property
+    def example(self) -> str:
+        """A valid first line."""
+        return ",".join(map(self.title, self.needed[0].split(",")))
+
+    def read(self, path: str | Path) -> Entries:
+        """Return the entries of a file, or raise InvalidInput."""
+        return self.of(read_table(path, self.example))
+
+    def of(self, table: Table) -> Entries:
+        """Return the entries of a table; the columns that are not read are reported."""
+        found: dict[str, Column] = {}
+        for index, title in enumerate(table.header):
+            column = self._column(table, title)
+            if column is None:
+                continue
+            name, size = column
+            if name in found:
+                raise InvalidInput(f"{table.name}: {name} is in two columns; keep one")
+            found[name] = index, size
+        entries = Entries(table, found)
+        lacking = [[name for name in names.split(",") if name not in found] for names in self.needed]
+        if self.needed and all(lacking):
+            raise self.lacking(entries, *(lacking[0] if len(lacking) == 1 else ()))
+        for name in found:
+            base = name.removesuffix("_sd")
+            if base != name and base not in found:
+                raise InvalidInput(
+                    f"{table.name} has the column {entries.title(name)} without {base}; add its column or "
+                    "leave this one out"
+                )
+        unread = [printable(title, 40) for title in entries.unread]
+        if unread:
+            what = f"column {unread[0]} is" if len(unread) == 1 else f"columns {', '.join(unread)} are"
+            message(f"{table.name}: the {what} not read")
+        if not table.entries():
+            raise InvalidInput(f"{table.name} names columns but holds no {self.entry}")
+        return entries
+
+    def lacking(self, entries: Entries, *names: str, hint: str = "") -> InvalidInput:
+        """Return the error of a table without a column that it needs."""
+        lacks = f"lacks {', '.join(map(self.title, names))}: it " if names else ""
+        header = printable(", ".join(entries.table.header), 120)
+        wanted = self.wanted or f"{self.example} (or in other units)"
+        return InvalidInput(
+            f"{entries.table.name} {lacks}has the columns {header}; name its columns {wanted}{hint}"
+        )
+
+    def title(self, name: str) -> str:
+        """Return the name of a column with a usual unit."""
+        kind = self.declared(name)
+        return f"{name}_{self.units[kind]}" if kind in self.units else name
+
+    def _column(self, table: Table, title: str) -> tuple[str, Fraction] | None:
+        """Return the quantity of a column and the size of its unit, None for a column that is not read."""
+        if title in self.plain:
+            return title, Fraction(1)
+        column = f"{table.name}: column {printable(title, 40)}"
+        if self.declared(title) in self.units:
+            raise InvalidInput(f"{column} needs a unit in its name; write {self.title(title)}")
+        name, _, unit = title.rpartition("_")
+        if self.declared(name) not in self.units:
+            return None
+        try:
+            return name, factor(unit, OWN[self.units[self.declared(name)]])
+        except InvalidInput as error:
+            raise InvalidInput(f"{column} {error}; write {self.title(name)}") from None
+
+
+@dataclass(frozen=True)
+class Entries:
+    """The entries of a table, by the names of their columns and the rows from 0 on."""
+
+    table: Table
+    columns: Mapping[str, Column] = field(default_factory=dict)
+
+    @property
+    def unread(self) -> list[str]:
+        """The titles of the columns that are not read."""
+        read = {index for index, _ in self.columns.values()}
+        return [title for index, title in enumerate(self.table.header) if index not in read]
+
+    def title(self, name: str) -> str:
+        """Return the title of a column."""
+        return self.table.header[self.columns[name][0]]
+
+    def places(self) -> list[str]:
+        """Return the places of the rows: the name of the file with the number of the line."""
+        return [f"{self.table.name}, line {line}" for line, _ in self.table.rows]
+
+    def cell(self, row: int, name: str) -> str:
+        """Return the place of an entry."""
+        return f"{self.places()[row]}: {self.title(name)}"
+
+    def texts(self, name: str) -> list[str]:
+        """Return the entries of a column, empty ones if there is no such column."""
+        if name not in self.columns:
+            return [""] * len(self.table.rows)
+        return [row[self.columns[name][0]].strip() for _, row in self.table.rows]
+
+    def numbers(self, name: str, *, empty: bool = False) -> FloatArray:
+        """Return the numbers of a column in the package's unit, (k,); an empty entry is nan, or refused."""
+        texts = self.texts(name)
+        if empty and name not in self.columns:
+            return np.full(len(texts), np.nan)
+        index, size = self.columns[name]
+        return np.array(
+            [
+                np.nan if empty and not text else float(self.table.number(line, index, text) * size)
+                for (line, _), text in zip(self.table.rows, texts, strict=True)
+            ]
+        )
+
+    def whole(self, name: str, least: int) -> list[int]:
+        """Return the whole numbers of a column."""
+        found = self.texts(name)
+        for row, text in enumerate(found):
+            if not re.fullmatch(r"\d{1,9}", text, re.ASCII) or int(text) < least:
+                raise InvalidInput(
+                    f"{self.cell(row, name)} = {shown(text, 40)} must be a whole number of at least {least}"
+                )
+        return [int(text) for text in found]
+
+    def names(self, **names: str) -> Names:
+        """Return how errors name the columns and entries of the table, and other arguments by their names."""
+        return Names(
+            {**{name: self.title(name) for name in self.columns}, **names},
+            {name: ("", float(size)) for name, (_, size) in self.columns.items()},
+            self.places(),
+        )
