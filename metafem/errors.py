@@ -86,6 +86,8 @@ class InvalidInput(MetafemError, ValueError):
 class Infeasible(MetafemError):
     """A target that no surface within the limits can reach.
 
+    The message states loads and frictions in the units of the target; `in_units` returns it in others.
+
     Attributes
     ----------
     nearest : target or None
@@ -95,10 +97,18 @@ class Infeasible(MetafemError):
         Whether a search has found no surface although no bound excludes one. A longer search can find one.
     """
 
-    def __init__(self, message: str, nearest: Any = None, by_search: bool = False) -> None:
+    def __init__(self, message: Any, nearest: Any = None, by_search: bool = False) -> None:
         super().__init__(message)
+        self.message = message
         self.nearest = nearest
         self.by_search = by_search
+
+    def __str__(self) -> str:
+        return str(self.message)
+
+    def in_units(self, wording: Any) -> str:
+        """Return the message with its loads and frictions in the units of a target's wording."""
+        return self.message if isinstance(self.message, str) else str(self.message.worded(wording))
 
 
 class NotConverged(MetafemError):

@@ -115,20 +115,11 @@ def specification_of(state: State) -> Specification:
 
 
 def _in_units_of(state: State, specification: Specification, error: Infeasible) -> str:
-    """Return a refusal in the unit of the axes; the words of a quick search for points in the other unit."""
+    """Return a refusal of points in the unit of the axes."""
     target, template = specification.target, specification.template
     if template.friction is None or not isinstance(target, (OperatingPoints, SampledLaw)):
         return str(error)
-    wording = Wording.of(template.material, template.friction) if state.newtons else Wording()
-    if wording == target.wording:
-        return str(error)
-    try:
-        replace(specification, target=replace(target, wording=wording)).design(draft=True)
-    except Infeasible as other:
-        return str(other)
-    except MetafemError:
-        pass  # which the refusal is not
-    return str(error)
+    return error.in_units(Wording.of(template.material, template.friction) if state.newtons else Wording())
 
 
 def _serves(before: Answer, state: State, draft: bool) -> bool:

@@ -18,6 +18,7 @@ from metafem.inversion.placement.pins import Pinned
 from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.result import Design
 from metafem.inversion.targets.target import Target
+from metafem.inversion.targets.wording import Message
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of, with_contact
 from metafem.notes import Note, information, when_read
@@ -123,8 +124,9 @@ def design_for_hardness(
     try:
         plastic = under(template, with_contact(solver, law), radii=radii, common_radius=common_radius)
     except Infeasible as error:
-        words = f"{why}, and under {law!r} no surface is found: {error}"
-        raise Infeasible(words, error.nearest, error.by_search) from None
+        words = f"{why}, and under {law!r} no surface is found: {{error}}"
+        message = Message(words, {"error": error.message})
+        raise Infeasible(message, error.nearest, error.by_search) from None
     text = (
         f"{why}; this design is for the law {law!r} of plastic contacts: the first loading flattens the "
         "summits, and later ones differ (friction_law with unloading=True)"

@@ -21,12 +21,12 @@ from metafem.inversion.bounds import ROUNDING, Bounds
 from metafem.inversion.height_density import FINEST_SCALE_IN_SD, TruncatedExponential, uniform_slope
 from metafem.inversion.limits import Limits
 from metafem.inversion.radii import Radii, RadiusRange
+from metafem.inversion.targets.wording import Message, Wording
 from metafem.models.model import PARABOLOID, checked_contact
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
     from metafem.inversion.problem import Problem
-    from metafem.inversion.targets.wording import Wording
 
 # The nearest target that can be reached is inside its bound by this relative distance.
 INSIDE = 1e-6
@@ -76,16 +76,23 @@ def broken_sample(
     problem: Problem,
     wording: Wording,
     margin: float,
-    point: str = "sample {0} (load {1}, friction {2})",
-) -> str:
-    """Return in words the first sample (k,) that breaks a bound by more than a margin, or ""."""
+    point: str = "sample {number} (load {load}, friction {friction})",
+) -> Message | None:
+    """Return what is wrong with the first sample (k,) that breaks a bound by more than a margin, or None."""
     broken = broken_bound(load, friction, problem.bounds, margin)
     if broken is None:
-        return ""
+        return None
     i, words, bound, _ = broken
-    return (
-        f"{point.format(i + 1, wording.loads(load[i]), wording.frictions(friction[i]))} "
-        f"is {words}, {wording.frictions(bound)}, for any surface of {problem.radii}{margin_words(margin)}"
+    return Message(
+        f"{point} is {{words}}, {{bound}}, for any surface of {problem.radii}{margin_words(margin)}",
+        {
+            "number": i + 1,
+            "load": ("loads", load[i]),
+            "friction": ("frictions", friction[i]),
+            "words": words,
+            "bound": ("frictions", bound),
+        },
+        wording,
     )
 
 
@@ -109,11 +116,12 @@ def refuse_load(load: float, problem: Problem, wording: Wording) -> None:
     """Raise Infeasible for a load beyond that at which the plane reaches the base plane."""
     most = problem.bounds.largest_load(problem.limits)
     if load > most:
-        raise Infeasible(
-            f"load {wording.loads(load)} is beyond {wording.loads(most)}, at which the plane reaches the "
-            f"base plane with {problem.count} summits of the largest height; raise max_height or offset, or "
-            "use more asperities"
+        words = (
+            "load {load} is beyond {most}, at which the plane reaches the base plane with "
+            f"{problem.count} summits of the largest height; raise max_height or offset, or use more "
+            "asperities"
         )
+        raise Infeasible(Message(words, {"load": ("loads", load), "most": ("loads", most)}, wording))
 
 
 def margin_words(margin: float) -> str:

@@ -14,6 +14,7 @@ from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.errors import Infeasible
 from metafem.inversion.assessment import MISSED, independent_misfit
+from metafem.inversion.targets.wording import Message
 from metafem.models.model import PARABOLOID
 
 if TYPE_CHECKING:
@@ -121,8 +122,11 @@ def best_mixture(invert: Callable[[Mixture], Candidate], problem: Problem) -> Ca
 
 def unreachable(refused: dict[float, Infeasible]) -> Infeasible:
     """Return why no radius reaches a target: the reasons for the smallest and the largest radius."""
-    smallest, largest = min(refused), max(refused)
-    reasons = [f"with a radius of {radius:.4g} mm, {refused[radius]}" for radius in {smallest, largest}]
-    nearest = refused[smallest].nearest
-    words = f"no radius reaches the target: {'; '.join(sorted(reasons))}"
-    return Infeasible(words, nearest, any(reason.by_search for reason in refused.values()))
+    ends = dict.fromkeys((min(refused), max(refused)))
+    reasons = {f"reason_{i}": refused[radius].message for i, radius in enumerate(ends)}
+    parts = [
+        f"with a radius of {radius:.4g} mm, {{{name}}}" for radius, name in zip(ends, reasons, strict=True)
+    ]
+    message = Message(f"no radius reaches the target: {'; '.join(parts)}", reasons)
+    by_search = any(reason.by_search for reason in refused.values())
+    return Infeasible(message, refused[min(refused)].nearest, by_search)

@@ -21,6 +21,7 @@ from metafem.inversion.search.levenberg_marquardt import descend
 from metafem.inversion.search.nearest_law import MIXED_RESTARTS, LawSearch, nearest_law, residual_of_heights
 from metafem.inversion.search.spaces import Heights
 from metafem.inversion.strategies.level import Level, Step
+from metafem.inversion.targets.wording import Message
 from metafem.models.model import has_paraboloids
 from metafem.notes import information
 
@@ -72,7 +73,7 @@ def candidate(target: OperatingPoints, problem: Problem, rng: np.random.Generato
             if found := _without_levels(target, choice, problem, rng):
                 return found
     refused = last.refused or Infeasible("no heights that meet the points were found")
-    raise Infeasible(str(refused), _nearest(last), by_search=searched)
+    raise Infeasible(refused.message, _nearest(last), by_search=searched)
 
 
 def _with_levels(target: OperatingPoints, path: tuple[Level, ...], problem: Problem) -> Candidate:
@@ -251,12 +252,17 @@ def _unmet(target: OperatingPoints, i: int, step: Step, tools: tuple[float, ...]
     else:
         reason = "no whole number of asperities of these radii has this load and friction"
         nearest = min(fewest + most, key=lambda friction: abs(friction - step.friction))
-    wording = target.wording
-    load = wording.loads(target.rescaled_load[i])
-    friction = wording.frictions(target.rescaled_friction[i])
+    words = (
+        f"operating point {i + 1} (load {{load}}, friction {{friction}}) is not met: {reason}. After levels "
+        "for the earlier points, the friction at this load can be from {possible}"
+    )
+    numbers = {
+        "load": ("loads", target.rescaled_load[i]),
+        "friction": ("frictions", target.rescaled_friction[i]),
+        "possible": ("frictions", low, high),
+    }
     return Infeasible(
-        f"operating point {i + 1} (load {load}, friction {friction}) is not met: {reason}. After levels for "
-        f"the earlier points, the friction at this load can be from {wording.frictions(low, high)}",
+        Message(words, numbers, target.wording),
         replace(
             target,
             rescaled_load=target.rescaled_load[: i + 1],

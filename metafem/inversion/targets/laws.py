@@ -18,7 +18,7 @@ from metafem.inversion.feasibility import broken_sample, margin_words, refuse_lo
 from metafem.inversion.strategies import operating_points, sampled
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.target_law import TargetLaw
-from metafem.inversion.targets.wording import RESCALED, LoadRange, Wording
+from metafem.inversion.targets.wording import RESCALED, LoadRange, Message, Wording
 from metafem.surface import Friction, Material
 
 if TYPE_CHECKING:
@@ -198,11 +198,12 @@ class PowerLaw(Target):
         if self.prefactor is None:
             return
         load = np.array(self.load_range)
-        point = f"prefactor = {self.prefactor:g}: the friction at {{1}}, {{2}},"
+        point = f"prefactor = {self.prefactor:g}: the friction at {{load}}, {{friction}},"
         friction = self.prefactor * load**self.exponent
         broken = broken_sample(load, friction, problem, wording, margin, point)
         if broken:  # a prefactor within the bounds need not be met
-            raise Infeasible(f"{broken}; without prefactor the design chooses it")
+            words = "{broken}; without prefactor the design chooses it"
+            raise Infeasible(Message(words, {"broken": broken}))
 
     candidate = sampled.candidate
 

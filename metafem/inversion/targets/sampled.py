@@ -18,7 +18,7 @@ from metafem.inversion.feasibility import broken_sample, margin_words, nearest_w
 from metafem.inversion.strategies import sampled
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.target_law import TargetLaw
-from metafem.inversion.targets.wording import RESCALED, Wording
+from metafem.inversion.targets.wording import RESCALED, Message, Wording
 from metafem.notes import information
 from metafem.surface import Friction, Material
 
@@ -152,9 +152,12 @@ class SampledLaw(Value, Target):
         misfit, most = law.misfit(area), largest_misfit(law)
         near = nearest_within(load, law.base, law.weight, problem.bounds) / law.base
         if misfit > most:
+            words = (
+                f"{{broken}}; the nearest law found misses the samples by {percent(misfit, '.3g')} rms, and "
+                f"at most {percent(most, '.3g')} is allowed"
+            )
             raise Infeasible(
-                f"{broken}; the nearest law found misses the samples by {percent(misfit, '.3g')} rms, and at "
-                f"most {percent(most, '.3g')} is allowed",
+                Message(words, {"broken": broken}),
                 SampledLaw(load, area, self.weight, self.relative_error, wording),
                 by_search=law.misfit(near * law.base) <= most,
             )

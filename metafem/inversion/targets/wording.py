@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -166,6 +167,41 @@ class Wording:
 
 # The default: rescaled values.
 RESCALED = Wording()
+
+
+@dataclass(frozen=True)
+class Message:
+    """A sentence with numbers, whose units are put in where it is read.
+
+    `text` has a field for each of the `numbers`: a text, another message, or the method of `Wording` that
+    states rescaled values, and these.
+
+    Examples
+    --------
+    >>> message = Message("up to {most}", {"most": ("loads", 0.2)})
+    >>> str(message), message.worded(Wording(composite_modulus=1.5))
+    ('up to 0.2 mm^2', 'up to 0.3 N (0.2 mm^2)')
+    """
+
+    text: str
+    numbers: Mapping[str, Any]
+    wording: Wording = RESCALED
+
+    def __str__(self) -> str:
+        return self.worded(None)
+
+    def worded(self, wording: Wording | None) -> str:
+        """Return the sentence in the units of a wording; default: its own."""
+        units = replace(wording or self.wording, part_modulus=self.wording.part_modulus)
+
+        def words(number: Any) -> str:
+            if isinstance(number, Message):
+                return number.worded(wording)
+            if isinstance(number, tuple):
+                return str(getattr(units, number[0])(*number[1:]))
+            return str(number)
+
+        return self.text.format(**{name: words(number) for name, number in self.numbers.items()})
 
 
 def _digits(value: float, digits: int) -> float:
