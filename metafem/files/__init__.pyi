@@ -4,13 +4,13 @@ from .atomic import refuse_existing as refuse_existing
 from .atomic import write_text as write_text
 from .loads import load_range as load_range
 from .measurement.block import block_text as block_text
+from .measurement.calibrated import CalibratedParameters as CalibratedParameters
+from .measurement.calibrated import calibration_data as calibration_data
+from .measurement.calibrated import read_parameters as read_parameters
 from .measurement.contacts import contacts_table as contacts_table
 from .measurement.contacts import read_contacts as read_contacts
 from .measurement.figures import refuse_figure as refuse_figure
 from .measurement.figures import write_figure as write_figure
-from .measurement.calibrated import HandedOn as HandedOn
-from .measurement.calibrated import calibration_data as calibration_data
-from .measurement.calibrated import read_handed_on as read_handed_on
 from .measurement.images.find import ImageFile as ImageFile
 from .measurement.images.find import Images as Images
 from .measurement.images.find import find_images as find_images

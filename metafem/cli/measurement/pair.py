@@ -18,7 +18,7 @@ from metafem.errors import InvalidInput, named
 if TYPE_CHECKING:
     from metafem._validate import FloatArray, IntArray
     from metafem.calibration import MeasuredLaw
-    from metafem.files import HandedOn
+    from metafem.files import CalibratedParameters
     from metafem.surface import Friction, Material, Surface
 
 # Parameters of the part whose errors shift all points together: unit and example of each.
@@ -87,10 +87,10 @@ def pair_of(surface: Surface, given: Mapping[str, Any], deviations: Mapping[str,
     """Return the material pair of the options, of the calibration, or of a design's surface."""
     import numpy as np
 
-    from metafem.files import option_names, quantity, read_handed_on
+    from metafem.files import option_names, quantity, read_parameters
     from metafem.surface import Material
 
-    found = None if given["calibration"] is None else read_handed_on(given["calibration"])
+    found = None if given["calibration"] is None else read_parameters(given["calibration"])
     with named(option_names({name: given[name] for name in PAIR if isinstance(given[name], str)})):
         modulus = surface.material.composite_modulus
         if given["composite_modulus"] is not None:
@@ -127,11 +127,11 @@ def measured_laws(pair: Pair, table: Path, sliding: Path | None, sites: IntArray
     return laws
 
 
-def _values(found: HandedOn) -> dict[str, float]:
+def _values(found: CalibratedParameters) -> dict[str, float]:
     return dict(zip(found.parameters, found.value.tolist(), strict=True))
 
 
-def _friction_of(found: HandedOn, designed: Friction | None) -> Friction | None:
+def _friction_of(found: CalibratedParameters, designed: Friction | None) -> Friction | None:
     """Return the friction of a calibration, or else of the design."""
     from metafem.surface import Friction
 

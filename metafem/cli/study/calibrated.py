@@ -23,9 +23,9 @@ def with_calibration(
     """Return the names and the covariance of the inputs of a calibration and of ``--sd``."""
     import numpy as np
 
-    from metafem.files import read_handed_on
+    from metafem.files import read_parameters
 
-    found = read_handed_on(path)
+    found = read_parameters(path)
     twice = [name for name in found.parameters if name in deviations]
     if twice:
         raise InvalidInput(f"--sd {twice[0]} and --calibration both give the error of {twice[0]}; keep one")

@@ -43,7 +43,7 @@ def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
     def command(folder: Path, force: bool, as_json: bool, **options: Any) -> None:
         from metafem.files import (
             option_names,
-            read_handed_on,
+            read_parameters,
             same_design,
             study_data,
             study_path,
@@ -51,7 +51,7 @@ def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
         )
 
         if options.get("calibration") is not None:  # a wrong file is told before a finished study
-            read_handed_on(options["calibration"])
+            read_parameters(options["calibration"])
         path = study_path(folder, name, force)
         still = same_design(folder)
         with progress():

@@ -47,7 +47,7 @@ OF_RECORD = {
 
 
 @dataclass(frozen=True, eq=False)
-class HandedOn:
+class CalibratedParameters:
     """Parameters of a calibration with their values and their covariance, in mm, MPa and 1."""
 
     parameters: tuple[str, ...]
@@ -69,7 +69,7 @@ def calibration_data(
 ) -> dict[str, Any]:
     """Return the results for JSON, with names, values and covariance of the parameters.
 
-    `strength` has the parameters of the others; its shear strength is the one that is handed on.
+    `strength` has the parameters of the others; its shear strength is the one that is stated.
     """
     found = [each for each in (contact, shear) if each is not None] if strength is None else [strength]
     names, covariance = joint_covariance(*found)
@@ -123,7 +123,7 @@ def calibration_data(
     }
 
 
-def read_handed_on(path: str | Path) -> HandedOn:
+def read_parameters(path: str | Path) -> CalibratedParameters:
     """Return parameters, values and covariance of a file that ``metafem calibrate`` wrote as JSON."""
     label = file_label(path)
     # any other file than one of JSON is no damaged calibration
@@ -147,7 +147,7 @@ def read_handed_on(path: str | Path) -> HandedOn:
     variance = np.diagonal(covariance)
     if not (np.isfinite(value).all() and np.isfinite(covariance).all() and (variance >= 0.0).all()):
         raise InvalidInput(f"{label} is damaged: the covariance has variances {variance.tolist()}")
-    return HandedOn(names, value, covariance)
+    return CalibratedParameters(names, value, covariance)
 
 
 def _key(name: str, what: str = "") -> str:
@@ -155,9 +155,7 @@ def _key(name: str, what: str = "") -> str:
     return f"{name}{what}" + ("" if UNITS[name] == "1" else f"_{UNITS[name]}")
 
 
-def _stated(
-    name: str, found: ContactCalibration | ShearCalibration | StrengthFit, sd: float
-) -> dict[str, Any]:
+def _stated(name: str, found: Any, sd: float) -> dict[str, Any]:
     """Return the value of a parameter, its standard deviation and its interval."""
     interval = list(getattr(found, f"{name}_interval"))
     return {_key(name): getattr(found, name), _key(name, "_sd"): sd, _key(name, "_interval"): interval}

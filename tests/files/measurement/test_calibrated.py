@@ -1,4 +1,4 @@
-"""The covariance that a calibration hands on: files that are damaged are named."""
+"""Parameters and covariance of a calibration in its file: files that are damaged are named."""
 
 import json
 from dataclasses import replace
@@ -8,7 +8,7 @@ import pytest
 
 from metafem.calibration import fit_compression
 from metafem.errors import InvalidInput
-from metafem.files.measurement.calibrated import KIND, calibration_data, read_handed_on
+from metafem.files.measurement.calibrated import KIND, calibration_data, read_parameters
 
 
 @pytest.fixture
@@ -25,7 +25,7 @@ def written(tmp_path):
 
 
 def test_values_and_covariance_are_read(written):
-    found = read_handed_on(written(["area_ratio"], [0.85], [[4e-6]]))
+    found = read_parameters(written(["area_ratio"], [0.85], [[4e-6]]))
     assert (found.parameters, found.value.tolist(), found.sd.tolist()) == (("area_ratio",), [0.85], [2e-3])
 
 
@@ -42,7 +42,7 @@ def test_values_and_covariance_are_read(written):
 )
 def test_damaged_files_are_refused(written, parameters, values, covariance):
     with pytest.raises(InvalidInput, match=r"calibration\.json is damaged"):
-        read_handed_on(written(parameters, values, covariance))
+        read_parameters(written(parameters, values, covariance))
 
 
 @pytest.mark.parametrize("draws", [0, 1])
