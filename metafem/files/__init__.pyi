@@ -18,8 +18,6 @@ from .measurement.images.forces import Shot as Shot
 from .measurement.images.forces import shots as shots
 from .measurement.images.pixel_size import pixel_size as pixel_size
 from .measurement.laws import read_measured_law as read_measured_law
-from .measurement.made import corrected_table as corrected_table
-from .measurement.made import made_table as made_table
 from .measurement.maps import read_height_map as read_height_map
 from .measurement.sites import Sites as Sites
 from .measurement.sites import read_sites as read_sites
@@ -41,7 +39,9 @@ from .result.study import stored_studies as stored_studies
 from .result.study import study_data as study_data
 from .result.study import study_path as study_path
 from .result.study import write_study as write_study
+from .result.tables import heights_table as heights_table
 from .result.tables import law_table as law_table
+from .result.tables import made_table as made_table
 from .result.tables import read_surface as read_surface
 from .schema.document import place_schema as place_schema
 from .schema.document import schema_text as schema_text

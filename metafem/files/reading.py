@@ -19,14 +19,7 @@ SPECIFICATION, TABLE, RECORD = 2**18, 2**26, 2**29
 def read_bytes(path: str | Path, most: int, missing: str = "no such file") -> bytes:
     """Return the content of a regular file of at most `most` bytes, or raise InvalidInput."""
     name = file_label(path)
-    try:
-        _refuse_other_kinds(path, name)
-        with open(path, "rb") as file:
-            content = file.read(most + 1)
-    except FileNotFoundError:
-        raise InvalidInput(f"{name}: {missing}") from None
-    except OSError as error:
-        raise InvalidInput(f"{name}: cannot be read: {error.strerror}") from None
+    content = _beginning(path, most + 1, missing)
     if len(content) > most:
         raise InvalidInput(f"{name}: is larger than {most / 2**20:g} MiB, the limit for its kind of file")
     return content
@@ -34,13 +27,18 @@ def read_bytes(path: str | Path, most: int, missing: str = "no such file") -> by
 
 def refuse_unreadable(path: str | Path) -> None:
     """Raise InvalidInput if there is no regular file of this name that can be opened."""
+    _beginning(path, 1, "no such file")
+
+
+def _beginning(path: str | Path, most: int, missing: str) -> bytes:
+    """Return at most so many bytes of a regular file."""
     name = file_label(path)
     try:
         _refuse_other_kinds(path, name)
-        with open(path, "rb"):
-            pass
+        with open(path, "rb") as file:
+            return file.read(most)
     except FileNotFoundError:
-        raise InvalidInput(f"{name}: no such file") from None
+        raise InvalidInput(f"{name}: {missing}") from None
     except OSError as error:
         raise InvalidInput(f"{name}: cannot be read: {error.strerror}") from None
 

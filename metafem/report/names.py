@@ -1,17 +1,20 @@
-"""Texts for models and misfits."""
+"""Texts for models, misfits and notes."""
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
 
 from metafem.contact import JKR, Contact, Hertz, JacksonGreen, KogutEtsion, PowerCap, SphericalCap
-from metafem.inversion import Design
+from metafem.errors import MetafemWarning
+from metafem.inversion import Design, plasticity_index
 from metafem.inversion.assessment import misfit_text
 from metafem.models import Model
 from metafem.models.model import contact_of
+from metafem.notes import Note
 
 # One N/mm in mJ/m^2.
 MJ_PER_M2 = 1e6
@@ -80,3 +83,22 @@ def misfit_words(design: Design) -> tuple[str, str]:
     ('misfit: largest difference from the target', 'below 1e-9')
     """
     return f"misfit: {design.misfit_meaning}", misfit_text(design.misfit)
+
+
+def all_notes(design: Design, hardness: float | None = None) -> tuple[Note, ...]:
+    """Return the notes of a design and of its plasticity index, warnings first.
+
+    Parameters
+    ----------
+    design : Design
+    hardness : float, optional
+        H of the softer material [MPa]; default: None, the plasticity index is not evaluated.
+    """
+    found = [*design.notes]
+    # a design for a hardness states the index itself
+    if hardness is not None and "plasticity_index" not in design.parameters:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", MetafemWarning)
+            plasticity_index(design.surface, hardness)
+        found += [Note(str(warning.message)) for warning in caught]
+    return tuple(sorted(found, key=lambda note: not note.warns))

@@ -22,8 +22,7 @@ from metafem.report.elements import elements_section
 from metafem.report.figures import comparison_figure, force_figure, law_figure, sensitivity_figure
 from metafem.report.fits import fit_table
 from metafem.report.html import render
-from metafem.report.names import in_python, misfit_words, model_words
-from metafem.report.notes import all_notes
+from metafem.report.names import all_notes, in_python, misfit_words, model_words
 from metafem.report.sections.exactness import exactness_section
 from metafem.report.sections.explanation import explanation_section
 from metafem.report.sections.measured import measured_section

@@ -1,6 +1,14 @@
 """Texts for models."""
 
+import re
+
+import numpy as np
+import pytest
+
 import metafem as mf
+from metafem.prediction.validity import BOUND
+from metafem.report import all_notes
+from metafem.report.comparison import compared
 from metafem.report.names import in_python, model_words
 
 
@@ -30,3 +38,68 @@ def test_a_contact_law_is_named_in_words():
     assert model_words(mf.Independent(adhesive)) == "independent, JKR, w = 16 mJ/m², spherical caps"
     assert model_words(mf.Interacting(contact=mf.JKR(9e-6))) == "half-space, JKR, w = 9 mJ/m²"
     assert model_words(mf.Independent()) == "independent"
+
+
+# Half of them crowded or on thin blocks.
+DESIGNS = 40
+
+# A report warns of more than this; the notes do so from BOUND on.
+WARNED = 0.05
+
+
+def random_design(rng):
+    """Return a design at random, or None where its target is out of reach."""
+    side, pitch = int(rng.integers(4, 9)), float(rng.choice([0.3, 0.5, 0.8, 1.5]))
+    thickness = float(rng.choice([0.2, 0.5, 1.0, 3.0, 7.2]))
+    size = side * pitch + 10.0
+    template = mf.Surface.square_lattice(
+        0.12,
+        (side, side),
+        pitch,
+        radius=0.526,
+        material=mf.Material(1.36, float(rng.choice([0.3, 0.5]))),
+        block=None if rng.random() < 0.3 else mf.Block(size, size, thickness),
+    )
+    targets = (
+        mf.LinearLaw(float(rng.uniform(5.0, 9.0))),
+        mf.OperatingPoints(side**2 / 64 * np.array([0.144, 0.336]), side**2 / 64 * np.array([0.84, 1.68])),
+        mf.BilinearLaw((7.15, 12.52), 0.038 * side**2 / 64),
+    )
+    models = (mf.Independent(), mf.MeanField())
+    target, model = targets[rng.integers(3)], models[rng.integers(2)]
+    limits = mf.Limits(float(rng.choice([0.12, 0.27])), offset=float(rng.choice([0.0, 0.08])))
+    try:
+        return mf.design(target, template, model, limits, int(rng.integers(100)))
+    except mf.Infeasible:
+        return None
+
+
+@pytest.mark.slow
+def test_notes_warn_of_differences_in_the_report():
+    rng, seen, judged, off = np.random.default_rng(0), 0, 0, []
+    while seen < DESIGNS:
+        design = random_design(rng)
+        if design is None:
+            continue
+        seen += 1
+        warnings = [note.text for note in all_notes(design) if note.warns]
+        texts = " ".join(map(str, design.notes))
+        comparisons, _ = compared(design)
+        block = design.surface.block is not None
+        for comparison in comparisons:
+            rms = float(np.sqrt((comparison.difference**2).mean()))
+            if rms > WARNED:
+                assert warnings, (design, comparison.name, rms)
+            if comparison.name != ("layer" if block else "half-space") or rms < 0.01:
+                continue
+            found = re.search(r"by ([\d.]+) % rms", texts)
+            estimate = float(found[1]) / 100.0 if found else 0.0
+            judged += 1
+            if not (0.5 < estimate / rms < 2.0):
+                off.append((rms, estimate, texts))
+            assert (rms <= WARNED) or any("changes A0" in text or "elastic" in text for text in warnings)
+            assert (rms > 0.8 * BOUND) or not any("changes A0" in text for text in warnings)
+        state = mf.equilibrium(design.surface, design.law.model, load=float(design.law.load[-1]))
+        assert (state.base_gap <= 0.0) == any("base plane would touch" in text for text in warnings)
+    assert judged > DESIGNS / 3
+    assert not off

@@ -73,7 +73,7 @@ def topography(
     """
     import metafem as mf
     from metafem.files import (
-        corrected_table,
+        heights_table,
         made_table,
         read_height_map,
         refuse_existing,
@@ -115,7 +115,7 @@ def topography(
     if output is not None:
         write_text(output, made_table(made, design.sites), **ours)
     if corrected is not None and correction is not None:
-        write_text(corrected, corrected_table(correction.surface, design.sites), **ours)
+        write_text(corrected, heights_table(correction.surface, design.sites), **ours)
     written = [path for path in (output, corrected, picture) if path is not None]
     if as_json:
         data = made_data(design, made, correction, law)

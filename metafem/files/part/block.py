@@ -10,8 +10,7 @@ from metafem._validate import FloatArray, IntArray
 from metafem.contact.cap_geometry import SPHERES, CapShape
 from metafem.errors import MetafemError
 from metafem.files.part.cap import cap_faces, cap_vertices, ring_count
-from metafem.files.part.mesh import Mesh
-from metafem.files.part.mirror import mirrored
+from metafem.files.part.mesh import Mesh, mirrored
 from metafem.surface import Block, Surface
 
 # Sides and bottom of the block: its corners 0 to 3 at the top, 4 to 7 below them, counterclockwise.

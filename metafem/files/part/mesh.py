@@ -40,3 +40,13 @@ class Mesh:
         forth = np.sort(start * len(self.vertices) + end)
         back = np.sort(end * len(self.vertices) + start)
         return bool((forth == back).all() and (forth[1:] > forth[:-1]).all() and (start != end).all())
+
+
+def mirrored(points: FloatArray) -> FloatArray:
+    """Return points of the part (n, 2) or (n, 3) as seen from the open face of the mould: x -> -x [mm].
+
+    The part lies face down on the mould, as on a page that is turned over.
+    """
+    result = np.array(points)
+    result[:, 0] = 0.0 - result[:, 0]  # -x is -0.0 on the axis
+    return result

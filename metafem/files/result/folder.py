@@ -135,7 +135,7 @@ def result_tables(design: Design, part: PartOptions) -> dict[str, str]:
     shape = contact_of(design.law.model).shape()
     whole = with_alignment(design.surface, design.template, part.alignment_height, shape)
     return {
-        "heights.csv": heights_table(design),
+        "heights.csv": heights_table(design.surface, design.sites),
         "law.csv": law_table(design.law),
         "mould.csv": mould_table(design, whole),
     }

@@ -8,8 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from metafem._validate import IntArray
+from metafem.calibration import MadeSurface
 from metafem.errors import InvalidInput, named
-from metafem.files.part.mirror import mirrored
+from metafem.files.part.mesh import mirrored
 from metafem.files.tables import Columns
 from metafem.inversion import Design
 from metafem.prediction import FrictionLaw, tables
@@ -23,15 +25,23 @@ COLUMNS = Columns(
     "x_mm,y_mm,height_um,radius_um (or in other units)",
 )
 
+# The first line of a table of heights.
+HEIGHTS = ("site", "x_mm", "y_mm", "height_mm", "radius_mm")
+
 # Digits of a number in a table: without the rounding of sums in the sixteenth.
 DIGITS = 13
 
 
-def heights_table(design: Design) -> str:
-    """Return the table of the summits: site in the template, position, height and radius."""
-    surface = design.surface
-    rows = zip(design.sites.tolist(), *_columns(surface), strict=True)
-    return csv(("site", "x_mm", "y_mm", "height_mm", "radius_mm"), rows)
+def heights_table(surface: Surface, sites: IntArray) -> str:
+    """Return the table of summits: site in the template, position, height and radius."""
+    return csv(HEIGHTS, zip(sites.tolist(), *_columns(surface), strict=True))
+
+
+def made_table(made: MadeSurface, sites: IntArray) -> str:
+    """Return made positions, heights and radii with their standard deviations; `sites` are the design's."""
+    errors = (each.tolist() for each in (made.position_sd, made.height_sd, made.radius_sd))
+    rows = zip(sites[made.site].tolist(), *_columns(made.surface), *errors, strict=True)
+    return csv((*HEIGHTS, "sd_position_mm", "sd_height_mm", "sd_radius_mm"), rows)
 
 
 def law_table(law: FrictionLaw) -> str:

@@ -30,7 +30,7 @@ def read_summits(path, radius=None):
 
 def test_heights_read_back(tmp_path):
     path = tmp_path / "heights.csv"
-    path.write_text(heights_table(DESIGN))
+    path.write_text(heights_table(DESIGN.surface, DESIGN.sites))
     for found, kept in zip(read_summits(path), ("position", "height", "radius"), strict=True):
         np.testing.assert_allclose(found, getattr(DESIGN.surface, kept), rtol=1e-12)
 
@@ -39,7 +39,7 @@ def test_no_rounding_is_written():
     surface = DESIGN.surface.replaced(height=np.full(9, 0.1 + 0.047))
     assert surface.height[0] != 0.147
     for text in (
-        heights_table(replace(DESIGN, surface=surface)),
+        heights_table(surface, DESIGN.sites),
         mould_table(replace(DESIGN, surface=surface)),
     ):
         assert ",0.147," in text
@@ -47,7 +47,9 @@ def test_no_rounding_is_written():
 
 
 def test_heights_name_their_sites():
-    assert columns(heights_table(DESIGN))["site"] == [str(site) for site in DESIGN.sites]
+    assert columns(heights_table(DESIGN.surface, DESIGN.sites))["site"] == [
+        str(site) for site in DESIGN.sites
+    ]
 
 
 def test_the_law_is_written():
@@ -86,7 +88,7 @@ def test_holes_and_summits_have_their_own_radii(tmp_path):
     mixed = replace(DESIGN, surface=DESIGN.surface.replaced(radius=radius))
     np.testing.assert_array_equal(np.array(columns(mould_table(mixed))["tool_radius_mm"], float), radius)
     path = tmp_path / "heights.csv"
-    path.write_text(heights_table(mixed))
+    path.write_text(heights_table(mixed.surface, mixed.sites))
     np.testing.assert_array_equal(read_summits(path)[2], radius)
 
 
@@ -164,7 +166,7 @@ def test_errors_of_a_table_name_line_and_column(tmp_path, rows, message):
 
 def test_a_radius_beside_a_column_of_radii_is_refused(tmp_path):
     path = tmp_path / "heights.csv"
-    path.write_text(heights_table(DESIGN))
+    path.write_text(heights_table(DESIGN.surface, DESIGN.sites))
     with pytest.raises(mf.InvalidInput, match="has the column radius_mm, and --radius is given too"):
         read_summits(path, radius=0.5)
 
