@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, overload
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,13 +57,7 @@ class Images(Sequence[NDArray[Any]]):
     def __len__(self) -> int:
         return len(self.files)
 
-    @overload
-    def __getitem__(self, index: int) -> NDArray[Any]: ...
-
-    @overload
-    def __getitem__(self, index: slice) -> Images: ...
-
-    def __getitem__(self, index: int | slice) -> NDArray[Any] | Images:
+    def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             return Images(self.files[index])
         values, coloured = read_image(self.files[index])
