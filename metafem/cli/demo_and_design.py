@@ -109,6 +109,7 @@ def _run(
 ) -> None:
     import metafem as mf
     from metafem.files import (
+        check_free,
         chosen_model,
         part_notes,
         planned,
@@ -120,6 +121,7 @@ def _run(
     from metafem.models.model import contact_of
     from metafem.report import all_notes, page
 
+    check_free(folder, force)
     with progress(), doing("designing"):
         specification = mf.read_spec(spec)
         if chord_error is not None:
