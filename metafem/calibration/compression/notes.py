@@ -1,4 +1,4 @@
-"""What a calibration of contacts leaves open, in sentences."""
+"""Notes on a calibration of contacts."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from metafem.calibration.verdict import chance
 from metafem.contact import Contact, TabulatedContact
 from metafem.notes import Note, information
 
-# Weight in a robust fit below which a point is an outlier: beyond 2.5 standard deviations; and the share of
-# outliers from which on the law itself is in doubt.
+# Weight in a robust fit below which a point is an outlier (beyond 2.5 standard deviations), and the share of
+# outliers above which the law is in doubt.
 OUTLYING, MANY_OUTLIERS = 0.5, 0.1
 
 # Largest E* of elastomers and gels [MPa]; the contact radius over R at which the mean pressure of Hertz,
@@ -42,9 +42,9 @@ def notes_of(found: ContactCalibration, cap: Contact, bootstrap: Bootstrap | Non
         notes.append(
             Note(
                 f"contact radii reach {widest:.2f} R; beyond {KNOWN} R the load of a soft cap at large "
-                "strain rises from 3 to 4 % below Hertz's law to nearly that law, and the fit takes the bend "
-                "for adhesion. Leave out the largest loads, or use the table of metafem.fe.tabulated_contact "
-                "as the contact law"
+                "strain rises from 3 to 4 % below Hertz's law to nearly that law, which has the effect of "
+                "adhesion on the fit. Leave out the largest loads, or use the table of "
+                "metafem.fe.tabulated_contact as the contact law"
             )
         )
     notes += within_errors("load", found.load, found.load_sd)
@@ -78,13 +78,13 @@ def notes_of(found: ContactCalibration, cap: Contact, bootstrap: Bootstrap | Non
     unfitted = [test for test in found.tests if np.isnan(test.value[0])]
     few = [test.name for test in unfitted if test.points < FEWEST]
     if few:
-        notes.append(information(f"no fit of their own have the tests {listed(few)}: too few points"))
+        notes.append(information(f"the tests {listed(few)} have too few points for a fit of their own"))
     other = [test.name for test in unfitted if test.points >= FEWEST]
     if other:
         notes.append(
             Note(
-                f"no fit of their own have the tests {listed(other)}: their areas are alike, or their loads "
-                "do not grow with them; they are part of the common fit, but not compared with others"
+                f"the tests {listed(other)} have no fit of their own: their areas are alike, or their loads "
+                "do not grow with them; they are part of the common fit, but are not compared with the others"
             )
         )
     if bootstrap is not None and found.bootstrap is not None and len(found.bootstrap) < bootstrap.draws:

@@ -29,15 +29,14 @@ from metafem.calibration.images.levels import Levels
 from metafem.errors import InvalidInput
 from metafem.notes import Note, information
 
-# A contrast is that of contacts if it is so many standard deviations of the noise of the smoothed image.
+# Smallest contrast of contacts, in standard deviations of the noise of the smoothed image.
 CONTRAST = 6.0
 
 # Least radius of a contact that is measured, in standard deviations of the smoothed edge: below it, the area
-# of the half level is less than three quarters of the contact's, and grows so steeply that noise decides.
+# of the half level is less than three quarters of the contact's, and depends steeply on noise.
 SMALLEST = 2.0
 
-# A difference of grey levels is taken for one of the contacts, and not for noise, if it is so many standard
-# deviations.
+# Smallest difference of grey levels that is not attributed to noise, in standard deviations.
 CLEAR = 3.0
 
 
@@ -178,10 +177,10 @@ def _counted(
     return np.array(counts, dtype=np.float64)
 
 
-# Structure of the ground, over the contrast, above which it is said: with it, the half level is wrong by 1 %.
+# Structure of the ground over the contrast above which there is a note: the half level is then wrong by 1 %.
 UNEVEN = 0.02
 
-# Contacts that a note names.
+# Largest number of contacts that a note names.
 NAMED = 10
 
 

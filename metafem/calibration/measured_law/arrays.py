@@ -26,7 +26,7 @@ BELOW_ZERO = 5.0
 # contacts: one normal error in thirty thousand is so large.
 FALLING = 4.0
 
-# Share of the largest area of which a load without any contact has the error: as if of a contact this small.
+# Area whose error a load without contact has, over the largest area.
 SMALL_CONTACT = 0.01
 
 
@@ -64,7 +64,7 @@ def _asperities(passed: Mapping[str, Any], count: int) -> dict[str, Any]:
             raise InvalidInput("site needs asperity_area")
         return {}
     areas = np.asarray(passed["asperity_area"])
-    # nan stands for what was not measured; all else must be a number
+    # nan marks areas that were not measured; all others must be numbers
     missing = np.isnan(areas) if areas.dtype.kind == "f" else np.zeros(areas.shape, bool)
     values = np.where(missing, 0.0, areas) if missing.any() else areas
     filled = check.array("asperity_area", values, shape=(count, None))
@@ -107,7 +107,7 @@ def _deviation(
     missing = np.isnan(values)
     if sd is not None:
         filled = np.where(missing, 1.0, sd) if missing.any() and np.shape(sd) == values.shape else sd
-        # an open contact may be certain
+        # the standard deviation of an open contact may be 0
         checked = check.array(f"{name}_sd", filled, shape=values.shape, positive=name != "asperity_area")
         return np.where(missing, np.nan, checked)
     if name == "load":
@@ -121,7 +121,7 @@ def _deviation(
         total: FloatArray = np.sqrt((np.where(closed, found["asperity_area_sd"], 0.0) ** 2).sum(axis=1))
     else:
         total = errors.of_area(values)  # of n contacts together as of one: the squares add up
-    # contacts at loads with an unknown total are contacts, too
+    # known contacts count at loads with an unknown total
     parts = np.nansum(found["asperity_area"], axis=1) if missing.any() else values
     largest = float(np.where(missing, parts, values).max())
     if not largest > 0.0:

@@ -265,7 +265,7 @@ def _law(measured: MeasuredLaw, design: Design | FrictionLaw, rescaled_load: Flo
         load, friction = np.append(0.0, design.rescaled_load), np.append(0.0, design.rescaled_friction)
         found: FloatArray = np.interp(rescaled_load, load, friction)
         return found
-    # the material of the part: adhesion is compared with its modulus, not with that of the design
+    # with the material of the part, on whose modulus the effect of adhesion depends
     surface = design.surface.replaced(material=measured.material)
     load = measured.material.composite_modulus * rescaled_load
     return friction_law(surface, design.law.model, load=load).rescaled_friction

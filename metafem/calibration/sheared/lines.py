@@ -25,13 +25,14 @@ from metafem.notes import Note, information
 # Names of the quantities of a point.
 NAMES = ("area_before", "area_sheared", "friction_force")
 
-# Standard deviations by which B exceeds 1 so that it is above it: one normal error in a hundred is so large.
+# Excess of B over 1, in standard deviations, above which there is a note: one normal error in a hundred is
+# larger.
 ABOVE_ONE = 2.33
 
 # Shear strengths [MPa] of soft contacts: hydrogels have 1e-4 MPa, and elastomers less than their moduli.
 WEAKEST, STRONGEST = 1e-5, 30.0
 
-# Of a line through the origin: one for the factor, and one more for a residual.
+# Smallest number of points of a line through the origin: one factor and a residual.
 FEWEST = 2
 
 DEFAULT_ERRORS = MeasurementErrors()

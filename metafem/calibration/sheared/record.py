@@ -21,8 +21,8 @@ SLIDING = (0.1, 0.2)
 # the force by 10 to 15 % at the peak (Fig. 2A of the paper), so by 0.2 % at a tenth of it.
 UNSHEARED = 0.1
 
-# A static friction force this many standard deviations of the noise above the sliding one is a peak: of 1,000
-# samples of noise the largest is usually below it.
+# Smallest excess of a peak over the sliding friction, in standard deviations of the noise: the largest of
+# 1,000 samples of noise is usually below it.
 DISTINCT = 4.0
 
 
@@ -243,7 +243,7 @@ def _areas(
                 f"{x[around[0]]:.4g} and {x[around[1]]:.4g} mm; the peak is at {x[peak]:.4g} mm"
             )
         )
-    # entries are equally far apart in time, and displacements may repeat
+    # interpolation in time: entries are equally far apart in time, and displacements may repeat
     static = float(np.interp(peak, frames, area[frames]))
     return float(area[frames[0]]), static, float(area[moving].mean())
 

@@ -31,7 +31,8 @@ from metafem.notes import Note, information
 # The sides from which a contact is seen, and whether x is then mirrored.
 SIDES = {"glass": False, "block": True}
 
-# Smallest number of contacts that determine shift, rotation and scale and leave something to be compared.
+# Smallest number of contacts: shift, rotation and scale have four unknowns, and three contacts six
+# coordinates.
 FEWEST = 3
 
 # Smallest fraction of the contacts that lie on sites. Of those of a lattice with two thirds or half of the
@@ -354,7 +355,7 @@ class SiteMatch(Value):
         return real_points(-points.conj() if self.mirrored else points)
 
 
-# Odds at which one of two placements is preferred: with equal chances before, 1 % remains for the other.
+# Odds at which one of two placements is preferred; with equal prior probabilities the other one has 1 %.
 ODDS = 100.0
 
 

@@ -21,7 +21,8 @@ from metafem.calibration.sites.stack_remarks import not_numbered, remarks_of, un
 from metafem.errors import InvalidInput
 from metafem.notes import Note
 
-# Number of images, those with most contacts, that are tried as the one whose contacts are matched.
+# Number of images that are matched to the sites, one after the other, until one succeeds: those with most
+# contacts.
 TRIED = 3
 
 
@@ -191,7 +192,7 @@ class _Stack:
         """Number the contacts of the fullest image from top to bottom of the frame."""
         reference = self.fullest()[0]
         areas = self.areas[reference]
-        # one at the edge is a contact if another image shows it whole; its centre is known to its semi-axis
+        # a region at the edge counts if another image shows it whole; its centre is known to its semi-axis
         known = areas.complete | areas.edge
         reach = np.where(areas.edge, areas.axes[:, 0], 0.0)
         found: Sequence[Placed | None] = [None] * len(self.areas)

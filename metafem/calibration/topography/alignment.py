@@ -20,8 +20,7 @@ from metafem.surface import Surface
 # Largest angle between the axes of the map and those of the part, after quarter turns.
 TURN = math.radians(20.0)
 
-# The heights decide between two ways to turn or mirror a part if the misfit of one exceeds that of the other
-# by this factor.
+# Ratio of the misfits of the heights above which they decide between two orientations of a part.
 DECIDED = 1.5
 
 
@@ -122,10 +121,10 @@ SCALE = 2e-3
 # their mean is noted: errors of making are a few percent, those of another part as large as its heights.
 FOREIGN, FOREIGN_MEAN = 0.5, 0.05
 
-# Places of a kind that are named one by one.
+# Largest number of places of a kind that are named one by one.
 NAMED = 5
 
-UNDECIDED = "the heights do not tell how the part was turned, mirrored or shifted; it is taken as it lies"
+UNDECIDED = "the heights do not show how the part was turned, mirrored or shifted; the map is used as it is"
 
 
 def placement_notes(

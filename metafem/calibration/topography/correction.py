@@ -18,20 +18,20 @@ from metafem.inversion import Design
 from metafem.notes import Note, information
 from metafem.surface import Surface
 
-# Probability below which a term is significant: one in a hundred terms that are not there.
+# Probability below which a term is significant: one in a hundred terms with the true value 0.
 SIGNIFICANT = 0.01
 
-# Fewest asperities of a regression, and least number of those in excess of the terms.
+# Smallest number of asperities of a regression, and of asperities in excess of the terms.
 FEWEST, SPARE = 3, 2
 
 # A deviation of the mean radius is noted above this number of its standard errors, and if it exceeds this
 # part of the radius, the resolution of single precision.
 NOTED, RESOLUTION = 3.0, 1e-6
 
-# A norm that divides without changing what is not zero.
+# Smallest divisor, in place of a norm of 0.
 _TINY = float(np.finfo(float).tiny)
 
-# Terms of the regression, by group: the terms of a group are kept or dropped together.
+# Terms of the regression, by group: the terms of a group are used or left out together.
 GROUPS = {
     "offset": ("offset",),
     "scale": ("scale",),
