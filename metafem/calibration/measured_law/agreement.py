@@ -193,7 +193,7 @@ def compare(
         if which.any()
     )
     notes += _magnitudes(found, design)
-    features, more = features_of(found, design)
+    parts = [*features_of(found, design)] if isinstance(design, Design) else []
     # whitened residuals in order of load are independent if the law holds
     residual = np.linalg.solve(np.linalg.cholesky(found.covariance), found.values)
     deviations = dict(zip(names, np.sqrt(np.diag(matrix)).tolist(), strict=True))
@@ -203,10 +203,10 @@ def compare(
         predicted=found.predicted,
         deviation=found.values,
         covariance=found.covariance,
-        features=features,
+        features=tuple(part for part in parts if isinstance(part, Feature)),
         verdict=judged(residual, parameters=0),
         parameters=deviations,
-        notes=(*measured.notes, *notes, *more),
+        notes=(*measured.notes, *notes, *(part for part in parts if isinstance(part, Note))),
     )
 
 
