@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from metafem import _validate as check
 from metafem._given import formatted, label, shown
@@ -63,11 +62,7 @@ def _asperities(passed: Mapping[str, Any], count: int) -> dict[str, Any]:
         if passed["site"] is not None:
             raise InvalidInput("site needs asperity_area")
         return {}
-    areas = np.asarray(passed["asperity_area"])
-    # nan marks areas that were not measured; all others must be numbers
-    missing = np.isnan(areas) if areas.dtype.kind == "f" else np.zeros(areas.shape, bool)
-    values = np.where(missing, 0.0, areas) if missing.any() else areas
-    filled = check.array("asperity_area", values, shape=(count, None))
+    filled = check.array_with_gaps("asperity_area", passed["asperity_area"], shape=(count, None))
     check.refuse_entries("asperity_area", filled, filled < 0.0, "must be at least 0; 0 is an open contact")
     site = np.arange(filled.shape[1]) if passed["site"] is None else np.array(passed["site"])
     if site.shape != filled.shape[1:] or site.dtype.kind not in "iu" or (site < 0).any():
@@ -78,7 +73,7 @@ def _asperities(passed: Mapping[str, Any], count: int) -> dict[str, Any]:
     numbers, counts = np.unique(site, return_counts=True)
     if (counts > 1).any():
         raise InvalidInput(f"site holds {numbers[counts.argmax()]} twice; each asperity has its own site")
-    return {"asperity_area": np.where(missing, np.nan, filled), "site": site.astype(np.intp)}
+    return {"asperity_area": filled, "site": site.astype(np.intp)}
 
 
 def _area(area: Any, count: int, areas: FloatArray | None, by_force: bool) -> dict[str, FloatArray]:
@@ -87,16 +82,11 @@ def _area(area: Any, count: int, areas: FloatArray | None, by_force: bool) -> di
         if areas is None or (by_force and np.isnan(areas).any(axis=1).all()):
             return {}
         return {"area": areas.sum(axis=1)}
-    gaps = np.zeros(count, bool) if areas is None else np.isnan(areas).any(axis=1) & _unknown(area, count)
-    found = check.array("area", np.where(gaps, 0.0, area) if gaps.any() else area, shape=(count,))
-    return {"area": np.where(gaps, np.nan, found)}
-
-
-def _unknown(area: Any, count: int) -> NDArray[np.bool_]:
-    """Return which total areas are nan."""
-    values = np.asarray(area)
-    usable = values.dtype.kind == "f" and values.shape == (count,)
-    return np.isnan(values) if usable else np.zeros(count, bool)
+    found = check.array_with_gaps("area", area, shape=(count,))
+    unknown = False if areas is None else np.isnan(areas).any(axis=1)
+    required = "must be a number, since no area of a contact is unknown"
+    check.refuse_entries("area", found, np.isnan(found) & ~np.asarray(unknown), required)
+    return {"area": found}
 
 
 def _deviation(

@@ -165,12 +165,10 @@ class _Stack:
         twice = next((name for i, name in enumerate(names) if name in names[:i]), None)
         if twice is not None:
             raise InvalidInput(f"image holds {printable(twice, 60)} twice; names of images must differ")
-        forces = []
-        for name, values in (("load", load), ("friction_force", friction_force)):
-            force = np.full(k, np.nan) if values is None else np.array(values, dtype=np.float64)
-            if force.shape != (k,) or np.isinf(force).any():
-                raise InvalidInput(f"{name} must hold {k} forces, one for each image, or nan")
-            forces.append(force)
+        forces = (
+            np.full(k, np.nan) if values is None else check.array_with_gaps(name, values, shape=(k,))
+            for name, values in (("load", load), ("friction_force", friction_force))
+        )
         return cls(found, others, names, tests, *forces)
 
     def fullest(self) -> list[int]:
