@@ -6,6 +6,7 @@ import math
 import sys
 import warnings
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -279,6 +280,16 @@ def _without_unit(name: str, value: Any) -> Any:
 def _wrong_unit(name: str, unit: Any, expected: str) -> InvalidInput:
     allowed = "a number without unit" if expected == "1" else f"{expected}, or a plain number in {expected}"
     return InvalidInput(f"is given in {shown(str(unit))}; it must be {allowed}", key=name)
+
+
+def array_with_gaps(name: str, value: Any, *, shape: tuple[int | None, ...]) -> FloatArray:
+    """Return `value` as `array` does, with nan where it was not measured."""
+    missing: Any = False
+    with suppress(TypeError, ValueError):  # `array` says what is wrong
+        entries = np.array(plain(name, value), dtype=np.float64)
+        missing = np.isnan(entries)
+        value = np.where(missing, 0.0, entries)
+    return np.where(missing, np.nan, array(name, value, shape=shape))
 
 
 def refuse_entries(name: str, values: FloatArray, wrong: Any, must: str) -> None:

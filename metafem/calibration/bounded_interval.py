@@ -12,7 +12,7 @@ from scipy.special import ndtr
 
 from metafem._validate import FloatArray
 
-# Probability of an interval, and half its width over the standard deviation of a normal distribution.
+# Probability of an interval, and half its width for a normal distribution, in standard deviations.
 PROBABILITY, WIDTH = 0.68, 0.9944578832
 
 # Means, over the standard deviation, at which the intervals of estimates are computed.
@@ -24,8 +24,8 @@ def bounded_interval(estimate: ArrayLike, sd: ArrayLike) -> tuple[FloatArray, Fl
 
     They contain the mean in 68 % of the draws for every mean, 0 included, and are never empty. Far above 0
     they are symmetric about the estimate. Feldman and Cousins, Phys. Rev. D 57, 3873 (1998),
-    doi:10.1103/PhysRevD.57.3873: a mean accepts estimates in the order of the ratio of their likelihood to
-    that of the best mean that is at least 0.
+    doi:10.1103/PhysRevD.57.3873: the estimates of a mean are ranked by the ratio of their likelihood to that
+    of the best mean that is at least 0.
 
     Examples
     --------

@@ -15,7 +15,7 @@ from metafem._values import Value
 from metafem.errors import InvalidInput
 from metafem.notes import Note, information
 
-# Images or contacts that a sentence names, so that it stays readable.
+# Largest number of images or contacts that a sentence names.
 NAMED = 5
 
 
@@ -107,8 +107,8 @@ def listed(names: Sequence[str]) -> str:
 def pressed_images(table: ContactTable) -> tuple[NDArray[np.intp], tuple[Note, ...]]:
     """Return the numbers of the images that are used, and notes on those that are left out.
 
-    The load is that of all contacts. Where the area of one is unknown, its load is one more unknown in the
-    only equation of the image, which then says nothing about E*. A smaller sum of areas would.
+    The load is that of all contacts. Where the area of one contact is unknown, its load is unknown too, and
+    the image does not determine E*. The sum of the other areas would bias E*.
     """
     loaded, known = np.isfinite(table.load), np.isfinite(table.area)
     whole = loaded & known.all(axis=1)
@@ -211,7 +211,7 @@ def of_contacts(
     forces, total = np.isfinite(table.friction_force), ~np.isnan(table.area.sum(axis=1))
     by_force = rescaled and bool(forces.any())
     sites = table.matched & (table.site >= 0)
-    # without friction forces, the areas of some contacts are of use where those of all others are known
+    # without friction forces, an image needs the areas of all contacts that have no site
     known = ~np.isnan(table.area)
     usable = known[:, ~sites].all(axis=1) & known.any(axis=1)
     used: NDArray[np.bool_] = np.isfinite(table.load) & (forces if by_force else usable)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from metafem.calibration.sheared.full_contact import StrengthFit
     from metafem.calibration.sheared.result import ShearCalibration
 
-# Largest asymmetry, and most negative eigenvalue, of a correlation matrix: the rounding of what was printed.
+# Largest asymmetry and most negative eigenvalue of a correlation matrix, by the rounding of printed numbers.
 ASYMMETRY = 1e-6
 
 
@@ -77,7 +77,7 @@ def joint_covariance(
 def checked_covariance(names: Sequence[str], covariance: ArrayLike) -> FloatArray:
     """Return the covariance matrix (p, p) of named parameters, or raise InvalidInput."""
     matrix = check.array("covariance", covariance, shape=(len(names), len(names)))
-    # with all parameters in units of their standard deviations
+    # in units of the standard deviations of the parameters
     scale = np.sqrt(np.abs(np.diagonal(matrix)))
     scaled = matrix / np.outer(*[np.where(scale > 0.0, scale, 1.0)] * 2)
     if (

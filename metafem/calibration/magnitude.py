@@ -1,4 +1,4 @@
-"""Magnitudes that no measurement has, and the unit that would fit."""
+"""Values that no measurement has, and the unit with which they would be usual."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ from metafem._given import label
 from metafem._validate import FloatArray
 from metafem.notes import Note
 
-# Usual units of a column that are confused, the smaller one first.
+# Units of columns that are confused, the smaller one first.
 CONFUSED = {"force": ("mN", "N"), "area": ("um2", "mm2")}
 
-# Ratio from which on a difference is taken for one of units: the root of the smallest step between these.
+# Ratio beyond which a difference is attributed to the unit: the root of the smallest factor between two
+# units.
 OFF = math.sqrt(1e3)
 
 

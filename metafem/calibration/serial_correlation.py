@@ -13,7 +13,7 @@ from scipy.special import ndtr
 
 from metafem._validate import FloatArray
 
-# Largest correlation of successive errors that differs from a drift, and the tolerance of its value.
+# Largest correlation of successive errors, beyond which they are a drift, and the tolerance of its value.
 LARGEST, TOLERANCE = 0.99, 1e-6
 
 

@@ -20,7 +20,7 @@ REJECTED = 0.01
 # Smallest probability that is printed: smaller ones of normal errors have no meaning.
 LEAST = 1e-9
 
-# Residual over its standard deviation below which it is rounding and has no sign.
+# Residuals over their standard deviations below this are rounding; their signs are not counted.
 ROUNDING = 1e-6
 
 
@@ -187,7 +187,7 @@ def errors_of(verdict: Verdict, measured: Succession, what: str) -> tuple[float,
             f"{chance(correlation.probability, 1)}): the errors drift, or the law does not fit. "
             f"Errors with a correlation of {rho:.2g} make standard deviations {factor:.2g} times as large "
             "as independent ones; those stated include this factor. Measure the loads in random order, and "
-            "more tests"
+            "repeat the test"
         ),
     )
 
@@ -306,10 +306,10 @@ class Heterogeneity:
         )
 
     def note(self) -> Note:
-        """Return what the stated uncertainties leave out if the tests differ."""
+        """Return a note on tests that differ."""
         return Note(
-            f"{self}; the stated uncertainties do not include what makes them differ: "
-            f"{self.birge_ratio:.2g} times as large ones would (Birge ratio)"
+            f"{self}; the stated uncertainties do not include this difference; uncertainties "
+            f"{self.birge_ratio:.2g} times as large would (Birge ratio)"
         )
 
 
@@ -321,7 +321,7 @@ def heterogeneity(tests: Sequence[SingleTest]) -> Heterogeneity:
         root = np.linalg.cholesky(test.covariance[np.ix_(known, known)])
         rows.append(np.linalg.solve(root, np.eye(len(known))[known]))
         values.append(np.linalg.solve(root, test.value[known]))
-    # least squares of the whitened values: the weighted mean, as far as the tests determine it
+    # the weighted mean is the least-squares solution of the whitened values
     matrix, wanted = np.concatenate(rows), np.concatenate(values)
     mean, _, determined, _ = np.linalg.lstsq(matrix, wanted, rcond=None)
     square, freedom = float(((wanted - matrix @ mean) ** 2).sum()), len(wanted) - int(determined)

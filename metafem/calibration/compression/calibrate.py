@@ -32,7 +32,7 @@ ONE_CONTACT = Sample()
 # Number of fitted parameters.
 FITTED = 2
 
-# Numbers of one array of the bootstrap: 8 MB each.
+# Largest number of entries of an array of the bootstrap: 8 MB.
 CHUNK = 1_000_000
 
 

@@ -20,13 +20,13 @@ from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.calibration.resampling import labels_of
 from metafem.errors import InvalidInput, NotConverged
 
-# Fewest points of a fit of two parameters with a residual.
+# Smallest number of points: two parameters and a residual.
 FEWEST = 3
 
-# Points of a law that is drawn.
+# Number of points of the law in a figure.
 GRID = 200
 
-# Relative difference of areas below which they are one area, and that is rounding.
+# Relative differences of areas: the smallest range of a fit, and rounding.
 ONE_AREA, ROUNDING = 1e-6, 1e-9
 
 

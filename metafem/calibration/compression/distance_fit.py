@@ -112,7 +112,7 @@ def distance_fit(
     The sum of the squared distances from the curve, over their variances, is smallest. A load is the sum over
     the n areas, times `contacts` where one area stands for that many. `load_sd` [N] is the standard deviation
     of the loads, `area_sd` returns those of areas [mm^2], and `largest` [mm^2] is the end of the curve.
-    `robust` multiplies the weights by Tukey's, ``(1 - (r/4.685)^2)^2`` and 0 beyond, of the residuals r.
+    `robust` multiplies the weights by Tukey's, ``(1 - (r/4.685)^2)^2`` and 0 beyond, for residuals r.
     Beaton and Tukey, Technometrics 16, 147 (1974), doi:10.1080/00401706.1974.10489171.
 
     In each step the curve is linear about the fitted areas A: ``y = P - c sum_j p'(A_j) (A_measured - A_j)``

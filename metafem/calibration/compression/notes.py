@@ -1,8 +1,9 @@
-"""What a calibration of contacts leaves open, in sentences."""
+"""Notes on a calibration of contacts."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +19,8 @@ from metafem.calibration.verdict import chance
 from metafem.contact import Contact, TabulatedContact
 from metafem.notes import Note, information
 
-# Weight in a robust fit below which a point is an outlier: beyond 2.5 standard deviations; and the share of
-# outliers from which on the law itself is in doubt.
+# Weight in a robust fit below which a point is an outlier (beyond 2.5 standard deviations), and the share of
+# outliers above which the law is in doubt.
 OUTLYING, MANY_OUTLIERS = 0.5, 0.1
 
 # Largest E* of elastomers and gels [MPa]; the contact radius over R at which the mean pressure of Hertz,
@@ -33,90 +34,74 @@ WIDEST_STIFF = 0.1 / MEAN_PRESSURE
 KNOWN = 0.5
 
 
-def notes_of(found: ContactCalibration, cap: Contact, bootstrap: Bootstrap | None) -> tuple[Note, ...]:
+def notes_of(found: ContactCalibration, cap: Contact, bootstrap: Bootstrap | None) -> Iterator[Note]:
     """Return notes on range, adhesion, fit and tests."""
-    notes: list[Note] = []
     contacts = 1 if found.area.ndim == 2 else found.contacts
     widest = math.sqrt(float(found.area.max()) / contacts / math.pi) / found.radius
     if widest > KNOWN and not isinstance(cap, TabulatedContact):
-        notes.append(
-            Note(
-                f"contact radii reach {widest:.2f} R; beyond {KNOWN} R the load of a soft cap at large "
-                "strain rises from 3 to 4 % below Hertz's law to nearly that law, and the fit takes the bend "
-                "for adhesion. Leave out the largest loads, or use the table of metafem.fe.tabulated_contact "
-                "as the contact law"
-            )
+        yield Note(
+            f"contact radii reach {widest:.2f} R; beyond {KNOWN} R the load of a soft cap at large "
+            "strain rises from 3 to 4 % below Hertz's law to nearly that law, which has the effect of "
+            "adhesion on the fit. Leave out the largest loads, or use the table of "
+            "metafem.fe.tabulated_contact as the contact law"
         )
-    notes += within_errors("load", found.load, found.load_sd)
-    notes += within_errors("area", found.total_area, found.total_area_sd)
+    yield from within_errors("load", found.load, found.load_sd)
+    yield from within_errors("area", found.total_area, found.total_area_sd)
     modulus = found.composite_modulus
     if modulus > STIFF and widest > WIDEST_STIFF:
-        notes.append(
-            Note(
-                f"E* = {modulus:.4g} MPa, but contact radii reach {widest:.2f} R, where the mean pressure is "
-                f"{MEAN_PRESSURE * widest:.2g} E*: only elastomers and gels, of less than {STIFF:g} MPa, "
-                f"remain elastic there; {unit_hint('load', OFF)}"
-            )
+        yield Note(
+            f"E* = {modulus:.4g} MPa, but contact radii reach {widest:.2f} R, where the mean pressure is "
+            f"{MEAN_PRESSURE * widest:.2g} E*: only elastomers and gels, of less than {STIFF:g} MPa, "
+            f"remain elastic there; {unit_hint('load', OFF)}"
         )
     if found.adhesion_energy_interval[0] == 0.0:
         modulus, sd = found.modulus_without_adhesion
-        notes.append(
-            information(
-                f"the data do not show adhesion: the 68 % interval of w begins at 0; with w = 0, "
-                f"E* = {modulus:.4g} ± {sd:.2g} MPa"
-            )
+        yield information(
+            f"the data do not show adhesion: the 68 % interval of w begins at 0; with w = 0, "
+            f"E* = {modulus:.4g} ± {sd:.2g} MPa"
         )
     elif isinstance(cap, TabulatedContact):
-        notes.append(
-            Note("contact_law is the table without adhesion, as models need the profile of an adhesive cap")
-        )
+        yield Note("contact_law is the table without adhesion, as models need the profile of an adhesive cap")
     if not found.verdict.law_fits:
-        notes.append(Note(f"{found.verdict}; the stated uncertainties hold only for a law that fits"))
-    notes += _outliers(found)
+        yield Note(f"{found.verdict}; the stated uncertainties hold only for a law that fits")
+    yield from _outliers(found)
     if found.heterogeneity is not None and not found.heterogeneity.agree:
-        notes.append(found.heterogeneity.note())
+        yield found.heterogeneity.note()
     unfitted = [test for test in found.tests if np.isnan(test.value[0])]
     few = [test.name for test in unfitted if test.points < FEWEST]
     if few:
-        notes.append(information(f"no fit of their own have the tests {listed(few)}: too few points"))
+        yield information(f"the tests {listed(few)} have too few points for a fit of their own")
     other = [test.name for test in unfitted if test.points >= FEWEST]
     if other:
-        notes.append(
-            Note(
-                f"no fit of their own have the tests {listed(other)}: their areas are alike, or their loads "
-                "do not grow with them; they are part of the common fit, but not compared with others"
-            )
+        yield Note(
+            f"the tests {listed(other)} have no fit of their own: their areas are alike, or their loads "
+            "do not grow with them; they are part of the common fit, but are not compared with the others"
         )
     if bootstrap is not None and found.bootstrap is not None and len(found.bootstrap) < bootstrap.draws:
         lost = bootstrap.draws - len(found.bootstrap)
-        notes.append(
-            Note(f"{lost} of the {bootstrap.draws} draws of the bootstrap have no fit and are left out")
-        )
+        yield Note(f"{lost} of the {bootstrap.draws} draws of the bootstrap have no fit and are left out")
     if found.radius_sd:
         share = abs(found.radius_change[0]) / found.composite_modulus
-        notes.append(information(f"the error of the radius changes E* by {percent(share)}"))
-    return tuple(notes)
+        yield information(f"the error of the radius changes E* by {percent(share)}")
 
 
-def _outliers(found: ContactCalibration) -> list[Note]:
+def _outliers(found: ContactCalibration) -> Iterator[Note]:
     """Return which points are outliers, and those that a robust fit leaves out."""
     left = np.flatnonzero(found.weight < OUTLYING)
     if left.size:
         text = f"the robust fit gives less than half of their weight to {_places(left)}"
         if left.size > MANY_OUTLIERS * len(found.load):
-            return [Note(f"{text}: {left.size} of {len(found.load)} points; the law may not fit")]
-        return [information(text)]
-    if not found.verdict.one_outlier:
-        return []
-    farthest = found.verdict["largest"]
-    return [
-        Note(
+            yield Note(f"{text}: {left.size} of {len(found.load)} points; the law may not fit")
+        else:
+            yield information(text)
+    elif found.verdict.one_outlier:
+        farthest = found.verdict["largest"]
+        yield Note(
             f"{_places(np.array([found.verdict.outlier]))} lies {farthest.statistic:.2g} standard deviations "
             f"from the law (p {chance(farthest.probability, 1)} for the farthest of normal errors); the "
             "stated uncertainties do not include outliers: check the point, leave it out, or calibrate with "
             "robust=True (--robust on the command line)"
         )
-    ]
 
 
 def _places(points: NDArray[np.intp]) -> str:

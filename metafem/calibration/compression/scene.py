@@ -23,17 +23,17 @@ from metafem.surface import Surface
 # Default model of a sample.
 INDEPENDENT = Independent()
 
-# Contact radius over R of which the slope is that of an open contact.
+# Contact radius over R at which the slope of an open contact is taken.
 OPEN = 1e-6
 
 # Largest contact radius over R of a sphere, whose load is infinite at 1.
 MOST_OF_SPHERE = 0.999
 
-# Relative difference of two radii that are the same.
+# Largest relative difference of equal radii.
 SAME = 1e-9
 
-# States of a sample: their areas over the smallest and the largest measured one, over the largest of the law,
-# their number, and the fewest in which a contact must be closed.
+# States of a sample: smallest area over the smallest measured one, largest area over the largest measured one
+# and over the largest of the law, number of states, and smallest number in which a contact must be closed.
 BELOW, ABOVE, WITHIN, GRID, FEWEST_STATES = 0.5, 1.5, 0.97, 60, 8
 
 

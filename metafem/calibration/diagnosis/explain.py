@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -172,16 +173,6 @@ def _explanation(
     friction = scene.friction
     if friction is not None:
         friction = Friction(part.friction * friction.shear_strength, friction.area_ratio)
-    notes = []
-    if not posterior.converged:
-        notes.append(
-            Note(
-                f"the fit has not converged: its last step changed an error by {posterior.change:.2g} of its "
-                f"standard deviation (limit: {NEARLY:g}); this happens where a contact opens in one step and "
-                "closes in the next"
-            )
-        )
-    notes += _impossible(causes, mean)
     measured = np.concatenate([-mean[causes.where["load"]], at.residual])
     gradient = at.gradient
     fitted = float(((gradient @ posterior.covariance) * gradient).sum())
@@ -208,24 +199,26 @@ def _explanation(
         friction=friction,
         model=scene.model,
         priors=priors,
-        notes=tuple(notes),
+        notes=tuple(_notes(causes, posterior)),
     )
 
 
-def _impossible(causes: Causes, mean: FloatArray) -> list[Note]:
-    """Return a note for each factor of E* or sigma B that no part has."""
-    found = []
+def _notes(causes: Causes, posterior: Posterior) -> Iterator[Note]:
+    """Return notes on a fit that has not converged, and on factors of E* or sigma B that no part has."""
+    if not posterior.converged:
+        yield Note(
+            f"the fit has not converged: its last step changed an error by {posterior.change:.2g} of its "
+            f"standard deviation (limit: {NEARLY:g}); this happens where a contact opens in one step and "
+            "closes in the next"
+        )
     for name in ("composite_modulus", "friction"):
-        error = float(causes.value(name, mean)[0])
+        error = float(causes.value(name, posterior.mean)[0])
         if error <= LEAST - 1.0:
-            found.append(
-                Note(
-                    f"an error of {NAMES[name]} of {percent(error, '+.3g')} is impossible: no part explains "
-                    "the measured values; check the units of loads, friction forces and areas, and E*, sigma "
-                    "and B"
-                )
+            yield Note(
+                f"an error of {NAMES[name]} of {percent(error, '+.3g')} is impossible: no part explains "
+                "the measured values; check the units of loads, friction forces and areas, and E*, sigma "
+                "and B"
             )
-    return found
 
 
 def _single(causes: Causes, name: str, mean: FloatArray, sd: FloatArray) -> SingleErrors:

@@ -28,11 +28,11 @@ SEEN, SEEN_SD = 0.5, math.sqrt(1.25)
 # Smallest standard deviation of an area over the largest area.
 SMALLEST = 1e-12
 
-# Differences are used again while no unknown moves by more than this number of prior standard deviations.
+# Largest change of an unknown, in prior standard deviations, for which differences are used again.
 NEAR = 0.05
 
 # Largest contact radius over the summit's at which the indentation of an overlooked area is taken: a
-# spherical cap has no contact of its own radius, and one as large says nothing about the gap.
+# spherical cap has no contact of its own radius.
 WIDEST = 0.9
 
 # Least area of a contact over the measured one at which the error of the area is taken: at half the radius.
@@ -129,7 +129,8 @@ class Scene:
             sides.append(self.response(self.causes.made(other)).area)
         return np.asarray((sides[0] - sides[1]) / (2.0 * STEP))
 
-    # the error of a value is that of the computed one: that of the measured one would favour small values
+    # the error of a value is that of the computed one: that of the measured one would give small values too
+    # much weight
     def _observed(
         self, made: Made, found: Response, derivative: FloatArray, covariance: FloatArray
     ) -> Linear:
@@ -196,7 +197,7 @@ class Scene:
         size = np.where(size > 2.0 * boundary, np.minimum(size, WIDEST * radius), 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
             depth = contact.for_material(made.material).indentation(size, radius)
-        # an adhesive contact of a smaller area than at no indentation has jumped in
+        # an adhesive contact has at least the area at zero indentation
         wide = (size > 0.0) & (depth > 0.0)
         by_modulus, by_adhesion = law_changes(contact, made.material, np.where(wide, size, 0.0), radius)
         return (

@@ -48,7 +48,7 @@ class Observations:
         row, column = np.nonzero(found > 0.0)
         area = found[row, column]
         boundary = found_sd[row, column] / (2.0 * np.sqrt(math.pi * area))
-        # open under the largest load at which it is: that it was open under lighter ones says no more
+        # only the largest load at which a contact is open counts: it implies that it is open at smaller ones
         last = len(found) - 1 - np.argmax(found[::-1] <= 0.0, axis=0)
         opened = np.flatnonzero((found <= 0.0).any(axis=0))
         overlooked = found_sd[last[opened], opened]

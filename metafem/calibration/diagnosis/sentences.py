@@ -31,7 +31,7 @@ SMALL = 0.01
 # Difference of the logarithms of two evidences from which data favour a model: 20 to 1.
 FAVOURED = math.log(20.0)
 
-# Logarithm of odds above which their number says no more.
+# Logarithm of the largest odds that are printed as a number.
 LARGE = math.log(1e6)
 
 

@@ -56,14 +56,14 @@ def shares(causes: Causes, posterior: Posterior) -> tuple[dict[str, float], dict
     return {name: share[name] for name in order}, {name: without[name] for name in order}, before, after
 
 
-# A cause is not seen if the data would leave it this part of its prior variance even with all others known.
+# Share of its prior variance that the data leave an unseen cause, even with all other causes known.
 UNSEEN = 0.7
 
-# A combination is not resolved if the data leave it this part of its prior variance: three quarters of the
-# standard deviation.
+# Share of its prior variance that the data leave an unresolved combination: three quarters of the standard
+# deviation.
 UNRESOLVED = 0.55
 
-# Part of a combination, its largest part being 1, below which a cause is not named in it.
+# Smallest part of a cause that is named in a combination, over the largest part.
 NAMED = 0.3
 
 # Steps of the rotation to combinations of few errors.

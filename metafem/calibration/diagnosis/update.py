@@ -1,4 +1,4 @@
-"""The Gaussian posterior of the unknowns: a linear update, relinearised until it stands still.
+"""The Gaussian posterior of the unknowns: a linear update, relinearised until it converges.
 
 The prior of the unknowns z is the standard normal distribution. A measured value has a Gaussian error, and a
 contact that was found open says that its indentation is at most 0: a step of the likelihood, which is
@@ -31,11 +31,11 @@ LONGEST = 10.0
 # Part of the change of the factors of open contacts that one step makes.
 DAMPING = 0.7
 
-# An open contact whose gap exceeds this number of standard deviations says nothing.
+# Gap of an open contact, in standard deviations, beyond which the contact is left out.
 FAR = 8.0
 
-# Step of the posterior, in its standard deviations, below which it is converged although it does not stand
-# still, as where a contact opens and closes in turn: it changes no interval noticeably.
+# Largest last step of a converged posterior, in its standard deviations. The step is not 0 where a contact
+# opens and closes in turn; below this it changes no interval noticeably.
 NEARLY = 0.1
 
 
@@ -52,7 +52,7 @@ class Posterior:
 
     @property
     def converged(self) -> bool:
-        """Whether the posterior stands still."""
+        """Whether the last step was small enough."""
         return self.change <= NEARLY
 
 

@@ -166,7 +166,7 @@ def stack_areas(
             failures[i] = str(error)
             continue
         if len(found) == 1 and failures:
-            # every result with these levels says where they are from
+            # each result with these levels has a note on their source
             other = next(iter(failures))
             first = Note(
                 f"threshold and levels are from images[{i}], because images[{other}] cannot be measured"

@@ -68,7 +68,7 @@ def _sides(
     """Return region, counted from 0, and ends (m, 2) of the sides of contours, and the contours of each."""
     from skimage.measure import find_contours
 
-    # what belongs to no region is bright
+    # pixels of no region count as bright
     dark = np.where(labels > 0, image, np.maximum(image, np.nextafter(np.float32(level), np.inf)))
     lines = find_contours(dark, level, fully_connected="high")  # type: ignore[no-untyped-call]
     owner = np.array([_owner(labels, line) for line in lines], dtype=np.intp) - 1
@@ -121,8 +121,8 @@ def compactness(area: FloatArray, moment: FloatArray) -> FloatArray:
 # Rows and columns of an image.
 Window: TypeAlias = tuple[slice, ...]
 
-# A contact is merged if its compactness is below this: that of two circles that touch is 0.89 to 0.95 if the
-# radius of one is 1 to 0.3 of the other's. The boundary's noise changes it only in second order.
+# Compactness below which a contact counts as merged. Two circles that touch have a compactness of 0.89 to
+# 0.95 for ratios of their radii of 1 to 0.3. Noise of the boundary changes it only in second order.
 COMPACT = 0.97
 
 # Share of a contact's grey levels at an end of the scale above which it is saturated.

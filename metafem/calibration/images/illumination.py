@@ -21,21 +21,22 @@ DEGREE = 2
 # each side of a block.
 BLOCKS, LEAST_BLOCK, READ = 96, 4, 7
 
-# A block is ground if its grey level is within so many standard deviations of the surface; rounds of the fit.
+# Largest distance of a block of the ground from the surface, in standard deviations; rounds of the fit.
 CLIPPED, ROUNDS = 3.0, 12
 
-# Share of the blocks that is enough for the fit.
+# Smallest share of the blocks for a fit.
 ENOUGH = 0.03
 
-# Weight of the blocks beyond the surface in its first guess: they carry it, even where contacts cover two
-# thirds.
+# Weight of the blocks beyond the surface in its initial guess. With it, contacts may cover two thirds of the
+# image.
 WEIGHT = 50.0
 
 # Median absolute deviation of a normal distribution over its standard deviation.
 MAD = 0.6745
 
-# A ground darker than this share of the contrast carries no illumination to divide by, as in a dark field.
-# Grey levels below zero by this share of the ground are no intensities, nor is a ground with its square.
+# Smallest grey level of the ground over the contrast for a division by the ground; in a dark field it is
+# smaller. Grey levels below zero by more than this share of the ground, or a ground below its square, are not
+# intensities.
 FAINT = 0.2
 
 
@@ -70,7 +71,7 @@ def without_illumination(image: NDArray[np.float32], bright_contacts: bool) -> G
     sign = -1.0 if bright_contacts else 1.0
     terms = np.asarray(legendre.legvander2d(y, x, [DEGREE, DEGREE]), dtype=np.float64)
     above = sign * (grid.ravel() - terms @ _envelope(terms, grid.ravel(), sign))
-    # of two guesses, one serves large gradients, and the other large contacts
+    # the first guess is better for large gradients, the second for large contacts
     guesses = [sign * grid, above.reshape(grid.shape)]
     fits = [_fitted(terms, grid, sign, _brighter(guess, error), error) for guess in guesses]
     coefficients, on_ground, scale = min(fits, key=lambda fit: fit[2])
@@ -114,7 +115,7 @@ def _fitted(
         used = terms[on_ground.ravel()]
         coefficients = np.linalg.solve(used.T @ used, used.T @ grid[on_ground])
         height = sign * (grid - (terms @ coefficients).reshape(grid.shape))
-        # blocks on the other side of the surface than the contacts hold nothing but ground
+        # blocks on the side of the surface opposite to the contacts are ground
         beyond = height[on_ground & (height > 0.0)]
         scale = float(max(np.median(beyond) / MAD if beyond.size else 0.0, error))
         now = _clear_of(height < -CLIPPED * scale) & (height < 2.0 * CLIPPED * scale)

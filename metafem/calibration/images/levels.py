@@ -16,39 +16,35 @@ from metafem.calibration.images.errors import EDGE_CURVATURE, EDGE_INTERPOLATION
 from metafem.calibration.images.illumination import MAD, Ground
 from metafem.errors import InvalidInput
 
-# Smoothing before the blur is known [pixels], and the least smoothing of an image in which contours are
-# sought: narrower kernels are not resolved by pixels.
+# Smallest standard deviation of the smoothing [pixels], used also before the blur is known: pixels do not
+# resolve narrower kernels.
 LEAST_SMOOTHING = 1.0
 
-# Standard deviations at which the kernel of a smoothing is cut off; its variance is computed from what is
-# left.
+# Standard deviations at which the kernel of a smoothing is cut off; its variance is that of the kernel after
+# the cut.
 CUT_OFF = 3.0
 
-# Contacts that supply the levels: the widest ones, at most so many, and at least half as deep as the widest.
+# Largest number of contacts from which the levels are measured, and their least depth over that of the
+# deepest.
 MOST, AS_DEEP = 64, 0.5
 
-# Depth [pixels] at which a contact is taken to be dark, where it has such: four standard deviations of an
-# edge that a blur of 1.5 pixels and the first smoothing make; and rounds of the correction of contacts that
-# have not.
+# Depth [pixels] beyond which a contact has its dark level: four standard deviations of an edge after a blur
+# of 1.5 pixels and the first smoothing. Rounds of the correction of contacts without such pixels.
 CORE, ROUNDS = 7.0, 3
 
-# A contact shows its dark level if its depth is so many standard deviations of the smoothed edge.
+# Smallest depth of a contact that shows its dark level, in standard deviations of the smoothed edge.
 DEEP = 3.0
 
 # Distance at which the noise of an image smoothed by a Gaussian is independent, in its standard deviations:
-# the correlation is exp(-9/4), a tenth. Pairs of blocks of this size that are enough to measure the noise.
+# the correlation is exp(-9/4), a tenth. Smallest number of pairs of such blocks for the noise.
 INDEPENDENT, PAIRS = 3.0, 100
 
 # Error of the blur where it is not measured [pixels]: optics blur by 0.5 to 2 pixels.
 UNKNOWN_BLUR = 0.5
 
-# Quartile of the standard normal distribution: the edge's standard deviation from the distance of quarter
-# levels.
-QUARTILE = 0.6745
-
-# Otsu's threshold divides the noise of the ground, and not the contacts from it, if it lies within so many
-# standard deviations of a pixel's noise from the ground, and within this share of the depth of the darkest
-# region. It does where contacts cover less than about half a percent of an image.
+# Otsu's threshold lies within the noise of the ground if its distance from the ground is less than this
+# number of standard deviations of a pixel's noise, and less than this share of the depth of the darkest
+# region. This happens where contacts cover less than about half a percent of an image.
 IN_NOISE, SHALLOW = 2.0, 0.25
 
 # Smoothing in which the darkest region is sought [pixels]. The smallest contacts that are measured, with the
@@ -119,7 +115,7 @@ def smoothed_noise(bordered: NDArray[np.float32], labels: NDArray[np.int32], wid
             break
     if not difference.size:
         return 0.0
-    # dust on the ground differs by more than chance
+    # differences by dust on the ground are left out
     scale = float(np.median(np.abs(difference))) / MAD
     within = difference[np.abs(difference) <= 4.0 * scale]
     return float(np.sqrt(np.mean(within**2) / 2.0))
@@ -234,7 +230,7 @@ def _edge(window: NDArray[np.float32], depth: FloatArray, dark: float) -> tuple[
             return LEAST_SMOOTHING, float(depth.max())
         ring.append(found)
     outer, middle, inner = ring
-    variance = float((outer.area - inner.area)[0] / (2.0 * QUARTILE * middle.length[0])) ** 2
+    variance = float((outer.area - inner.area)[0] / (2.0 * MAD * middle.length[0])) ** 2
     square = float(middle.area[0]) / math.pi + variance
     variance -= EDGE_INTERPOLATION + EDGE_CURVATURE * variance**2 / square
     return math.sqrt(max(variance, 0.0)), math.sqrt(square)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -29,15 +30,14 @@ from metafem.calibration.images.levels import Levels
 from metafem.errors import InvalidInput
 from metafem.notes import Note, information
 
-# A contrast is that of contacts if it is so many standard deviations of the noise of the smoothed image.
+# Smallest contrast of contacts, in standard deviations of the noise of the smoothed image.
 CONTRAST = 6.0
 
 # Least radius of a contact that is measured, in standard deviations of the smoothed edge: below it, the area
-# of the half level is less than three quarters of the contact's, and grows so steeply that noise decides.
+# of the half level is less than three quarters of the contact's, and depends steeply on noise.
 SMALLEST = 2.0
 
-# A difference of grey levels is taken for one of the contacts, and not for noise, if it is so many standard
-# deviations.
+# Smallest difference of grey levels that is not attributed to noise, in standard deviations.
 CLEAR = 3.0
 
 
@@ -130,7 +130,7 @@ def _contacts(
         shape=(values.shape[0], values.shape[1]),
         smallest_area=least * pixel**2,
     )
-    return remarks(result, found, ground, count - len(order), drift)
+    return replace(result, notes=tuple(remarks(result, found, ground, count - len(order), drift)))
 
 
 def _middle(image: NDArray[np.float32], centre: FloatArray, axes: FloatArray, total: float) -> FloatArray:
@@ -178,77 +178,66 @@ def _counted(
     return np.array(counts, dtype=np.float64)
 
 
-# Structure of the ground, over the contrast, above which it is said: with it, the half level is wrong by 1 %.
+# Structure of the ground over the contrast above which there is a note: the half level is then wrong by 1 %.
 UNEVEN = 0.02
 
-# Contacts that a note names.
+# Largest number of contacts that a note names.
 NAMED = 10
 
 
-def remarks(found: ContactAreas, levels: Levels, ground: Ground, left_out: int, drift: float) -> ContactAreas:
-    """Return the contacts with notes on what was left out and on what is uncertain.
+def remarks(
+    found: ContactAreas, levels: Levels, ground: Ground, left_out: int, drift: float
+) -> Iterator[Note]:
+    """Return notes on what was left out and on what is uncertain.
 
     `drift` is the difference of the contacts' grey level from that of the levels, over the contrast.
     """
-    notes = []
     if levels.cut:
-        notes.append(
-            Note(
-                "all contacts are at the edge of the frame or merged: the blur is not measured; give blur, "
-                "or measure the image in one series with one of whole contacts"
-            )
+        yield Note(
+            "all contacts are at the edge of the frame or merged: the blur is not measured; give blur, "
+            "or measure the image in one series with one of whole contacts"
         )
     elif levels.narrow:
-        notes.append(
-            Note(
-                "no contact is wide enough to show its dark level: areas may be wrong by more "
-                "than their errors; give dark_level, threshold and blur of an image with larger contacts, or "
-                "measure both in one series"
-            )
+        yield Note(
+            "no contact is wide enough to show its dark level: areas may be wrong by more "
+            "than their errors; give dark_level, threshold and blur of an image with larger contacts, or "
+            "measure both in one series"
         )
     if levels.sparse:
-        notes.append(
-            information(
-                "the contacts cover too little of the image for Otsu's method, whose threshold is within the "
-                "noise of the ground; the level half-way to the darkest region is used instead"
-            )
+        yield information(
+            "the contacts cover too little of the image for Otsu's method, whose threshold is within the "
+            "noise of the ground; the level half-way to the darkest region is used instead"
         )
     if left_out:
-        notes.append(
-            information(
-                f"{left_out} dark spot{'s' * (left_out > 1)} below {found.smallest_area:.2g} mm^2 left out"
-            )
+        yield information(
+            f"{left_out} dark spot{'s' * (left_out > 1)} below {found.smallest_area:.2g} mm^2 left out"
         )
     if not ground.divided:
-        notes.append(information("the ground is so dark that it was subtracted, and not divided by"))
+        yield information("the ground is so dark that it was subtracted, and not divided by")
     contrast = 1.0 - levels.dark
     if ground.structure > UNEVEN * contrast:
         uneven = percent(ground.structure / contrast)
-        notes.append(Note(f"the ground is uneven by {uneven} of the contrast after removing the gradient"))
+        yield Note(f"the ground is uneven by {uneven} of the contrast after removing the gradient")
     if drift:
-        notes.append(
-            Note(
-                f"the contacts are {'brighter' if drift > 0.0 else 'darker'} by {percent(abs(drift))} of the "
-                "contrast than in the image at the largest load, and the errors of the areas are increased "
-                "by what this may cause; keep lamp and exposure, or measure this image by itself"
-            )
+        yield Note(
+            f"the contacts are {'brighter' if drift > 0.0 else 'darker'} by {percent(abs(drift))} of the "
+            "contrast than in the image at the largest load, and the errors of the areas are increased "
+            "by what this may cause; keep lamp and exposure, or measure this image by itself"
         )
-    return replace(found, notes=(*notes, *contact_notes(found)))
+    yield from contact_notes(found)
 
 
-def contact_notes(found: ContactAreas) -> list[Note]:
+def contact_notes(found: ContactAreas) -> Iterator[Note]:
     """Return the notes that name contacts: at the edge, merged, saturated or with bright spots inside."""
-    notes = []
     for flags, text in (
         (found.edge, "at the edge of the frame; the area is what is seen of them"),
         (found.merged, "merged with others, or not convex; the area is that of all in one"),
         (found.saturated, "saturated: grey levels are cut off at an end of the scale; lower the exposure"),
     ):
         if flags.any():
-            notes.append(Note(f"{_named(found, flags)}: {text}"))
+            yield Note(f"{_named(found, flags)}: {text}")
     if (found.holes > 0).any():
-        notes.append(information(f"{_named(found, found.holes > 0)}: bright spots inside are left out"))
-    return notes
+        yield information(f"{_named(found, found.holes > 0)}: bright spots inside are left out")
 
 
 def _named(found: ContactAreas, flags: NDArray[np.bool_]) -> str:

@@ -24,7 +24,7 @@ from metafem.prediction import FrictionLaw
 # Parameters whose errors shift all points together.
 PARAMETERS = ("composite_modulus", "shear_strength", "area_ratio")
 
-# Ratio of E* to that of the design from which on it is another material, or a wrong unit.
+# Ratio of E* to that of the design above which the material or a unit is wrong.
 OTHER_MATERIAL = 3.0
 
 
@@ -193,8 +193,8 @@ def compare(
         if which.any()
     )
     notes += _magnitudes(found, design)
-    features, more = features_of(found, design)
-    # residuals in order of load, each less what those before it predict: independent if the law holds
+    parts = [*features_of(found, design)] if isinstance(design, Design) else []
+    # whitened residuals in order of load are independent if the law holds
     residual = np.linalg.solve(np.linalg.cholesky(found.covariance), found.values)
     deviations = dict(zip(names, np.sqrt(np.diag(matrix)).tolist(), strict=True))
     return Comparison(
@@ -203,10 +203,10 @@ def compare(
         predicted=found.predicted,
         deviation=found.values,
         covariance=found.covariance,
-        features=features,
+        features=tuple(part for part in parts if isinstance(part, Feature)),
         verdict=judged(residual, parameters=0),
         parameters=deviations,
-        notes=(*measured.notes, *notes, *more),
+        notes=(*measured.notes, *notes, *(part for part in parts if isinstance(part, Note))),
     )
 
 

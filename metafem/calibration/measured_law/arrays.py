@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from metafem import _validate as check
 from metafem._given import formatted, label, shown
@@ -26,7 +25,7 @@ BELOW_ZERO = 5.0
 # contacts: one normal error in thirty thousand is so large.
 FALLING = 4.0
 
-# Share of the largest area of which a load without any contact has the error: as if of a contact this small.
+# Area whose error a load without contact has, over the largest area.
 SMALL_CONTACT = 0.01
 
 
@@ -63,11 +62,7 @@ def _asperities(passed: Mapping[str, Any], count: int) -> dict[str, Any]:
         if passed["site"] is not None:
             raise InvalidInput("site needs asperity_area")
         return {}
-    areas = np.asarray(passed["asperity_area"])
-    # nan stands for what was not measured; all else must be a number
-    missing = np.isnan(areas) if areas.dtype.kind == "f" else np.zeros(areas.shape, bool)
-    values = np.where(missing, 0.0, areas) if missing.any() else areas
-    filled = check.array("asperity_area", values, shape=(count, None))
+    filled = check.array_with_gaps("asperity_area", passed["asperity_area"], shape=(count, None))
     check.refuse_entries("asperity_area", filled, filled < 0.0, "must be at least 0; 0 is an open contact")
     site = np.arange(filled.shape[1]) if passed["site"] is None else np.array(passed["site"])
     if site.shape != filled.shape[1:] or site.dtype.kind not in "iu" or (site < 0).any():
@@ -78,7 +73,7 @@ def _asperities(passed: Mapping[str, Any], count: int) -> dict[str, Any]:
     numbers, counts = np.unique(site, return_counts=True)
     if (counts > 1).any():
         raise InvalidInput(f"site holds {numbers[counts.argmax()]} twice; each asperity has its own site")
-    return {"asperity_area": np.where(missing, np.nan, filled), "site": site.astype(np.intp)}
+    return {"asperity_area": filled, "site": site.astype(np.intp)}
 
 
 def _area(area: Any, count: int, areas: FloatArray | None, by_force: bool) -> dict[str, FloatArray]:
@@ -87,16 +82,11 @@ def _area(area: Any, count: int, areas: FloatArray | None, by_force: bool) -> di
         if areas is None or (by_force and np.isnan(areas).any(axis=1).all()):
             return {}
         return {"area": areas.sum(axis=1)}
-    gaps = np.zeros(count, bool) if areas is None else np.isnan(areas).any(axis=1) & _unknown(area, count)
-    found = check.array("area", np.where(gaps, 0.0, area) if gaps.any() else area, shape=(count,))
-    return {"area": np.where(gaps, np.nan, found)}
-
-
-def _unknown(area: Any, count: int) -> NDArray[np.bool_]:
-    """Return which total areas are nan."""
-    values = np.asarray(area)
-    usable = values.dtype.kind == "f" and values.shape == (count,)
-    return np.isnan(values) if usable else np.zeros(count, bool)
+    found = check.array_with_gaps("area", area, shape=(count,))
+    unknown = False if areas is None else np.isnan(areas).any(axis=1)
+    required = "must be a number, since no area of a contact is unknown"
+    check.refuse_entries("area", found, np.isnan(found) & ~np.asarray(unknown), required)
+    return {"area": found}
 
 
 def _deviation(
@@ -107,7 +97,7 @@ def _deviation(
     missing = np.isnan(values)
     if sd is not None:
         filled = np.where(missing, 1.0, sd) if missing.any() and np.shape(sd) == values.shape else sd
-        # an open contact may be certain
+        # the standard deviation of an open contact may be 0
         checked = check.array(f"{name}_sd", filled, shape=values.shape, positive=name != "asperity_area")
         return np.where(missing, np.nan, checked)
     if name == "load":
@@ -121,7 +111,7 @@ def _deviation(
         total: FloatArray = np.sqrt((np.where(closed, found["asperity_area_sd"], 0.0) ** 2).sum(axis=1))
     else:
         total = errors.of_area(values)  # of n contacts together as of one: the squares add up
-    # contacts at loads with an unknown total are contacts, too
+    # known contacts count at loads with an unknown total
     parts = np.nansum(found["asperity_area"], axis=1) if missing.any() else values
     largest = float(np.where(missing, parts, values).max())
     if not largest > 0.0:

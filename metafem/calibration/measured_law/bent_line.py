@@ -21,10 +21,10 @@ KINK, LEVEL, LEFT, RIGHT = range(4)
 # has grown by about 1.
 MOST_STEPS, SETTLED = 40, 1e-5
 
-# Damping of Levenberg and Marquardt: at the beginning, and its factors after a better and after a worse step.
+# Levenberg–Marquardt damping: initial value, and its factors after a better and after a worse step.
 DAMPING, EASED, TIGHTENED = 1e-3, 0.2, 10.0
 
-# Added to the normal equations, relative: a line through two points with equal loads has no slope.
+# Relative regularisation of the normal equations: a line through two points with equal loads has no slope.
 REGULAR = 1e-9
 
 
@@ -62,7 +62,7 @@ def deviations(points: Points, p: FloatArray) -> tuple[FloatArray, FloatArray, F
     for m, side in ((left, -1.0), (right, 1.0)):
         spread = vy + m**2 * vx
         r = dy - m * dx
-        # of points whose nearest true load is beyond the meeting point, the distance is not from this line
+        # points whose nearest true load is beyond the meeting point do not belong to this line
         there = side * (dx * spread + m * vx * r) >= 0.0
         found.append((r, spread, np.where(there, r**2 / spread, np.inf)))
     (r1, v1, d1), (r2, v2, d2) = found
@@ -118,7 +118,7 @@ def descended(points: Points, start: FloatArray, free: tuple[int, ...]) -> Bent:
         pick = better[:, None]
         along_y, along_x = np.where(pick, new_y, along_y), np.where(pick, new_x, along_x)
         slopes = np.where(pick[:, :, None], new_slopes, slopes)
-        # a step that was not better is tried again with more damping, up to a step of no length
+        # a step that is not better is repeated with more damping until it has no length
         going = np.where(better, gain > SETTLED, damping[active] < 1.0)
         if not going.any():
             break
@@ -131,7 +131,7 @@ def fitted(points: Points, kink: FloatArray, left: float | FloatArray | None = N
     """Return the best line of each law (b,) with given crossovers (b,), and perhaps one slope given."""
     b, dx = len(kink), points.x - kink[:, None]
     columns = np.stack([np.ones_like(dx), np.minimum(dx, 0.0), np.maximum(dx, 0.0)], axis=-1)
-    # the first guess: linear least squares, with the errors of x at the slope of all points
+    # initial guess: linear least squares, with the errors of x at the slope of all points
     centred = points.x - points.x.mean(axis=1, keepdims=True)
     overall = (centred * points.y).sum(axis=1, keepdims=True) / (centred**2).sum(axis=1, keepdims=True)
     root = 1.0 / np.sqrt(points.sy**2 + (overall * points.sx) ** 2)
@@ -176,7 +176,7 @@ def least(points: Points, count: int, left: float | FloatArray | None = None,
     )
 
 
-# 68 %, and that quantile of chi-square with one degree of freedom.
+# Probability of the intervals, and that quantile of chi-square with one degree of freedom.
 LEVEL_OF_INTERVALS, REGULAR_GROWTH = 0.68, 0.98894665
 
 # Number of crossovers at which chi-square of a simulated law is computed, besides the true one.
@@ -207,7 +207,7 @@ def _quantiles(points: Points, p: FloatArray, error: FloatArray) -> FloatArray:
     slope = np.where(x < c, p[LEFT], p[RIGHT])
     root = 1.0 / np.sqrt(points.sy[0] ** 2 + (slope * points.sx[0]) ** 2)
     columns = root[:, None] * np.stack([np.ones_like(dx), np.minimum(dx, 0.0), np.maximum(dx, 0.0)], axis=-1)
-    # the level at the crossover changes nothing
+    # the level at the crossover has no effect
     law = root * slope * (x - c) + error
     square = (law**2).sum(axis=1)
     base = np.linalg.qr(columns)[0]

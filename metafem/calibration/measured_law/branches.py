@@ -15,8 +15,7 @@ from metafem.prediction import BranchFit, fit_branch
 # Fewest points of a line whose scatter can be judged.
 LEAST = 3
 
-# A point that deviates from a line by more than this number of standard deviations is off it: one in twenty
-# of the points on it.
+# Largest deviation of a point on a line, in standard deviations: one point in twenty exceeds it by chance.
 OFF = 2.0
 
 

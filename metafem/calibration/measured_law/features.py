@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -127,43 +128,32 @@ class Deviations:
         return Feature(name, unit, value, sd, predicted, target, (value - sd, value + sd))
 
 
-def features_of(
-    found: Deviations, design: Design | FrictionLaw
-) -> tuple[tuple[Feature, ...], tuple[Note, ...]]:
-    """Return the features of a design's target in a measured law, and what cannot be compared."""
-    if not isinstance(design, Design):
-        return (), ()
-    features, notes = _slopes(found, design)
-    for more in (_points(found, design), _crossover(found, design)):
-        features, notes = features + more[0], notes + more[1]
-    return tuple(features), tuple(notes)
+def features_of(found: Deviations, design: Design) -> Iterator[Feature | Note]:
+    """Return the features of a design's target in a measured law, and notes on those that it lacks."""
+    yield from _slopes(found, design)
+    yield from _points(found, design)
+    yield from _crossover(found, design)
 
 
-def _slopes(found: Deviations, design: Design) -> tuple[list[Feature], list[Note]]:
+def _slopes(found: Deviations, design: Design) -> Iterator[Feature | Note]:
     """Return the slopes of the branches, by least squares of the points within their loads."""
-    features, notes = [], []
     for i, (branch, _) in enumerate(design.fits):
         low, high = branch.load_range
         chosen = (found.load >= low) & (found.load <= high)
         number = f" {i + 1}" if len(design.fits) > 1 else ""
         name = f"slope{number}, P/E* = {low:.3g} to {high:.3g} mm²"
         if chosen.sum() < LEAST or np.ptp(found.load[chosen]) == 0.0:
-            notes.append(
-                information(f"{name}: {int(chosen.sum())} measured points; a slope needs at least {LEAST}")
-            )
+            yield information(f"{name}: {int(chosen.sum())} measured points; a slope needs at least {LEAST}")
             continue
         centred = np.where(chosen, found.load - found.load[chosen].mean(), 0.0)
         weight = centred / (centred**2).sum()
-        features.append(found.feature(name, "", weight, float(weight @ found.predicted), branch.slope))
-    return features, notes
+        yield found.feature(name, "", weight, float(weight @ found.predicted), branch.slope)
 
 
-def _points(found: Deviations, design: Design) -> tuple[list[Feature], list[Note]]:
+def _points(found: Deviations, design: Design) -> Iterator[Feature | Note]:
     """Return the friction at the operating points, from the two measured points around each."""
-    features: list[Feature] = []
-    notes: list[Note] = []
     if not isinstance(design.target, OperatingPoints):
-        return features, notes
+        return
     for load, wanted, predicted in zip(
         design.target.rescaled_load.tolist(),
         design.target.rescaled_friction.tolist(),
@@ -180,13 +170,12 @@ def _points(found: Deviations, design: Design) -> tuple[list[Feature], list[Note
             weight[after - 1 : after + 1] = (above - load) / (above - below), (load - below) / (above - below)
         else:
             ends = f"{found.load[0]:.3g} to {found.load[-1]:.3g} mm²"
-            notes.append(information(f"{name}: the measured loads P/E* = {ends} do not include it"))
+            yield information(f"{name}: the measured loads P/E* = {ends} do not include it")
             continue
-        features.append(found.feature(name, "mm²", weight, predicted, wanted))
-    return features, notes
+        yield found.feature(name, "mm²", weight, predicted, wanted)
 
 
-def _crossover(found: Deviations, design: Design) -> tuple[list[Feature], list[Note]]:
+def _crossover(found: Deviations, design: Design) -> Iterator[Feature | Note]:
     """Return the crossover load of a law with two branches."""
     target = design.target
     if isinstance(target, BilinearLaw):
@@ -194,26 +183,27 @@ def _crossover(found: Deviations, design: Design) -> tuple[list[Feature], list[N
     elif isinstance(target, MultilinearLaw) and len(target.slopes) == 2:
         wanted = 0.5 * sum(target.crossover_loads[0])
     else:
-        return [], []
+        return
     # beyond the second branch the law bends again
     end = design.fits[-1][0].load_range[1] if design.fits else np.inf
     below = found.load <= end
     if below.sum() < LEAST_BENT:
         words = f"{int(below.sum())} measured points up to P/E* = {end:.3g} mm², the end of the second branch"
-        return [], [information(f"crossover: {words}; it needs at least {LEAST_BENT}")]
+        yield information(f"crossover: {words}; it needs at least {LEAST_BENT}")
+        return
     law = found.compared(below)
     try:
         fit = fit_segments(law)
     except InvalidInput as error:
-        return [], [information(f"crossover: {error}")]
+        yield information(f"crossover: {error}")
+        return
     # the same estimator on the law of the design at the same loads
-    exact = least(replace(points_of(law), y=found.predicted[below][None]), TRIED).parameters[0, KINK]
-    low, high = fit.crossover_interval
-    sd = 0.5 * (high - low)
-    feature = Feature(
-        "crossover, P/E*", "mm²", fit.crossover_load, sd, float(exact), wanted, fit.crossover_interval
-    )
-    return [feature], [information(f"crossover: {note}") for note in fit.notes]
+    points = replace(points_of(law), y=found.predicted[below][None])
+    exact = float(least(points, TRIED).parameters[0, KINK])
+    sd = 0.5 * float(np.diff(fit.crossover_interval)[0])
+    interval = fit.crossover_interval
+    yield Feature("crossover, P/E*", "mm²", fit.crossover_load, sd, exact, wanted, interval)
+    yield from (information(f"crossover: {note}") for note in fit.notes)
 
 
 @doing("computing the law of the design at the measured loads")
@@ -265,7 +255,7 @@ def _law(measured: MeasuredLaw, design: Design | FrictionLaw, rescaled_load: Flo
         load, friction = np.append(0.0, design.rescaled_load), np.append(0.0, design.rescaled_friction)
         found: FloatArray = np.interp(rescaled_load, load, friction)
         return found
-    # the material of the part: adhesion is compared with its modulus, not with that of the design
+    # with the material of the part, on whose modulus the effect of adhesion depends
     surface = design.surface.replaced(material=measured.material)
     load = measured.material.composite_modulus * rescaled_load
     return friction_law(surface, design.law.model, load=load).rescaled_friction

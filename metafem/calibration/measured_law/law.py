@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from xarray import Dataset
 
-# Standard errors of the paper.
+# Error bars of Aymard et al. (2024).
 PAPER = MeasurementErrors()
 
-# A field that is computed from the others if it is not given.
+# Default of a field that is computed from the others.
 COMPUTED: Any = None
 
 

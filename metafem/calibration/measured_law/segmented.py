@@ -37,11 +37,11 @@ DIFFERENT = 4
 # Numbers of crossovers that are tried: for the estimate, and for the ends of its interval.
 TRIED, SCANNED = 41, 201
 
-# Divisions of the step that contains an end of an interval, done twice: the end is then known to a thousandth
-# of the distance from the estimate.
+# Divisions of the step that contains an end of an interval. Two rounds find the end to a thousandth of its
+# distance from the estimate.
 DIVISIONS = 32
 
-# Steps of doubled length away from an estimate before an interval counts as open.
+# Number of steps of doubled length from an estimate after which an interval counts as open.
 MOST_DOUBLINGS = 12
 
 

@@ -16,10 +16,10 @@ from metafem.calibration.sheared.result import ShearCalibration
 from metafem.calibration.verdict import SingleTest, Verdict, errors_of, judged_in_order
 from metafem.notes import Note
 
-# The lines, each of which relates a quantity to the one before.
+# The two lines: sheared area over area before shear, and friction force over sheared area.
 LINES = ("Af = B A0", "F = sigma Af")
 
-# Numbers of points that are drawn at once.
+# Number of points of the bootstrap that are fitted at once.
 AT_ONCE = 200_000
 
 

@@ -34,13 +34,13 @@ if TYPE_CHECKING:
 # rounding 1e-16 over it.
 STEP = 1e-4
 
-# Steps that find the load at which the last asperity comes into contact, for the message of an error.
+# Doublings and halvings of the load in the search for the first one at which all asperities are in contact.
 DOUBLINGS, HALVINGS = 10, 12
 
 # Parameters whose errors change sigma.
 PARAMETERS = ("composite_modulus", "area_ratio", "radius")
 
-# Of a factor: one, and one more for a residual.
+# Smallest number of points: one factor and a residual.
 FEWEST = 2
 
 
@@ -124,7 +124,7 @@ def shear_strength(
     load, force, load_sd = law.load[used], law.friction_force[used], law.load_sd[used]
     area, slope = _areas(surface, solver, load)
     errors, force_sd = law.errors, law.friction_force_sd[used]
-    # standard deviations that follow from the force are those at the fitted one, which is not noisy
+    # default standard deviations are those of the fitted force, which is not noisy
     follows = np.allclose(force_sd, errors.of_friction_force(force), rtol=1e-9)
     deviation = (
         lambda _: slope * load_sd,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -25,13 +25,14 @@ from metafem.notes import Note, information
 # Names of the quantities of a point.
 NAMES = ("area_before", "area_sheared", "friction_force")
 
-# Standard deviations by which B exceeds 1 so that it is above it: one normal error in a hundred is so large.
+# Excess of B over 1, in standard deviations, above which there is a note: one normal error in a hundred is
+# larger.
 ABOVE_ONE = 2.33
 
 # Shear strengths [MPa] of soft contacts: hydrogels have 1e-4 MPa, and elastomers less than their moduli.
 WEAKEST, STRONGEST = 1e-5, 30.0
 
-# Of a line through the origin: one for the factor, and one more for a residual.
+# Smallest number of points of a line through the origin: one factor and a residual.
 FEWEST = 2
 
 DEFAULT_ERRORS = MeasurementErrors()
@@ -138,51 +139,41 @@ def _refuse_contradiction(found: ShearCalibration) -> None:
             )
 
 
-def _notes(found: ShearCalibration, compared: Heterogeneity | None) -> list[Note]:
+def _notes(found: ShearCalibration, compared: Heterogeneity | None) -> Iterator[Note]:
     """Return notes on lines and tests that do not fit, and on points that lack a quantity."""
-    notes = [
-        Note(f"{line}: {verdict}; the stated uncertainties hold only for a law that fits, without outliers")
-        for line, verdict in zip(LINES, (found.area_verdict, found.friction_verdict), strict=True)
-        if not verdict.law_fits or verdict["largest"].noticed
-    ]
-    notes += found.notes
+    for line, verdict in zip(LINES, (found.area_verdict, found.friction_verdict), strict=True):
+        if not verdict.law_fits or verdict["largest"].noticed:
+            valid = "the stated uncertainties hold only for a law that fits, without outliers"
+            yield Note(f"{line}: {verdict}; {valid}")
+    yield from found.notes
     ratio, sd = found.area_ratio, np.sqrt(found.covariance[0, 0])
     if ratio > 1.0 + ABOVE_ONE * sd:
-        notes.append(
-            Note(
-                f"B = {ratio:.4g} is above 1 by {(ratio - 1.0) / sd:.2g} standard deviations, but the areas "
-                "of soft contacts shrink under shear; compare area_before and area_sheared, and "
-                "check that they are not exchanged"
-            )
+        yield Note(
+            f"B = {ratio:.4g} is above 1 by {(ratio - 1.0) / sd:.2g} standard deviations, but the areas "
+            "of soft contacts shrink under shear; compare area_before and area_sheared, and "
+            "check that they are not exchanged"
         )
-    notes += _magnitudes(found)
+    yield from _magnitudes(found)
     if compared is not None and not compared.agree:
-        notes.append(compared.note())
+        yield compared.note()
     unused, count = int(np.isnan(found.area_fitted).sum()), len(found.area_fitted)
     if unused:
-        notes.append(
-            information(f"{unused} of {count} points hold less than two quantities and are not used")
-        )
-    return notes
+        yield information(f"{unused} of {count} points hold less than two quantities and are not used")
 
 
-def _magnitudes(found: ShearCalibration) -> list[Note]:
+def _magnitudes(found: ShearCalibration) -> Iterator[Note]:
     """Return notes on values that only a wrong unit explains."""
     deviations = (found.errors.of_area, found.errors.of_area, found.errors.of_friction_force)
-    notes: list[Note] = []
     for name, of in zip(NAMES, deviations, strict=True):
-        notes += within_errors(name, getattr(found, name), of(getattr(found, name)))
+        yield from within_errors(name, getattr(found, name), of(getattr(found, name)))
     ratio, strength = found.area_ratio, found.shear_strength
     if is_off(ratio):
-        notes.append(Note(f"B = {ratio:.2g}, but areas change little; {unit_hint(NAMES[1], ratio)}"))
+        yield Note(f"B = {ratio:.2g}, but areas change little; {unit_hint(NAMES[1], ratio)}")
     soft = ratio < 1.0 - ABOVE_ONE * math.sqrt(found.covariance[0, 0])
     if strength < WEAKEST or (soft and strength > STRONGEST):
         name = NAMES[2] if STRONGEST < strength < STRONGEST * OFF else NAMES[1]
         large = (strength > STRONGEST) == (name == NAMES[2])
-        notes.append(
-            Note(
-                f"sigma = {strength:.2g} MPa is outside {WEAKEST:g} to {STRONGEST:g} MPa, the range of soft "
-                f"contacts, whose areas shrink under shear; {unit_hint(name, OFF if large else 1.0 / OFF)}"
-            )
+        yield Note(
+            f"sigma = {strength:.2g} MPa is outside {WEAKEST:g} to {STRONGEST:g} MPa, the range of soft "
+            f"contacts, whose areas shrink under shear; {unit_hint(name, OFF if large else 1.0 / OFF)}"
         )
-    return notes

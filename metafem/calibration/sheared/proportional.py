@@ -13,7 +13,7 @@ from metafem._validate import FloatArray
 # their standard deviations after two or three steps.
 STEPS, SETTLED = 50, 1e-10
 
-# Smallest fitted value over the largest: only noise makes one smaller, and its weight would be infinite.
+# Smallest fitted value over the largest. Smaller ones are noise, and their weights would be infinite.
 SMALLEST = 1e-6
 
 

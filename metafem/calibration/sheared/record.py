@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
-from metafem._given import formatted, shown
+from metafem._given import formatted
 from metafem._validate import FloatArray
 from metafem._values import Value, span
 from metafem.errors import InvalidInput
@@ -21,8 +21,8 @@ SLIDING = (0.1, 0.2)
 # the force by 10 to 15 % at the peak (Fig. 2A of the paper), so by 0.2 % at a tenth of it.
 UNSHEARED = 0.1
 
-# A static friction force this many standard deviations of the noise above the sliding one is a peak: of 1,000
-# samples of noise the largest is usually below it.
+# Smallest excess of a peak over the sliding friction, in standard deviations of the noise: the largest of
+# 1,000 samples of noise is usually below it.
 DISTINCT = 4.0
 
 
@@ -243,29 +243,16 @@ def _areas(
                 f"{x[around[0]]:.4g} and {x[around[1]]:.4g} mm; the peak is at {x[peak]:.4g} mm"
             )
         )
-    # entries are equally far apart in time, and displacements may repeat
+    # interpolation in time: entries are equally far apart in time, and displacements may repeat
     static = float(np.interp(peak, frames, area[frames]))
     return float(area[frames[0]]), static, float(area[moving].mean())
 
 
 def measured_or_nan(name: str, value: ArrayLike) -> FloatArray:
     """Return forces (k,), or positive areas (k,) added over contacts (k, n); nan where not measured."""
-    try:
-        entries = np.array(check.plain(name, value), dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InvalidInput(f"{name} is not an array of numbers: {shown(value, 80)}") from None
-    force = name == "friction_force"
-    if entries.ndim not in ((1,) if force else (1, 2)) or not entries.size:
-        shape = "(k,)" if force else "(k,) or (k, n)"
-        raise InvalidInput(f"{name} has shape {entries.shape}; it must have shape {shape}")
-    if np.isinf(entries).any():
-        held = entries[np.isinf(entries)][0]
-        raise InvalidInput(f"{name} holds {held}; write nan where it was not measured")
-    known = entries[np.isfinite(entries)]
-    if known.size:
-        check.array(name, known, shape=(None,))
-    if not force:
-        without = "must be greater than 0; leave out points without contact"
-        check.refuse_entries(name, entries, entries <= 0.0, without)
-    total: FloatArray = entries if entries.ndim == 1 else entries.sum(axis=1)
-    return total
+    if name == "friction_force":
+        return check.array_with_gaps(name, value, shape=(None,))
+    entries = check.array_with_gaps(name, value, shape=(None,) * (2 if check.depth(value) > 1 else 1))
+    without = "must be greater than 0; leave out points without contact"
+    check.refuse_entries(name, entries, entries <= 0.0, without)
+    return entries if entries.ndim == 1 else np.asarray(entries.sum(axis=1))

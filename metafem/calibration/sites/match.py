@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -31,7 +32,8 @@ from metafem.notes import Note, information
 # The sides from which a contact is seen, and whether x is then mirrored.
 SIDES = {"glass": False, "block": True}
 
-# Smallest number of contacts that determine shift, rotation and scale and leave something to be compared.
+# Smallest number of contacts: shift, rotation and scale have four unknowns, and three contacts six
+# coordinates.
 FEWEST = 3
 
 # Smallest fraction of the contacts that lie on sites. Of those of a lattice with two thirds or half of the
@@ -225,31 +227,25 @@ class _Scene:
             notes=tuple(self._notes(poses, ambiguous)),
         )
 
-    def _notes(self, poses: list[Pose], ambiguous: bool) -> list[Note]:
-        notes = []
+    def _notes(self, poses: list[Pose], ambiguous: bool) -> Iterator[Note]:
         n, best = len(poses), poses[0]
         if ambiguous:
             remedy = (
                 "expected areas" if self.areas is None else "a larger load, at which more contacts close,"
             )
-            notes.append(
-                Note(
-                    f"the {best.matched} contacts match the sites equally well in {n} places; {remedy} can "
-                    "decide between them"
-                )
+            yield Note(
+                f"the {best.matched} contacts match the sites equally well in {n} places; {remedy} can "
+                "decide between them"
             )
         elif n > 1:
-            notes.append(
-                information(
-                    f"the contacts match the sites in {n} places; their areas fit one of them best, by odds "
-                    "of more than 100 to 1"
-                )
+            yield information(
+                f"the contacts match the sites in {n} places; their areas fit one of them best, by odds "
+                "of more than 100 to 1"
             )
         if self.areas is not None:
-            notes += self._other_views(best)
-        return notes
+            yield from self._other_views(best)
 
-    def _other_views(self, best: Pose) -> list[Note]:
+    def _other_views(self, best: Pose) -> Iterator[Note]:
         """Return a warning if the areas are more likely from the other side or after a quarter turn."""
         own, others = self.likely(best), []
         for scene in (self, replace(self, mirrored=not self.mirrored)):
@@ -259,17 +255,15 @@ class _Scene:
                     others.append((scene.likely(poses[0]), scene.mirrored, 90 * quarter))
         likely, side, angle = max(others, default=(own, self.mirrored, 0))
         if not decides(likely, own):
-            return []
+            return
         views = [name for name, value in SIDES.items() if value == side != self.mirrored]
         changes = [f"seen through the {name}" for name in views] + [f"turned by {angle}°"] * bool(angle)
         turn = (math.degrees(self.bounds.rotation) + angle + 180.0) % 360.0 - 180.0
         tries = [f"--viewed-from {name}" for name in views] + [f'--rotation "{turn:.4g} deg"'] * bool(angle)
-        return [
-            Note(
-                f"the areas fit the design much better if it is {' and '.join(changes)}; try "
-                f"{' and '.join(tries)}, and check the viewing side and the rotation of the image"
-            )
-        ]
+        yield Note(
+            f"the areas fit the design much better if it is {' and '.join(changes)}; try "
+            f"{' and '.join(tries)}, and check the viewing side and the rotation of the image"
+        )
 
     def another_lattice(self, poses: list[Pose]) -> str:
         """Return the error about contacts that are not on sites."""
@@ -354,7 +348,7 @@ class SiteMatch(Value):
         return real_points(-points.conj() if self.mirrored else points)
 
 
-# Odds at which one of two placements is preferred: with equal chances before, 1 % remains for the other.
+# Odds at which one of two placements is preferred; with equal prior probabilities the other one has 1 %.
 ODDS = 100.0
 
 

@@ -25,19 +25,19 @@ from metafem.calibration.sites.search import (
     real_points,
 )
 
-# Number of contacts from which a drift is guessed: one of them is a contact.
+# Number of regions from which the shift is guessed; at least one of them is assumed to be a contact.
 GUESSES = 8
 
-# A shift by more than this, in distances between neighbouring sites, could as well be the shorter one to the
-# next site. It is taken only if it matches clearly more regions: by so many at least, and this part of all. A
-# full square lattice of 8 x 8 loses 1/8 of them by a wrong shift of one pitch.
+# A shift by more than HALF of the distance between neighbouring sites is used only if it matches clearly more
+# regions than a shorter one: at least MORE of them, and this part of all. A full square lattice of 8 x 8
+# loses 1/8 of them by a wrong shift of one pitch.
 HALF, MORE, PART = 0.5, 3, 0.1
 
-# A shift by more than this is nearly as long as the one to the next site, 0.6, and is as little certain.
+# Longest certain shift: a longer one is nearly as long as the shift to the next site, 0.6.
 CERTAIN = 0.4
 
-# A region at the edge of the frame belongs to a site within so many of its semi-axes: half a circle has the
-# centre of the circle at 0.8 of its own, a smaller part farther out. Other regions contain their sites.
+# Largest distance of a region at the edge of the frame from its site, in its semi-axes: for half a circle it
+# is 0.8, for a smaller part more. Other regions contain their sites.
 SEMI_AXES = 1.5
 
 

@@ -14,23 +14,23 @@ from metafem._validate import FloatArray
 
 IntArray = NDArray[np.intp]
 
-# Lengths in distances between neighbouring sites. A contact this near to the image of a site may belong to
-# it while the similarity is still sought: images of two sites are at least 0.9 apart, so it is near one only.
+# Largest distance of a contact from the image of its site during the search, over the distance between
+# neighbouring sites. Images of two sites are at least 0.9 apart, so that a contact is near only one.
 REACH = 0.2
 
-# Once it is found, so many medians of the distances; for normal errors the median is 1.18 standard
-# deviations, so that the bound is 7 of these. The least bound admits errors of the centres of a few pixels.
+# The same at the end, in medians of all distances: about 7 standard deviations of normal errors, whose median
+# is 1.18 of them. The smallest bound admits errors of the centres of a few pixels.
 MEDIANS, LEAST_REACH = 6.0, 0.02
 
-# Pairs of contacts at most so far apart are compared with pairs of sites. A longer pair has the smaller error
-# of direction, and more of the longer ones are spoilt by open contacts.
+# Largest distance of two contacts that are compared with pairs of sites. Longer pairs have smaller errors of
+# direction, but open contacts spoil more of them.
 LONGEST = 6.0
 
 # Number of pairs that are compared, of contacts that rate a similarity, and of similarities that are refined.
-# With a fifth of the regions no contacts, a third of the pairs is spoilt.
+# Where a fifth of the regions are no contacts, a third of the pairs are spoilt.
 PAIRS, RATING, REFINED = 30, 40, 24
 
-# A search admits this much more than the stated ranges of rotation and scale, for the errors of short pairs.
+# Ranges of rotation and scale in the search over the stated ones, for the errors of short pairs.
 SLACK = 1.2
 
 

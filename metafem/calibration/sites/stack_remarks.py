@@ -20,7 +20,7 @@ def remarks_of(
     if found is None:
         texts = [str(note) for note in areas.notes] or ["could not be measured"]
         return [f"{image}: {where}{text}" for text in texts], []
-    kind, of_contacts = names[0].split()[0], contact_notes(areas)
+    kind, of_contacts = names[0].split()[0], tuple(contact_notes(areas))
     general = [str(note) for note in areas.notes if note.warns and note not in of_contacts]
     if found.unclear:
         general.append(_unclear(kind))

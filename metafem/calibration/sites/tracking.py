@@ -21,7 +21,8 @@ from metafem.calibration.sites.stack_remarks import not_numbered, remarks_of, un
 from metafem.errors import InvalidInput
 from metafem.notes import Note
 
-# Number of images, those with most contacts, that are tried as the one whose contacts are matched.
+# Number of images that are matched to the sites, one after the other, until one succeeds: those with most
+# contacts.
 TRIED = 3
 
 
@@ -164,12 +165,10 @@ class _Stack:
         twice = next((name for i, name in enumerate(names) if name in names[:i]), None)
         if twice is not None:
             raise InvalidInput(f"image holds {printable(twice, 60)} twice; names of images must differ")
-        forces = []
-        for name, values in (("load", load), ("friction_force", friction_force)):
-            force = np.full(k, np.nan) if values is None else np.array(values, dtype=np.float64)
-            if force.shape != (k,) or np.isinf(force).any():
-                raise InvalidInput(f"{name} must hold {k} forces, one for each image, or nan")
-            forces.append(force)
+        forces = (
+            np.full(k, np.nan) if values is None else check.array_with_gaps(name, values, shape=(k,))
+            for name, values in (("load", load), ("friction_force", friction_force))
+        )
         return cls(found, others, names, tests, *forces)
 
     def fullest(self) -> list[int]:
@@ -191,7 +190,7 @@ class _Stack:
         """Number the contacts of the fullest image from top to bottom of the frame."""
         reference = self.fullest()[0]
         areas = self.areas[reference]
-        # one at the edge is a contact if another image shows it whole; its centre is known to its semi-axis
+        # a region at the edge counts if another image shows it whole; its centre is known to its semi-axis
         known = areas.complete | areas.edge
         reach = np.where(areas.edge, areas.axes[:, 0], 0.0)
         found: Sequence[Placed | None] = [None] * len(self.areas)

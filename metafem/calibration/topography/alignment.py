@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -20,8 +21,7 @@ from metafem.surface import Surface
 # Largest angle between the axes of the map and those of the part, after quarter turns.
 TURN = math.radians(20.0)
 
-# The heights decide between two ways to turn or mirror a part if the misfit of one exceeds that of the other
-# by this factor.
+# Ratio of the misfits of the heights above which they decide between two orientations of a part.
 DECIDED = 1.5
 
 
@@ -122,59 +122,53 @@ SCALE = 2e-3
 # their mean is noted: errors of making are a few percent, those of another part as large as its heights.
 FOREIGN, FOREIGN_MEAN = 0.5, 0.05
 
-# Places of a kind that are named one by one.
+# Largest number of places of a kind that are named one by one.
 NAMED = 5
 
-UNDECIDED = "the heights do not tell how the part was turned, mirrored or shifted; it is taken as it lies"
+UNDECIDED = "the heights do not show how the part was turned, mirrored or shifted; the map is used as it is"
 
 
 def placement_notes(
     design: Surface, centre: FloatArray, place: Alignment, missing: IntArray, other: list[tuple[float, float]]
-) -> list[Note]:
+) -> Iterator[Note]:
     """Return what has no site, what is missing, and how the part was turned, mirrored or scaled."""
     apart = [on_map(*each) for each in centre[place.site < 0].tolist()]
-    notes = _named(
+    yield from _named(
         "cap", apart, "on the map has no site in the design", "on the map have no site in the design"
     )
     hills = [on_map(*each) for each in other]
-    notes += _named(
+    yield from _named(
         "hill", hills, "on the map is no cap of the design", "on the map are no caps of the design"
     )
     for i in missing[:NAMED]:
-        notes.append(
-            Note(f"asperity {i} of the design, at {on_map(*design.position[i])}, is missing on the map")
-        )
+        yield Note(f"asperity {i} of the design, at {on_map(*design.position[i])}, is missing on the map")
     if len(missing) > NAMED:
         numbers = ", ".join(map(str, missing[NAMED:]))
-        notes.append(Note(f"so are {len(missing) - NAMED} others of the design: {numbers}"))
+        yield Note(f"so are {len(missing) - NAMED} others of the design: {numbers}")
     height = design.height[place.site[place.site >= 0]]
     if place.misfit > FOREIGN * height.std() and place.misfit > FOREIGN_MEAN * height.mean():
         error, designed = (formatted("height", float(value)) for value in (place.misfit, height.std()))
-        notes.append(
-            Note(
-                f"the heights of the caps are not those of the design: their errors have the standard "
-                f"deviation {error} mm, the designed heights {designed} mm; check the design, and whether "
-                "the map shows the mould"
-            )
+        yield Note(
+            f"the heights of the caps are not those of the design: their errors have the standard "
+            f"deviation {error} mm, the designed heights {designed} mm; check the design, and whether "
+            "the map shows the mould"
         )
     turn = round(math.degrees(place.rotation) / 90.0) % 4 * 90
     if not place.decided:
-        notes.append(information(UNDECIDED))
+        yield information(UNDECIDED)
     elif turn or place.mirrored:
         ways = [f"turned by {turn} degrees"] * bool(turn) + ["mirrored"] * place.mirrored
-        notes.append(information(f"by its heights, the part is {' and '.join(ways)} on the map"))
+        yield information(f"by its heights, the part is {' and '.join(ways)} on the map")
     if abs(place.scale - 1.0) > SCALE:
         larger = percent(place.scale - 1.0, "+.2g")
-        notes.append(Note(f"distances on the map differ from the design's by {larger}; check pixel_size"))
-    return notes
+        yield Note(f"distances on the map differ from the design's by {larger}; check pixel_size")
 
 
-def _named(what: str, places: list[str], one: str, many: str) -> list[Note]:
+def _named(what: str, places: list[str], one: str, many: str) -> Iterator[Note]:
     """Return a note for each of a few places, and the number of the others."""
-    notes = [Note(f"the {what} at {place} {one}") for place in places[:NAMED]]
+    yield from (Note(f"the {what} at {place} {one}") for place in places[:NAMED])
     if len(places) > NAMED:
-        notes.append(Note(f"{len(places) - NAMED} other {what}s {many}"))
-    return notes
+        yield Note(f"{len(places) - NAMED} other {what}s {many}")
 
 
 def on_map(x: float, y: float) -> str:

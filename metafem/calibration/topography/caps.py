@@ -15,15 +15,15 @@ from metafem.calibration.topography.correlation import correlation, summed
 from metafem.calibration.topography.levelled import OUTLIER, SD_OF_MEDIAN, Levelling
 from metafem.progress import each
 
-# The lowest part of a cap's height that is left out: the foot is rounded by the tool and by the microscope.
+# Lowest share of a cap's height, which is left out: tool and microscope round the foot.
 FOOT = 0.1
 
 # Rounds of fits, and of those in which the circle of the pixels follows the fit. Four suffice from a start
 # that is wrong by a tenth of the radius; with fixed pixels the rest converges quadratically.
 ROUNDS, FOLLOWED = 20, 6
 
-# A fit has ended when its last step changes the height by less than this part of what white noise of the
-# size of the residuals makes of it: the smallest possible standard error.
+# Last change of the height in a converged fit, over the standard error of the height for white noise with the
+# standard deviation of the residuals, which is the smallest possible one.
 NEGLIGIBLE = 0.1
 
 # Fewest pixels of a cap, five for each unknown.
@@ -35,7 +35,7 @@ ACROSS = 48
 # Least standard deviation of the distances over the radius: the resolution of single precision.
 RESOLUTION = float(np.finfo(np.float32).eps)
 
-# Pixels around an outlier that are left out with it.
+# Number of pixels around an outlier that are left out as well.
 BESIDE = 3
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,20 +19,20 @@ from metafem.inversion import Design
 from metafem.notes import Note, information
 from metafem.surface import Surface
 
-# Probability below which a term is significant: one in a hundred terms that are not there.
+# Probability below which a term is significant: one in a hundred terms with the true value 0.
 SIGNIFICANT = 0.01
 
-# Fewest asperities of a regression, and least number of those in excess of the terms.
+# Smallest number of asperities of a regression, and of asperities in excess of the terms.
 FEWEST, SPARE = 3, 2
 
 # A deviation of the mean radius is noted above this number of its standard errors, and if it exceeds this
 # part of the radius, the resolution of single precision.
 NOTED, RESOLUTION = 3.0, 1e-6
 
-# A norm that divides without changing what is not zero.
+# Smallest divisor, in place of a norm of 0.
 _TINY = float(np.finfo(float).tiny)
 
-# Terms of the regression, by group: the terms of a group are kept or dropped together.
+# Terms of the regression, by group: the terms of a group are used or left out together.
 GROUPS = {
     "offset": ("offset",),
     "scale": ("scale",),
@@ -160,7 +161,6 @@ def corrected_heights(design: Surface | Design, made: MadeSurface) -> Correction
     # the errors of p terms add p / n of the variance, and that of the offset is common to all heights
     terms = len(significant)
     around = terms - ("offset" in significant)
-    notes = _notes(made, surface, fit.left_out)
     return Correction(
         surface,
         fit.names,
@@ -173,7 +173,7 @@ def corrected_heights(design: Surface | Design, made: MadeSurface) -> Correction
         math.sqrt(random + fit.variance * around / count),
         systematic,
         _renewed(design, surface) if isinstance(design, Design) else None,
-        tuple(notes),
+        tuple(_notes(made, surface, fit.left_out)),
     )
 
 
@@ -244,13 +244,12 @@ def _least_squares(matrix: FloatArray, error: FloatArray) -> tuple[FloatArray, f
     return value, float(((error - matrix @ value) ** 2).sum())
 
 
-def _notes(made: MadeSurface, surface: Surface, left_out: tuple[str, ...]) -> list[Note]:
-    notes = []
+def _notes(made: MadeSurface, surface: Surface, left_out: tuple[str, ...]) -> Iterator[Note]:
     if left_out:
-        notes.append(information(f"the asperities do not determine the terms {', '.join(left_out)}"))
+        yield information(f"the asperities do not determine the terms {', '.join(left_out)}")
     if made.missing.size:
         missing = f"{made.missing.size} of the asperities were not measured"
-        notes.append(Note(f"{missing}; the same terms correct their heights"))
+        yield Note(f"{missing}; the same terms correct their heights")
     designed = float(made.design.radius[made.site].mean())
     weight = made.radius_sd**-2 if made.radius_sd.all() else np.ones(len(made.site))
     off = float((weight * made.radius_error).sum() / weight.sum())
@@ -261,11 +260,10 @@ def _notes(made: MadeSurface, surface: Surface, left_out: tuple[str, ...]) -> li
     if abs(off) > NOTED * spread + RESOLUTION * designed:
         larger = f"{formatted('radius', abs(off))} mm {'larger' if off > 0.0 else 'smaller'} than designed"
         remedy = "other heights do not correct that; design the next part with the radius of the tool"
-        notes.append(Note(f"the radii are {larger} ({percent(off / designed)}); {remedy}"))
+        yield Note(f"the radii are {larger} ({percent(off / designed)}); {remedy}")
     for i in np.flatnonzero(surface.height <= 0.0)[:1].tolist():
         height = formatted("height", float(surface.height[i]))
-        notes.append(Note(f"the corrected height of asperity {i} is {height} mm: it cannot be made"))
-    return notes
+        yield Note(f"the corrected height of asperity {i} is {height} mm: it cannot be made")
 
 
 def _renewed(design: Design, surface: Surface) -> Design:

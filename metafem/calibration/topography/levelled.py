@@ -14,11 +14,11 @@ from metafem.calibration.topography.cells import Cells, HeightMap
 from metafem.calibration.topography.correlation import correlation, summed
 from metafem.errors import InvalidInput
 
-# Median of the absolute value of a normal variable, inverted: a robust standard deviation.
+# Standard deviation of a normal variable over the median of its absolute value.
 SD_OF_MEDIAN = 1.4826
 
-# Standard deviations beyond which a value is no part of the base plane or of a sphere. Of a normal variable
-# one value in 150,000 lies beyond.
+# Distance of outliers from the base plane or from a sphere, in standard deviations. One value of a normal
+# variable in 150,000 is farther away.
 OUTLIER = 4.5
 
 # Steps of the reweighting: on 40 % of cells on caps it needs 15.

@@ -17,10 +17,10 @@ ABOVE = 6.0
 # Fewest cells of a cap, twice the number of unknowns; smaller hills are dust.
 FEWEST = 8
 
-# A sphere with a radius outside this range around that of the design is none of its caps.
+# Largest ratio of the radii of a cap and of the design.
 RADIUS_FACTOR = 2.0
 
-# The upper part of a hill on which a sphere is guessed: its foot is no part of the sphere.
+# The initial guess of a sphere is fitted above this share of the height of a hill, without its foot.
 UPPER = 0.3
 
 
@@ -35,7 +35,7 @@ def hills(
     above = found.mean - levelling.base(x, y)
     with np.errstate(invalid="ignore"):
         high = above > max(ABOVE * levelling.sd, lowest)
-    # holes in the flanks separate no hill
+    # close holes in the flanks
     closed = ndimage.binary_closing(high, iterations=2) | high
     label, _ = ndimage.label(closed, np.ones((3, 3)))
     starts, other = [], []

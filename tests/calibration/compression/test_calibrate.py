@@ -303,7 +303,9 @@ def test_a_test_whose_load_falls_is_named():
     found = fit_compression(load, np.append(area, area[:3]), RADIUS, test=["up"] * len(A) + ["down"] * 3)
     (note,) = [note for note in found.notes if "no fit of their own" in str(note)]
     assert note.warns
-    assert "the tests down: their areas are alike, or their loads do not grow" in str(note)
+    assert "the tests down have no fit of their own: their areas are alike, or their loads do not" in str(
+        note
+    )
 
 
 def test_contacts_wider_than_their_caps_are_refused():

@@ -165,7 +165,7 @@ def test_loads_with_an_unknown_contact_are_used_for_what_they_tell():
         ({"site": [1, 2]}, "site needs asperity_area"),
         ({"asperity_area": np.ones((3, 2)), "site": [1, 1]}, "site holds 1 twice"),
         ({"asperity_area": -np.ones((3, 2))}, r"asperity_area\[0, 0\] = -1 must be at least 0"),
-        ({"friction_force": None, "area": [0.1, np.nan, 0.3]}, "area holds nan at entry 1"),
+        ({"friction_force": None, "area": [0.1, np.nan, 0.3]}, r"area\[1\] = nan must be a number"),
         ({"area": [0.0, 0.0, 0.0]}, "there is no contact"),
     ],
 )  # fmt: skip

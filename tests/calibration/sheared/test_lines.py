@@ -111,7 +111,7 @@ def test_areas_of_several_contacts_are_added(points):
         (lambda b, s, f: (b, s[::-1], f[::-1]), "area_sheared decreases with area_before"),
         (lambda b, s, f: (b, s[:5], f), "area_sheared has 5"),
         (lambda b, s, f: (b, -s, f), r"area_sheared\[0\] = .* must be greater than 0; leave out"),
-        (lambda b, s, f: (b, s, f * np.inf), "friction_force holds inf; write nan"),
+        (lambda b, s, f: (b, s, f * np.inf), "friction_force holds inf at entry 0"),
         (lambda b, s, f: (b, s, f * np.nan), "sigma needs at least 2 points"),
         (lambda b, s, f: (b[:1], s[:1], f[:1]), "B needs at least 2 points with area_before and"),
         (lambda b, s, f: ("x", s, f), "area_before is not an array of numbers"),
