@@ -21,7 +21,6 @@ from metafem.inversion.design_notes import design_notes
 from metafem.inversion.feasibility import achievable_friction_coefficients
 from metafem.inversion.limits import Limits
 from metafem.inversion.placement.layout import Layout, arranged
-from metafem.inversion.placement.pins import Pinned
 from metafem.inversion.problem import Problem
 from metafem.inversion.radii import RadiusRange
 from metafem.inversion.result import Design
@@ -51,8 +50,6 @@ def design(
     radii: RadiusRange | Sequence[float] | None = None,
     common_radius: bool = False,
     robust: Tolerances | None = None,
-    pinned: Pinned | None = None,
-    draft: bool = False,
 ) -> Design:
     """Find heights, and radii where there is a choice, whose friction law is the target.
 
@@ -74,7 +71,8 @@ def design(
         Manufacturing limits; default: heights up to the tallest of the template. With a `height_step` all
         heights are on its levels, and the loss is stated in a note and in the parameters ``step_levels``
         [mm], ``step_counts`` and ``step_loss`` [-]. For a linear law of independent asperities the numbers
-        on the levels are the integers nearest to those of the density.
+        on the levels are the integers nearest to those of the density. With `pinned` the other heights are
+        adjusted to the given ones, see Notes.
     rng : int or numpy Generator
         Seed of the random assignment of heights to sites, and of the random restarts of the search.
     layout : Layout, optional
@@ -95,13 +93,6 @@ def design(
     robust : Tolerances, optional
         Errors of the made surface and of its alignment under which the expected squared misfit is minimised,
         see Notes. Default: None; the misfit of the exact heights is minimised.
-    pinned : mapping of int to float or None, optional
-        Heights [mm] above the base plane of some sites, by their numbers in the template, or None for a site
-        that stays empty. The other heights are adjusted to the given ones, see Notes. Default: none.
-    draft : bool
-        Whether to search for a short time only, with few random changes, as for a view that follows a hand.
-        What a draft does not reach can still be designed where the error's `by_search` is True. Default:
-        False.
 
     Returns
     -------
@@ -140,10 +131,10 @@ def design(
     sensitivities the expectations are those of its `gradient_model`. The misfit of the exact heights
     increases in general.
 
-    With `pinned`, the heights and their layout are first found without the given ones. These then stand for
-    the nearest heights, with their radii, and need not be on a height step. The others are adjusted by the
-    Levenberg–Marquardt method, each between the foot and the largest height, and stay where the misfit rises
-    by less than a tenth. A note states the misfits with and without the given heights.
+    With `limits.pinned`, the heights and their layout are first found without the given ones. These then
+    replace the nearest heights, with their radii, and need not be on a height step. The others are adjusted
+    by the Levenberg–Marquardt method, each between the foot and the largest height, and stay where the misfit
+    rises by less than a tenth. A note states the misfits with and without the given heights.
 
     Examples
     --------
@@ -171,15 +162,16 @@ def design(
 
     Site 9 has a height of 0.1 mm, and site 3 no asperity.
 
-    >>> result = mf.design(mf.PowerLaw(0.9, (0.1, 0.2)), template, pinned={9: 0.1, 3: None})
+    >>> limits = mf.Limits(0.12, pinned={9: 0.1, 3: None})
+    >>> result = mf.design(mf.PowerLaw(0.9, (0.1, 0.2)), template, limits=limits)
     >>> result.surface.height[result.sites == 9], 3 in result.sites, result.misfit < 0.01
     (array([0.1]), False, True)
     """
-    problem = Problem.checked(target, template, model, limits, layout, radii, robust, pinned, draft)
-    generator = check.generator(rng)
     check.instance("common_radius", common_radius, bool, "True or False")
+    problem = Problem.checked(target, template, model, limits, layout, radii, robust)
+    generator = check.generator(rng)
     if common_radius:
-        return _with_common_radius(problem, generator, draft)
+        return _with_common_radius(problem, generator)
     _refuse_infeasible(problem)
     permutation = problem.pins.placed(generator.permutation(template.count))
     with doing("inverting the law"):
@@ -209,7 +201,7 @@ def design(
         law=found.law,
         misfit=found.misfit,
         status=found.status,
-        parameters=found.parameters if radii is None else found.parameters | _radii_in_use(problem, surface),
+        parameters=found.parameters | ({} if radii is None else _radii_in_use(problem, surface)),
         sites=problem.pins.open[candidate.sites],
         target=target,
         template=template,
@@ -235,7 +227,7 @@ def _refuse_infeasible(problem: Problem) -> None:
         problem.target.refuse(problem, margin)
 
 
-def _with_common_radius(problem: Problem, rng: np.random.Generator, draft: bool) -> Design:
+def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
     """Return the design with the best common radius, which does not depend on the layout."""
     choice, pins, seed = problem.radii, problem.pins, rng.integers(2**63)
     found: dict[float, Design] = {}
@@ -246,9 +238,8 @@ def _with_common_radius(problem: Problem, rng: np.random.Generator, draft: bool)
             part, again = pins.template.replaced(radius=radius), np.random.default_rng(seed)
             try:
                 found[radius] = design(
-                    problem.target, part, problem.model, problem.limits, again, layout, robust=robust,
-                    pinned=pins.pinned, draft=draft,
-                )  # fmt: skip
+                    problem.target, part, problem.model, problem.limits, again, layout, robust=robust
+                )
             except Infeasible as reason:
                 refused[radius] = reason
 

@@ -12,9 +12,6 @@ from metafem.errors import Infeasible
 from metafem.inversion.assessment import DesignStatus
 from metafem.inversion.design import design
 from metafem.inversion.feasibility import ELASTIC_LIMIT, roughness
-from metafem.inversion.limits import Limits
-from metafem.inversion.placement.layout import Layout
-from metafem.inversion.placement.pins import Pinned
 from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.result import Design
 from metafem.inversion.targets.target import Target
@@ -22,7 +19,6 @@ from metafem.inversion.targets.wording import Message
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of, with_contact
 from metafem.notes import Note, information, when_read
-from metafem.prediction.perturbation import Tolerances
 from metafem.surface import Surface
 
 
@@ -31,14 +27,10 @@ def design_for_hardness(
     template: Surface,
     hardness: float,
     model: Model | None = None,
-    limits: Limits | None = None,
-    rng: Any = 0,
-    layout: Layout | None = None,
     *,
     radii: RadiusRange | Sequence[float] | None = None,
     common_radius: bool = False,
-    robust: Tolerances | None = None,
-    pinned: Pinned | None = None,
+    **others: Any,
 ) -> Design:
     """Design a surface as `design` does, with an elastic law if the contacts stay elastic.
 
@@ -54,8 +46,10 @@ def design_for_hardness(
     ----------
     hardness : float
         H of the softer material [MPa], positive.
-    target, template, model, limits, rng, layout, radii, common_radius, robust, pinned
+    target, template, model, radii, common_radius
         As in `design`. Under a model with a plastic law this law is kept.
+    others
+        Further arguments of `design`: limits, rng, layout and robust.
 
     Returns
     -------
@@ -88,7 +82,7 @@ def design_for_hardness(
     solver = Independent() if model is None else model
 
     def under(surface: Surface, model: Model, **options: Any) -> Design:
-        return design(target, surface, model, limits, rng, layout, robust=robust, pinned=pinned, **options)
+        return design(target, surface, model, **others, **options)
 
     first = under(template, solver, radii=radii, common_radius=common_radius)
     ratio = template.material.composite_modulus / h
@@ -118,9 +112,9 @@ def design_for_hardness(
         return _noted(best, h, information(text))
     reached = [one for one in tried if one is first or one.status is not DesignStatus.MISSED]
     least = ELASTIC_LIMIT / min(roughness(one.surface) for one in reached)
-    others = "" if radii is None else ", nor with any of the radii"
+    besides = "" if radii is None else ", nor with any of the radii"
     law = KogutEtsion(h)
-    why += f"{others}; a material with E*/H below {least:.3g} would stay elastic"
+    why += f"{besides}; a material with E*/H below {least:.3g} would stay elastic"
     try:
         plastic = under(template, with_contact(solver, law), radii=radii, common_radius=common_radius)
     except Infeasible as error:

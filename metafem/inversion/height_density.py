@@ -19,6 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import brentq
+from scipy.special import gammainc
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
@@ -65,8 +67,6 @@ def slope_excess(x: ArrayLike) -> FloatArray:
     >>> slope_excess([0.0, 1e-9, 3.0]).round(13)
     array([0.00000000e+00, 1.00000000e-10, 3.93611793e-01])
     """
-    from scipy.special import gammainc
-
     value = np.asarray(x, dtype=np.float64)
     large = np.maximum(value, 1.0)
     direct = np.sqrt(large) * -np.expm1(-large) / (math.gamma(2.5) * gammainc(1.5, large)) - 1.0
@@ -87,8 +87,6 @@ def scale_from_slope(slope: float, radius: float, max_height: float, law: Contac
 
     The slope must exceed `uniform_slope`, the bound of the uniform density.
     """
-    from scipy.optimize import brentq
-
     bound = uniform_slope(radius, max_height, law)
     excess = (slope - bound) / bound
     if law.power == PARABOLOID.power:
@@ -170,8 +168,6 @@ class PiecewiseExponential:
         A piece from a to b contributes ``lambda^(q+1) alpha e^(-delta/lambda) Gamma(q+1)`` times
         ``gamma(q+1, (b - delta)/lambda) - gamma(q+1, (a - delta)/lambda)``.
         """
-        from scipy.special import gammainc
-
         delta = np.asarray(separation, dtype=np.float64)
         if not ((delta >= 0.0) & (delta <= self.max_height)).all():
             ends = f"from 0 to {self.max_height:g} mm"

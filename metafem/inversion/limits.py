@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -35,6 +36,9 @@ class Limits:
         default: any height is possible.
     height_sd : float, optional
         Standard deviation of the heights as made [mm]; a note warns of designs that are too fine for it.
+    pinned : mapping of int to float or None
+        Heights [mm] above the base plane of some sites, by their numbers in the template of a design, or None
+        for a site that stays empty; default: none.
 
     Raises
     ------
@@ -52,6 +56,7 @@ class Limits:
     offset: float = 0.0
     height_step: float | None = None
     height_sd: float | None = None
+    pinned: Mapping[int, float | None] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
         check.member(self, "max_height", above=0.0)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -14,7 +16,7 @@ from metafem.contact import Contact
 from metafem.inversion.bounds import Bounds
 from metafem.inversion.limits import Limits
 from metafem.inversion.placement.layout import Layout
-from metafem.inversion.placement.pins import Pinned, Pins
+from metafem.inversion.placement.pins import Pins
 from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.search.levenberg_marquardt import DEFAULTS, OTHER_LAWS, SearchOptions
 from metafem.inversion.targets.target import Target
@@ -56,6 +58,24 @@ DRAFT = Effort(
     pinned_changes=1, step_changes=1, evaluated_steps=6,
 )  # fmt: skip
 
+WHOLE = Effort()
+
+# That of the designs which are made now.
+EFFORT: ContextVar[Effort] = ContextVar("effort", default=WHOLE)
+
+
+@contextmanager
+def drafting() -> Iterator[None]:
+    """Let designs of the body search for a short time only.
+
+    What a draft does not reach can still be designed where the error's `by_search` is True.
+    """
+    token = EFFORT.set(DRAFT)
+    try:
+        yield
+    finally:
+        EFFORT.reset(token)
+
 
 @dataclass(frozen=True, eq=False)
 class Problem:
@@ -73,7 +93,7 @@ class Problem:
     layout: Layout | None = None
     robust: Tolerances | None = None
     options: SearchOptions = DEFAULTS
-    effort: Effort = Effort()
+    effort: Effort = WHOLE
 
     @classmethod
     def checked(
@@ -85,8 +105,6 @@ class Problem:
         layout: Layout | None = None,
         radii: RadiusRange | Sequence[float] | None = None,
         robust: Tolerances | None = None,
-        pinned: Pinned | None = None,
-        draft: bool = False,
     ) -> Problem:
         """Return the arguments with defaults, or raise InvalidInput for one of the wrong kind.
 
@@ -103,16 +121,14 @@ class Problem:
             check.instance("layout", layout, Layout, "metafem.Layout")
         if robust is not None:
             check.instance("robust", robust, Tolerances, "metafem.Tolerances")
-        pins = Pins.given(pinned, template, bounds)
+        pins = Pins.given(template, bounds)
         template = pins.reduced
         choice = Radii.given(radii, template)
-        check.instance("draft", draft, bool, "True or False")
         options = DEFAULTS if has_paraboloids(solver) else OTHER_LAWS
         # messages state loads in N and in mm^2
         kind: Any = target
         target = replace(kind, wording=target.wording.of_part(template.material))
-        effort = DRAFT if draft else Effort()
-        return cls(target, template, choice, solver, bounds, pins, layout, robust, options, effort)
+        return cls(target, template, choice, solver, bounds, pins, layout, robust, options, EFFORT.get())
 
     @cached_property
     def contact(self) -> Contact:

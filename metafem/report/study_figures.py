@@ -10,8 +10,8 @@ import numpy as np
 
 from metafem._values import MICROMETRES, percent
 from metafem.drawing import ACHIEVED, QUIET, TARGET, law, new_figure
-from metafem.studies.summaries.combined import TOLERANCES
 from metafem.studies.summaries.parameters import in_words, main_quantity, shares
+from metafem.studies.summaries.tolerances import TOLERANCES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

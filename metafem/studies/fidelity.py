@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.optimize import brentq
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
@@ -106,8 +107,6 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
 
 def _law_of_caps(caps: Caps, load: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return areas and separations (k,) of independent asperities with a tabulated law, at loads [N]."""
-    from scipy.optimize import brentq
-
     surface = caps.surface
     top = float(surface.height.max())
     area, separation = np.empty(len(load)), np.empty(len(load))

@@ -1,5 +1,8 @@
 """Designs with sites that stay empty: those of a template with fewer sites."""
 
+from dataclasses import replace
+from types import MappingProxyType
+
 import numpy as np
 import pytest
 
@@ -21,8 +24,9 @@ TARGETS = {
 }
 
 
-def designed(target, **rest):
-    return mf.design(target, TEMPLATE, rest.pop("model", None), LIMITS, **rest)
+def designed(target, pinned=MappingProxyType({}), **rest):
+    limits = replace(LIMITS, pinned=pinned)
+    return mf.design(target, TEMPLATE, rest.pop("model", None), limits, **rest)
 
 
 @pytest.mark.parametrize("name", TARGETS)
@@ -71,8 +75,8 @@ def test_all_of_a_design_works_without_the_empty_sites(rest):
 
 
 def test_heights_stay_on_their_steps():
-    limits = mf.Limits(0.12, offset=0.08, height_step=0.006)
-    result = mf.design(TARGETS["power"], TEMPLATE, limits=limits, pinned=EMPTY)
+    limits = mf.Limits(0.12, offset=0.08, height_step=0.006, pinned=EMPTY)
+    result = mf.design(TARGETS["power"], TEMPLATE, limits=limits)
     assert np.isin(result.surface.height.round(9), limits.levels.round(9)).all()
 
 

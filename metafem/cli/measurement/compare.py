@@ -67,7 +67,7 @@ def compare(
     """
     import metafem as mf
     from metafem.files import same_design, study_path, write_study
-    from metafem.studies.measured import measured
+    from metafem.studies.measurements import measured
 
     priors = given_priors(given, explain)
     still = same_design(folder)
@@ -86,8 +86,8 @@ def compare(
             write_study(why, explained, force=force, still=still)
     if as_json:
         from metafem.files import study_data
-        from metafem.studies.summaries.explained import answers as explained_answers
-        from metafem.studies.summaries.measured import answers
+        from metafem.studies.summaries.measurements import answers
+        from metafem.studies.summaries.measurements import answers as explained_answers
 
         data = {"file": str(path), "answers": answers(dataset), **study_data(dataset)}
         if why is not None:
@@ -103,7 +103,7 @@ def compare(
 def _print(dataset: Dataset, path: Path) -> None:
     """Print the points, the features and what they say."""
     from metafem.studies.summaries import summary
-    from metafem.studies.summaries.measured import FEATURES, answers, feature_rows
+    from metafem.studies.summaries.measurements import FEATURES, answers, feature_rows
 
     found = summary(dataset)
     console = terminal()

@@ -75,7 +75,7 @@ def _number(name: str, text: str) -> float:
 def explanation(law: MeasuredLaw, design: Design, priors: Priors | None) -> Dataset:
     """Return the errors that explain a measured law."""
     from metafem.calibration import explain
-    from metafem.studies.explained import explained
+    from metafem.studies.measurements import explained
 
     return explained(explain(law, design, priors))
 
@@ -83,7 +83,7 @@ def explanation(law: MeasuredLaw, design: Design, priors: Priors | None) -> Data
 def print_explanation(dataset: Dataset, path: Path | None) -> None:
     """Print the table of the errors, the sentences and the file."""
     from metafem.studies.summaries import summary
-    from metafem.studies.summaries.explained import answers
+    from metafem.studies.summaries.measurements import answers
 
     found = summary(dataset)
     console = terminal()

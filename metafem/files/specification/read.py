@@ -27,6 +27,7 @@ from metafem.inversion import (
     design,
     design_for_hardness,
 )
+from metafem.inversion.problem import drafting
 from metafem.models import Model
 from metafem.models.model import contact_of
 from metafem.prediction import Tolerances
@@ -107,16 +108,21 @@ class Specification:
         refuse_missing_block(chosen, self.template, remedy)
         tell_cost(self.template.count)
         common = self.radii is not None and not self.mixed
-        rest = chosen, self.limits, self.seed, self.layout
+        limits = replace(self.limits, pinned=self.pinned)
         options: dict[str, Any] = {
+            "limits": limits,
+            "rng": self.seed,
+            "layout": self.layout,
             "radii": self.radii,
             "common_radius": common,
             "robust": None if draft else self.robust,
-            "pinned": self.pinned,
         }
-        if self.hardness is None or draft:
-            return design(self.target, self.template, *rest, **options, draft=draft)
-        return design_for_hardness(self.target, self.template, self.hardness, *rest, **options)
+        if draft:
+            with drafting():
+                return design(self.target, self.template, chosen, **options)
+        if self.hardness is None:
+            return design(self.target, self.template, chosen, **options)
+        return design_for_hardness(self.target, self.template, self.hardness, chosen, **options)
 
     def with_chord_error(self, chord_error: float) -> Specification:
         """Return the specification with another chord error of the part [mm].

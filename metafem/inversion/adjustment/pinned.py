@@ -32,6 +32,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.adjustment.height_steps import rounded_to_steps
@@ -146,8 +147,6 @@ def _in_place(candidate: Candidate, sites: IntArray, heights: FloatArray, span: 
     A height that was on such a site is put where the nearest one was. More given heights than asperities
     are added, with the radius of the nearest height.
     """
-    from scipy.optimize import linear_sum_assignment
-
     distance = np.abs(candidate.height[None, :] - heights[:, None])
     own = candidate.sites[None, :] == sites[:, None]
     given, rows = linear_sum_assignment(distance + np.where(own, 0.0, SAME * span))

@@ -38,6 +38,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import ndtr
 
 from metafem._validate import FloatArray
 from metafem._values import percent
@@ -173,8 +174,6 @@ def _orthogonal(count: int, fewest: int, most: int, rng: np.random.Generator) ->
 
 def _with_both_signs(normal: FloatArray) -> FloatArray:
     """Return the points in the unit cube of normal numbers (s, d) and of their negatives, (2 s, d)."""
-    from scipy.special import ndtr
-
     return np.asarray(ndtr(np.concatenate([normal, -normal])))
 
 

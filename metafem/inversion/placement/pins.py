@@ -20,8 +20,6 @@ from metafem.surface import Surface
 # Heights [mm] above the base plane by site, None for a site that stays empty.
 Pinned = Mapping[int, float | None]
 
-NOTHING: Pinned = MappingProxyType({})
-
 
 @dataclass(frozen=True, eq=False)
 class Pins:
@@ -35,10 +33,9 @@ class Pins:
     pinned: Pinned
 
     @classmethod
-    def given(cls, pinned: Any, template: Surface, limits: Limits) -> Pins:
-        """Return the pins of a mapping, or raise InvalidInput for one that does not fit the template."""
-        if pinned is None:
-            return cls(template, NOTHING)
+    def given(cls, template: Surface, limits: Limits) -> Pins:
+        """Return the pins of the limits, or raise InvalidInput for those that do not fit the template."""
+        pinned: Any = limits.pinned
         if not isinstance(pinned, Mapping):
             raise InvalidInput(
                 f"pinned = {shown(pinned)} must be a mapping of site numbers to heights [mm] or None, "

@@ -13,7 +13,7 @@ from metafem.drawing.inline import drawn
 from metafem.drawing.measured import COLOURS, points, residuals
 from metafem.inversion import Design
 from metafem.report.names import model_words
-from metafem.studies.summaries.measured import FEATURES, POINTS, answers, feature_rows
+from metafem.studies.summaries.measurements import FEATURES, POINTS, answers, feature_rows
 from metafem.studies.summaries.table import stored_notes
 from metafem.studies.summaries.tables import summary
 

@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+from scipy.special import ndtri
 
 from metafem import _validate as check
 from metafem._given import Given, shown
@@ -98,8 +99,6 @@ class Inputs:
 
     def errors(self, unit: FloatArray) -> dict[str, FloatArray]:
         """Return the error of each input, (..., 1) or (..., k), at points of the unit cube (..., p)."""
-        from scipy.special import ndtri
-
         # no product of matrices: its last bits depend on the number of threads
         normal = np.einsum("...i,ji->...j", ndtri(unit), self.root)
         return {name: normal[..., [i]] * self.sd[i] for i, name in enumerate(self.names)}

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import ndtr, stdtrit
 
 from metafem._validate import FloatArray
 from metafem.studies.sampling.moments import Estimate
@@ -128,8 +129,6 @@ def estimated(means: FloatArray, centre: FloatArray) -> SobolIndices:
 
 def jackknife(statistic: Callable[[FloatArray], FloatArray], means: FloatArray) -> Estimate:
     """Return the estimate of a statistic of means, from those of m independent batches on the first axis."""
-    from scipy.special import ndtr, stdtrit
-
     m = len(means)
     total = means.sum(axis=0)
     without = statistic((total - means) / (m - 1))

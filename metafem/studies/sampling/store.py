@@ -9,6 +9,7 @@ import zipfile
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +26,6 @@ RECORD = "run.json"
 
 def own_version() -> str:
     """Return the version of metafem."""
-    from importlib.metadata import PackageNotFoundError, version
-
     try:
         return version("metafem")
     except PackageNotFoundError:  # run from its sources

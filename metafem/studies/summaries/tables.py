@@ -6,13 +6,11 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from metafem.errors import InvalidInput
-from metafem.studies.summaries.combined import combined_summary
 from metafem.studies.summaries.comparisons import fidelity_summary, interaction_summary
-from metafem.studies.summaries.explained import explained_summary
-from metafem.studies.summaries.measured import measured_summary
+from metafem.studies.summaries.measurements import explained_summary, measured_summary
 from metafem.studies.summaries.parameters import uncertainty_summary
 from metafem.studies.summaries.table import Summary
-from metafem.studies.summaries.tolerances import manufacturing_summary, misalignment_summary
+from metafem.studies.summaries.tolerances import combined_summary, manufacturing_summary, misalignment_summary
 
 if TYPE_CHECKING:
     from xarray import Dataset

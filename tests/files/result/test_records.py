@@ -37,6 +37,7 @@ def through_json(value):
 TEMPLATE = mf.Surface.square_lattice(
     0.12, radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.358), block=mf.Block(20, 20, 7.2)
 )
+PINNED = mf.Limits(0.12, pinned={9: 0.1, 3: None})
 TARGETS = {
     "points": (mf.OperatingPoints([0.144, 0.336, 0.649], [0.84, 1.68, 4.12]), mf.Limits(0.27)),
     "linear": (mf.LinearLaw(6.87), mf.Limits(0.12, offset=0.084, height_step=0.006)),
@@ -57,7 +58,7 @@ def test_a_layout_reads_back_with_its_design():
 
 
 def test_given_heights_and_empty_sites_read_back_with_their_design():
-    result = mf.design(mf.OperatingPoints([0.1], [0.84]), TEMPLATE, pinned={9: 0.1, 3: None})
+    result = mf.design(mf.OperatingPoints([0.1], [0.84]), TEMPLATE, limits=PINNED)
     again = through_json(result)
     assert same(again, result)
     assert dict(again.pinned) == {3: None, 9: 0.1}
@@ -65,7 +66,7 @@ def test_given_heights_and_empty_sites_read_back_with_their_design():
 
 @pytest.mark.parametrize("pinned", [{"nine": 0.1}, {"9": "high"}, {"3": 0.05}, {"9": None}, [9]])
 def test_damaged_heights_of_a_record_are_refused(pinned):
-    result = mf.design(mf.OperatingPoints([0.1], [0.84]), TEMPLATE, pinned={9: 0.1, 3: None})
+    result = mf.design(mf.OperatingPoints([0.1], [0.84]), TEMPLATE, limits=PINNED)
     with pytest.raises(mf.InvalidInput, match=r"pinned|site 3|site 9"):
         from_record({**json.loads(json.dumps(to_record(result))), "pinned": pinned})
 

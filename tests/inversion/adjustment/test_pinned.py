@@ -1,5 +1,7 @@
 """Heights for a target law among which some are given."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -32,8 +34,8 @@ LARGEST = {"points": 1e-9, "linear": 0.08, "bilinear": 0.08}
 
 
 def designed(target, pinned=None, model=None, **rest):
-    limits = rest.pop("limits", LIMITS)
-    return mf.design(target, rest.pop("template", TEMPLATE), model, limits, pinned=pinned, **rest)
+    limits = replace(rest.pop("limits", LIMITS), pinned=pinned or {})
+    return mf.design(target, rest.pop("template", TEMPLATE), model, limits, **rest)
 
 
 def heights(result):

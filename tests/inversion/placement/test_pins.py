@@ -1,5 +1,7 @@
 """Sites that stay empty, and sites whose heights are given."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,7 @@ LIMITS = mf.Limits(0.12, offset=0.08)
 
 
 def test_sites_are_numbered_anew_without_the_empty_ones():
-    pins = Pins.given({np.int64(9): 0.15, 3: None, 0: 0.1}, TEMPLATE, LIMITS)
+    pins = Pins.given(TEMPLATE, replace(LIMITS, pinned={np.int64(9): 0.15, 3: None, 0: 0.1}))
     assert dict(pins.pinned) == {0: 0.1, 3: None, 9: 0.15}
     assert list(pins.open) == [site for site in range(16) if site != 3]
     assert list(pins.open[pins.rows]) == [0, 9]
@@ -20,17 +22,16 @@ def test_sites_are_numbered_anew_without_the_empty_ones():
 
 
 def test_the_order_of_the_other_sites_is_kept():
-    pins = Pins.given({3: None, 5: None}, TEMPLATE, LIMITS)
+    pins = Pins.given(TEMPLATE, replace(LIMITS, pinned={3: None, 5: None}))
     permutation = np.random.default_rng(0).permutation(16)
     left = [site for site in permutation if site not in (3, 5)]
     assert list(pins.open[pins.placed(permutation)]) == left
 
 
 def test_without_pins_the_template_is_the_given_one():
-    for nothing in (None, {}):
-        pins = Pins.given(nothing, TEMPLATE, LIMITS)
-        assert pins.reduced is TEMPLATE
-        assert list(pins.placed(np.arange(16)[::-1])) == list(range(16))[::-1]
+    pins = Pins.given(TEMPLATE, LIMITS)
+    assert pins.reduced is TEMPLATE
+    assert list(pins.placed(np.arange(16)[::-1])) == list(range(16))[::-1]
 
 
 @pytest.mark.parametrize(
@@ -49,10 +50,10 @@ def test_without_pins_the_template_is_the_given_one():
 )
 def test_pins_that_do_not_fit_are_refused(given, words):
     with pytest.raises(mf.InvalidInput, match=words):
-        Pins.given(given, TEMPLATE, LIMITS)
+        Pins.given(TEMPLATE, replace(LIMITS, pinned=given))
 
 
 def test_a_part_has_no_summit_of_height_0():
     part = TEMPLATE.replaced(block=mf.Block(20.0, 20.0, 7.0))
     with pytest.raises(mf.InvalidInput, match=r"pinned\[2\] = 0 is no summit of a part; write None"):
-        Pins.given({2: 0.0}, part, LIMITS)
+        Pins.given(part, replace(LIMITS, pinned={2: 0.0}))

@@ -51,6 +51,5 @@ def test_empty_sites_have_a_reason_that_holds(template):
 
 
 def test_a_full_lattice_and_empty_sites_of_the_user_need_no_reason(template):
-    pinned = {0: None}
-    design = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12), pinned=pinned)
+    design = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12, pinned={0: None}))
     assert "63 on 64 sites\n" in repr(design)

@@ -5,7 +5,7 @@ import numpy as np
 import metafem as mf
 from metafem.calibration import Priors, explain
 from metafem.report.sections.explanation import errors_figure, explanation_section, heights_figure
-from metafem.studies.explained import explained
+from metafem.studies.measurements import explained
 from tests.calibration.diagnosis.scenes import NOTHING, design, measured
 
 PART = design((3, 3))

@@ -7,7 +7,7 @@ import metafem as mf
 from metafem.calibration import MeasuredLaw, compare
 from metafem.report.page import page
 from metafem.report.sections.measured import measured_figure, measured_section
-from metafem.studies.measured import measured
+from metafem.studies.measurements import measured
 
 
 @pytest.fixture(scope="module")

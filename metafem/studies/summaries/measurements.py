@@ -1,4 +1,4 @@
-"""Whether the part shows the law: the summary of measured laws."""
+"""Whether the part shows the law, and which errors explain it: summaries of measured laws."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from metafem._values import percent
+from metafem.calibration.diagnosis.causes import GROUPS
+from metafem.calibration.diagnosis.sentences import NAMES, amount, part, spread
 from metafem.calibration.verdict import REJECTED, chi
 from metafem.studies.summaries.table import Summary, stored_notes
 
@@ -19,6 +21,12 @@ LIMIT = percent(REJECTED)
 # Columns of the table of points, and of that of features.
 POINTS = ("law", "P [N]", "P/E* [mm²]", "measured [mm²]", "±", "design [mm²]", "deviation", "in s.d.")
 FEATURES = ("law", "feature", "measured", "±", "design", "deviation", "in s.d.", "target", "from target")
+
+
+# The share of a second error of one group.
+WITH = "(with x)"
+
+CAUSES = ("cause", "expected", "found (68 %)", "share of the misfit", "chi² without it")
 
 
 def measured_summary(study: Dataset) -> Summary:
@@ -91,3 +99,38 @@ def counted_runs(runs: int) -> str:
 
 def _relative(value: float, reference: float) -> str:
     return percent(value / reference - 1.0, "+.1f") if reference > 0.0 else "-"
+
+
+def explained_summary(study: Dataset) -> Summary:
+    """Return the errors with their shares of the misfit, the largest first, and what they say."""
+    rows: list[tuple[str, ...]] = []
+    for group in study["group"].values.tolist():
+        last = (
+            part(float(study["share"].sel(group=group))),
+            chi(float(study["misfit_without"].sel(group=group))),
+        )
+        for name in GROUPS[group]:
+            if name in study["cause"].values:
+                one = study.sel(cause=name)
+                mean, sd = float(one["mean"]), float(one["sd"])
+                found = f"{amount(name, mean)} ± {amount(name, sd, '.2g')}"
+                prior = float(one["prior_sd"])
+            elif name in study["kind"].values:
+                found = spread(name, study[name].values, study[f"{name}_sd"].values)
+                prior = float(study["single_prior_sd"].sel(kind=name))
+            else:
+                continue
+            rows.append((NAMES[name], f"0 ± {amount(name, prior, '.2g')}", found, *last))
+            last = WITH, WITH
+    return Summary(
+        "What explains the measured law",
+        CAUSES,
+        tuple(rows),
+        stored_notes(study),
+        " ".join(sentences(study)),
+    )
+
+
+def sentences(study: Dataset) -> list[str]:
+    """Return the explanation in sentences."""
+    return [str(text) for text in study["sentence_text"].values]
