@@ -47,7 +47,7 @@ class Unloading(Loading):
         raise NotConverged("the adhesive contacts do not settle")
 
     def _enter_back(self, state: State, trial: State, goal: Goal) -> None:
-        """As `_enter` on the way back: there the plane comes nearer until the load is carried again."""
+        """As `_enter` on unloading: there the plane comes nearer until the load is carried again."""
         touch = self._touch(state, trial)
         self.state = self._joined_at(touch)
         if goal.by_load:
