@@ -77,7 +77,7 @@ class Uncoupled:
     ) -> Curve:
         """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
 
-        unloading: at these on the way back from the largest; loads of adhesive contacts may be negative.
+        unloading: at these while unloading from the largest; loads of adhesive contacts may be negative.
         """
         values, by_load = controlled(load, approach)
         equation = self._equation(surface)

@@ -59,7 +59,7 @@ class MeanField(Uncoupled):
     ) -> Curve:
         """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
 
-        unloading: at these on the way back from the largest; loads of adhesive contacts may be negative.
+        unloading: at these while unloading from the largest; loads of adhesive contacts may be negative.
         """
         found = super().curve(surface, load, approach=approach, unloading=unloading)
         if surface.count > 1:

@@ -42,10 +42,10 @@ def friction_law(
 ) -> FrictionLaw:
     """Predict the friction law of a surface.
 
-    Adhesive contacts jump in and break at different loads: with `unloading` the states are those on the
-    way back. Under a given load every state is stable, and the notes state the jumps. Plastic contacts are
-    flattened by the largest load; on the way back they are elastic, and a second loading up to that
-    load has the same law (`flattened`).
+    Adhesive contacts jump in and break at different loads: with `unloading` the states are those of
+    unloading. Under a given load every state is stable, and the notes state the jumps. Plastic contacts are
+    flattened by the largest load; on unloading they are elastic, and a second loading up to that load has
+    the same law (`flattened`).
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def friction_law(
         is indented by 0.04 R, the plane reaches the base plane, or the approach is 98 % of that at which a
         contact reaches the largest indentation of its law.
     unloading : bool
-        Whether the states are those on the way back from the largest load; default: False. Elastic contacts
+        Whether the states are those of unloading from the largest load; default: False. Elastic contacts
         without adhesion have one law for both ways. The model of the law of plastic contacts is that of the
         flattened surface.
 

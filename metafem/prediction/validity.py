@@ -77,7 +77,7 @@ def left_out_notes(
 ) -> tuple[Note, ...]:
     """Return `notes`, followed by estimates of what the model leaves out along a curve.
 
-    unloading: whether the curve is that on the way back from its largest load.
+    unloading: whether the curve is that of unloading from its largest load.
     """
     return (
         *notes,
@@ -129,7 +129,7 @@ def _interaction_notes(surface: Surface, model: Model, curve: Curve, unloading: 
 
 
 def _on_path(model: Model, surface: Surface, load: FloatArray, unloading: bool) -> Curve:
-    """Return the curve of a model on loading, or on the way back from the largest load."""
+    """Return the curve of a model on loading, or on unloading from the largest load."""
     if unloading:
         return cast("Curve", cast("Any", model).curve(surface, load, unloading=True))
     return model.curve(surface, load)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from typing import Literal, Self, overload
 
 import numpy as np
@@ -13,7 +14,7 @@ from metafem.errors import InvalidInput
 from metafem.surface import Surface
 
 
-class Radial:
+class Radial(ABC):
     """Influence 1/(pi r) of the half-space and a regular part, which subclasses define.
 
     Examples
@@ -33,18 +34,18 @@ class Radial:
         return self
 
     @property
+    @abstractmethod
     def self_influence(self) -> float:
         """Regular part of G at r = 0 [1/mm]."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def self_curvature(self) -> float:
         """Curvature of the regular part of G at r = 0 [1/mm^3]."""
-        raise NotImplementedError
 
+    @abstractmethod
     def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the regular part of G, G' and G'' at distances r >= 0 [mm]."""
-        raise NotImplementedError
 
     def regular(self, distance: ArrayLike) -> FloatArray:
         """Return ``G(r) - 1/(pi r)`` [1/mm], finite down to r = 0."""

@@ -36,7 +36,7 @@ def test_resolved_contacts_on_a_slope(law, monkeypatch):
     for lay in (flat, tilted):
         monkeypatch.setattr(solve, "patch", lay)
         scene = solve.Scene(surface, cell, mf.HalfSpace(), law)
-        area.append(scene.solve(solve.InitialGuess(np.array([depth]), depth), load).contacts.area[0])
+        area.append(scene.solve(scene.initial_guess(depth, by_load=False), load).contacts.area[0])
     expected = area_change(law, np.array(a), RADIUS, slope)
     # the next term of the slope
     assert area[1] / area[0] - 1.0 == pytest.approx(expected, rel=0.1)

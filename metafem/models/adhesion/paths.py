@@ -2,7 +2,7 @@
 
 All quantities are functions of the approach x: on loading, an asperity is in contact where x reaches its gap;
 on unloading, it stays in contact down to the end of its branch, ``d > d_end``. Between two such points the
-load is a convex function of x. A state at a load is the first one on the path; see `continuation`.
+load is a convex function of x. A state at a load is the first one on the path; see `loading`.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ from metafem.contact.elastic import PARABOLOID
 from metafem.errors import InvalidInput
 from metafem.models.boundary_elements import far_field
 from metafem.models.boundary_elements.field import ContactField
-from metafem.models.boundary_elements.solve import COARSEST, TOLERANCE, InitialGuess, Scene, Solution
+from metafem.models.boundary_elements.solve import COARSEST, TOLERANCE, Scene, Solution
 from metafem.models.curve import Curve, RescaledState, controlled
 from metafem.models.model import WithoutGradients
 from metafem.notes import Note, information
@@ -136,7 +136,7 @@ class BoundaryElements(WithoutGradients):
         )
         return replace(first, notes=(*first.notes, note))
 
-    def _point(self, scene: Scene, guess: InitialGuess | None, value: float, by_load: bool) -> Curve:
+    def _point(self, scene: Scene, guess: Curve | None, value: float, by_load: bool) -> Curve:
         """Return the equilibrium at one load [mm^2] or approach [mm]."""
         if guess is None:  # no load, or no contact
             row = (0.0 if by_load else value, 0.0, 0.0, 0.0, 0.0)

@@ -18,6 +18,7 @@ from metafem.models.boundary_elements.far_field import table_bytes
 from metafem.models.boundary_elements.influence import Influence
 from metafem.models.boundary_elements.patches import Patch, box_rate, boxes, patch
 from metafem.models.boundary_elements.summits import Summits
+from metafem.models.curve import Curve
 from metafem.models.independent import Independent
 from metafem.models.interacting.model import Interacting
 from metafem.substrate import Radial
@@ -73,14 +74,6 @@ class Solution:
     stiffness: float  # derivative of the load by the approach on the cells that carry pressure
 
 
-@dataclass(frozen=True, eq=False)
-class InitialGuess:
-    """Indentations (n,) [mm], negative where open, and the approach [mm]."""
-
-    indentation: FloatArray
-    approach: float
-
-
 class Scene:
     """One surface on one substrate, with the data that all loads share."""
 
@@ -94,7 +87,7 @@ class Scene:
         self.coupling = self.substrate.influence_matrix(surface)
         self.slope_x, self.slope_y, self.laplacian = self.substrate.influence_derivatives(surface)
 
-    def initial_guess(self, value: float, by_load: bool) -> InitialGuess:
+    def initial_guess(self, value: float, by_load: bool) -> Curve:
         """Return the solution of coupled point loads at a load P/E* [mm^2] or an approach [mm].
 
         On very thin layers there is none, and independent asperities are used.
@@ -102,20 +95,19 @@ class Scene:
         load, approach = (np.array([value]), None) if by_load else (None, np.array([value]))
         try:
             point = Interacting(order=1, substrate=self.substrate, contact=self.law)
-            curve = point.curve(self.surface, load, approach=approach).checked()
+            return point.curve(self.surface, load, approach=approach).checked()
         except MetafemError:
-            curve = Independent(self.law).curve(self.surface, load, approach=approach)
-        return InitialGuess(curve.last.indentation, float(curve.approach[0]))
+            return Independent(self.law).curve(self.surface, load, approach=approach)
 
-    def largest(self, guess: InitialGuess) -> float:
+    def largest(self, guess: Curve) -> float:
         """Return the radius of the largest contact of an initial guess [mm]."""
-        return float(self.law.contact_radius(guess.indentation, self.surface.radius).max())
+        return float(self.law.contact_radius(guess.last.indentation, self.surface.radius).max())
 
-    def resolves(self, guess: InitialGuess) -> bool:
+    def resolves(self, guess: Curve) -> bool:
         """Whether the cells are fine enough for the largest contact of an initial guess."""
         return self.largest(guess) >= COARSEST * self.cell
 
-    def solve(self, guess: InitialGuess, load: float | None = None) -> Solution:
+    def solve(self, guess: Curve, load: float | None = None) -> Solution:
         """Solve from an initial guess, at its approach or a load, on patches that cover every contact."""
         if not self.resolves(guess):
             largest = self.largest(guess)
@@ -123,7 +115,7 @@ class Scene:
                 f"cell = {self.cell:g} mm is too coarse for the largest contact, whose radius is about "
                 f"{largest:.3g} mm; {COARSEST:g} cells per radius need cell <= {largest / COARSEST:.3g} mm"
             )
-        d = guess.indentation
+        d = guess.last.indentation
         alone = self.law.load(self.law.contact_radius(d, self.surface.radius), self.surface.radius)
         gain, distance = self._lift(alone)
         reach = np.maximum(self._reach(d, 1.0 + MARGIN_SHARE), LIFTED * distance + MARGIN_CELLS)
@@ -137,7 +129,7 @@ class Scene:
             operator = self._influence(patches)
             # half of the tolerance, as the final indentation may be smaller than the expected one
             tolerance = 0.5 * TOLERANCE * indentation
-            minimum = self._minimum(operator, patches, pressure, guess.approach, load, tolerance)
+            minimum = self._minimum(operator, patches, pressure, float(guess.approach[0]), load, tolerance)
             parts = operator.split(minimum.pressure)
             contacts = measure(patches, parts, self.summits)
             blunt = self.summits.bluntness(np.sqrt(contacts.area / math.pi))

@@ -11,12 +11,13 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.contact import JKR
 from metafem.errors import InvalidInput, NotConverged
-from metafem.models.adhesion.continuation import Continuation, Goal
 from metafem.models.adhesion.load_equation import equilibria
+from metafem.models.adhesion.loading import Goal, Loading
 from metafem.models.adhesion.notes import Jump, jump_notes, refuse_beyond, refuse_merging, refuse_no_loading
 from metafem.models.adhesion.paths import Asperities
 from metafem.models.adhesion.scene import Scene
 from metafem.models.adhesion.solve import TOLERANCE, State
+from metafem.models.adhesion.unloading import Unloading
 from metafem.models.curve import Curve, RescaledState, Sensitivity
 from metafem.models.interacting.coupled import Coupled
 from metafem.models.interacting.influence import coupling_between
@@ -93,25 +94,24 @@ def follow(
     by_load: bool,
     unloading: bool,
     modulus: float = 1.0,
-    record: bool = True,
 ) -> Followed:
     """Follow interacting asperities through increasing loads or approaches (k,), or back from the largest."""
-    path = Continuation(scene)
+    path = Loading(scene)
     if not unloading:
         return Followed(scene, [path.press(Goal(value, by_load)) for value in values], path.jumps, values)
     refuse_no_loading(values, by_load, 0.0)
     path.press(Goal(values[-1], by_load))
-    path.turn()
-    states = [path.withdraw(Goal(value, by_load)) for value in values[::-1]]
+    back = Unloading(scene, state=path.state, extreme=np.inf)
+    states = [back.withdraw(Goal(value, by_load)) for value in values[::-1]]
     if by_load and states[-1] is None:
-        refuse_beyond(values[0], path.extreme, modulus)
-    return Followed(scene, states[::-1], path.jumps, values)
+        refuse_beyond(values[0], back.extreme, modulus)
+    return Followed(scene, states[::-1], back.jumps, values)
 
 
 def followed_near(scene: Scene, load: FloatArray) -> Followed:
     """Follow interacting asperities through increasing loads (k,), each from those that do not interact."""
     start = equilibria(Asperities(scene.law, scene.radius, scene.gap), load)
-    path = Continuation(scene, record=False)
+    path = Loading(scene, record=False)
     pairs = zip(load, start.sums.contact_radius, strict=True)
     states = [path.press_near(Goal(value, by_load=True), guess) for value, guess in pairs]
     return Followed(scene, states, [], load)

@@ -5,12 +5,16 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
+from metafem._kernels import coupling
+from metafem._kernels import interacting as interacting_kernel
 from metafem._kernels.continuation import Results
 from metafem.models.contact_tables import tables
 from metafem.models.interacting import elastic as interacting
 from metafem.models.interacting.coarse import coarsen
 from metafem.models.interacting.ewald_sums import ScatteredSums
 from metafem.models.interacting.fft_sums import LatticeSums, find_lattice
+from metafem.models.interacting.influence import coupling_between
+from metafem.models.interacting.newton_krylov import ContactEquations
 from tests.models.scenes import lattice, scene
 
 SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5)]
@@ -198,3 +202,48 @@ def test_memory_is_refused_before_it_is_allocated():
 
     with pytest.raises(mf.InvalidInput, match="GiB"):
         require_memory(1e18, "a scene")
+
+
+class DenseSums:
+    """The sums of `ContactEquations` in dense matrices."""
+
+    def __init__(self, coupling):
+        self.coupling = coupling
+
+    def displacement(self, load, size=None, *moment):
+        found = load @ self.coupling.influence
+        if size is not None:
+            x, y = moment
+            found += size @ self.coupling.laplacian + x @ self.coupling.slope_x + y @ self.coupling.slope_y
+        return found
+
+    def field(self, load):
+        found = self.coupling
+        return load @ found.laplacian_at, load @ found.slope_x_at, load @ found.slope_y_at
+
+
+@pytest.mark.parametrize("order", [1, 3])
+@pytest.mark.parametrize("law", [mf.Hertz(), mf.PowerCap(4), mf.SphericalCap()], ids=repr)
+def test_the_equations_over_sums_are_those_of_the_kernel(law, order):
+    """Response and derivatives, to rounding, with open and closed asperities."""
+    surface, z = scene(), np.array([0.02, 0.03, -0.01, 0.025, 0.03, 0.015])
+    field, self_term = coupling_between(surface, mf.BondedLayer().for_surface(surface), order)
+    table, state = tables(law, surface.radius), coupling.empty_state(6)
+    state.z[:] = z
+    count = coupling.respond(field, order, table, self_term, state)
+    residual, load = coupling.measure(order, surface.gap, 0.06, 0.1, state, count)
+    equations = ContactEquations(DenseSums(field), order, table, self_term, surface.gap, None)
+    found = equations.respond(z, 0.06, 0.1)
+    names = ("load", "indentation", "displacement", "bend", "square", *(("moment",) if order == 3 else ()))
+    for name in names:
+        assert_allclose(getattr(found.state, name), getattr(state, name), rtol=1e-13, atol=1e-16)
+    assert found.state.load.sum() == pytest.approx(load, rel=1e-14)
+    assert found.residual == pytest.approx(residual, rel=1e-13)
+    closed, change = state.closed[:count], np.zeros(6)
+    change[closed] = np.random.default_rng(0).random(count)
+    image = equations.jacobian(found, change, exact=True) + equations.diagonal(found) * change
+    work = np.empty((count, count)), np.empty((6, count))
+    coupling.widen(table, state, count)
+    interacting_kernel.hessian(field, order, self_term, state, count, *work)
+    hessian = np.tril(work[0]) + np.tril(work[0], -1).T
+    assert_allclose(image[closed], hessian @ change[closed], rtol=1e-12)
