@@ -38,7 +38,7 @@ class MeanField(Uncoupled):
 
     Examples
     --------
-    >>> from metafem import Material, Surface, equilibrium
+    >>> from metafem import Independent, Material, Surface, equilibrium
     >>> surface = Surface.square_lattice(0.1, (8, 8), radius=0.526, material=Material(1.36))
     >>> alone, sunk = (equilibrium(surface, model, load=0.5) for model in (Independent(), MeanField()))
     >>> alone.area == sunk.area, round(alone.separation - sunk.separation, 4)
