@@ -16,7 +16,7 @@ from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import CapShape
 from metafem.contact.elastic import PARABOLOID
-from metafem.contact.law import Contact, Values
+from metafem.contact.law import Contact, Values, material_of
 from metafem.errors import InvalidInput
 from metafem.material import Material
 
@@ -98,11 +98,7 @@ class JKR(Contact):
         """w/E* [mm]."""
         if self.adhesion_energy == 0.0:
             return 0.0
-        if self.material is None:
-            raise InvalidInput(
-                f"{self!r} has no material yet: use it in a model, or call for_material(material)"
-            )
-        return self.adhesion_energy / self.material.composite_modulus
+        return self.adhesion_energy / material_of(self).composite_modulus
 
     def deficit(self, contact_radius: Values) -> FloatArray:
         """Decrease s = sqrt(2 pi w a/E*) [mm] of the cap's indentation by adhesion."""

@@ -192,11 +192,3 @@ class ElasticPlastic(LawByIndentation):
     def _depth_at(self, area: FloatArray, radius: FloatArray) -> FloatArray:
         scaled = area / (math.pi * self._yield * radius**2)
         return np.asarray(self._yield * radius * self._area.inverse(scaled))
-
-    def _bound(self) -> Material:
-        """Return the material, or raise InvalidInput for a law without one."""
-        if self.material is None:
-            raise InvalidInput(
-                f"{self!r} has no material yet: use it in a model, or call for_material(material)"
-            )
-        return self.material

@@ -12,6 +12,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact.by_indentation import LogCubic
 from metafem.contact.elastic_plastic import AFTER_YIELD, ElasticPlastic
+from metafem.contact.law import material_of
 from metafem.material import Material
 from metafem.notes import Note
 
@@ -77,12 +78,12 @@ class JacksonGreen(ElasticPlastic):
 
     @property
     def _strain(self) -> float:
-        return self.yield_strength / self._bound().composite_modulus
+        return self.yield_strength / material_of(self).composite_modulus
 
     @property
     def _factor(self) -> float:
         """C [-]."""
-        return 1.295 * math.exp(0.736 * self._bound().poisson_ratio)
+        return 1.295 * math.exp(0.736 * material_of(self).poisson_ratio)
 
     @cached_property
     def _yield(self) -> float:

@@ -13,6 +13,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact.by_indentation import LogCubic
 from metafem.contact.elastic_plastic import AFTER_YIELD, ElasticPlastic
+from metafem.contact.law import material_of
 from metafem.material import Material
 
 # Hardness over yield strength, with which Kogut and Etsion write their formulas.
@@ -77,16 +78,16 @@ class KogutEtsion(ElasticPlastic):
 
     @property
     def _strain(self) -> float:
-        return self.hardness / (HARDNESS_RATIO * self._bound().composite_modulus)
+        return self.hardness / (HARDNESS_RATIO * material_of(self).composite_modulus)
 
     @property
     def _factor(self) -> float:
         """K [-]."""
-        return 0.454 + 0.41 * self._bound().poisson_ratio
+        return 0.454 + 0.41 * material_of(self).poisson_ratio
 
     @cached_property
     def _yield(self) -> float:
-        return (0.5 * math.pi * self._factor * self.hardness / self._bound().composite_modulus) ** 2
+        return (0.5 * math.pi * self._factor * self.hardness / material_of(self).composite_modulus) ** 2
 
     @cached_property
     def _loads(self) -> list[tuple[float, float]]:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar, NamedTuple, Protocol, runtime_checkable
+from typing import Any, ClassVar, NamedTuple, Protocol, cast, runtime_checkable
 
 import numpy as np
 
+from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import SPHERES, CapShape, Values
+from metafem.errors import InvalidInput
 from metafem.material import Material
 from metafem.notes import Note
 
-__all__ = ["Contact", "Contacts", "Values", "area_change", "contacts"]
+__all__ = ["Contact", "Contacts", "Values", "area_change", "checked_contact", "contacts", "material_of"]
 
 # Step of the contact radius for the derivative of D', relative.
 STEP = 1e-3
@@ -132,6 +134,20 @@ class Contact(Protocol):
         """Derivative dd/da of the indentation of an elastic cap by the contact radius a > 0 [-]."""
         a = np.asarray(contact_radius, dtype=np.float64)
         return np.asarray(2.0 * math.pi * a / self.area_slope(a, radius, curvature))
+
+
+def checked_contact(contact: object) -> Contact:
+    """Return a contact law, or raise InvalidInput for anything else."""
+    laws = "a contact law such as metafem.Hertz() or metafem.PowerCap(4)"
+    check.instance("contact", contact, Contact, laws)
+    return cast("Contact", contact)
+
+
+def material_of(law: Any) -> Material:
+    """Return the material of a law, or raise InvalidInput for a law without one."""
+    if law.material is None:
+        raise InvalidInput(f"{law!r} has no material yet: use it in a model, or call for_material(material)")
+    return cast("Material", law.material)
 
 
 class Contacts(NamedTuple):

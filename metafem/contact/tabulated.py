@@ -15,7 +15,7 @@ from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.contact.by_indentation import LawByIndentation, LogCubic
-from metafem.contact.law import Values
+from metafem.contact.law import Values, material_of
 from metafem.errors import InvalidInput
 from metafem.material import Material
 
@@ -113,11 +113,7 @@ class TabulatedContact(Value, LawByIndentation):
     @cached_property
     def _load(self) -> LogCubic:
         """P/E* [mm^2] over d [mm]."""
-        if self.material is None:
-            raise InvalidInput(
-                f"{self!r} has no material yet: use it in a model, or call for_material(material)"
-            )
-        return _monotone(self.table[0], self.table[1] / self.material.composite_modulus)
+        return _monotone(self.table[0], self.table[1] / material_of(self).composite_modulus)
 
     @cached_property
     def _area(self) -> LogCubic:

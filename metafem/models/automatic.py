@@ -10,6 +10,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
+from metafem.contact.law import checked_contact
 from metafem.errors import MetafemError
 from metafem.models.boundary_elements.model import BoundaryElements, resolvable
 from metafem.models.curve import Curve, controlled
@@ -82,7 +83,7 @@ class Automatic(WithoutGradients):
 
     def __post_init__(self) -> None:
         check.member(self, "tolerance", above=0.0)
-        check.instance("contact", self.contact, Contact, "a contact law such as metafem.Hertz()")
+        checked_contact(self.contact)
         _ = self.gradient_model  # checks the substrate, and the contact on it
 
     def curve(

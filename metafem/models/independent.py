@@ -12,6 +12,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
+from metafem.contact.law import checked_contact
 from metafem.errors import InvalidInput
 from metafem.models.adhesion.load_equation import AdhesiveAsperities
 from metafem.models.adhesion.notes import adhesive_law
@@ -38,8 +39,7 @@ class Uncoupled:
     contact: Contact
 
     def __post_init__(self) -> None:
-        laws = "a contact law such as metafem.Hertz() or metafem.PowerCap(4)"
-        check.instance("contact", self.contact, Contact, laws)
+        checked_contact(self.contact)
 
     def __repr__(self) -> str:
         """Return the constructor's call, without the default law."""

@@ -6,11 +6,11 @@ from dataclasses import fields, replace
 from functools import cached_property
 from typing import Any, ClassVar, Protocol, cast, runtime_checkable
 
-from metafem import _validate as check
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID as PARABOLOID
+from metafem.contact.law import checked_contact as checked_contact
 from metafem.errors import InvalidInput
 from metafem.models.curve import Curve, Sensitivity, areas_one_by_one
 from metafem.models.interacting.model import Interacting
@@ -25,13 +25,6 @@ def checked_model(model: object) -> Model:
             f"model = {shown(model)} must be a model such as metafem.Independent(); loads go by load="
         )
     return cast("Model", model)
-
-
-def checked_contact(contact: object) -> Contact:
-    """Return a contact law, or raise InvalidInput for anything else."""
-    laws = "a contact law such as metafem.Hertz() or metafem.PowerCap(4)"
-    check.instance("contact", contact, Contact, laws)
-    return cast("Contact", contact)
 
 
 def contact_of(model: Model) -> Contact:

@@ -12,6 +12,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
+from metafem.contact.law import checked_contact
 from metafem.errors import InvalidInput
 from metafem.models.adhesion.notes import adhesive_law
 from metafem.models.curve import Curve, Sensitivity, areas_one_by_one, controlled
@@ -87,8 +88,7 @@ class Interacting:
         if not integer or self.order not in (1, 3):
             raise InvalidInput(f"order = {self.order!r} does not exist; it must be 1 or 3")
         check.instance("substrate", self.substrate, Substrate, "a substrate such as metafem.HalfSpace()")
-        laws = "a contact law such as metafem.Hertz() or metafem.PowerCap(4)"
-        check.instance("contact", self.contact, Contact, laws)
+        checked_contact(self.contact)
         if self.order > self.contact.largest_order:
             raise InvalidInput(
                 f"order = {self.order} needs the profile of the contacts, which {self.contact!r} does not "
