@@ -40,9 +40,9 @@ def test_the_blocks_of_calibrations_are_independent(calibrations):
 def test_they_are_handed_on_to_the_study(calibrations, surface):
     names, matrix = joint_covariance(*calibrations)
     load = [0.05]
-    found = mf.studies.uncertainty(surface, names, covariance=matrix, load=load, draws=2048)
+    found = mf.studies.uncertainty(surface, (names, matrix), load=load, draws=2048)
     assert list(found.parameter.values) == ["radius + composite_modulus", "area_ratio + shear_strength"]
-    sheared = mf.studies.uncertainty(surface, names[2:], covariance=matrix[2:, 2:], load=load, draws=2048)
+    sheared = mf.studies.uncertainty(surface, (names[2:], matrix[2:, 2:]), load=load, draws=2048)
     # F = sigma B A0: the relative variances of independent blocks add
     relative = [float(part.friction_force_sd[0] / part.friction_force_mean[0]) for part in (found, sheared)]
     area = float(found.area_sd[0] / found.area_mean[0])
@@ -55,7 +55,7 @@ def test_an_error_of_the_radius_nearly_cancels_in_the_area(calibrations, surface
     # all contacts closed at one indentation: a^3 = 3 R P/(4 E*), and E* grows in proportion to R
     flat = mf.Surface.square_lattice(0.1, (1, 2), radius=0.526, material=pressed.material)
     both, statistical = (
-        float(mf.studies.uncertainty(flat, names, covariance=matrix, load=[0.05], draws=2048).area_sd[0])
+        float(mf.studies.uncertainty(flat, (names, matrix), load=[0.05], draws=2048).area_sd[0])
         for names, matrix in (
             (pressed.parameters, pressed.parameter_covariance),
             (("composite_modulus",), alone),

@@ -289,7 +289,7 @@ def test_stacks_without_an_image_to_measure_are_refused():
         stack_areas([], PIXEL)
     with pytest.raises(mf.InvalidInput, match="sequence"):
         stack_areas(iter(images()), PIXEL)
-    with pytest.raises(mf.InvalidInput, match="loads has shape"):
+    with pytest.raises(mf.InvalidInput, match="loads has 2 numbers; it must have 4"):
         stack_areas(images(), PIXEL, loads=[1.0, 2.0])
 
 
