@@ -257,7 +257,10 @@ def _work(lock: Path) -> Path:
 
 
 def _remove(lock: Path) -> None:
-    """Remove the working folder of a lock that this process holds, and its file."""
+    """Remove the working folder of a lock that this process holds, and its file.
+
+    A run that waits for the lock notices that its file is gone, and makes a new one.
+    """
     shutil.rmtree(_work(lock), ignore_errors=True)
     lock.unlink(missing_ok=True)
 
