@@ -1,4 +1,4 @@
-"""Figure of the law of a design beside its target."""
+"""Figure of the law of a design with its target."""
 
 from __future__ import annotations
 

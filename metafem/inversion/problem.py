@@ -51,8 +51,9 @@ class Effort:
     evaluated_steps: int = 24
 
 
-# That of a draft, for a view that follows a hand. On the specifications of `validation/benchmark/explorer.py`
-# a design takes a half to a tenth of the time, and its misfit is at most 1.7 times as large.
+# That of a draft, for a view that changes while a handle is dragged. On the specifications of
+# `validation/benchmark/explorer.py` a design takes a half to a tenth of the time, and its misfit is at most
+# 1.7 times as large.
 DRAFT = Effort(
     restarts=2, free_goals=(1e-2,), refined_restarts=0, ratio_restarts=2, range_restarts=0,
     pinned_changes=1, step_changes=1, evaluated_steps=6,

@@ -151,8 +151,8 @@ class Design(Value):
         found = dict(zip(self.sites.tolist(), self.surface.height.tolist(), strict=True))
         for site, height in self.pinned.items():
             if found.get(site) != height:
-                kept = "empty" if height is None else f"{height:g} mm high"
-                raise InvalidInput(f"site {site} must be {kept}, as pinned states")
+                wanted = "empty" if height is None else f"{height:g} mm high"
+                raise InvalidInput(f"site {site} must be {wanted}, as pinned states")
 
     def __repr__(self) -> str:
         lines = [f"  {name:<11} {words}" for name, words in self._facts().items()]
@@ -217,9 +217,9 @@ class Design(Value):
         return misfit_meaning(self.target_law.pointwise, self.density is not None, self.fits, self.misfit)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the achieved law beside the target, rescaled.
+        """Draw the achieved law with the target, rescaled.
 
-        A design with a height density is drawn beside the law of the density and straight lines with the
+        A design with a height density is drawn with the law of the density and straight lines with the
         slopes of the target, whose ranges are shaded.
 
         Parameters

@@ -235,9 +235,9 @@ def cell_check() -> list[Check]:
         contact = press(a, RADIUS, thickness=THICKNESS, cell_radius=side)
         # 1/R_i = 1/R + P S/2 with P = 4 a^3/(3 R_i), the curvature S of the field of the neighbours
         sharpened = RADIUS * (1.0 - 2.0 / 3.0 * a**3 * curvature)
-        load, alone = single_contacts.hertz(a, sharpened)
-        lattice = alone + load * (total + 0.1 * a**2 * curvature)
-        series = alone + load * bonded_layer.cell_influence(a, side, THICKNESS, 0.5)
+        load, single = single_contacts.hertz(a, sharpened)
+        lattice = single + load * (total + 0.1 * a**2 * curvature)
+        series = single + load * bonded_layer.cell_influence(a, side, THICKNESS, 0.5)
         checks += [
             _near(f"a = {a} mm: load", contact.rescaled_load, load, 5e-4, CURVATURE),
             _near(f"a = {a} mm: indentation, lattice sum", contact.indentation, lattice, 5e-3, LATTICE),

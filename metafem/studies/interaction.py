@@ -82,7 +82,7 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
         substrates["layer"] = BondedLayer()
     law = contact_of(design.law.model)
     orders = [order for order in ORDERS if order <= law.largest_order]
-    alone = Independent(contact=law).curve(surface, rescaled)
+    independent = Independent(contact=law).curve(surface, rescaled)
     nearest = np.argsort(((surface.position - surface.position.mean(axis=0)) ** 2).sum(axis=1), kind="stable")
     tallest = np.argsort(-surface.height, kind="stable")
     centred = np.empty(surface.count, dtype=int)
@@ -94,11 +94,11 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
         substrate = substrates[name]
         models = [Interacting(order=order, substrate=substrate, contact=law) for order in orders]
         curves = [model.curve(surface, rescaled) for model in models]
-        change.append([curve.area / alone.area - 1.0 for curve in curves])
-        sinking.append([curve.approach - alone.approach for curve in curves])
+        change.append([curve.area / independent.area - 1.0 for curve in curves])
+        sinking.append([curve.approach - independent.approach for curve in curves])
         model = models[-1]
-        centre.append(_areas(model, surface, [centred], rescaled)[0] / alone.area - 1.0)
-        moved = _areas(model, surface, random_orders, rescaled[few]) / alone.area[few] - 1.0
+        centre.append(_areas(model, surface, [centred], rescaled)[0] / independent.area - 1.0)
+        moved = _areas(model, surface, random_orders, rescaled[few]) / independent.area[few] - 1.0
         spread.append(np.sqrt((moved**2).mean(axis=1)))
     axes = ("substrate", "order", "rescaled_load")
     variables = {

@@ -105,7 +105,7 @@ def largest(level: Callable[[float], Level], given: Level, wanted: float, most: 
         new = min((1.0 + BEYOND) * min(high + ahead, 2.0 * high), most)
         low, at_low, high, at_high = high, at_high, new, level(new)
     above = {high: at_high.value}
-    ends, kept = [at_low.value - wanted, at_high.value - wanted], 0
+    ends, unmoved = [at_low.value - wanted, at_high.value - wanted], 0
     for _ in range(STEPS):
         # an infinite level has no line through it
         share = ends[0] / (ends[0] - ends[1]) if math.isfinite(ends[1]) else 0.5
@@ -114,14 +114,14 @@ def largest(level: Callable[[float], Level], given: Level, wanted: float, most: 
         over = found.value - wanted
         if math.isfinite(found.error) and abs(over) <= max(FRACTION * found.error, SMALLEST * wanted):
             break
-        # the end that is kept twice counts half
+        # the end that did not move twice counts half
         if over > 0.0:
             high, above[factor] = factor, found.value
-            ends = [ends[0] * (0.5 if kept < 0 else 1.0), over]
-            kept = -1
+            ends = [ends[0] * (0.5 if unmoved < 0 else 1.0), over]
+            unmoved = -1
         else:
-            low, ends = factor, [over, ends[1] * (0.5 if kept > 0 else 1.0)]
-            kept = 1
+            low, ends = factor, [over, ends[1] * (0.5 if unmoved > 0 else 1.0)]
+            unmoved = 1
     near = [times for times in above if NEAREST <= times / factor - 1.0 <= FARTHEST]
     apart = min(near, default=min((1.0 + BEYOND) * factor, most))
     rise = (above[apart] if near else level(apart).value) - found.value

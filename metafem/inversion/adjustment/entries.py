@@ -39,12 +39,12 @@ def with_same_entries(problem: Problem, start: Candidate, goal: float, rng: np.r
     solver, limits, options = problem.model.gradient_model, problem.limits, problem.options
     law, surface = start.target_law.thinned(LOADS), start.surface(problem.template)
     space = Heights(limits.span)
-    alone, shifted = Independent(contact=problem.contact), shift(problem, start)
+    independent, shifted = Independent(contact=problem.contact), shift(problem, start)
     nothing = beyond(law.load, start.height)
 
     def residual(height: FloatArray) -> LateResidual:
         try:
-            found = alone.sensitivity_of(height, surface.radius, law.load)
+            found = independent.sensitivity_of(height, surface.radius, law.load)
             given = below_limit(shifted(height), limits)
             area = solver.areas(surface, law.load, given[None])[0]
         except InvalidInput:

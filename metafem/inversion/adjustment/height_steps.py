@@ -158,22 +158,22 @@ class _StepSearch:
         order = np.argsort(single, kind="stable")
         # asperities of equal height have equal gradients, and two of each are enough for a pair
         third = np.append([False, False], single[order][2:] == single[order][:-2])
-        kept = order[~third[: len(order)]][:PAIRED_STEPS]
-        part = change[:, kept]
+        tried = order[~third[: len(order)]][:PAIRED_STEPS]
+        part = change[:, tried]
         double = self.total(residual[:, None, None] + part[:, :, None] + part[:, None, :])
-        double[np.diag_indices(len(kept))] = single[kept]
-        double[np.tril_indices(len(kept), -1)] = np.inf
-        same = which[kept][:, None] == which[kept][None, :]
-        double[same & ~np.eye(len(kept), dtype=bool)] = np.inf
+        double[np.diag_indices(len(tried))] = single[tried]
+        double[np.tril_indices(len(tried), -1)] = np.inf
+        same = which[tried][:, None] == which[tried][None, :]
+        double[same & ~np.eye(len(tried), dtype=bool)] = np.inf
         _, first = np.unique(double.ravel(), return_index=True)
         trials = []
         for flat in first[: self.effort.evaluated_steps]:
-            a, b = divmod(int(flat), len(kept))
+            a, b = divmod(int(flat), len(tried))
             if not np.isfinite(double[a, b]):
                 continue
             trial = index.copy()
-            trial[which[kept[a]]] += by[kept[a]]
+            trial[which[tried[a]]] += by[tried[a]]
             if a != b:
-                trial[which[kept[b]]] += by[kept[b]]
+                trial[which[tried[b]]] += by[tried[b]]
             trials.append(trial)
         return trials

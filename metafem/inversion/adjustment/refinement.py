@@ -62,8 +62,8 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
     if unrefined <= MISSED:
         return candidate
     if model.couples and problem.contact.adhesive:
-        alone = replace(problem, model=Independent(contact=problem.contact))
-        candidate = refined(alone, candidate, rng)
+        uncoupled = replace(problem, model=Independent(contact=problem.contact))
+        candidate = refined(uncoupled, candidate, rng)
     with doing("refining the heights under the model"):
         solver, space = model.gradient_model, Heights(limits.span)
         best, start = Minimum(candidate.height, np.inf), candidate

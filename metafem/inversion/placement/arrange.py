@@ -197,13 +197,15 @@ class _Search:
 
     def best(self, first: _Measured) -> _Measured:
         """Return the best arrangement that is found from a given one, over the sites `open_sites`."""
-        best, alone = first, Independent(contact=contact_of(self.model))
+        best, independent = first, Independent(contact=contact_of(self.model))
         tries = range(max(1, self.affordable(MOST_ROUNDS)))
         for k in each("round", tries, at_most=True):
             if best.misfit <= GOAL:
                 break
             start = first if k < 2 else self.disturbed(best)
-            best = min(best, self.corrected(start, (self.model, alone)[k % 2]), key=attrgetter("misfit"))
+            best = min(
+                best, self.corrected(start, (self.model, independent)[k % 2]), key=attrgetter("misfit")
+            )
         return self.confirmed(best)
 
     def measured(self, order: IntArray) -> _Measured:

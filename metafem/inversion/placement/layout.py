@@ -111,8 +111,8 @@ def aims_of(
     """Return the aims of a layout, each in words and as an objective with its weight."""
     aims: list[tuple[str, Objective, float]] = []
     if model.couples:  # with a tilt too: otherwise the refinement would undo the layout
-        alone = Independent(contact=contact_of(model))
-        some, area = _some(len(law.load), LAW_LOADS), alone.curve(surface, law.load).area
+        independent = Independent(contact=contact_of(model))
+        some, area = _some(len(law.load), LAW_LOADS), independent.curve(surface, law.load).area
         friction = law.law(area)[some]
         # a poor fit can decrease with the load; the law of independent asperities always increases
         rises = friction[0] > 0.0 and (np.diff(friction) > 0.0).all()

@@ -143,15 +143,15 @@ class Step:
         for radius in tools:
             new = number[:, None], np.array([radius])
             depth = self.depth(*new)
-            alone = self.at(depth, *new)[0]
-            met = np.abs(alone) <= ROUNDING * self.load
+            without = self.at(depth, *new)[0]
+            met = np.abs(without) <= ROUNDING * self.load
             for n, d in zip(number[met], depth[met], strict=True):
                 yield Level(self.height, int(n), radius, radius, float(d), 0.0)
             for other in tools:
                 new = np.stack([number, np.ones(len(number))], axis=1), np.array([radius, other])
                 level = self.depth(*new)
                 both = self.at(level, *new)[0]
-                for i in np.flatnonzero((alone * both <= 0.0) & ~met & (number < left)):
+                for i in np.flatnonzero((without * both <= 0.0) & ~met & (number < left)):
                     yield self._adjusted(int(number[i]), radius, other, float(level[i]), float(depth[i]))
 
     def _adjusted(self, number: int, radius: float, other: float, low: float, high: float) -> Level:

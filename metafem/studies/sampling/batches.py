@@ -73,7 +73,7 @@ def opened(execution: Execution | None, study: str, inputs: str) -> Iterator[Run
     local = nullcontext(here if chosen.workers == 1 else processes(chosen.workers))
     try:
         with local if chosen.scheduler is None else cluster(chosen.scheduler) as compute:
-            yield lambda task, numbers: _kept(store, compute, task, numbers)
+            yield lambda task, numbers: _results(store, compute, task, numbers)
     except (KeyboardInterrupt, SystemExit) as stop:
         if store is not None:
             text = f"finished batches are kept in {store.folder}; the same call with this folder goes on"
@@ -82,25 +82,25 @@ def opened(execution: Execution | None, study: str, inputs: str) -> Iterator[Run
         raise
 
 
-def _kept(store: Store | None, compute: Run, task: Task, numbers: Sequence[int]) -> Iterator[Result]:
+def _results(store: Store | None, compute: Run, task: Task, numbers: Sequence[int]) -> Iterator[Result]:
     """Yield results in order: those that are kept are read, the others are computed and kept."""
-    kept = set() if store is None else set(filter(store.holds, numbers))
-    unkept = [number for number in numbers if number not in kept]
-    fresh, start, done = compute(task, unkept), time.monotonic(), 0
+    stored = set() if store is None else set(filter(store.holds, numbers))
+    missing = [number for number in numbers if number not in stored]
+    fresh, start, done = compute(task, missing), time.monotonic(), 0
 
     def rate() -> str:
         """Return the batches per second of this run, and the time left."""
         if not done:
             return ""
         taken = (time.monotonic() - start) / done
-        return f"{1.0 / taken:.2g} per second, {(len(unkept) - done) * taken:.0f} s left"
+        return f"{1.0 / taken:.2g} per second, {(len(missing) - done) * taken:.0f} s left"
 
     for number in each("batch", numbers, detail=rate):
-        result = store.read(number) if store is not None and number in kept else None
+        result = store.read(number) if store is not None and number in stored else None
         if result is None:
             # one that is kept and cannot be read is computed here
-            result = task(number) if number in kept else next(fresh)
-            done += number not in kept
+            result = task(number) if number in stored else next(fresh)
+            done += number not in stored
             if store is not None:
                 store.write(number, result)
         yield result

@@ -149,7 +149,7 @@ def _root(correlation: FloatArray) -> FloatArray:
 
 
 def _groups(correlation: FloatArray) -> tuple[tuple[int, ...], ...]:
-    """Return the inputs that are correlated, directly or by way of others."""
+    """Return the inputs that are correlated, directly or through others."""
     linked = correlation != 0.0
     np.fill_diagonal(linked, True)
     for _ in range(len(linked)):

@@ -71,7 +71,7 @@ class Response:
         power = law.without_adhesion.power or 2.0
         independent, by_load, by_radius = Independent(contact=law), 0.5 * (power + 1.0), 1.0 - 1.0 / power
         coordinate = np.linspace(0.0, load ** (1.0 / by_load), TABULATED)
-        alone = independent.areas(surface, coordinate**by_load, surface.height[None])[0]
+        fine = independent.areas(surface, coordinate**by_load, surface.height[None])[0]
         some = np.linspace(0.0, coordinate[-1], COMPUTED)
         base = independent.areas(surface, some**by_load, surface.height[None])[0]
         apart = APART * radius_sd
@@ -82,7 +82,7 @@ class Response:
             if not np.isfinite(area).all():
                 first = loads[~np.isfinite(area)][0]
                 raise NotConverged(f"the model has no solution at the rescaled load {first:.3g} mm^2")
-            scaled.append(alone + np.interp(coordinate, some, area / factor ** (2.0 * by_radius) - base))
+            scaled.append(fine + np.interp(coordinate, some, area / factor ** (2.0 * by_radius) - base))
         low, middle, high = scaled if apart > 0.0 else (scaled[0],) * 3
         parabola = np.array([middle, (high - low) / 2.0, (high + low) / 2.0 - middle])
         return Response(power, coordinate[1], apart, parabola)

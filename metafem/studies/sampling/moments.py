@@ -113,7 +113,7 @@ def moments(sums: Sums, *, plain: bool = False) -> Moments:
     scatter = keep @ between @ np.swapaxes(keep, -1, -2) / independent[:, None, None, None]
     # the square of the mean exceeds that of the exact mean by its sampling variance
     sd = np.sqrt(np.maximum(square - shift**2 + scatter[..., 0, 0], 0.0))
-    alone = within[..., :2, :2] / count[..., None]  # of the means of as many plain draws
+    of_draws = within[..., :2, :2] / count[..., None]  # of the means of as many plain draws
     rate = np.stack([-shift, np.full_like(shift, 0.5)], axis=-1)
     rate /= np.where(sd > 0.0, sd, np.inf)[..., None]
 
@@ -122,7 +122,7 @@ def moments(sums: Sums, *, plain: bool = False) -> Moments:
         of_sd = np.einsum("lqi,lqij,lqj->lq", rate, covariance, rate)
         return np.sqrt(np.maximum(covariance[..., 0, 0], 0.0)), np.sqrt(np.maximum(of_sd, 0.0))
 
-    found, usual = errors(scatter), errors(alone)
+    found, usual = errors(scatter), errors(of_draws)
     saving = [
         np.divide(u**2, f**2, out=np.ones_like(f), where=f > 0.0) for f, u in zip(found, usual, strict=True)
     ]

@@ -50,8 +50,8 @@ def processes(workers: int) -> Run:
                 deaths += 1
                 if deaths == MOST_DEATHS:
                     raise MetafemError(
-                        f"batch {left[0]} or one beside it ended its process {deaths} times, for example for "
-                        f"lack of memory: {error}"
+                        f"batch {left[0]} or one that ran with it ended its process {deaths} times, for "
+                        f"example for lack of memory: {error}"
                     ) from None
             finally:
                 results.close()

@@ -54,8 +54,8 @@ class Slope:
             depth = float(np.ptp(surface.height))
             if depth == 0.0:
                 raise InvalidInput("must be given: all summits have one height", key="load_range")
-            alone = Independent() if model is None else Independent(contact=contact_of(model))
-            foot = float(alone.curve(surface, approach=np.array([depth])).load[0])
+            independent = Independent() if model is None else Independent(contact=contact_of(model))
+            foot = float(independent.curve(surface, approach=np.array([depth])).load[0])
             low, high = LOWEST * foot, HIGHEST * foot
         else:
             low, high = check.interval("load_range", load_range)

@@ -164,12 +164,12 @@ def _uniform(angle: FloatArray, value: FloatArray) -> tuple[FloatArray, FloatArr
     centre = value[..., [len(angle) // 2]]  # the digits of small deviations
     left, right = value[..., :-1] - centre, value[..., 1:] - centre
     width = np.diff(angle)
-    kept = len(angle) // 2
+    count = len(angle) // 2
     moments = []
     for integral in (width * (left + right) / 2.0, width * (left**2 + left * right + right**2) / 3.0):
-        both = (integral + integral[..., ::-1])[..., -kept:]
+        both = (integral + integral[..., ::-1])[..., -count:]
         if len(width) % 2:
             both[..., 0] /= 2.0  # the interval across 0 is its own mirror image
-        moments.append(np.cumsum(both, axis=-1) / (2.0 * angle[-kept:]))
+        moments.append(np.cumsum(both, axis=-1) / (2.0 * angle[-count:]))
     mean, square = moments
     return mean + centre, np.sqrt(np.maximum(square - mean**2, 0.0))

@@ -62,7 +62,7 @@ def test_a_batch_that_always_ends_its_process_is_given_up():
     def deadly(batch):
         os.kill(os.getpid(), signal.SIGKILL)
 
-    with pytest.raises(mf.MetafemError, match="batch 0 or one beside it ended its process 3 times"):
+    with pytest.raises(mf.MetafemError, match="batch 0 or one that ran with it ended its process 3 times"):
         computed(Execution(workers=2), deadly, 1)
 
 
