@@ -12,11 +12,7 @@ import click
 from metafem.cli.output import printing, show_error
 from metafem.cli.signals import report_stop, stopped_by_signals
 from metafem.errors import InvalidInput, MetafemError
-
-DEMOS = ("operating-points", "linear", "bilinear")
-
-# The keys of `MODELS` in files/specification/models.py, repeated here so that --help imports nothing.
-MODELS = ("independent", "mean-field", "half-space", "layer", "block", "resolved", "automatic")
+from metafem.files.specification.models import MODELS
 
 # The contact laws in words, as `form` in files/specification/options.py states them.
 CONTACTS = (
@@ -99,7 +95,7 @@ def model_option(default: str, multiple: bool = False) -> Callable[[Callable[...
     """Return the decorator that adds --model and --contact; `default` is their default in words."""
     again = " May be repeated, to compare laws." if multiple else ""
     text = f"Model of the law, from single contacts to resolved ones.{again} Default: {default}."
-    model = click.option("--model", type=click.Choice(MODELS), multiple=multiple, help=text)
+    model = click.option("--model", type=click.Choice(tuple(MODELS)), multiple=multiple, help=text)
     law = default.replace("independent", "hertz")
     text = f"Law of one contact, a kind and its values: {', '.join(CONTACTS)}."
     text += f' For example --contact "jkr 9 mJ/m^2 sphere".{again} Default: {law}.'

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+import metafem as mf
 from metafem._given import Names, printable
 from metafem.cli.group import Name, force_option, json_option, main
 from metafem.cli.measurement.made import made_data, print_made
 from metafem.cli.progress import progress
-from metafem.cli.terminal import loaded, print_json, terminal
+from metafem.cli.terminal import loaded, print_json, print_written
 from metafem.errors import InvalidInput, named
 
 if TYPE_CHECKING:
@@ -71,29 +72,18 @@ def topography(
 
     Example: metafem topography part.x3p --design linear -o made.csv --corrected next.csv --picture made.svg
     """
-    import metafem as mf
-    from metafem.files import (
-        heights_table,
-        made_table,
-        read_height_map,
-        refuse_existing,
-        refuse_figure,
-        write_figure,
-        write_text,
-    )
-
     for path in (output, corrected):
         if path is not None:
-            refuse_existing(path, force, "heights")
+            mf.files.refuse_existing(path, force, "heights")
     if picture is not None:
-        refuse_figure(picture, force)
+        mf.files.refuse_figure(picture, force)
     if output is not None and corrected is not None and output.absolute() == corrected.absolute():
         raise InvalidInput(f"--output and --corrected both name {output}; give each a file of its own")
     with progress():
         design = loaded(folder)
     names = Names(names=_names(height_map, folder, pixel, height_unit))
     with progress(), named(names):
-        stored = read_height_map(height_map, pixel, height_unit)
+        stored = mf.files.read_height_map(height_map, pixel, height_unit)
         made = mf.calibration.measured_surface(
             stored.values,
             stored.pixel,
@@ -110,20 +100,19 @@ def topography(
 
             heights = HeightMap(stored.values, stored.pixel, -1.0 if mould else 1.0)
             figure = made_figure(made, correction, heights, design.law, law)
-            write_figure(picture, figure, "made surface", force=force)
+            mf.files.write_figure(picture, figure, "made surface", force=force)
     ours: dict[str, Any] = {"force": force, "kind": "heights"}
     if output is not None:
-        write_text(output, made_table(made, design.sites), **ours)
+        mf.files.write_text(output, mf.files.made_table(made, design.sites), **ours)
     if corrected is not None and correction is not None:
-        write_text(corrected, heights_table(correction.surface, design.sites), **ours)
+        mf.files.write_text(corrected, mf.files.heights_table(correction.surface, design.sites), **ours)
     written = [path for path in (output, corrected, picture) if path is not None]
     if as_json:
         data = made_data(design, made, correction, law)
         print_json({**data, "files": [str(path) for path in written]})
         return
     print_made(design, made, correction, law)
-    for path in written:
-        terminal().print(f"wrote {path}", highlight=False, markup=False)
+    print_written(written)
 
 
 def _names(height_map: Path, folder: Path, pixel: str | None, height_unit: str | None) -> dict[str, str]:
@@ -141,10 +130,8 @@ def _names(height_map: Path, folder: Path, pixel: str | None, height_unit: str |
 
 def _correction(design: Design, made: MadeSurface, wanted: Path | None) -> Correction | None:
     """Return the correction; None if there are too few asperities for one and none is asked for."""
-    from metafem.calibration import corrected_heights
-
     try:
-        return corrected_heights(design, made)
+        return mf.calibration.corrected_heights(design, made)
     except InvalidInput:
         if wanted is not None:
             raise
