@@ -9,9 +9,10 @@ from typing import Any
 
 import click
 
+from metafem._given import Names
 from metafem.cli.output import printing, show_error
 from metafem.cli.signals import report_stop, stopped_by_signals
-from metafem.errors import InvalidInput, MetafemError
+from metafem.errors import InvalidInput, MetafemError, named
 from metafem.files.specification.models import MODELS
 
 # The contact laws in words, as `form` in files/specification/options.py states them.
@@ -20,6 +21,9 @@ CONTACTS = (
     *("jkr ADHESION_ENERGY [CAP]", "kogut-etsion HARDNESS", "jackson-green YIELD_STRENGTH"),
     "tabulated FILE",
 )
+
+# The options of arguments that errors propose.
+ARGUMENTS = Names({"force=True": "--force", "workers=2": "--workers 2"})
 
 # Exit codes: a target that cannot be reached, and input that cannot be used.
 NOT_ACHIEVED, BAD_INPUT = 1, 2
@@ -78,11 +82,10 @@ class Commands(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command."""
         try:
-            return super().invoke(ctx)
+            with named(ARGUMENTS):
+                return super().invoke(ctx)
         except InvalidInput as error:
-            # errors name the arguments of the Python function
-            message = str(error).replace("force=True", "--force").replace("workers=2", "--workers 2")
-            raise BadInput("InvalidInput", message) from None
+            raise BadInput("InvalidInput", str(error)) from None
         except MetafemError as error:
             raise NotAchieved(type(error).__name__, str(error)) from None
         except OSError as error:

@@ -11,6 +11,7 @@ import click
 import numpy as np
 
 import metafem as mf
+from metafem._given import Names
 from metafem.cli.group import Name, force_option, json_option, main, model_option
 from metafem.cli.measurement.fits import (
     ERRORS,
@@ -247,8 +248,11 @@ def _notes(
     contact: ContactCalibration | None, shear: ShearCalibration | None, measured: CalibrationData
 ) -> list[Note]:
     """Return the notes of both calibrations, and one on areas that both have."""
-    notes = [*measured.notes, *(note for each in (contact, shear) if each is not None for note in each.notes)]
     pressed, sheared = measured.compression, measured.shear
+    notes = [*measured.notes]
+    for found, points in ((contact, pressed), (shear, sheared)):
+        if found is not None and points is not None:
+            notes += [note.named(Names(places=points.place)) for note in found.notes]
     if pressed is not None and sheared is not None and not set(pressed.place).isdisjoint(sheared.place):
         notes.append(
             information(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import metafem as mf
+from metafem._given import Names
 from metafem.cli.terminal import loaded, notes_data
 from metafem.errors import InvalidInput
 from metafem.notes import Note, information
@@ -150,7 +150,7 @@ def measured_series(
     # images without a load are not the one at the largest; without any load the last one is
     order = np.where(known, load, load[known].min() - 1.0) if known.any() else np.arange(float(len(load)))
     images = mf.files.Images(files)
-    names = [file.name for file in files]
+    names = Names({f"images[{i}]": file.name for i, file in enumerate(files)})
     bright = options["bright_contacts"]
     try:
         found = mf.calibration.stack_areas(
@@ -158,7 +158,8 @@ def measured_series(
         )
     except InvalidInput as error:
         hint = "; --bright-contacts is given: are the contacts brighter than the ground?" if bright else ""
-        raise InvalidInput(f"{_with_files(str(error), names)}{hint}") from None
+        error.names = names
+        raise InvalidInput(f"{error}{hint}") from None
     found = tuple(_named(one, names, i) for i, one in enumerate(found))
     areas = found[: len(before)]
     sheared: list[ContactAreas | None] = [None] * len(before)
@@ -230,20 +231,10 @@ def _notes(
     return notes
 
 
-def _named(areas: ContactAreas, names: Sequence[str], own: int) -> ContactAreas:
+def _named(areas: ContactAreas, files: Names, own: int) -> ContactAreas:
     """Return the contacts of an image with notes that name other images as files, and not its own."""
-
-    def named(note: Note) -> Note:
-        return replace(note, text=_with_files(note.text, names).removeprefix(f"{names[own]} "))
-
-    return replace(areas, notes=tuple(map(named, areas.notes)))
-
-
-def _with_files(text: str, names: Sequence[str]) -> str:
-    """Return a text about ``images[2]`` that names their files."""
-    text = re.sub(r"images\[(\d+)\]", lambda match: names[int(match[1])], text)
-    # an error of a file names it again
-    return re.sub(r"(\S+) is not measured: \1: ", r"\1 ", text)
+    names = Names({f"images[{own}]": "this image"})
+    return replace(areas, notes=tuple(note.named(files.under(names)) for note in areas.notes))
 
 
 def _sites(source: Path | None, load: Any) -> tuple[mf.files.Sites | None, Any]:

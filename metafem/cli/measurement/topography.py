@@ -20,6 +20,17 @@ if TYPE_CHECKING:
     from metafem.inversion import Design
 
 
+# The options of arguments that errors name.
+ARGUMENTS = Names(
+    {
+        "pixel_size": "--pixel",
+        "the unit of the heights": "--height-unit",
+        "mould=True": "--mould",
+        "mould=False": "whether --mould is right",
+    }
+)
+
+
 @main.command(short_help="Measure a made surface on a height map, and correct the next one.")
 @click.argument("height_map", type=Name(), metavar="MAP")
 @click.option(
@@ -81,17 +92,10 @@ def topography(
         raise InvalidInput(f"--output and --corrected both name {output}; give each a file of its own")
     with progress():
         design = loaded(folder)
-    names = Names(names=_names(height_map, folder, pixel, height_unit))
-    with progress(), named(names):
+    with progress():
         stored = mf.files.read_height_map(height_map, pixel, height_unit)
-        made = mf.calibration.measured_surface(
-            stored.values,
-            stored.pixel,
-            design.surface,
-            bow=not keep_bow,
-            common_radius=common_radius,
-            mould=mould,
-        )
+        options = {"bow": not keep_bow, "common_radius": common_radius, "mould": mould}
+        made = _measured(stored, height_map, design, **options)
         correction = _correction(design, made, corrected)
         law = mf.friction_law(made.surface, design.law.model, load=design.law.load)
         if picture is not None:
@@ -115,17 +119,13 @@ def topography(
     print_written(written)
 
 
-def _names(height_map: Path, folder: Path, pixel: str | None, height_unit: str | None) -> dict[str, str]:
-    """Return the names of files and options that errors use for arguments."""
-    file = printable(str(height_map))
-    return {
-        "height_map": file,
-        "design_surface": f"the design in {printable(str(folder))}",
-        "pixel_size": f"the size of the pixels in {file}" if pixel is None else "--pixel",
-        "the unit of the heights": "the unit of its heights" if height_unit is None else "--height-unit",
-        "mould=True": "--mould",
-        "mould=False": "whether --mould is right",
-    }
+def _measured(stored: Any, file: Path, design: Design, **options: bool) -> MadeSurface:
+    """Return the made surface of a height map; errors name its file."""
+    try:
+        with named(ARGUMENTS):
+            return mf.calibration.measured_surface(stored.values, stored.pixel, design.surface, **options)
+    except InvalidInput as error:
+        raise InvalidInput(f"{printable(str(file))}: {error}") from None
 
 
 def _correction(design: Design, made: MadeSurface, wanted: Path | None) -> Correction | None:
