@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextvars import ContextVar
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -72,6 +71,11 @@ class Names:
     units: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     places: Sequence[str] = ()
 
+    def under(self, inner: Names) -> Names:
+        """Return these names with others that come before them."""
+        places = inner.places or self.places
+        return Names({**self.names, **inner.names}, {**self.units, **inner.units}, places)
+
     def filled(self, message: str, *about: Given) -> str:
         """Return a message with its arguments; the fields are ``{}``, ``{.name}`` and ``{.number}``."""
         return message.format(*map(self.said, about)) if about else message
@@ -92,6 +96,8 @@ class Names:
 
     def name(self, name: str) -> str:
         """Return the reader's name of an argument or of an entry, such as ``radius[3]``."""
+        if name in self.names:
+            return self.names[name]
         base, bracket, index = name.partition("[")
         known = self.names.get(base, base)
         if self.places and bracket:
@@ -100,19 +106,6 @@ class Names:
 
 
 AS_IN_PYTHON = Names()
-
-# Names that `formatted` and `label` use where a message is made before it is raised.
-NAMES: ContextVar[Names] = ContextVar("NAMES", default=AS_IN_PYTHON)
-
-
-def formatted(name: str, value: float) -> str:
-    """Return the number of an argument as errors print it."""
-    return NAMES.get().number(name, value)
-
-
-def label(name: str) -> str:
-    """Return the name of an argument, or of an entry such as ``radius[3]``, as errors print it."""
-    return NAMES.get().name(name)
 
 
 def shown(value: Any, most: int = 60) -> str:

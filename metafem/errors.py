@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from copyreg import __newobj__  # type: ignore[attr-defined]
 from typing import Any
 
-from metafem._given import AS_IN_PYTHON, NAMES, Given, Names
+from metafem._given import AS_IN_PYTHON, Given, Names
 
 
 class MetafemError(Exception):
@@ -23,6 +24,9 @@ class MetafemError(Exception):
 
     def __str__(self) -> str:
         return self.names.filled(*self.args)
+
+    def __reduce__(self) -> Any:
+        return __newobj__, (type(self), *self.args), self.__dict__
 
 
 class InvalidInput(MetafemError, ValueError):
@@ -120,8 +124,8 @@ class NotConverged(MetafemError):
         The solver's last state, with its status and residual.
     """
 
-    def __init__(self, message: str, state: Any = None) -> None:
-        super().__init__(message)
+    def __init__(self, message: str, state: Any = None, *about: Given) -> None:
+        super().__init__(message, *about)
         self.state = state
 
 
@@ -133,14 +137,10 @@ class MetafemWarning(UserWarning):
 def named(names: Names) -> Iterator[None]:
     """Let errors of the body name arguments and print numbers as a file or a command has them.
 
-    Errors that have such names from within the body keep them.
+    What has a name from within the body keeps it.
     """
-    token = NAMES.set(names)
     try:
         yield
     except MetafemError as error:
-        if error.names == AS_IN_PYTHON:
-            error.names = names
+        error.names = names.under(error.names)
         raise
-    finally:
-        NAMES.reset(token)

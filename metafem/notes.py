@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, cast
 
+from metafem._given import AS_IN_PYTHON, Given, Names
+
 # Largest number of asperities and loads of a result whose notes are estimated when it is printed: that takes
 # up to a few tenths of a second, and 17 s for the state of a million asperities.
 FEW = 1000
@@ -56,6 +58,36 @@ class Note:
     def warns(self) -> bool:
         """Whether the note is a warning."""
         return self.level is Level.WARNING
+
+    def named(self, names: Names) -> Note:
+        """Return the note with the names of a reader: itself, as it is not about arguments."""
+        return self
+
+
+@dataclass(frozen=True)
+class ArgumentNote(Note):
+    """A note on arguments; `named` returns it for a reader who knows them by other names.
+
+    Parameters
+    ----------
+    text, level
+        As for `Note`; the text has the names of Python.
+    template : str
+        The text with a field for each argument, as in an error.
+    about : tuple of Given
+    """
+
+    template: str = ""
+    about: tuple[Given, ...] = ()
+
+    @classmethod
+    def of(cls, template: str, *about: Given, level: Level = Level.WARNING) -> ArgumentNote:
+        """Return the note of a template and its arguments."""
+        return cls(AS_IN_PYTHON.filled(template, *about), level, template, about)
+
+    def named(self, names: Names) -> Note:
+        """Return the note with the names of a reader."""
+        return Note(names.filled(self.template, *self.about), self.level)
 
 
 def information(text: str) -> Note:

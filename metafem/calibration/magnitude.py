@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from metafem._given import label
 from metafem._validate import FloatArray
 from metafem.notes import Note
 
@@ -28,7 +27,7 @@ def unit_hint(name: str, ratio: float) -> str:
     """
     small, large = CONFUSED["area" if "area" in name else "force"]
     right, wrong = (small, large) if ratio > 1.0 else (large, small)
-    return f"check the unit of {label(name)}: {name}_{right} would fit where a table says {name}_{wrong}"
+    return f"check the unit of {name}: {name}_{right} would fit where a table says {name}_{wrong}"
 
 
 def is_off(ratio: float) -> bool:
@@ -48,7 +47,7 @@ def within_errors(name: str, values: FloatArray, sd: FloatArray) -> tuple[Note, 
         return ()
     return (
         Note(
-            f"no value of {label(name)} exceeds its standard deviation: the largest is "
+            f"no value of {name} exceeds its standard deviation: the largest is "
             f"{float(np.abs(values[known] / sd[known]).max()):.2g} of it, and a law cannot be "
             f"fitted to them; {unit_hint(name, 0.0)}, or state the errors of the measurement"
         ),

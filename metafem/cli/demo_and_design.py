@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+import metafem as mf
 from metafem.cli.group import (
-    DEMOS,
     NOT_ACHIEVED,
     Name,
     NotAchieved,
@@ -20,8 +20,9 @@ from metafem.cli.group import (
     model_option,
 )
 from metafem.cli.progress import progress
-from metafem.cli.terminal import notes_data, print_notes, print_table, terminal
+from metafem.cli.terminal import notes_data, print_notes, print_table, say, terminal
 from metafem.errors import Infeasible, InvalidInput
+from metafem.files.specification.demos import DEMOS
 from metafem.progress import doing
 
 if TYPE_CHECKING:
@@ -43,12 +44,10 @@ def demo(name: str, model: str | None, contact: str | None, force: bool, as_json
 
     metafem.schema.json is written beside it, for editors. An edited NAME.toml is never replaced.
     """
-    from metafem.files import check_free, demo_text, place_schema, write_text
-
-    path, folder, text = Path(f"{name}.toml"), Path(name), demo_text(name)
-    check_free(folder, force)
+    path, folder, text = Path(f"{name}.toml"), Path(name), mf.files.demo_text(name)
+    mf.files.check_free(folder, force)
     try:
-        write_text(path, text)
+        mf.files.write_text(path, text)
     except InvalidInput:
         if not path.exists():
             raise
@@ -58,7 +57,7 @@ def demo(name: str, model: str | None, contact: str | None, force: bool, as_json
                 f"{path} exists and differs from the demo's; run it by `metafem design {path} -o FOLDER`, "
                 "or rename it"
             ) from None
-    if (remark := place_schema(path.parent)) is not None:
+    if (remark := mf.files.place_schema(path.parent)) is not None:
         click.echo(f"note: {remark}", err=True)
     _run(path, folder, (model, contact), force, as_json)
 
@@ -107,47 +106,35 @@ def _run(
     as_json: bool,
     chord_error: str | None = None,
 ) -> None:
-    import metafem as mf
-    from metafem.files import (
-        check_free,
-        chosen_model,
-        part_notes,
-        planned,
-        quantity,
-        result_folder,
-        write_all,
-    )
-    from metafem.inversion import DesignStatus
     from metafem.models.model import contact_of
-    from metafem.report import all_notes, page
 
-    check_free(folder, force)
+    mf.files.check_free(folder, force)
     with progress(), doing("designing"):
         specification = mf.read_spec(spec)
         if chord_error is not None:
             specification = specification.with_chord_error(
-                quantity("--chord-error", chord_error, "mm", "1 um")
+                mf.files.quantity("--chord-error", chord_error, "mm", "1 um")
             )
-        chosen = chosen_model(specification.model, *law)
-        with result_folder(folder, specification, force=force) as fresh:
+        chosen = mf.files.chosen_model(specification.model, *law)
+        with mf.files.result_folder(folder, specification, force=force) as fresh:
             try:
                 result = specification.design(chosen)
             except Infeasible as error:
                 raise _refusal(error, folder) from None
-            text = page(result, specification.hardness)
-            write_all(result, fresh, specification, {"report.html": text})
+            text = mf.report.page(result, specification.hardness)
+            mf.files.write_all(result, fresh, specification, {"report.html": text})
     contact = contact_of(result.law.model)
-    part = planned(result.surface, result.template, specification.part, contact)
-    notes = all_notes(result, specification.hardness) + part_notes(part, specification.part)
+    part = mf.files.planned(result.surface, result.template, specification.part, contact)
+    notes = mf.report.all_notes(result, specification.hardness) + mf.files.part_notes(
+        part, specification.part
+    )
     _print_design(result, specification, folder, notes, part, as_json)
-    if result.status is DesignStatus.MISSED:
+    if result.status is mf.DesignStatus.MISSED:
         sys.exit(NOT_ACHIEVED)
 
 
 def _refusal(error: Infeasible, folder: Path) -> NotAchieved:
     """Return the error of a refused target; its nearest law is a table beside the folder, and data."""
-    from metafem.files import MARKS, write_text
-
     if error.nearest is None:
         return NotAchieved("Infeasible", str(error))
     words, nearest = str(error), {"target": error.nearest.title}
@@ -156,12 +143,12 @@ def _refusal(error: Infeasible, folder: Path) -> NotAchieved:
         path = Path(f"{folder.absolute()}-nearest.csv")
         rows = zip(*(column.tolist() for column in law), strict=True)
         lines = [
-            MARKS["nearest law"].decode(),
+            mf.files.MARKS["nearest law"].decode(),
             "rescaled_load_mm2,rescaled_friction_mm2",
             *(f"{x!r},{y!r}" for x, y in rows),
         ]
         try:
-            write_text(path, "\n".join(lines) + "\n", force=True, kind="nearest law")
+            mf.files.write_text(path, "\n".join(lines) + "\n", force=True, kind="nearest law")
             words += f"; the nearest law is written to {path.name}; design it as a sampled target with "
             words += f'file = "{path.name}"'
             nearest["file"] = str(path)
@@ -179,7 +166,6 @@ def _print_design(
     part: Part | None,
     as_json: bool,
 ) -> None:
-    from metafem.report import fit_table, misfit_words, model_data, parameter_rows
 
     if as_json:
         data = {
@@ -189,7 +175,7 @@ def _print_design(
             "misfit": result.misfit,
             "misfit_meaning": result.misfit_meaning,
             "asperities": result.surface.count,
-            "model": model_data(result.law.model),
+            "model": mf.report.model_data(result.law.model),
             "parameters": {name: _plain(value) for name, value in result.parameters.items()},
             "slopes": [_fit_data(result, branch, fit) for branch, fit in result.fits],
             "part": None if part is None else part.record(),
@@ -204,18 +190,18 @@ def _print_design(
 
     console = Console()
     console.print(result.target.title, style="bold", highlight=False, markup=False)
-    console.print(result.status.value, highlight=False, markup=False)
+    say(console, result.status.value)
     table = Table(box=None, show_header=False)
-    for name, value, unit in parameter_rows(result):
+    for name, value, unit in mf.report.parameter_rows(result):
         table.add_row(name, value, unit)
-    table.add_row(*misfit_words(result), "")
+    table.add_row(*mf.report.misfit_words(result), "")
     sites = f"{result.surface.count} of {result.template.count} sites{empty_sites_words(result)}"
     table.add_row("asperities", sites, "")
     console.print(table, highlight=False)
     if result.fits:
-        print_table(terminal(), *fit_table(result))
+        print_table(terminal(), *mf.report.fit_table(result))
     print_notes(console, notes)
-    console.print(f"wrote {folder}/: open {folder / 'report.html'}", highlight=False, markup=False)
+    say(console, f"wrote {folder}/: open {folder / 'report.html'}")
 
 
 def _fit_data(result: Design, branch: Branch, fit: BranchFit) -> dict[str, float | None]:

@@ -7,6 +7,8 @@ import sys
 
 import click
 
+from metafem import _caches
+from metafem.cli.examination import examine, megabytes
 from metafem.cli.group import NOT_ACHIEVED, json_option, main
 
 
@@ -22,7 +24,6 @@ def doctor(clear_cache: bool, as_json: bool) -> None:
     if clear_cache:
         _clear_cache(as_json)
         return
-    from metafem.cli.examination import examine
 
     findings = list(examine())
     if as_json:
@@ -35,8 +36,6 @@ def doctor(clear_cache: bool, as_json: bool) -> None:
 
 
 def _clear_cache(as_json: bool) -> None:
-    from metafem import _caches
-    from metafem.cli.examination import megabytes
 
     try:
         folder = _caches.cache_folder()

@@ -15,6 +15,10 @@ from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
+import metafem
+import metafem as mf
+from metafem import _caches
+
 if TYPE_CHECKING:
     from metafem.inversion import Design
 
@@ -71,8 +75,6 @@ def _tried(what: str, trial: Callable[[], tuple[str, bool]]) -> Finding:
 
 def _package() -> tuple[str, bool]:
     """Compare the folder from which metafem is imported with the installed one."""
-    import metafem
-
     imported = Path(metafem.__file__).parent
     try:
         installed = distribution("metafem")
@@ -90,8 +92,6 @@ def _package() -> tuple[str, bool]:
 
 def _cache() -> tuple[str, bool]:
     """Report the folder and the size of the caches, and try to write there."""
-    from metafem import _caches
-
     folder = _caches.cache_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -109,7 +109,6 @@ def _cache() -> tuple[str, bool]:
 
 
 def _contact() -> tuple[str, bool]:
-    import metafem as mf
 
     surface = mf.Surface([[0.0, 0.0]], [0.1], 0.5, mf.Material(1.0))
     area = float(mf.friction_law(surface, load=[0.01]).area[0])
@@ -119,7 +118,6 @@ def _contact() -> tuple[str, bool]:
 
 
 def _part() -> tuple[str, bool]:
-    import metafem as mf
     from metafem.files.part.block import block_mesh
 
     surface = mf.Surface([[0.0, 0.0]], [0.1], 0.5, mf.Material(1.0))
@@ -128,14 +126,12 @@ def _part() -> tuple[str, bool]:
 
 
 def _page() -> tuple[str, bool]:
-    from metafem.report import page
 
-    length = len(page(_design()))
+    length = len(mf.report.page(_design()))
     return f"{length} characters", length > 0
 
 
 def _folder() -> tuple[str, bool]:
-    import metafem as mf
 
     design = _design()
     with tempfile.TemporaryDirectory() as parent:
@@ -145,7 +141,6 @@ def _folder() -> tuple[str, bool]:
 
 
 def _design() -> Design:
-    import metafem as mf
 
     template = mf.Surface.square_lattice(0.12, (4, 4), radius=0.526, material=mf.Material(1.0))
     return mf.design(mf.LinearLaw(7.0), template)

@@ -9,14 +9,11 @@ from typing import Any
 
 import click
 
+from metafem._given import Names
 from metafem.cli.output import printing, show_error
 from metafem.cli.signals import report_stop, stopped_by_signals
-from metafem.errors import InvalidInput, MetafemError
-
-DEMOS = ("operating-points", "linear", "bilinear")
-
-# The keys of `MODELS` in files/specification/models.py, repeated here so that --help imports nothing.
-MODELS = ("independent", "mean-field", "half-space", "layer", "block", "resolved", "automatic")
+from metafem.errors import InvalidInput, MetafemError, named
+from metafem.files.specification.models import MODELS
 
 # The contact laws in words, as `form` in files/specification/options.py states them.
 CONTACTS = (
@@ -24,6 +21,9 @@ CONTACTS = (
     *("jkr ADHESION_ENERGY [CAP]", "kogut-etsion HARDNESS", "jackson-green YIELD_STRENGTH"),
     "tabulated FILE",
 )
+
+# The options of arguments that errors propose.
+ARGUMENTS = Names({"force=True": "--force", "workers=2": "--workers 2"})
 
 # Exit codes: a target that cannot be reached, and input that cannot be used.
 NOT_ACHIEVED, BAD_INPUT = 1, 2
@@ -82,11 +82,10 @@ class Commands(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command."""
         try:
-            return super().invoke(ctx)
+            with named(ARGUMENTS):
+                return super().invoke(ctx)
         except InvalidInput as error:
-            # errors name the arguments of the Python function
-            message = str(error).replace("force=True", "--force").replace("workers=2", "--workers 2")
-            raise BadInput("InvalidInput", message) from None
+            raise BadInput("InvalidInput", str(error)) from None
         except MetafemError as error:
             raise NotAchieved(type(error).__name__, str(error)) from None
         except OSError as error:
@@ -99,7 +98,7 @@ def model_option(default: str, multiple: bool = False) -> Callable[[Callable[...
     """Return the decorator that adds --model and --contact; `default` is their default in words."""
     again = " May be repeated, to compare laws." if multiple else ""
     text = f"Model of the law, from single contacts to resolved ones.{again} Default: {default}."
-    model = click.option("--model", type=click.Choice(MODELS), multiple=multiple, help=text)
+    model = click.option("--model", type=click.Choice(tuple(MODELS)), multiple=multiple, help=text)
     law = default.replace("independent", "hertz")
     text = f"Law of one contact, a kind and its values: {', '.join(CONTACTS)}."
     text += f' For example --contact "jkr 9 mJ/m^2 sphere".{again} Default: {law}.'

@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+import metafem as mf
+from metafem._given import printable
 from metafem.cli.group import Name, force_option, json_option, main, model_option
 from metafem.cli.progress import printing_messages, progress
-from metafem.cli.terminal import loaded, notes_data, print_json, print_notes, print_table, terminal
+from metafem.cli.terminal import loaded, notes_data, print_json, print_notes, print_table, say, terminal
 from metafem.errors import InvalidInput, named
 from metafem.progress import doing
 
 if TYPE_CHECKING:
     from metafem.prediction import FrictionLaw
-    from metafem.surface import Block, Surface
+    from metafem.surface import Surface
 
 # Dimensions of a block, as options and as arguments.
 BLOCK = ("width", "length", "thickness")
@@ -78,17 +80,6 @@ def predict(
     friction forces are printed too. Several models or contact laws are compared at the same loads: all models
     with all contact laws.
     """
-    import metafem as mf
-    from metafem._given import printable
-    from metafem.files import (
-        chosen_model,
-        law_table,
-        quantity,
-        refuse_existing,
-        refuse_missing_block,
-        write_text,
-    )
-
     given = {name: value for name, value in scene.items() if value is not None}
     if source.is_dir():
         if given:
@@ -114,17 +105,17 @@ def predict(
     if output is not None:
         if len(pairs) > 1:
             raise InvalidInput(f"--output holds one law, and {len(pairs)} are compared; choose one of them")
-        refuse_existing(output, force, "law")
-    newtons = [quantity("--load", text, "N") for text in load]
+        mf.files.refuse_existing(output, force, "law")
+    newtons = [mf.files.quantity("--load", text, "N") for text in load]
     models = []
     for kind, words in pairs:
-        chosen = chosen_model(used, kind, words)
+        chosen = mf.files.chosen_model(used, kind, words)
         if kind == "layer" and "thickness" in given and surface.block is None:
-            thickness = quantity("--thickness", given["thickness"], "mm")
+            thickness = mf.files.quantity("--thickness", given["thickness"], "mm")
             layer = mf.Interacting(substrate=mf.BondedLayer(thickness))
-            chosen = chosen_model(layer, None, words)
+            chosen = mf.files.chosen_model(layer, None, words)
         remedy = "the folder's design has no block; design it again with a section [block]"
-        refuse_missing_block(chosen, surface, remedy)
+        mf.files.refuse_missing_block(chosen, surface, remedy)
         models.append(chosen)
     laws: list[FrictionLaw] = []
     with progress(), doing("predicting the law"):
@@ -132,7 +123,7 @@ def predict(
             loads = laws[0].load if laws else newtons or None
             laws.append(mf.friction_law(surface, each, load=loads))
     if output is not None:
-        write_text(output, law_table(laws[0]), force=force, kind="law")
+        mf.files.write_text(output, mf.files.law_table(laws[0]), force=force, kind="law")
     data = [_law_data(law) for law in laws] if as_json else []
     if as_json:
         print_json(data[0] if len(data) == 1 else {"laws": data})
@@ -144,9 +135,6 @@ def predict(
 
 def _surface(source: Path, given: Mapping[str, str | float], models: tuple[str, ...]) -> Surface:
     """Return the surface of a table of heights, with material, friction and block from the options."""
-    from metafem.files import option_names, quantity, read_surface
-    from metafem.surface import Friction, Material
-
     if ("composite_modulus" in given) == ("young_modulus" in given):
         raise InvalidInput(
             f"a table of heights such as {source} needs either --composite-modulus or --young-modulus, "
@@ -160,28 +148,28 @@ def _surface(source: Path, given: Mapping[str, str | float], models: tuple[str, 
     units = {"radius": "mm", "thickness": "mm", "width": "mm", "length": "mm"}
     units |= dict.fromkeys(("composite_modulus", "young_modulus", "shear_strength"), "MPa")
     number = {
-        name: quantity(f"--{name.replace('_', '-')}", value, units[name]) if name in units else float(value)
+        name: mf.files.quantity(f"--{name.replace('_', '-')}", value, units[name])
+        if name in units
+        else float(value)
         for name, value in given.items()
     }
-    with named(option_names({name: str(value) for name, value in given.items()})):
+    with named(mf.files.option_names({name: str(value) for name, value in given.items()})):
         ratio = number.get("poisson_ratio", 0.5)
         if "young_modulus" in number:
-            material = Material.from_young(number["young_modulus"], ratio)
+            material = mf.Material.from_young(number["young_modulus"], ratio)
         else:
-            material = Material(number["composite_modulus"], ratio)
+            material = mf.Material(number["composite_modulus"], ratio)
         friction = (
-            Friction(number["shear_strength"], number.get("area_ratio", 1.0))
+            mf.Friction(number["shear_strength"], number.get("area_ratio", 1.0))
             if "shear_strength" in number
             else None
         )
         block = _block({name: number[name] for name in BLOCK if name in number}, models)
-    return read_surface(source, material, number.get("radius"), friction, block)
+    return mf.files.read_surface(source, material, number.get("radius"), friction, block)
 
 
-def _block(given: dict[str, float], models: tuple[str, ...]) -> Block | None:
+def _block(given: dict[str, float], models: tuple[str, ...]) -> mf.Block | None:
     """Return the block of a table from its given dimensions; a layer needs only the thickness."""
-    from metafem.surface import Block
-
     bounded = [
         name for name in ("block", "layer") if name in models
     ]  # the first needs all that the others do
@@ -194,7 +182,7 @@ def _block(given: dict[str, float], models: tuple[str, ...]) -> Block | None:
             f"{what} needs the block's dimensions, which a table does not hold; "
             f"add {' '.join(missing)}{alone}"
         )
-    return Block(*(given[name] for name in BLOCK)) if set(BLOCK) <= set(given) else None
+    return mf.Block(*(given[name] for name in BLOCK)) if set(BLOCK) <= set(given) else None
 
 
 def _print_law(law: FrictionLaw, whole: bool) -> None:
@@ -209,7 +197,7 @@ def _print_law(law: FrictionLaw, whole: bool) -> None:
         rows.append(tuple(f"{number:.6g}" for number in numbers))
     console = terminal()
     print_table(console, columns, rows)
-    console.print(f"model {law.model.name}, {law.status.value}", highlight=False, markup=False)
+    say(console, f"model {law.model.name}, {law.status.value}")
     print_notes(console, law.notes)
 
 
@@ -229,7 +217,7 @@ def _print_laws(laws: list[FrictionLaw], whole: bool) -> None:
     console = terminal()
     print_table(console, columns, rows)
     for number, law in enumerate(laws, 1):
-        console.print(f"{number}: model {law.model.name}, {law.status.value}", highlight=False, markup=False)
+        say(console, f"{number}: model {law.model.name}, {law.status.value}")
         print_notes(console, law.notes)
 
 
@@ -240,10 +228,9 @@ def _rows(law: FrictionLaw, whole: bool) -> range:
 
 
 def _law_data(law: FrictionLaw) -> dict[str, Any]:
-    from metafem.report import model_data
 
     data = {
-        "model": model_data(law.model),
+        "model": mf.report.model_data(law.model),
         "status": law.status.name.lower(),
         "load_N": law.load.tolist(),
         "area_mm2": law.area.tolist(),

@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from metafem import _caches
+from metafem.progress import listening
+
 if TYPE_CHECKING:
     from rich.console import Console
 
@@ -26,8 +29,6 @@ LOOK = 0.5
 @contextmanager
 def printing_messages() -> Iterator[None]:
     """Print the messages of the body on stderr, such as the columns of a table that are not read."""
-    from metafem.progress import listening
-
     with listening(lambda step, done: None, lambda text: click.echo(text, err=True)):
         yield
 
@@ -38,7 +39,6 @@ def progress() -> Iterator[None]:
     from rich.console import Console
 
     from metafem._kernels.compiled import on_first_compilation
-    from metafem.progress import listening
 
     console = Console(stderr=True)
 
@@ -53,8 +53,6 @@ def progress() -> Iterator[None]:
 
 def _how_often() -> str:
     """Return whether compiled kernels can be kept, as a user needs to know it."""
-    from metafem import _caches
-
     with suppress(OSError):
         folder = _caches.kernel_folder()
         folder.mkdir(parents=True, exist_ok=True)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+import metafem as mf
 from metafem.cli.group import Name, json_option, main
 from metafem.cli.progress import progress
 from metafem.cli.terminal import loaded, print_json
@@ -17,14 +18,13 @@ from metafem.cli.terminal import loaded, print_json
 @json_option
 def report(folder: Path, checks: bool, as_json: bool) -> None:
     """Write or replace report.html of a result folder, with the answers of the studies in the folder."""
-    from metafem.files import same_design, stored_hardness, stored_studies, write_text
-    from metafem.report import page
-
     with progress():
-        path, still = folder / "report.html", same_design(folder)
-        studies = stored_studies(folder)
-        text = page(loaded(folder), stored_hardness(folder), checks=checks, studies=studies)
-        write_text(path, text, force=True, still=still)
+        path, still = folder / "report.html", mf.files.same_design(folder)
+        studies = mf.files.stored_studies(folder)
+        text = mf.report.page(
+            loaded(folder), mf.files.stored_hardness(folder), checks=checks, studies=studies
+        )
+        mf.files.write_text(path, text, force=True, still=still)
     if as_json:
         print_json({"report": str(path)})
     else:

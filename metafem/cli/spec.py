@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
 from pathlib import Path
 
 import click
 
+import metafem as mf
 from metafem.cli.group import Name, force_option, json_option, main
+
+# What is printed of a key.
+SHOWN = ("section", "kind", "name", "example", "meaning", "optional", "default")
 
 
 @main.command("spec", short_help="Print every key of a specification, with examples.")
@@ -24,16 +27,15 @@ from metafem.cli.group import Name, force_option, json_option, main
 @json_option
 def explain(as_schema: bool, output: Path | None, force: bool, as_json: bool) -> None:
     """Print every section and key of a specification with its meaning and an example."""
-    from metafem.files import all_keys, manual, schema_text, write_schema
-
     if output is not None:
         if not as_schema:
             raise click.UsageError("--output writes the schema; add --schema")
-        write_schema(output, force)
+        mf.files.write_schema(output, force)
         click.echo(json.dumps({"schema": str(output)}) if as_json else f"wrote {output}")
     elif as_schema:
-        click.echo(schema_text(), nl=False)
+        click.echo(mf.files.schema_text(), nl=False)
     elif as_json:
-        click.echo(json.dumps([asdict(key) for key in all_keys()]))
+        keys = mf.files.all_keys()
+        click.echo(json.dumps([{name: getattr(key, name) for name in SHOWN} for key in keys]))
     else:
-        click.echo(manual(), nl=False)
+        click.echo(mf.files.manual(), nl=False)

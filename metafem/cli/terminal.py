@@ -9,8 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+import metafem as mf
+from metafem.progress import doing
+
 if TYPE_CHECKING:
     from rich.console import Console
+    from xarray import Dataset
 
     from metafem.inversion import Design
     from metafem.notes import Note
@@ -66,6 +70,30 @@ def print_notes(console: Console, notes: Iterable[Note]) -> None:
         console.print(f"{word}: {note}", style=style, highlight=False, markup=False)
 
 
+def say(console: Console, *lines: str) -> None:
+    """Print lines as they are."""
+    for line in lines:
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
+
+
+def print_written(paths: Iterable[Path | None]) -> None:
+    """Print the names of the files that were written."""
+    say(terminal(), *(f"wrote {path}" for path in paths if path is not None))
+
+
+def print_study(
+    dataset: Dataset, path: Path | None, answers: Iterable[str] = (), features: Sequence[Any] = ()
+) -> None:
+    """Print the summary of a study with its answers, a second table if there is one, and its file."""
+    found, console = mf.studies.summary(dataset), terminal()
+    print_table(console, found.columns, found.rows, found.title)
+    if features:
+        print_table(console, *features)
+    print_notes(console, found.notes)
+    say(console, *(answers or filter(None, [found.answer])))
+    print_written([path])
+
+
 def notes_data(notes: Iterable[Note]) -> list[dict[str, str]]:
     """Return notes for JSON."""
     return [{"level": note.level.value, "text": note.text} for note in notes]
@@ -73,11 +101,8 @@ def notes_data(notes: Iterable[Note]) -> list[dict[str, str]]:
 
 def loaded(folder: Path) -> Design:
     """Return the design of a result folder; what was changed in it is printed on stderr and kept for JSON."""
-    from metafem.files import load_compared
-    from metafem.progress import doing
-
     with doing("reading the design"):
-        design, notes = load_compared(folder)
+        design, notes = mf.files.load_compared(folder)
     for note in notes:
         click.echo(f"warning: {note}", err=True)
     click.get_current_context().meta.setdefault(FOLDERS, []).extend(notes)

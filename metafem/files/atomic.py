@@ -20,6 +20,7 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
+from metafem._given import Given
 from metafem.errors import InvalidInput
 from metafem.progress import message
 
@@ -119,7 +120,8 @@ def _refuse_folder(target: Path, force: bool, contents: Mapping[str, bytes]) -> 
             raise InvalidInput(f"{target} is in the way and is not a folder; choose another name")
         _refuse_changed(target, target, contents)
         if not force and any(target.iterdir()):
-            raise InvalidInput(f"{target} exists; choose another folder, or replace it with force=True")
+            words = "{.number} exists; choose another folder, or replace it with {.name}"
+            raise InvalidInput(words, Given("folder", str(target)), Given("force=True"))
         if os.path.lexists(old := target.with_name(target.name + OLD)):
             raise InvalidInput(
                 f"{old} exists: a run that was stopped, or you, kept an earlier result there; remove or "
@@ -206,7 +208,8 @@ def refuse_existing(path: str | Path, force: bool, kind: str = "", fixed: bool =
         return
     if not force:
         other = "" if fixed else "choose another name, or "
-        raise InvalidInput(f"{target} exists; {other}replace it with force=True")
+        words = f"{{.number}} exists; {other}replace it with {{.name}}"
+        raise InvalidInput(words, Given("path", str(target)), Given("force=True"))
     if target.is_symlink() or not target.is_file():
         what = "a link" if target.is_symlink() else "a folder" if target.is_dir() else "no regular file"
         raise InvalidInput(f"{target} cannot be written: it is {what}; choose another name")

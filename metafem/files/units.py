@@ -27,7 +27,7 @@ _LONGEST = 100
 
 # The usual units and what they are in ours, without the third of a second in which pint reads all that it
 # knows. It reads every other one.
-_USUAL = {
+_KNOWN = {
     "um": ("mm", Fraction(1, 1000)),
     "µm": ("mm", Fraction(1, 1000)),
     "μm": ("mm", Fraction(1, 1000)),
@@ -40,6 +40,28 @@ _USUAL = {
     "GPa": ("MPa", Fraction(1000)),
     "mJ/m^2": ("N/mm", Fraction(1, 1_000_000)),
 }
+
+# The usual units by the package's unit. The parser reads every unit of the same dimension.
+USUAL = {
+    "mm": ("nm", "um", "µm", "μm", "mm", "cm", "m", "inch"),
+    "mm^2": ("um^2", "µm^2", "μm^2", "mm^2", "cm^2", "m^2"),
+    "N": ("uN", "µN", "μN", "mN", "N", "kN"),
+    "N/mm": ("mJ/m^2", "J/m^2", "uN/mm", "mN/m", "N/m", "N/mm"),
+    "MPa": ("Pa", "kPa", "MPa", "GPa", "N/mm^2", "bar", "psi"),
+    "rad": ("deg", "°", "mrad", "rad"),
+}
+
+# Numbers that the parser reads, and that neither overflow nor vanish in any of the units.
+EXPONENT = r"([eE][+-]?[0-9]{1,2})?"
+NUMBER = rf"[+-]?([0-9]{{1,40}}\.?[0-9]{{0,40}}|\.[0-9]{{1,40}}){EXPONENT}"
+
+# Among these, numbers above 0: somewhere stands a digit from 1 to 9.
+ABOVE_ZERO = (
+    r"[+]?([0-9]{0,19}[1-9][0-9]{0,20}\.?[0-9]{0,40}|[0-9]{0,40}\.[0-9]{0,19}[1-9][0-9]{0,20})" + EXPONENT
+)
+
+# The ways to write a square.
+SQUARE = r"(\^2|2|\*\*2|²)"
 
 EXAMPLES = {
     "mm": "120 um",
@@ -156,6 +178,20 @@ def written_unit(value: Any) -> tuple[str, float] | None:
     return None if size is None else (name, size)
 
 
+def pattern(units: tuple[str, ...], positive: bool = False) -> str:
+    """Return the pattern of a number with one of the usual units that measure in one of `units`.
+
+    Examples
+    --------
+    >>> import re
+    >>> length = re.compile(pattern(("mm",)))
+    >>> bool(length.search("120 um")), bool(length.search("120")), bool(length.search("120 mm^2"))
+    (True, False, False)
+    """
+    names = "|".join(name.replace("^2", SQUARE) for unit in units for name in USUAL[unit])
+    return rf"^[ \t]*{ABOVE_ZERO if positive else NUMBER}[ \t]*({names})[ \t]*$"
+
+
 @lru_cache(maxsize=256)
 def _size(name: str) -> float | None:
     """Return the size of a unit in the package's unit of its dimension, None for an unknown unit."""
@@ -178,8 +214,8 @@ def factor(name: str, unit: str) -> Fraction:
     plain = _EXPONENT.sub(r"\1^\2", plain.replace("**", "^"))
     wrong = "but is a number without unit" if unit == "1" else f"which does not measure in {unit}"
     other = InvalidInput(f'has the unit "{printable(name, 40)}", {wrong}')
-    if plain in _USUAL:
-        own, size = _USUAL[plain]
+    if plain in _KNOWN:
+        own, size = _KNOWN[plain]
         if own != unit:
             raise other
         return size

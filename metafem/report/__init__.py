@@ -1,7 +1,6 @@
 """Report pages and their figures."""
 
-from metafem.report.fits import fit_table
-from metafem.report.names import all_notes, misfit_words, model_data
-from metafem.report.page import page, parameter_rows
+import lazy_loader
 
-__all__ = ["all_notes", "fit_table", "misfit_words", "model_data", "page", "parameter_rows"]
+# The stub lists the module of each public name; a name is imported when it is first used.
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

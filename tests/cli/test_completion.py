@@ -3,7 +3,7 @@
 import pytest
 
 from metafem import cli
-from metafem.cli.group import DEMOS, MODELS
+from metafem.files import DEMOS, MODELS
 
 
 @pytest.fixture

@@ -40,9 +40,9 @@ def refusal(unit):
 
 
 def test_usual_units_are_as_pint_has_them(monkeypatch):
-    usual = dict(units._USUAL)
+    usual = dict(units._KNOWN)
     units.factor.cache_clear()
-    monkeypatch.setattr(units, "_USUAL", {})
+    monkeypatch.setattr(units, "_KNOWN", {})
     for name, (own, size) in usual.items():
         assert units.factor(name, own) == size
         for other in EXAMPLES.keys() - {own}:

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.cli.group import DEMOS
 from metafem.drawing import TARGET
 from metafem.drawing.inline import Drawn
+from metafem.files import DEMOS
 from metafem.report import all_notes, parameter_rows
 from metafem.report.figures import force_figure, law_figure
 from metafem.report.page import page

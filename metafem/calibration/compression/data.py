@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from metafem import _validate as check
-from metafem._given import formatted, label, shown
+from metafem._given import Given, shown
 from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.calibration.compression.distance_fit import TUKEY, DistanceFit, adhesive_load, distance_fit
@@ -90,16 +90,21 @@ class Data:
             i, j = outside[0].tolist()
             most = self.contacts * float(np.broadcast_to(curve.largest, self.area.shape)[i, j])
             raise InvalidInput(
-                f"{self._area(i, j)} is beyond the last area of {shown(law)}, {formatted('area', most)}; "
-                "leave the point out, or give a law that reaches it"
+                "is beyond {.number}, the last area of {.number}; leave the point out, or give a law that "
+                "reaches it",
+                Given("area", most),
+                Given("contact", shown(law)),
+                **self._area(i, j),
             )
         i, j = np.unravel_index(int(self.area.argmax()), self.area.shape)
         widest = math.sqrt(float(self.area[i, j]) / math.pi) / radius
         if widest > 1.0:
             raise InvalidInput(
-                f"{self._area(int(i), int(j))}: a contact radius of {widest:.4g} R, which no cap has; check "
-                f"the radius, {formatted('radius', radius)}, the unit of the areas, and the number of "
-                f"contacts that share a load, {self.total_contacts}{beyond('area', widest**2)}"
+                f"is that of a contact radius of {widest:.4g} R, which no cap has; check the radius, "
+                "{.number}, the unit of the areas, and the number of contacts that share a load, "
+                f"{self.total_contacts}{beyond('area', widest**2)}",
+                Given("radius", radius),
+                **self._area(int(i), int(j)),
             )
 
     def checked_fit(self, curve: AreaCurve) -> DistanceFit:
@@ -114,27 +119,27 @@ class Data:
             uncertain = self.sd_of(self.area) / np.where(self.area > 0.0, self.area, np.inf)
             i, j = np.unravel_index(int(uncertain.argmax()), uncertain.shape)
             raise NotConverged(
-                "the fit of E* and the adhesion energy does not converge; the most uncertain area is "
-                f"{self._area(int(i), int(j))}, with an error of {percent(float(uncertain.max()))}; leave "
-                f"out areas that are not much larger than their errors, or {unit_hint('area', 0.0)}",
+                "the fit of E* and the adhesion energy does not converge; the most uncertain area is {}, "
+                f"with an error of {percent(float(uncertain.max()))}; leave out areas that are not much "
+                f"larger than their errors, or {unit_hint('area', 0.0)}",
                 fit,
+                Given(*self._area(int(i), int(j)).values()),
             )
         if fit.modulus > 0.0:
             return fit
         order = np.argsort(self.area.sum(axis=1), kind="stable")
         first, last = int(order[0]), int(order[-1])
-        ends = (f"{label(f'load[{i}]')} = {formatted('load', self.load[i])}" for i in (first, last))
-        small, large = ends
         raise InvalidInput(
-            f"the load does not grow with the contact area: {small} at the smallest area and {large} at the "
-            f"largest, and the fitted E* is {float(fit.modulus):.3g} MPa; check the columns and their order"
+            "the load does not grow with the contact area: {} at the smallest area and {} at the largest, "
+            f"and the fitted E* is {float(fit.modulus):.3g} MPa; check the columns and their order",
+            *(Given(f"load[{i}]", self.load[i]) for i in (first, last)),
         )
 
-    def _area(self, i: int, j: int) -> str:
-        """Return the name of an area and its value."""
+    def _area(self, i: int, j: int) -> dict[str, Any]:
+        """Return key and value of an area, for errors."""
         if self.one_by_one:
-            return f"{label(f'area[{i}, {j}]')} = {formatted('area', self.area[i, j])}"
-        return f"{label(f'area[{i}]')} = {formatted('area', self.contacts * self.area[i, j])}"
+            return {"key": f"area[{i}, {j}]", "value": self.area[i, j]}
+        return {"key": f"area[{i}]", "value": self.contacts * self.area[i, j]}
 
 
 def checked_data(
@@ -155,10 +160,8 @@ def checked_data(
     total = areas.sum(axis=1) if one_by_one else areas
     check.refuse_entries("area", total, total == 0.0, "is no contact; leave the row out")
     if np.ptp(total) <= ONE_AREA * total.max():
-        raise InvalidInput(
-            f"all areas are {formatted('area', total.max())}: E* and the adhesion energy need points at "
-            "different areas"
-        )
+        words = "all areas are {.number}: E* and the adhesion energy need points at different areas"
+        raise InvalidInput(words, Given("area", total.max()))
     sd = None
     if area_sd is not None:
         sd = check.array("area_sd", area_sd, shape=shape)

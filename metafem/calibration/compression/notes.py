@@ -6,9 +6,8 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-from metafem._given import label
+from metafem._given import Given
 from metafem._values import percent
 from metafem.calibration.compression.data import FEWEST
 from metafem.calibration.compression.result import ContactCalibration
@@ -17,7 +16,7 @@ from metafem.calibration.magnitude import OFF, unit_hint, within_errors
 from metafem.calibration.resampling import Bootstrap
 from metafem.calibration.verdict import chance
 from metafem.contact import Contact, TabulatedContact
-from metafem.notes import Note, information
+from metafem.notes import ArgumentNote, Level, Note, information
 
 # Weight in a robust fit below which a point is an outlier (beyond 2.5 standard deviations), and the share of
 # outliers above which the law is in doubt.
@@ -88,21 +87,20 @@ def notes_of(found: ContactCalibration, cap: Contact, bootstrap: Bootstrap | Non
 def _outliers(found: ContactCalibration) -> Iterator[Note]:
     """Return which points are outliers, and those that a robust fit leaves out."""
     left = np.flatnonzero(found.weight < OUTLYING)
-    if left.size:
-        text = f"the robust fit gives less than half of their weight to {_places(left)}"
+    points = [Given(f"load[{i}]") for i in left.tolist()]
+    if points:
+        text = f"the robust fit gives less than half of their weight to {listed(['{.name}'] * len(points))}"
         if left.size > MANY_OUTLIERS * len(found.load):
-            yield Note(f"{text}: {left.size} of {len(found.load)} points; the law may not fit")
+            many = f"{left.size} of {len(found.load)} points; the law may not fit"
+            yield ArgumentNote.of(f"{text}: {many}", *points)
         else:
-            yield information(text)
+            yield ArgumentNote.of(text, *points, level=Level.INFORMATION)
     elif found.verdict.one_outlier:
         farthest = found.verdict["largest"]
-        yield Note(
-            f"{_places(np.array([found.verdict.outlier]))} lies {farthest.statistic:.2g} standard deviations "
-            f"from the law (p {chance(farthest.probability, 1)} for the farthest of normal errors); the "
-            "stated uncertainties do not include outliers: check the point, leave it out, or calibrate with "
-            "robust=True (--robust on the command line)"
+        yield ArgumentNote.of(
+            f"{{.name}} lies {farthest.statistic:.2g} standard deviations from the law (p "
+            f"{chance(farthest.probability, 1)} for the farthest of normal errors); the stated uncertainties "
+            "do not include outliers: check the point, leave it out, or calibrate with robust=True (--robust "
+            "on the command line)",
+            Given(f"load[{found.verdict.outlier}]"),
         )
-
-
-def _places(points: NDArray[np.intp]) -> str:
-    return listed([label(f"load[{i}]") for i in points.tolist()])

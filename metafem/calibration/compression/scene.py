@@ -10,7 +10,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from metafem import _validate as check
-from metafem._given import formatted, shown
+from metafem._given import Given, shown
 from metafem._validate import FloatArray
 from metafem.contact import JKR, AxisymmetricCap, Contact, SphericalCap, TabulatedContact
 from metafem.errors import InvalidInput
@@ -126,16 +126,12 @@ class Sample:
     def refuse_radius(self, radius: float) -> None:
         """Refuse a radius [mm] within its error of 0, and one that is not that of the surface."""
         if self.radius_sd >= radius:
-            raise InvalidInput(
-                f"radius_sd = {formatted('radius_sd', self.radius_sd)} must be less than the radius, "
-                f"{formatted('radius', radius)}"
-            )
+            words = "must be less than the radius, {.number}"
+            raise InvalidInput(words, Given("radius", radius), key="radius_sd", value=self.radius_sd)
         own = np.full(1, radius) if self.surface is None else self.surface.radius
         for i in np.flatnonzero(np.abs(own / radius - 1.0) > SAME)[:1].tolist():
-            raise InvalidInput(
-                f"surface.radius[{i}] = {formatted('radius', own[i])} differs from "
-                f"radius = {formatted('radius', radius)}; they must be the same"
-            )
+            words = "differs from {}; they must be the same"
+            raise InvalidInput(words, Given("radius", radius), key=f"surface.radius[{i}]", value=own[i])
 
     def _refuse_law(self, law: Contact) -> None:
         """Refuse a law whose load is not in proportion to E* at a given area."""

@@ -10,14 +10,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._given import shown
+from metafem._given import Given, shown
 from metafem.calibration.images.contact_areas import ContactAreas
 from metafem.calibration.images.grey import Options
 from metafem.calibration.images.levels import Levels
 from metafem.calibration.images.measuring import measured
 from metafem.errors import InvalidInput
-from metafem.notes import Note
+from metafem.notes import ArgumentNote
 from metafem.progress import each
+
+# What is said of an image that cannot be measured.
+NOT_MEASURED = "{.name} is not measured: {.number}"
 
 
 def contact_areas(
@@ -168,24 +171,26 @@ def stack_areas(
         if len(found) == 1 and failures:
             # each result with these levels has a note on their source
             other = next(iter(failures))
-            first = Note(
-                f"threshold and levels are from images[{i}], because images[{other}] cannot be measured"
+            first = ArgumentNote.of(
+                "threshold and levels are from {.name}, because {.name} cannot be measured",
+                Given(f"images[{i}]"),
+                Given(f"images[{other}]"),
             )
             found[i] = replace(found[i], notes=(*found[i].notes, first))
     if not found:
-        raise InvalidInput(f"none of the images can be measured: {_failed(failures)}")
+        first_failure = _failure(*next(iter(failures.items())))
+        raise InvalidInput(f"none of the images can be measured: {NOT_MEASURED}", *first_failure)
     reference = next(iter(found.values()))
-    empty = {i: _none(reference, f"images[{i}] is not measured: {text}") for i, text in failures.items()}
+    empty = {i: _none(reference, _failure(i, text)) for i, text in failures.items()}
     return tuple(found[i] if i in found else empty[i] for i in range(count))
 
 
-def _failed(failures: dict[int, str]) -> str:
-    """Return the first image that was not measured, and why."""
-    i, text = next(iter(failures.items()))
-    return f"images[{i}] is not measured: {text}"
+def _failure(image: int, why: str) -> tuple[Given, Given]:
+    """Return the image that was not measured, and why."""
+    return Given(f"images[{image}]"), Given("reason", why)
 
 
-def _none(reference: ContactAreas, why: str) -> ContactAreas:
+def _none(reference: ContactAreas, failure: tuple[Given, Given]) -> ContactAreas:
     """Return the result of an image that is not measured: no contacts."""
     none = {
         name: getattr(reference, name)[:0]
@@ -194,4 +199,4 @@ def _none(reference: ContactAreas, why: str) -> ContactAreas:
             *("edge", "merged", "saturated", "holes"),
         )
     }
-    return replace(reference, **none, failed=True, notes=(Note(why),))
+    return replace(reference, **none, failed=True, notes=(ArgumentNote.of(NOT_MEASURED, *failure),))

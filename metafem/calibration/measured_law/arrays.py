@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from metafem import _validate as check
-from metafem._given import formatted, label, shown
+from metafem._given import Given, shown
 from metafem._validate import FloatArray
 from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.errors import InvalidInput
@@ -115,7 +115,7 @@ def _deviation(
     parts = np.nansum(found["asperity_area"], axis=1) if missing.any() else values
     largest = float(np.where(missing, parts, values).max())
     if not largest > 0.0:
-        raise InvalidInput(f"{label('area')} is {formatted('area', largest)} at most: there is no contact")
+        raise InvalidInput("is {.number} at most: there is no contact", Given("area", largest), key="area")
     sd = np.maximum(total, errors.of_area(np.array(SMALL_CONTACT * largest)))
     return np.where(missing, np.nan, sd)
 
@@ -124,8 +124,10 @@ def _refuse_negative(name: str, values: FloatArray, sd: FloatArray) -> None:
     i = int(np.where(np.isnan(values), np.inf, values / sd).argmin())
     if values[i] < -BELOW_ZERO * sd[i]:
         raise InvalidInput(
-            f"{label(f'{name}[{i}]')} = {formatted(name, values[i])} is below 0 by {-values[i] / sd[i]:.0f} "
-            "standard deviations; check the sign of the force or the zero of the instrument"
+            f"is below 0 by {-values[i] / sd[i]:.0f} standard deviations; check the sign of the force or the "
+            "zero of the instrument",
+            key=f"{name}[{i}]",
+            value=values[i],
         )
 
 
@@ -145,12 +147,13 @@ def _refuse_falling(found: Mapping[str, FloatArray]) -> None:
         sd = np.sqrt((weight**2) @ (found[f"{name}_sd"][known] ** 2 + (slope * load_sd) ** 2))
         if slope < -FALLING * sd:
             first, last = int(load.argmin()), int(load.argmax())
-            ends = (
-                f"{label(f'{name}[{known[i]}]')} = {formatted(name, values[i])} at "
-                f"{formatted('load', load[i])}"
+            ends = [
+                Given(key, value)
                 for i in (first, last)
-            )
+                for key, value in ((f"{name}[{known[i]}]", values[i]), ("load", load[i]))
+            ]
             raise InvalidInput(
-                f"{' and '.join(ends)}: it decreases with the load, which no friction law of contacts does; "
-                "check the columns and their units"
+                "{} at {.number} and {} at {.number}: it decreases with the load, which no friction law of "
+                "contacts does; check the columns and their units",
+                *ends,
             )

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem import drawing
-from metafem._given import formatted, label, shown
+from metafem._given import Given, shown
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.bounded_interval import interval_of
@@ -117,8 +117,8 @@ def shear_strength(
     used = law.load >= least
     if used.sum() < FEWEST:
         raise InvalidInput(
-            f"law has {int(used.sum())} points at {label('load_min')} = {formatted('load_min', least)} or "
-            f"above; sigma needs at least {FEWEST}"
+            f"law has {int(used.sum())} points at {{}} or above; sigma needs at least {FEWEST}",
+            Given("load_min", least),
         )
     _refuse_open(surface, solver, least)
     load, force, load_sd = law.load[used], law.friction_force[used], law.load_sd[used]
@@ -208,14 +208,18 @@ def _refuse_open(surface: Surface, model: Model, load: float) -> None:
     opened = _open(surface, model, load)
     if not opened:
         return
+    closed = _all_touch(surface, model, load)
     raise InvalidInput(
-        f"{label('load_min')} = {formatted('load_min', load)}: {opened} of {surface.count} asperities are "
-        f"not in contact at this load{_all_touch(surface, model, load)}"
+        f"is too small: {opened} of {surface.count} asperities are not in contact at this load"
+        + "; all are from {.number} on" * len(closed),
+        *closed,
+        key="load_min",
+        value=load,
     )
 
 
-def _all_touch(surface: Surface, model: Model, load: float) -> str:
-    """Return from which load on all asperities are in contact, in words; empty if the model finds none."""
+def _all_touch(surface: Surface, model: Model, load: float) -> tuple[Given, ...]:
+    """Return from which load on all asperities are in contact; nothing if the model finds none."""
     low, high = load, load
     try:
         for _ in range(DOUBLINGS):
@@ -223,14 +227,14 @@ def _all_touch(surface: Surface, model: Model, load: float) -> str:
             if not _open(surface, model, high):
                 break
         else:
-            return ""
+            return ()
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if _open(surface, model, middle) else (low, middle)
     except MetafemError:  # beyond the range of the contact law
-        return ""
+        return ()
     unit = 10.0 ** (math.floor(math.log10(high)) - 2)  # of the third digit
-    return f"; all are from {formatted('load_min', math.ceil(high / unit) * unit)} on"
+    return (Given("load_min", math.ceil(high / unit) * unit),)
 
 
 def _open(surface: Surface, model: Model, load: float) -> int:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
-from metafem._given import formatted
+from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem._values import Value, span
 from metafem.errors import InvalidInput
@@ -139,17 +139,22 @@ def shear_record(
     _refuse_without_peak(x, force, peak)
     after = x - x[peak]
     rounding = ROUNDING * x[-1]
-    near, far = (formatted("displacement", end) for end in (low, high))
+    near, far = (Given("displacement", end) for end in (low, high))
     if after[-1] < high - rounding:
         raise InvalidInput(
-            f"the record ends {formatted('displacement', after[-1])} after the peak at displacement "
-            f"{formatted('displacement', x[peak])}; the sliding range needs {far}"
+            "the record ends {.number} after the peak at displacement {.number}; the sliding range needs "
+            "{.number}",
+            Given("displacement", after[-1]),
+            Given("displacement", x[peak]),
+            far,
         )
     sliding = (after >= low - rounding) & (after <= high + rounding)
     if sliding.sum() < 2:
         raise InvalidInput(
-            f"the record has {int(sliding.sum())} entries between {near} and {far} after the peak; "
-            "sliding friction needs at least 2; widen sliding_range"
+            f"the record has {int(sliding.sum())} entries between {{.number}} and {{.number}} after the "
+            "peak; sliding friction needs at least 2; widen sliding_range",
+            near,
+            far,
         )
     mean, noise = float(force[sliding].mean()), _noise(x[sliding], force[sliding])
     notes = []
@@ -188,15 +193,18 @@ def shear_record(
 def _refuse_without_peak(x: FloatArray, force: FloatArray, peak: int) -> None:
     if force[peak] <= 0.0:
         raise InvalidInput(
-            f"friction_force is at most {formatted('friction_force', force[peak])}; forces that resist "
-            "sliding are positive"
+            "is at most {.number}; forces that resist sliding are positive",
+            Given("friction_force", force[peak]),
+            key="friction_force",
         )
     if peak in (0, len(x) - 1):
         where = "first" if peak == 0 else "last"
         remedy = "begin the record before the contact is sheared" if peak == 0 else "shear farther"
         raise InvalidInput(
-            f"friction_force is largest at the {where} entry (displacement "
-            f"{formatted('displacement', x[peak])}), so the record has no peak; {remedy}"
+            f"is largest at the {where} entry (displacement {{.number}}), so the record has no peak; "
+            f"{remedy}",
+            Given("displacement", x[peak]),
+            key="friction_force",
         )
 
 
@@ -221,8 +229,10 @@ def _areas(
     frames = np.flatnonzero(np.isfinite(area))
     if not frames.size or frames[0] > peak or frames[-1] < peak:
         raise InvalidInput(
-            "area has no frame on both sides of the peak at displacement "
-            f"{formatted('displacement', x[peak])}; measure areas from before shear until sliding"
+            "has no frame on both sides of the peak at displacement {.number}; measure areas from before "
+            "shear until sliding",
+            Given("displacement", x[peak]),
+            key="area",
         )
     moving = frames[sliding[frames]]
     if not moving.size:

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem._given import formatted, label
+from metafem._given import Given
 from metafem._validate import FloatArray, IntArray
 from metafem._values import percent
 from metafem.calibration.sites.match import FEWEST, match_sites
@@ -103,7 +103,7 @@ def _few(centre: FloatArray, height: FloatArray, design: Surface) -> Alignment:
     """Match one or two summits to as many sites, as the map lies; the order of x and y decides."""
     if len(centre) != design.count:
         raise InvalidInput(
-            f"{label('height_map')} shows {len(centre)} caps and {label('design_surface')} has "
+            f"the map shows {len(centre)} caps and the design has "
             f"{design.count} asperities; at least {FEWEST} of each are needed to match them"
         )
     site = np.empty(design.count, dtype=np.intp)
@@ -147,7 +147,7 @@ def placement_notes(
         yield Note(f"so are {len(missing) - NAMED} others of the design: {numbers}")
     height = design.height[place.site[place.site >= 0]]
     if place.misfit > FOREIGN * height.std() and place.misfit > FOREIGN_MEAN * height.mean():
-        error, designed = (formatted("height", float(value)) for value in (place.misfit, height.std()))
+        error, designed = f"{place.misfit:g}", f"{height.std():g}"
         yield Note(
             f"the heights of the caps are not those of the design: their errors have the standard "
             f"deviation {error} mm, the designed heights {designed} mm; check the design, and whether "
@@ -176,10 +176,11 @@ def on_map(x: float, y: float) -> str:
     return f"({x:.3f}, {y:.3f}) mm"
 
 
-def no_cap(radius: float, hills: int, mould: bool) -> str:
+def no_cap(radius: float, hills: int, mould: bool) -> InvalidInput:
     """Return the error for a map on which no hill is a cap of about this radius [mm]."""
     other = "1 hill of another shape" if hills == 1 else f"{hills} hills of other shapes"
-    return (
-        f"{label('height_map')} shows no cap of a radius near {radius:g} mm, but {other}; check "
-        f"{label('pixel_size')}, {label('the unit of the heights')} and {label(f'mould={not mould}')}"
+    return InvalidInput(
+        f"the map shows no cap of a radius near {radius:g} mm, but {other}; check {{.name}}, {{.name}} and "
+        "{.name}",
+        *map(Given, ("pixel_size", "the unit of the heights", f"mould={not mould}")),
     )

@@ -10,7 +10,6 @@ import numpy as np
 from scipy.special import fdtrc
 
 from metafem import _validate as check
-from metafem._given import formatted
 from metafem._validate import FloatArray, IntArray
 from metafem._values import MICROMETRES, Value, percent
 from metafem.calibration.topography.made_surface import MadeSurface
@@ -258,11 +257,11 @@ def _notes(made: MadeSurface, surface: Surface, left_out: tuple[str, ...]) -> It
     if np.ptp(made.surface.radius) == 0.0:
         spread = max(spread, float(made.radius_sd.min()))
     if abs(off) > NOTED * spread + RESOLUTION * designed:
-        larger = f"{formatted('radius', abs(off))} mm {'larger' if off > 0.0 else 'smaller'} than designed"
+        larger = f"{abs(off):g} mm {'larger' if off > 0.0 else 'smaller'} than designed"
         remedy = "other heights do not correct that; design the next part with the radius of the tool"
         yield Note(f"the radii are {larger} ({percent(off / designed)}); {remedy}")
     for i in np.flatnonzero(surface.height <= 0.0)[:1].tolist():
-        height = formatted("height", float(surface.height[i]))
+        height = f"{surface.height[i]:g}"
         yield Note(f"the corrected height of asperity {i} is {height} mm: it cannot be made")
 
 

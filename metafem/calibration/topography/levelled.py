@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem._given import label
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.topography.cells import Cells, HeightMap
@@ -99,9 +98,9 @@ def levelled(
     count = 6 if bowed else 3
     if known.sum() < FEWEST:
         if not np.isfinite(height_map.values).any():
-            raise InvalidInput(f"{label('height_map')} holds no heights: none of its pixels was measured")
+            raise InvalidInput("the map holds no heights: none of its pixels was measured")
         raise InvalidInput(
-            f"{label('height_map')} shows {int(known.sum())} cells of {found.size:.3g} mm between its "
+            f"the map shows {int(known.sum())} cells of {found.size:.3g} mm between its "
             f"summits; at least {FEWEST} are needed for the base plane"
         )
     values = found.mean[known]
@@ -124,9 +123,7 @@ def levelled(
         if (before == inside).all():
             break
     if inside.sum() < FEWEST:
-        raise InvalidInput(
-            f"{label('height_map')} holds no base plane: its cells between the summits do not lie on one"
-        )
+        raise InvalidInput("the map holds no base plane: its cells between the summits do not lie on one")
     grid = np.zeros(found.mean.shape)
     grid[known] = np.where(inside, residual, 0.0)
     weight_of = np.zeros(found.mean.shape)

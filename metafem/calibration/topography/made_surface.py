@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
-from metafem._given import label
 from metafem._validate import FloatArray, IntArray
 from metafem._values import MICROMETRES, Value, span
 from metafem.calibration.topography.alignment import Alignment, aligned, no_cap, on_map, placement_notes
@@ -204,7 +203,7 @@ def measured_surface(
         on_hills, starts, other = hills(found, first, LOWEST * lowest, radius)
         level = levelled(picture, found, bow, on_hills)
         if not starts:
-            raise InvalidInput(no_cap(radius, len(other), mould))
+            raise no_cap(radius, len(other), mould)
         caps, covariance = fitted_caps(picture, level, starts, limit)
     good = np.array([not cap.cause for cap in caps])
     notes = [
@@ -213,7 +212,7 @@ def measured_surface(
         if cap.cause
     ]
     if not good.any():
-        raise InvalidInput(f"{label('height_map')} shows no cap that can be measured; {notes[0].text}")
+        raise InvalidInput(f"the map shows no cap that can be measured; {notes[0].text}")
     caps = [cap for cap in caps if not cap.cause]
     covariance = covariance[good]
     value = np.array([[cap.x, cap.y, cap.height, cap.radius] for cap in caps])
@@ -230,10 +229,7 @@ def _made(
 ) -> MadeSurface:  # fmt: skip
     matched = np.flatnonzero(place.site >= 0)
     if not matched.size:
-        raise InvalidInput(
-            f"none of the {len(caps)} caps of {label('height_map')} lies on a site of "
-            f"{label('design_surface')}"
-        )
+        raise InvalidInput(f"none of the {len(caps)} caps of the map lies on a site of the design")
     order = matched[np.argsort(place.site[matched])]
     site = place.site[order].astype(np.int64)
     missing = np.setdiff1d(np.arange(design.count), site)
@@ -272,8 +268,7 @@ def _height_map(values: ArrayLike, pixel_size: float | tuple[float, float], moul
         raise InvalidInput("height_map is not an array of numbers") from None
     if array.ndim != 2 or min(array.shape) < FEWEST:
         raise InvalidInput(
-            f"{label('height_map')} has shape {array.shape}; it must have shape (rows, columns), "
-            f"each at least {FEWEST}"
+            f"the map has shape {array.shape}; it must have shape (rows, columns), each at least {FEWEST}"
         )
     return HeightMap(array, (width, height), -1.0 if mould else 1.0)
 

@@ -8,7 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
+import metafem as mf
+from metafem._given import Names
 from metafem.cli.group import Name, force_option, json_option, main, model_option
 from metafem.cli.measurement.fits import (
     ERRORS,
@@ -22,8 +25,17 @@ from metafem.cli.measurement.fits import (
 )
 from metafem.cli.progress import progress
 from metafem.cli.study.options import option_name, seed_option, with_options
-from metafem.cli.terminal import notes_data, print_json, print_notes, print_table, terminal
+from metafem.cli.terminal import (
+    notes_data,
+    print_json,
+    print_notes,
+    print_table,
+    print_written,
+    say,
+    terminal,
+)
 from metafem.errors import InvalidInput
+from metafem.notes import information
 
 if TYPE_CHECKING:
     from metafem.calibration import ContactCalibration, ShearCalibration, StrengthFit
@@ -125,52 +137,46 @@ def calibrate(
     Example: metafem calibrate compression.csv shear.csv --contacts 5 --radius "526 um" --radius-sd "5 um"
     """
     from metafem.calibration.figures import calibration_figure
-    from metafem.files import (
-        block_text,
-        calibration_data,
-        read_calibration,
-        refuse_existing,
-        refuse_figure,
-        write_figure,
-        write_text,
-    )
 
     kinds = {".toml": "sections", ".json": "calibration"}
     for path in output:
         if path.suffix.lower() not in kinds:
             raise InvalidInput(f"--output {path} must end with .toml or .json")
-        refuse_existing(path, force, kinds[path.suffix.lower()])
+        mf.files.refuse_existing(path, force, kinds[path.suffix.lower()])
     if figure is not None:
-        refuse_figure(figure, force)
+        mf.files.refuse_figure(figure, force)
     sources = [str(path) for path in (*data, options["full_contact"]) if path is not None]
     if not sources:
         raise InvalidInput("no table is given; write for example metafem calibrate compression.csv shear.csv")
     with progress():
-        measured = read_calibration(data, sliding=options["sliding"], sliding_range=sliding_range(options))
+        measured = mf.files.read_calibration(
+            data, sliding=options["sliding"], sliding_range=sliding_range(options)
+        )
         names = written_names(options)
         errors = errors_of(options, measured)
         contact = fitted_contact(measured, options, errors, names, sources)
         shear = fitted_shear(measured, options, errors, names, sources)
         strength = fitted_strength(options, errors, contact, shear)
-        found = calibration_data(contact, shear, sources, measured.records, strength)
+        found = mf.files.calibration_data(contact, shear, sources, measured.records, strength)
         found["notes"] = notes_data(_notes(contact, shear, measured))
         text = json.dumps(found)
         for path in output:
             suffix = path.suffix.lower()
             content = (
-                block_text(contact, shear, sources, options["contact"], strength)
+                mf.files.block_text(contact, shear, sources, options["contact"], strength)
                 if suffix == ".toml"
                 else text + "\n"
             )
-            write_text(path, content, force=force, kind=kinds[suffix])
+            mf.files.write_text(path, content, force=force, kind=kinds[suffix])
         if figure is not None:
-            write_figure(figure, calibration_figure(contact, shear, strength), "calibration", force=force)
+            mf.files.write_figure(
+                figure, calibration_figure(contact, shear, strength), "calibration", force=force
+            )
     if as_json:
         print_json(found)
         return
     _print(contact, shear, strength, measured)
-    for path in (*output, *([figure] if figure is not None else [])):
-        terminal().print(f"wrote {path}", highlight=False, markup=False)
+    print_written([*output, figure])
 
 
 def _print(
@@ -180,8 +186,6 @@ def _print(
     measured: CalibrationData,
 ) -> None:
     """Print the values with their intervals, the verdicts and the tests."""
-    import numpy as np
-
     from metafem.calibration.bounded_interval import bounded_interval
     from metafem.files.measurement.numbers import interval, published, rounded
 
@@ -236,8 +240,7 @@ def _print(
             f"{name}: static {record.static_force:.4g} N at {record.peak_displacement:.4g} mm, sliding "
             f"{record.sliding_force:.4g} N"
         )
-    for line in lines:
-        console.print(line, highlight=False, markup=False, soft_wrap=True)
+    say(console, *lines)
     print_notes(console, _notes(contact, shear, measured))
 
 
@@ -245,10 +248,11 @@ def _notes(
     contact: ContactCalibration | None, shear: ShearCalibration | None, measured: CalibrationData
 ) -> list[Note]:
     """Return the notes of both calibrations, and one on areas that both have."""
-    from metafem.notes import information
-
-    notes = [*measured.notes, *(note for each in (contact, shear) if each is not None for note in each.notes)]
     pressed, sheared = measured.compression, measured.shear
+    notes = [*measured.notes]
+    for found, points in ((contact, pressed), (shear, sheared)):
+        if found is not None and points is not None:
+            notes += [note.named(Names(places=points.place)) for note in found.notes]
     if pressed is not None and sheared is not None and not set(pressed.place).isdisjoint(sheared.place):
         notes.append(
             information(

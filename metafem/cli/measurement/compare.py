@@ -7,20 +7,19 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+import metafem as mf
 from metafem.cli.group import Name, force_option, json_option, main
 from metafem.cli.measurement.explanation import (
     explain_options,
-    explanation,
     given_priors,
-    print_explanation,
 )
 from metafem.cli.measurement.pair import PARAMETERS, measured_laws, pair_of, pair_options
 from metafem.cli.progress import progress
 from metafem.cli.study.parameters import given_deviations
-from metafem.cli.terminal import loaded, print_json, print_notes, print_table, terminal
+from metafem.cli.terminal import loaded, print_json, print_study
 
 if TYPE_CHECKING:
-    from xarray import Dataset
+    pass
 
 
 @main.command(short_help="Compare a measured friction law with the design of a folder.")
@@ -65,53 +64,33 @@ def compare(
 
     Example: metafem compare linear measured.csv --calibration calibration.json --explain
     """
-    import metafem as mf
-    from metafem.files import same_design, study_path, write_study
-    from metafem.studies.measurements import measured
+    from metafem.studies.measurements import explained, measured
+    from metafem.studies.summaries.measurements import FEATURES, answers, feature_rows
 
     priors = given_priors(given, explain)
-    still = same_design(folder)
+    still = mf.files.same_design(folder)
     with progress(), given_deviations(sd, PARAMETERS) as errors:
         design = loaded(folder)
         pair = pair_of(design.surface, given, errors)
         laws = measured_laws(pair, table, sliding, design.sites)
-        path = study_path(folder, "measured", force)
-        explained = study_path(folder, "explained", force) if explain else None
+        path = mf.files.study_path(folder, "measured", force)
+        explained_path = mf.files.study_path(folder, "explained", force) if explain else None
         comparisons = [mf.calibration.compare(law, design, **pair.errors(law)) for law in laws]
         dataset = measured(comparisons, design.law.model)
-        why = None if explained is None else explanation(laws[0], design, priors)
+        why = explained(mf.calibration.explain(laws[0], design, priors)) if explain else None
         # all results together: a stopped run leaves none that its repetition would refuse to replace
-        write_study(dataset, path, force=force, still=still)
-        if why is not None and explained is not None:
-            write_study(why, explained, force=force, still=still)
+        mf.files.write_study(dataset, path, force=force, still=still)
+        if why is not None and explained_path is not None:
+            mf.files.write_study(why, explained_path, force=force, still=still)
+    points, reasons = answers(dataset), () if why is None else answers(why)
     if as_json:
-        from metafem.files import study_data
-        from metafem.studies.summaries.measurements import answers
-        from metafem.studies.summaries.measurements import answers as explained_answers
-
-        data = {"file": str(path), "answers": answers(dataset), **study_data(dataset)}
+        data = {"file": str(path), "answers": points, **mf.files.study_data(dataset)}
         if why is not None:
-            sentences = explained_answers(why)
-            data["explanation"] = {"file": str(explained), "answers": sentences, **study_data(why)}
+            found = mf.files.study_data(why)
+            data["explanation"] = {"file": str(explained_path), "answers": reasons, **found}
         print_json(data)
-    else:
-        _print(dataset, path)
-        if why is not None:
-            print_explanation(why, explained)
-
-
-def _print(dataset: Dataset, path: Path) -> None:
-    """Print the points, the features and what they say."""
-    from metafem.studies.summaries import summary
-    from metafem.studies.summaries.measurements import FEATURES, answers, feature_rows
-
-    found = summary(dataset)
-    console = terminal()
-    print_table(console, found.columns, found.rows, found.title)
-    features = feature_rows(dataset)
-    if features:
-        print_table(console, FEATURES, features, "Features of the target")
-    print_notes(console, found.notes)
-    for answer in answers(dataset):
-        console.print(answer, highlight=False, markup=False, soft_wrap=True)
-    console.print(f"wrote {path}", highlight=False, markup=False)
+        return
+    rows = feature_rows(dataset)
+    print_study(dataset, path, points, (FEATURES, rows, "Features of the target") if rows else ())
+    if why is not None:
+        print_study(why, explained_path, reasons)

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+import metafem as mf
 from metafem._given import Names
 from metafem.cli.study.options import option_name, with_options
-from metafem.cli.terminal import print_notes, print_table, terminal
 from metafem.errors import InvalidInput, named
 
 if TYPE_CHECKING:
-    from xarray import Dataset
-
-    from metafem.calibration import MeasuredLaw, Priors
-    from metafem.inversion import Design
+    pass
 
 # Unit, example and meaning of each expected error; relative ones are in percent.
 EXPECTED = {
@@ -43,7 +39,7 @@ explain_options = with_options(
 )
 
 
-def given_priors(options: dict[str, Any], explain: bool) -> Priors | None:
+def given_priors(options: dict[str, Any], explain: bool) -> mf.calibration.Priors | None:
     """Return the expected errors of the options, which it removes; None without any."""
     texts = {name: options.pop(name) for name in EXPECTED}
     texts = {name: text for name, text in texts.items() if text is not None}
@@ -51,7 +47,6 @@ def given_priors(options: dict[str, Any], explain: bool) -> Priors | None:
         raise InvalidInput(f"{option_name(next(iter(texts)))} needs --explain")
     if not texts:
         return None
-    from metafem.calibration import Priors
 
     names = Names(
         names={name: option_name(name) for name in EXPECTED},
@@ -59,36 +54,12 @@ def given_priors(options: dict[str, Any], explain: bool) -> Priors | None:
     )
     values = {name: _number(name, text) for name, text in texts.items()}
     with named(names):
-        return Priors(**values)
+        return mf.calibration.Priors(**values)
 
 
 def _number(name: str, text: str) -> float:
     """Return an expected error of the command line."""
-    from metafem.files import quantity
-
     unit, example, _ = EXPECTED[name]
     if text.strip() == "0":
         return 0.0
-    return quantity(option_name(name), text, unit, example)
-
-
-def explanation(law: MeasuredLaw, design: Design, priors: Priors | None) -> Dataset:
-    """Return the errors that explain a measured law."""
-    from metafem.calibration import explain
-    from metafem.studies.measurements import explained
-
-    return explained(explain(law, design, priors))
-
-
-def print_explanation(dataset: Dataset, path: Path | None) -> None:
-    """Print the table of the errors, the sentences and the file."""
-    from metafem.studies.summaries import summary
-    from metafem.studies.summaries.measurements import answers
-
-    found = summary(dataset)
-    console = terminal()
-    print_table(console, found.columns, found.rows, found.title)
-    print_notes(console, found.notes)
-    for answer in answers(dataset):
-        console.print(answer, highlight=False, markup=False, soft_wrap=True)
-    console.print(f"wrote {path}", highlight=False, markup=False)
+    return mf.files.quantity(option_name(name), text, unit, example)

@@ -6,6 +6,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+import metafem as mf
 from metafem._given import Names
 from metafem.cli.study.options import option_name
 from metafem.cli.terminal import loaded
@@ -13,7 +16,6 @@ from metafem.errors import InvalidInput, named
 
 if TYPE_CHECKING:
     from metafem.calibration import (
-        Bootstrap,
         ContactCalibration,
         MeasurementErrors,
         ShearCalibration,
@@ -42,9 +44,7 @@ LENGTHS = {
 
 def written_names(options: Mapping[str, Any]) -> Names:
     """Return the names of the options and the units of the entries, for errors."""
-    from metafem.files import option_names
-
-    names = option_names({name: value for name, value in options.items() if isinstance(value, str)})
+    names = mf.files.option_names({name: value for name, value in options.items() if isinstance(value, str)})
     plain = {
         name: option_name(name) for name in (*LENGTHS, "contacts", "poisson_ratio", "bootstrap", "load_min")
     }
@@ -53,27 +53,24 @@ def written_names(options: Mapping[str, Any]) -> Names:
 
 def sliding_range(options: Mapping[str, Any]) -> tuple[float, float] | None:
     """Return the sliding range of the options [mm]."""
-    from metafem.files import quantity
-
     if not options["sliding_range"]:
         return None
-    low, high = (quantity("--sliding-range", text, "mm", "0.1 mm") for text in options["sliding_range"])
+    low, high = (
+        mf.files.quantity("--sliding-range", text, "mm", "0.1 mm") for text in options["sliding_range"]
+    )
     return low, high
 
 
-def errors_of(options: Mapping[str, Any], measured: CalibrationData) -> MeasurementErrors:
+def errors_of(options: Mapping[str, Any], measured: CalibrationData) -> mf.calibration.MeasurementErrors:
     """Return the standard deviations of the options, of the tables of images, or of the paper."""
-    from metafem.calibration import MeasurementErrors
-    from metafem.files import option_names, quantity
-
     given = {} if measured.boundary is None else {"boundary": measured.boundary}
     for name, (member, unit, example, _) in ERRORS.items():
         if options[name] is not None:
-            given[member] = quantity(option_name(name), options[name], unit, example)
+            given[member] = mf.files.quantity(option_name(name), options[name], unit, example)
     texts = {member: options[name] for name, (member, *_) in ERRORS.items()}
     names = {member: option_name(name) for name, (member, *_) in ERRORS.items()}
-    with named(replace(option_names(texts), names=names)):
-        return MeasurementErrors(**given)
+    with named(replace(mf.files.option_names(texts), names=names)):
+        return mf.calibration.MeasurementErrors(**given)
 
 
 def fitted_contact(
@@ -84,9 +81,6 @@ def fitted_contact(
     sources: list[str],
 ) -> ContactCalibration | None:
     """Return E* and the adhesion energy, None without compression tests."""
-    import metafem as mf
-    from metafem.files import chosen_model, of_files, quantity
-
     points = measured.compression
     if points is None:
         return None
@@ -95,7 +89,9 @@ def fitted_contact(
             'E* needs the radius of the caps; add for example --radius "526 um" --radius-sd "5 um"'
         )
     radius, radius_sd = (
-        0.0 if options[name] is None else quantity(option_name(name), options[name], "mm", LENGTHS[name][0])
+        0.0
+        if options[name] is None
+        else mf.files.quantity(option_name(name), options[name], "mm", LENGTHS[name][0])
         for name in ("radius", "radius_sd")
     )
     count = options["contacts"]
@@ -108,7 +104,7 @@ def fitted_contact(
                 contacts=single or count or 1,
                 radius_sd=radius_sd,
                 poisson_ratio=options["poisson_ratio"],
-                model=chosen_model(mf.Independent(), options["model"], options["contact"]),
+                model=mf.files.chosen_model(mf.Independent(), options["model"], options["contact"]),
                 surface=_surface(measured, options, radius),
             )
             return mf.calibration.fit_compression(
@@ -122,16 +118,11 @@ def fitted_contact(
                 bootstrap=_bootstrap(options),
             )
     except InvalidInput as error:
-        raise of_files(error, sources) from None
+        raise mf.files.of_files(error, sources) from None
 
 
 def _surface(measured: CalibrationData, options: Mapping[str, Any], radius: float) -> Surface | None:
     """Return the sample under a model: that of the table of caps, or the contacts of the images."""
-    import numpy as np
-
-    import metafem as mf
-    from metafem.files import quantity, read_surface
-
     if options["model"] is None:
         given = [name for name in ("sample", "thickness", "width", "length") if options[name] is not None]
         if given:
@@ -140,11 +131,13 @@ def _surface(measured: CalibrationData, options: Mapping[str, Any], radius: floa
     ratio = 0.5 if options["poisson_ratio"] is None else options["poisson_ratio"]
     material = mf.Material(1.0, ratio)  # the modulus is what is fitted
     thickness, width, length = (
-        None if options[name] is None else quantity(option_name(name), options[name], "mm", LENGTHS[name][0])
+        None
+        if options[name] is None
+        else mf.files.quantity(option_name(name), options[name], "mm", LENGTHS[name][0])
         for name in ("thickness", "width", "length")
     )
     if options["sample"] is not None:
-        surface = read_surface(options["sample"], material, radius)
+        surface = mf.files.read_surface(options["sample"], material, radius)
     elif measured.position is not None:
         surface = mf.Surface(measured.position, np.zeros(len(measured.position)), radius, material)
     else:
@@ -164,11 +157,13 @@ def _surface(measured: CalibrationData, options: Mapping[str, Any], radius: floa
     return surface
 
 
-def _bootstrap(options: Mapping[str, Any]) -> Bootstrap | None:
+def _bootstrap(options: Mapping[str, Any]) -> mf.calibration.Bootstrap | None:
     """Return the bootstrap of the options."""
-    from metafem.calibration import Bootstrap
-
-    return None if options["bootstrap"] is None else Bootstrap(options["bootstrap"], options["seed"])
+    return (
+        None
+        if options["bootstrap"] is None
+        else mf.calibration.Bootstrap(options["bootstrap"], options["seed"])
+    )
 
 
 def fitted_shear(
@@ -179,9 +174,6 @@ def fitted_shear(
     sources: list[str],
 ) -> ShearCalibration | None:
     """Return B and sigma, None without shear tests."""
-    import metafem as mf
-    from metafem.files import of_files
-
     points = measured.shear
     if points is None:
         return None
@@ -196,7 +188,7 @@ def fitted_shear(
                 bootstrap=_bootstrap(options),
             )
     except InvalidInput as error:
-        raise of_files(error, sources) from None
+        raise mf.files.of_files(error, sources) from None
 
 
 def fitted_strength(
@@ -206,9 +198,6 @@ def fitted_strength(
     shear: ShearCalibration | None,
 ) -> StrengthFit | None:
     """Return sigma of a part in full contact, with E* and B of the other tables, or of its folder."""
-    import metafem as mf
-    from metafem.files import quantity, read_measured_law
-
     given = {
         name: options[name] for name in ("full_contact", "part", "load_min") if options[name] is not None
     }
@@ -230,12 +219,12 @@ def fitted_strength(
         raise InvalidInput(
             f"the area ratio B is not known: the part of {given['part']} has no friction; add a shear test"
         )
-    law = read_measured_law(given["full_contact"], surface.material, surface.friction, errors=errors)
+    law = mf.files.read_measured_law(given["full_contact"], surface.material, surface.friction, errors=errors)
     calibrations = [each for each in (contact, shear) if each is not None]
     known: dict[str, Any] = {}
     if calibrations:
         names, covariance = mf.calibration.joint_covariance(*calibrations)
         known = {"covariance": covariance, "parameters": names}
     with named(written_names(options)):
-        least = quantity("--load-min", given["load_min"], "N", "0.5 N")
+        least = mf.files.quantity("--load-min", given["load_min"], "N", "0.5 N")
         return mf.calibration.shear_strength(law, surface, least, model=design.law.model, **known)

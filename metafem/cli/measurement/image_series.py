@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+import metafem as mf
+from metafem._given import Names
+from metafem.cli.terminal import loaded, notes_data
 from metafem.errors import InvalidInput
 from metafem.notes import Note, information
 from metafem.progress import doing
 
 if TYPE_CHECKING:
     from metafem.calibration import ContactAreas, TrackedContacts
-    from metafem.files import ImageFile, Images, Shot, Sites
+    from metafem.files import ImageFile, Images, Shot
 
 # Difference of the scale of a matched lattice from 1 that is reported: areas are then wrong by 2 %.
 SCALE = 0.01
@@ -64,8 +68,6 @@ class Series:
 
     def rows(self) -> list[dict[str, Any]]:
         """Return the numbers of each image; areas are those of the contacts that could be measured."""
-        import numpy as np
-
         table = self.tracked.table
         rows = []
         for i, name in enumerate(table.image):
@@ -108,8 +110,6 @@ class Series:
 
     def data(self, files: Sequence[Path]) -> dict[str, Any]:
         """Return the data for JSON."""
-        from metafem.cli.terminal import notes_data
-
         match = self.tracked.match
         table = self.tracked.table
         return {
@@ -142,11 +142,6 @@ def measured_series(
     options: dict[str, Any],
 ) -> Series:
     """Measure the images, with one threshold before and after shear, and follow the contacts."""
-    import numpy as np
-
-    from metafem.calibration import DesignSites, stack_areas, track_contacts
-    from metafem.files import Images
-
     before = [shot.image for shot in series]
     after = [i for i, shot in enumerate(series) if shot.sheared is not None]
     files = [*before, *(shot.sheared for shot in series if shot.sheared is not None)]
@@ -154,14 +149,17 @@ def measured_series(
     known = np.isfinite(load)
     # images without a load are not the one at the largest; without any load the last one is
     order = np.where(known, load, load[known].min() - 1.0) if known.any() else np.arange(float(len(load)))
-    images = Images(files)
-    names = [file.name for file in files]
+    images = mf.files.Images(files)
+    names = Names({f"images[{i}]": file.name for i, file in enumerate(files)})
     bright = options["bright_contacts"]
     try:
-        found = stack_areas(images, pixel, loads=[*order, *order[after]], bright_contacts=bright)
+        found = mf.calibration.stack_areas(
+            images, pixel, loads=[*order, *order[after]], bright_contacts=bright
+        )
     except InvalidInput as error:
         hint = "; --bright-contacts is given: are the contacts brighter than the ground?" if bright else ""
-        raise InvalidInput(f"{_with_files(str(error), names)}{hint}") from None
+        error.names = names
+        raise InvalidInput(f"{error}{hint}") from None
     found = tuple(_named(one, names, i) for i, one in enumerate(found))
     areas = found[: len(before)]
     sheared: list[ContactAreas | None] = [None] * len(before)
@@ -170,9 +168,11 @@ def measured_series(
     sites, expected = _sites(options["sites"], load)
     seen = None
     if sites is not None:
-        seen = DesignSites(sites.position, sites.number, expected, options["viewed_from"], rotation)
+        seen = mf.calibration.DesignSites(
+            sites.position, sites.number, expected, options["viewed_from"], rotation
+        )
     with doing("following the contacts"):
-        tracked = track_contacts(
+        tracked = mf.calibration.track_contacts(
             areas,
             [file.name for file in before],
             test=[shot.test for shot in series],
@@ -231,36 +231,21 @@ def _notes(
     return notes
 
 
-def _named(areas: ContactAreas, names: Sequence[str], own: int) -> ContactAreas:
+def _named(areas: ContactAreas, files: Names, own: int) -> ContactAreas:
     """Return the contacts of an image with notes that name other images as files, and not its own."""
-
-    def named(note: Note) -> Note:
-        return replace(note, text=_with_files(note.text, names).removeprefix(f"{names[own]} "))
-
-    return replace(areas, notes=tuple(map(named, areas.notes)))
+    names = Names({f"images[{own}]": "this image"})
+    return replace(areas, notes=tuple(note.named(files.under(names)) for note in areas.notes))
 
 
-def _with_files(text: str, names: Sequence[str]) -> str:
-    """Return a text about ``images[2]`` that names their files."""
-    text = re.sub(r"images\[(\d+)\]", lambda match: names[int(match[1])], text)
-    # an error of a file names it again
-    return re.sub(r"(\S+) is not measured: \1: ", r"\1 ", text)
-
-
-def _sites(source: Path | None, load: Any) -> tuple[Sites | None, Any]:
+def _sites(source: Path | None, load: Any) -> tuple[mf.files.Sites | None, Any]:
     """Return the sites of a design and, for a result folder, the areas that its law predicts at the loads."""
     if source is None:
         return None, None
-    import numpy as np
-
-    import metafem as mf
-    from metafem.cli.terminal import loaded
-    from metafem.files import Sites, read_sites
 
     if not source.is_dir():
         if not source.exists():
             raise InvalidInput(f"--sites {source}: no such file or folder")
-        return read_sites(source), None
+        return mf.files.read_sites(source), None
     design = loaded(source)
     expected = np.full((len(load), design.surface.count), np.nan)
     with doing("predicting the areas"):
@@ -268,7 +253,7 @@ def _sites(source: Path | None, load: Any) -> tuple[Sites | None, Any]:
             if force > 0.0:
                 # single contacts are enough: the areas are compared up to a common factor
                 expected[i] = mf.equilibrium(design.surface, mf.Independent(), load=force).asperity_area
-    return Sites(design.surface.position, np.asarray(design.sites)), expected
+    return mf.files.Sites(design.surface.position, np.asarray(design.sites)), expected
 
 
 def _known(value: float) -> float | None:
@@ -277,8 +262,6 @@ def _known(value: float) -> float | None:
 
 def _together(error: Any, area: Any) -> float:
     """Return the standard deviation of the sum of the areas of closed contacts with independent errors."""
-    import numpy as np
-
     return float(np.sqrt(np.square(error[area > 0.0]).sum()))
 
 

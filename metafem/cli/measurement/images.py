@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+import metafem as mf
 from metafem.cli.group import NOT_ACHIEVED, Name, force_option, json_option, main
+from metafem.cli.measurement.image_series import measured_series
 from metafem.cli.progress import progress
-from metafem.cli.terminal import print_json, print_notes, print_table, terminal
+from metafem.cli.terminal import print_json, print_notes, print_table, print_written, say, terminal
 from metafem.errors import InvalidInput
 from metafem.progress import doing
 
@@ -99,32 +101,26 @@ def images(
     Example: metafem images pictures --pixel "5.3 um" --forces forces.csv -o contacts.csv --picture found.png
     """
     from metafem.calibration.figures import found_figure
-    from metafem.files import (
-        Images,
-        contacts_table,
-        refuse_existing,
-        refuse_figure,
-        write_figure,
-        write_text,
-    )
 
     if output is not None:
-        refuse_existing(output, force, "contacts")
+        mf.files.refuse_existing(output, force, "contacts")
     if picture is not None:
-        refuse_figure(picture, force)
+        mf.files.refuse_figure(picture, force)
     elif options["picture_of"] is not None:
         raise InvalidInput("--picture-of needs --picture FOUND.png, the file of the picture")
     with progress():
         found = _measured(source, options)
         drawn = _drawn(found, options["picture_of"]) if picture is not None else None
         if output is not None:
-            write_text(output, contacts_table(found.tracked.table), force=force, kind="contacts")
+            mf.files.write_text(
+                output, mf.files.contacts_table(found.tracked.table), force=force, kind="contacts"
+            )
         if picture is not None and drawn is not None:
             with doing("drawing the picture"):
                 index, file, sheared = drawn
                 areas = (found.sheared[index] if sheared else None) or found.areas[index]
-                figure = found_figure(Images([file])[0], areas, found.tracked, index, sheared)
-                write_figure(picture, figure, file.name, force=force)
+                figure = found_figure(mf.files.Images([file])[0], areas, found.tracked, index, sheared)
+                mf.files.write_figure(picture, figure, file.name, force=force)
     files = [path for path in (output, picture) if path is not None]
     if as_json:
         print_json(found.data(files))
@@ -136,20 +132,19 @@ def images(
 
 def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> Series:
     """Measure the images and follow their contacts."""
-    from metafem.cli.measurement.image_series import measured_series
-    from metafem.files import find_images, pixel_size, quantity, shots
-
-    given = None if options["pixel"] is None else quantity("--pixel", options["pixel"], "mm", "5.3 um")
+    given = (
+        None if options["pixel"] is None else mf.files.quantity("--pixel", options["pixel"], "mm", "5.3 um")
+    )
     if given is not None and not given > 0.0:
         raise InvalidInput(f'--pixel = "{options["pixel"]}" must be greater than 0')
-    turn = 0.0 if options["rotation"] is None else quantity("--rotation", options["rotation"], "rad")
+    turn = 0.0 if options["rotation"] is None else mf.files.quantity("--rotation", options["rotation"], "rad")
     with doing("opening the images"):
-        files = find_images(source)
+        files = mf.files.find_images(source)
         name = options["picture_of"]
         if name is not None and not any(file.name == name and file.page is not None for file in files):
             raise InvalidInput(f"--picture-of = {name} is not among the images that can be read")
-        series, of_forces = shots(files, options["forces"])
-        pixel, notes = pixel_size(files, given)
+        series, of_forces = mf.files.shots(files, options["forces"])
+        pixel, notes = mf.files.pixel_size(files, given)
     return measured_series(series, pixel, [*of_forces, *notes], turn, options)
 
 
@@ -171,14 +166,11 @@ def _print(found: Series, files: list[Path]) -> None:
     console = terminal()
     columns, rows = found.lines()
     print_table(console, columns, rows)
-    for line in found.sentences():
-        console.print(line, highlight=False, markup=False)
+    say(console, *found.sentences())
     print_notes(console, found.notes)
     said = {str(note) for note in found.notes}
     remarks = [remark for remark in found.tracked.table.remarks if remark not in said]
-    for remark in remarks[:PRINTED]:
-        console.print(f"remark: {remark}", highlight=False, markup=False)
+    say(console, *(f"remark: {remark}" for remark in remarks[:PRINTED]))
     if len(remarks) > PRINTED:
-        console.print(f"remark: {len(remarks) - PRINTED} more; all are in the column remark of the table")
-    for path in files:
-        console.print(f"wrote {path}", highlight=False, markup=False)
+        say(console, f"remark: {len(remarks) - PRINTED} more; all are in the column remark of the table")
+    print_written(files)

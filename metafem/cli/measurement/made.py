@@ -5,9 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from metafem.cli.terminal import notes_data, print_notes, print_table, terminal
+import numpy as np
+
+from metafem.cli.terminal import notes_data, print_notes, print_table, say, terminal
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from metafem.calibration import Correction, MadeSurface
     from metafem.inversion import Design
     from metafem.prediction import FrictionLaw
@@ -34,18 +38,13 @@ DIGITS = 6
 
 def print_made(design: Design, made: MadeSurface, correction: Correction | None, law: FrictionLaw) -> None:
     """Print the errors of the part, the worst asperities, the systematic errors and the two laws."""
-    import numpy as np
-
     console = terminal()
-
-    def say(text: str) -> None:
-        console.print(text, highlight=False, markup=False)
 
     error = UM * made.height_error
     radius = made.radius_error / made.design.radius[made.site]
     place = UM * made.position_error
     found = f"{made.surface.count} of {made.design.count} asperities measured"
-    say(f"{found}, roughness (s.d.) {UM * made.roughness:.2g} um")
+    say(console, f"{found}, roughness (s.d.) {UM * made.roughness:.2g} um")
     rows: list[tuple[str, ...]] = [
         ("height", *_moments(error, "um"), f"{UM * _rms(made.height_sd):.2g} um"),
         (
@@ -73,7 +72,7 @@ def print_made(design: Design, made: MadeSurface, correction: Correction | None,
     titles = ["site", "x [mm]", "y [mm]", "designed height [um]", "made [um]", "error [um]", "s.e. [um]"]
     print_table(console, titles, rows, "largest height errors")
     if correction is not None:
-        _print_correction(correction, UM * float(made.design.height[made.site].mean()), say)
+        _print_correction(console, correction, UM * float(made.design.height[made.site].mean()))
     first, every = (
         design.law,
         range(len(law.load) // LOADS - 1, len(law.load), max(1, len(law.load) // LOADS)),
@@ -90,12 +89,12 @@ def print_made(design: Design, made: MadeSurface, correction: Correction | None,
     print_table(console, ["load [N]", "designed area [mm²]", "made [mm²]", "change"], rows)
     change = _changes(first, law)
     differs = f"{100.0 * _rms(change):.2g} % (root mean square over the loads)"
-    say(f"law of the made surface: A0 differs from that of the design by {differs}")
+    say(console, f"law of the made surface: A0 differs from that of the design by {differs}")
     notes = dict.fromkeys((*made.notes, *(() if correction is None else correction.notes)))
     print_notes(console, notes)
 
 
-def _print_correction(correction: Correction, mean: float, say: Any) -> None:
+def _print_correction(console: Console, correction: Correction, mean: float) -> None:
     """Print the errors; `mean` is that of the designed heights [um], about which the scale is."""
     for name, value, sd in zip(
         correction.terms, correction.value.tolist(), correction.value_sd.tolist(), strict=True
@@ -103,13 +102,14 @@ def _print_correction(correction: Correction, mean: float, say: Any) -> None:
         unit, size = TERMS[name]
         term = f"systematic height error, {name.replace('_', ' ')}:"
         what = "mean height error" if name == "offset" else term
-        say(f"{what} {size * value:+.3g} ± {size * sd:.2g} {unit.format(mean=mean)}")
+        say(console, f"{what} {size * value:+.3g} ± {size * sd:.2g} {unit.format(mean=mean)}")
     if not correction.terms:
-        say("no systematic height error is significant")
+        say(console, "no systematic height error is significant")
     say(
+        console,
         f"random height errors, which cannot be corrected: {UM * correction.random_sd:.2g} um (s.d.); height "
         f"error (root mean square) {UM * correction.error:.3g} um here, "
-        f"{UM * correction.expected_error:.3g} um expected with corrected heights"
+        f"{UM * correction.expected_error:.3g} um expected with corrected heights",
     )
 
 

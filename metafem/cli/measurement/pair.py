@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
+import metafem as mf
 from metafem._given import Names
 from metafem.cli.group import Name
 from metafem.cli.study.options import option_name, with_options
@@ -70,8 +72,6 @@ class Pair:
 
     def errors(self, law: MeasuredLaw) -> dict[str, Any]:
         """Return the arguments of `compare` for a law: without a Friction its areas depend on E* alone."""
-        import numpy as np
-
         kept = [
             i
             for i, name in enumerate(self.parameters)
@@ -85,22 +85,17 @@ class Pair:
 
 def pair_of(surface: Surface, given: Mapping[str, Any], deviations: Mapping[str, float]) -> Pair:
     """Return the material pair of the options, of the calibration, or of a design's surface."""
-    import numpy as np
-
-    from metafem.files import option_names, quantity, read_parameters
-    from metafem.surface import Material
-
-    found = None if given["calibration"] is None else read_parameters(given["calibration"])
-    with named(option_names({name: given[name] for name in PAIR if isinstance(given[name], str)})):
+    found = None if given["calibration"] is None else mf.files.read_parameters(given["calibration"])
+    with named(mf.files.option_names({name: given[name] for name in PAIR if isinstance(given[name], str)})):
         modulus = surface.material.composite_modulus
         if given["composite_modulus"] is not None:
-            modulus = quantity("--composite-modulus", given["composite_modulus"], "MPa")
+            modulus = mf.files.quantity("--composite-modulus", given["composite_modulus"], "MPa")
         elif found is not None:
             modulus = _values(found).get("composite_modulus", modulus)
         calibrated = surface.friction if found is None else _friction_of(found, surface.friction)
         static = _friction(given, "", calibrated)
         sliding = _friction(given, "sliding_", static)
-        material = Material(modulus, surface.material.poisson_ratio)
+        material = mf.Material(modulus, surface.material.poisson_ratio)
     names, covariance = tuple(deviations), np.diag(np.square([*deviations.values()]))
     if found is not None:
         twice = [name for name in found.parameters if name in deviations]
@@ -119,11 +114,11 @@ def pair_of(surface: Surface, given: Mapping[str, Any], deviations: Mapping[str,
 
 def measured_laws(pair: Pair, table: Path, sliding: Path | None, sites: IntArray) -> list[MeasuredLaw]:
     """Return the static law of a table, and the sliding one of another; `sites` are the design's."""
-    from metafem.files import read_measured_law
-
-    laws = [read_measured_law(table, pair.material, pair.static, label="static", sites=sites)]
+    laws = [mf.files.read_measured_law(table, pair.material, pair.static, label="static", sites=sites)]
     if sliding is not None:
-        laws.append(read_measured_law(sliding, pair.material, pair.sliding, label="sliding", sites=sites))
+        laws.append(
+            mf.files.read_measured_law(sliding, pair.material, pair.sliding, label="sliding", sites=sites)
+        )
     return laws
 
 
@@ -131,21 +126,16 @@ def _values(found: CalibratedParameters) -> dict[str, float]:
     return dict(zip(found.parameters, found.value.tolist(), strict=True))
 
 
-def _friction_of(found: CalibratedParameters, designed: Friction | None) -> Friction | None:
+def _friction_of(found: CalibratedParameters, designed: mf.Friction | None) -> mf.Friction | None:
     """Return the friction of a calibration, or else of the design."""
-    from metafem.surface import Friction
-
     values = _values(found)
     if "shear_strength" not in values:
         return designed
-    return Friction(values["shear_strength"], values.get("area_ratio", 1.0))
+    return mf.Friction(values["shear_strength"], values.get("area_ratio", 1.0))
 
 
-def _friction(given: Mapping[str, Any], kind: str, default: Friction | None) -> Friction | None:
+def _friction(given: Mapping[str, Any], kind: str, default: mf.Friction | None) -> mf.Friction | None:
     """Return the friction of the options for static or sliding friction."""
-    from metafem.files import quantity
-    from metafem.surface import Friction
-
     stress, ratio = given[f"{kind}shear_strength"], given[f"{kind}area_ratio"]
     option = kind.replace("_", "-")
     if stress is None and ratio is None:
@@ -155,7 +145,7 @@ def _friction(given: Mapping[str, Any], kind: str, default: Friction | None) -> 
             f"--{option}area-ratio needs --{option}shear-strength, which the design does not state"
         )
     before = (1.0, 1.0) if default is None else (default.shear_strength, default.area_ratio)
-    strength = before[0] if stress is None else quantity(f"--{option}shear-strength", stress, "MPa")
+    strength = before[0] if stress is None else mf.files.quantity(f"--{option}shear-strength", stress, "MPa")
     names = {name: f"--{option}{name.replace('_', '-')}" for name in ("shear_strength", "area_ratio")}
     with named(Names(names=names, units={"shear_strength": ("MPa", 1.0)})):
-        return Friction(strength, before[1] if ratio is None else ratio)
+        return mf.Friction(strength, before[1] if ratio is None else ratio)

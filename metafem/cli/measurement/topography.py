@@ -7,16 +7,28 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+import metafem as mf
 from metafem._given import Names, printable
 from metafem.cli.group import Name, force_option, json_option, main
 from metafem.cli.measurement.made import made_data, print_made
 from metafem.cli.progress import progress
-from metafem.cli.terminal import loaded, print_json, terminal
+from metafem.cli.terminal import loaded, print_json, print_written
 from metafem.errors import InvalidInput, named
 
 if TYPE_CHECKING:
     from metafem.calibration import Correction, MadeSurface
     from metafem.inversion import Design
+
+
+# The options of arguments that errors name.
+ARGUMENTS = Names(
+    {
+        "pixel_size": "--pixel",
+        "the unit of the heights": "--height-unit",
+        "mould=True": "--mould",
+        "mould=False": "whether --mould is right",
+    }
+)
 
 
 @main.command(short_help="Measure a made surface on a height map, and correct the next one.")
@@ -71,37 +83,19 @@ def topography(
 
     Example: metafem topography part.x3p --design linear -o made.csv --corrected next.csv --picture made.svg
     """
-    import metafem as mf
-    from metafem.files import (
-        heights_table,
-        made_table,
-        read_height_map,
-        refuse_existing,
-        refuse_figure,
-        write_figure,
-        write_text,
-    )
-
     for path in (output, corrected):
         if path is not None:
-            refuse_existing(path, force, "heights")
+            mf.files.refuse_existing(path, force, "heights")
     if picture is not None:
-        refuse_figure(picture, force)
+        mf.files.refuse_figure(picture, force)
     if output is not None and corrected is not None and output.absolute() == corrected.absolute():
         raise InvalidInput(f"--output and --corrected both name {output}; give each a file of its own")
     with progress():
         design = loaded(folder)
-    names = Names(names=_names(height_map, folder, pixel, height_unit))
-    with progress(), named(names):
-        stored = read_height_map(height_map, pixel, height_unit)
-        made = mf.calibration.measured_surface(
-            stored.values,
-            stored.pixel,
-            design.surface,
-            bow=not keep_bow,
-            common_radius=common_radius,
-            mould=mould,
-        )
+    with progress():
+        stored = mf.files.read_height_map(height_map, pixel, height_unit)
+        options = {"bow": not keep_bow, "common_radius": common_radius, "mould": mould}
+        made = _measured(stored, height_map, design, **options)
         correction = _correction(design, made, corrected)
         law = mf.friction_law(made.surface, design.law.model, load=design.law.load)
         if picture is not None:
@@ -110,41 +104,34 @@ def topography(
 
             heights = HeightMap(stored.values, stored.pixel, -1.0 if mould else 1.0)
             figure = made_figure(made, correction, heights, design.law, law)
-            write_figure(picture, figure, "made surface", force=force)
+            mf.files.write_figure(picture, figure, "made surface", force=force)
     ours: dict[str, Any] = {"force": force, "kind": "heights"}
     if output is not None:
-        write_text(output, made_table(made, design.sites), **ours)
+        mf.files.write_text(output, mf.files.made_table(made, design.sites), **ours)
     if corrected is not None and correction is not None:
-        write_text(corrected, heights_table(correction.surface, design.sites), **ours)
+        mf.files.write_text(corrected, mf.files.heights_table(correction.surface, design.sites), **ours)
     written = [path for path in (output, corrected, picture) if path is not None]
     if as_json:
         data = made_data(design, made, correction, law)
         print_json({**data, "files": [str(path) for path in written]})
         return
     print_made(design, made, correction, law)
-    for path in written:
-        terminal().print(f"wrote {path}", highlight=False, markup=False)
+    print_written(written)
 
 
-def _names(height_map: Path, folder: Path, pixel: str | None, height_unit: str | None) -> dict[str, str]:
-    """Return the names of files and options that errors use for arguments."""
-    file = printable(str(height_map))
-    return {
-        "height_map": file,
-        "design_surface": f"the design in {printable(str(folder))}",
-        "pixel_size": f"the size of the pixels in {file}" if pixel is None else "--pixel",
-        "the unit of the heights": "the unit of its heights" if height_unit is None else "--height-unit",
-        "mould=True": "--mould",
-        "mould=False": "whether --mould is right",
-    }
+def _measured(stored: Any, file: Path, design: Design, **options: bool) -> MadeSurface:
+    """Return the made surface of a height map; errors name its file."""
+    try:
+        with named(ARGUMENTS):
+            return mf.calibration.measured_surface(stored.values, stored.pixel, design.surface, **options)
+    except InvalidInput as error:
+        raise InvalidInput(f"{printable(str(file))}: {error}") from None
 
 
 def _correction(design: Design, made: MadeSurface, wanted: Path | None) -> Correction | None:
     """Return the correction; None if there are too few asperities for one and none is asked for."""
-    from metafem.calibration import corrected_heights
-
     try:
-        return corrected_heights(design, made)
+        return mf.calibration.corrected_heights(design, made)
     except InvalidInput:
         if wanted is not None:
             raise

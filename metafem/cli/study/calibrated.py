@@ -6,6 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+import metafem as mf
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.progress import message
@@ -21,11 +24,7 @@ def with_calibration(
     path: Path, deviations: Mapping[str, float], surface: Surface
 ) -> tuple[tuple[str, ...], FloatArray]:
     """Return the names and the covariance of the inputs of a calibration and of ``--sd``."""
-    import numpy as np
-
-    from metafem.files import read_parameters
-
-    found = read_parameters(path)
+    found = mf.files.read_parameters(path)
     twice = [name for name in found.parameters if name in deviations]
     if twice:
         raise InvalidInput(f"--sd {twice[0]} and --calibration both give the error of {twice[0]}; keep one")

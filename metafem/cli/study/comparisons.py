@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+import metafem as mf
 from metafem.cli.study.group import of_design, study
 from metafem.cli.study.options import seed_option
 
@@ -33,8 +34,6 @@ def interaction(design: Design, placements: int, seed: int) -> Dataset:
 
     Example: metafem study interaction linear --placements 200
     """
-    import metafem as mf
-
     return mf.studies.interaction(design, placements=placements, rng=seed)
 
 
@@ -53,6 +52,4 @@ def fidelity(design: Design, elements: bool) -> Dataset:
 
     Example: metafem study fidelity linear --no-elements
     """
-    import metafem as mf
-
     return mf.studies.fidelity(design, elements=elements)

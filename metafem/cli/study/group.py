@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+import metafem as mf
 from metafem.cli.group import Name, force_option, json_option, main
 from metafem.cli.progress import progress
 from metafem.cli.study.kept import kept_batches
-from metafem.cli.terminal import loaded, print_json, print_notes, print_table, terminal
+from metafem.cli.terminal import loaded, print_json, print_study
 from metafem.errors import named
 
 if TYPE_CHECKING:
@@ -41,30 +42,22 @@ def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
     @json_option
     @functools.wraps(compute)
     def command(folder: Path, force: bool, as_json: bool, **options: Any) -> None:
-        from metafem.files import (
-            option_names,
-            read_parameters,
-            same_design,
-            study_data,
-            study_path,
-            write_study,
-        )
 
         if options.get("calibration") is not None:  # a wrong file is told before a finished study
-            read_parameters(options["calibration"])
-        path = study_path(folder, name, force)
-        still = same_design(folder)
+            mf.files.read_parameters(options["calibration"])
+        path = mf.files.study_path(folder, name, force)
+        still = mf.files.same_design(folder)
         with progress():
             design = loaded(folder)
-        with progress(), named(option_names(_first_texts(options))), ExitStack() as stack:
+        with progress(), named(mf.files.option_names(_first_texts(options))), ExitStack() as stack:
             if "workers" in options:  # a study in batches
                 options["kept"] = stack.enter_context(kept_batches(name, folder, options))
             dataset = compute(design, **options)
-            write_study(dataset, path, force=force, still=still)
+            mf.files.write_study(dataset, path, force=force, still=still)
         if as_json:
-            print_json({"file": str(path), **study_data(dataset)})
+            print_json({"file": str(path), **mf.files.study_data(dataset)})
         else:
-            _print_study(dataset, path)
+            print_study(dataset, path)
 
     return command
 
@@ -76,15 +69,3 @@ def _first_texts(options: Mapping[str, Any]) -> dict[str, str | None]:
         first = next(iter(value), None) if isinstance(value, tuple) else value
         texts[name] = first.partition(",")[0] if isinstance(first, str) else None
     return texts
-
-
-def _print_study(dataset: Dataset, path: Path) -> None:
-    from metafem.studies import summary
-
-    found = summary(dataset)
-    console = terminal()
-    print_table(console, found.columns, found.rows, found.title)
-    print_notes(console, found.notes)
-    if found.answer:
-        console.print(found.answer, highlight=False, markup=False, soft_wrap=True)
-    console.print(f"wrote {path}", highlight=False, markup=False)

@@ -7,7 +7,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from metafem import _caches
+from metafem._caches import remove
 from metafem.cli.signals import report_stop
+from metafem.progress import message
 
 # Options that change no number.
 PLACES = ("workers", "scheduler")
@@ -20,8 +23,6 @@ def kept_batches(name: str, folder: Path, options: Mapping[str, Any]) -> Iterato
     The folder is the same for every run with the same design and options. It stays if the body is stopped or
     fails after the first batch.
     """
-    from metafem._caches import remove
-
     kept = _folder(name, folder, options)
     left = "nothing was written" if kept is None else "the same command continues from the finished batches"
     done = False
@@ -36,9 +37,7 @@ def kept_batches(name: str, folder: Path, options: Mapping[str, Any]) -> Iterato
 
 def _folder(name: str, folder: Path, options: Mapping[str, Any]) -> Path | None:
     """Return the folder for the batches of a study of a design with these options."""
-    from metafem import _caches
     from metafem.files.atomic import digest
-    from metafem.progress import message
     from metafem.studies.sampling.store import inputs_hash, own_version
 
     numbers = {

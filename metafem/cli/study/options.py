@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+import metafem as mf
 from metafem.cli.group import model_option
 from metafem.errors import InvalidInput
 
@@ -50,10 +51,8 @@ def option_name(name: str) -> str:
 
 def error(name: str, text: str | None) -> float:
     """Return an error of the made surface in mm or radians, 0 if the option is not given."""
-    from metafem.files import quantity
-
     unit, example, _ = ERRORS[name]
-    return 0.0 if text is None else quantity(option_name(name), text, unit, example)
+    return 0.0 if text is None else mf.files.quantity(option_name(name), text, unit, example)
 
 
 def errors(name: str, texts: Sequence[str]) -> list[float]:
@@ -79,11 +78,9 @@ law_options = with_options(
 
 def law_arguments(design: Design, options: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of the options of the law."""
-    from metafem.files import chosen_model, load_range, refuse_missing_block
-
-    model = chosen_model(design.law.model, options["model"], options["contact"])
-    refuse_missing_block(model, design.surface, "design the folder again with a section [block]")
-    loads = load_range("--load-range", options["load_range"] or (), design.surface.material)
+    model = mf.files.chosen_model(design.law.model, options["model"], options["contact"])
+    mf.files.refuse_missing_block(model, design.surface, "design the folder again with a section [block]")
+    loads = mf.files.load_range("--load-range", options["load_range"] or (), design.surface.material)
     return {"model": model, "load_range": loads}
 
 
@@ -116,14 +113,11 @@ run_options = with_options(
 
 def run_arguments(options: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of the options of draws and of the run; `kept` is the folder of its batches."""
-    import metafem as mf
-    from metafem.files import quantity
-
     found = {name: options[name] for name in ("draws", "error") if options.get(name) is not None}
     if len(found) == 2:
         raise InvalidInput("--draws and --error cannot be given together; give one of them")
     if "error" in found:
-        error = quantity("--error", found.pop("error"), "%", "1 %")
+        error = mf.files.quantity("--error", found.pop("error"), "%", "1 %")
         found["draws"] = mf.studies.Draws(error=error)
     execution = mf.studies.Execution(options["workers"], options["scheduler"], options["kept"])
     return {"rng": options["seed"], "execution": execution, **found}

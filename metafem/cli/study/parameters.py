@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+import metafem as mf
 from metafem._given import Names, printable
 from metafem.cli.group import Name
 from metafem.cli.study.calibrated import with_calibration
@@ -87,12 +88,9 @@ def uncertainty(design: Design, **options: Any) -> Dataset:
 
     Example: metafem study uncertainty linear --sd composite_modulus=0.04MPa --sd radius=2um
     """
-    import metafem as mf
-    from metafem.files import measured_pairs
-
     arguments = {**law_arguments(design, options), **run_arguments(options)}
     if options["measured"] is not None:
-        arguments["load"], arguments["friction_force"] = measured_pairs(options["measured"])
+        arguments["load"], arguments["friction_force"] = mf.files.measured_pairs(options["measured"])
     with given_deviations(options["sd"], INPUTS, design.surface.material) as deviations:
         if options["calibration"] is None:
             if not deviations:
@@ -137,15 +135,12 @@ def combined(design: Design, **options: Any) -> Dataset:
 
     Example: metafem study combined linear --height-sd 3um --angle 0.05deg --misfit 5%
     """
-    import metafem as mf
-    from metafem.files import quantity
-
     given = {name: error(name, options[name]) for name in ERRORS}
     if not any(given.values()) and not options["sd"]:
         raise InvalidInput("no error is given; write for example --height-sd 3um --angle 0.05deg")
     tolerances = mf.Tolerances(**given)
     arguments = {**law_arguments(design, options), **run_arguments(options)}
-    wanted = {name: quantity(f"--{name}", options[name], "%") for name in ("misfit", "probability")}
+    wanted = {name: mf.files.quantity(f"--{name}", options[name], "%") for name in ("misfit", "probability")}
     arguments["requirement"] = mf.studies.Requirement(**wanted)
     with given_deviations(options["sd"], MADE, design.surface.material) as deviations:
         return mf.studies.combined(design, tolerances, parameters=deviations or None, **arguments)
@@ -159,7 +154,6 @@ def given_deviations(
 
     That of Young's modulus is yielded as that of E*, with the Poisson's ratio of the material.
     """
-    from metafem.files import quantity
     from metafem.files.units import written_unit
 
     texts: dict[str, str] = {}
@@ -174,7 +168,7 @@ def given_deviations(
         if name in texts:
             raise InvalidInput(f"--sd {name} is given twice")
         texts[name] = value
-    found = {name: quantity(f"--sd {name}", text, *inputs[name]) for name, text in texts.items()}
+    found = {name: mf.files.quantity(f"--sd {name}", text, *inputs[name]) for name, text in texts.items()}
     units = {name: unit for name, text in texts.items() if (unit := written_unit(text))}
     names = Names(
         {f"parameters.{name}": f"--sd {name}" for name in texts},

@@ -8,7 +8,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
+import metafem as mf
 from metafem.cli.study.group import of_design, study
 from metafem.cli.study.options import (
     draw_options,
@@ -57,8 +59,6 @@ def manufacturing(design: Design, **options: Any) -> Dataset:
 
     Example: metafem study manufacturing linear --height-sd 0.9um,3um
     """
-    import metafem as mf
-
     return mf.studies.manufacturing(
         design.surface,
         errors("height_sd", options["height_sd"]) or LEVELS,
@@ -70,8 +70,6 @@ def manufacturing(design: Design, **options: Any) -> Dataset:
 
 def _steps(angles: Sequence[float]) -> list[FloatArray]:
     """Return equal steps up to each angle from the one before, as small as those of one angle."""
-    import numpy as np
-
     from metafem.studies.misalignment import STEPS
 
     step = angles[-1] / STEPS * (1.0 + 1e-9)  # the rounding of a quotient
@@ -113,10 +111,6 @@ def misalignment(design: Design, **options: Any) -> Dataset:
 
     Example: metafem study misalignment linear --angle 0.05deg --shuffles 100
     """
-    import numpy as np
-
-    import metafem as mf
-
     angles = errors("angle", options["angle"] or (ANGLE,))
     increasing = all(low < high for low, high in itertools.pairwise([0.0, *angles]))
     parts = _steps(angles) if increasing else [np.array(angles)]  # which the study refuses

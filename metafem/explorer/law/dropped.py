@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -19,8 +17,9 @@ from metafem.explorer.answer import Answer
 from metafem.explorer.law.kinds import points
 from metafem.explorer.law.shown import EDITED, Units, numbers
 from metafem.explorer.text.document import Document
-from metafem.files import read_measured_law
+from metafem.files.measurement.laws import COLUMNS, measured_law_of
 from metafem.files.samples import TARGET, columns_of
+from metafem.files.tables import table_of
 from metafem.files.units import converted
 from metafem.inversion import Design
 from metafem.progress import listening
@@ -28,9 +27,6 @@ from metafem.surface import Friction, Material
 
 # Most points of a table: more are not told apart on a plot.
 MOST = 2000
-
-# Name of the table in the folder in which it is read.
-COPY = "metafem-dropped.csv"
 
 # What a table of a target law has and one of a measured law has not.
 RESCALED = "rescaled_load"
@@ -49,12 +45,6 @@ TITLE = re.compile(r"\s*(.*?)(?:[\s_]*[\[(]\s*(\S+?)\s*[\])]|[\s_]+([mkuµ]?N|[m
 
 # Likeness of two names above which one is offered for the other, as `difflib` counts it.
 LIKE = 0.6
-
-# What a message says of columns that are not known.
-NAMES = "name its columns"
-
-# What a message for the command line says, and for the page.
-COMMAND, PAGE = "state them (--shear-strength, --area-ratio)", "add [friction] to the specification"
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,9 +110,7 @@ def read_points(name: str, text: str, material: Material, friction: Friction | N
         found = _rescaled(name, text) if RESCALED in first else _measured(name, text, material, friction)
     if len(found.load) > MOST:
         raise InvalidInput(f"{name} has {len(found.load):,} points; at most {MOST:,} are shown")
-    # the copy is unknown to the user
-    told = tuple(name + said.partition(COPY)[2] if COPY in said else said for said in remarks)
-    return Points(name, found.load, found.friction, found.load_sd, found.friction_sd, told)
+    return replace(found, remarks=tuple(remarks))
 
 
 def as_target(answer: Answer, found: Points) -> str:
@@ -179,15 +167,12 @@ def _rescaled(name: str, text: str) -> Points:
 
 
 def _measured(name: str, text: str, material: Material, friction: Friction | None) -> Points:
-    with TemporaryDirectory() as folder:
-        path = Path(folder, COPY)
-        path.write_bytes(text.encode("utf-8", "surrogatepass"))
-        try:
-            law = read_measured_law(path, material, friction)
-        except InvalidInput as error:
-            words = str(error).replace(str(path), name).replace(COMMAND, PAGE)
-            offer = _offer(text) if NAMES in words else ""
-            raise InvalidInput(f"{words}.{offer}" if offer else words) from None
+    try:
+        law = measured_law_of(
+            table_of(name, text.encode("utf-8", "surrogatepass"), COLUMNS.example), material, friction
+        )
+    except InvalidInput as error:
+        raise InvalidInput(f"{error}.{_offer(text)}") from None
     header = next(line for line in text.splitlines() if line.strip() and not line.startswith("#"))
     stated = ("load_sd" in header, "friction_force_sd" in header or "area_sd" in header)
     known = np.isfinite(law.rescaled_friction)

@@ -9,7 +9,7 @@ from metafem._validate import IntArray
 from metafem.calibration import MeasuredLaw, MeasurementErrors
 from metafem.errors import InvalidInput, named
 from metafem.files.measurement.contacts import contacts_of, is_of_contacts
-from metafem.files.tables import Columns, read_table
+from metafem.files.tables import Columns, Table, read_table
 from metafem.surface import Friction, Material
 
 COLUMNS = Columns(
@@ -74,6 +74,19 @@ def read_measured_law(
     array([0.05, 0.1 ])
     """
     table = read_table(path, COLUMNS.example)
+    return measured_law_of(table, material, friction, errors=errors, label=label, sites=sites)
+
+
+def measured_law_of(
+    table: Table,
+    material: Material,
+    friction: Friction | None = None,
+    *,
+    errors: MeasurementErrors = PAPER,
+    label: str = "static",
+    sites: IntArray | None = None,
+) -> MeasuredLaw:
+    """Return the measured law of a table that has been read, as `read_measured_law` does."""
     if is_of_contacts(table):
         contacts = contacts_of(table)
         try:
@@ -87,7 +100,8 @@ def read_measured_law(
     if friction is None and "area" not in values:
         raise InvalidInput(
             f"{table.name} holds friction forces, which can only be rescaled with a shear strength and an "
-            "area ratio; state them (--shear-strength, --area-ratio), or add a column area_mm2"
+            "area ratio; state them in the section [friction] or by --shear-strength and --area-ratio, or "
+            "add a column area_mm2"
         )
     with named(entries.names()):
         return MeasuredLaw(**values, material=material, friction=friction, errors=errors, label=label)

@@ -9,8 +9,9 @@ from typing import Any
 
 from metafem.errors import InvalidInput
 from metafem.files.atomic import write_text
-from metafem.files.schema.keys import given, kinds, refused, section
-from metafem.files.specification.manual import kind_of, models_of, remark
+from metafem.files.schema.keys import given, refused, section
+from metafem.files.schema.manual import remark
+from metafem.files.specification.forms import section_forms, whole_schema
 
 # The name by which the demos' specifications refer to the schema, in the folder of the specification.
 SCHEMA_FILE = "metafem.schema.json"
@@ -47,19 +48,17 @@ def schema() -> dict[str, Any]:
     >>> found["required"], "max_hight" in found["properties"]
     (['max_height'], False)
     """
-    from metafem.files.specification.contents import Sections
-
-    sections = {}
-    for name, field in Sections.model_fields.items():
-        models: Any = models_of(field.annotation)
-        words = remark(field.description or "", not field.is_required(), None)
-        sections[name] = kinds(models, words) if kind_of(models[0]) else section(models[0], words)
+    whole = whole_schema()
     return {
         **FIRST,
         "description": MEANING,
         "type": "object",
-        "required": [name for name, field in Sections.model_fields.items() if field.is_required()],
-        "properties": sections,
+        "required": whole["required"],
+        "properties": {
+            form.name: section(form, remark(form.meaning, form.optional, None))
+            for form in section_forms()
+            if "." not in form.name
+        },
         "additionalProperties": False,
         **ONE_RADIUS,
     }

@@ -1,128 +1,44 @@
-"""Types of keys and sections, from the definitions that read them, as parts of a JSON schema."""
+"""Keys and sections of a specification, as parts of a JSON schema that editors understand."""
 
 from __future__ import annotations
 
-import types
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args, get_origin
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 from metafem.files.samples import COLUMNS
-from metafem.files.schema.quantities import pattern
-from metafem.files.specification.fields import OneOf, Reader, Section
-from metafem.files.specification.manual import as_toml, default_of, kind_of, remark
-
-if TYPE_CHECKING:
-    from pydantic.fields import FieldInfo
-
-Schema = dict[str, Any]
-
-# Types of values without units, and what TOML calls them.
-PLAIN = {float: "number", int: "integer", bool: "boolean", str: "string"}
-
-# Names of bounds in annotations and in JSON schemas.
-BOUNDS = {"ge": "minimum", "min_length": "minItems", "max_length": "maxItems"}
+from metafem.files.schema.manual import remark
+from metafem.files.specification.forms import KeyForm, Schema, SectionForm, as_toml, section_forms
 
 
-def section(model: type[Section], description: str) -> Schema:
-    """Return the schema of a section without kinds."""
-    return {
-        "description": description,
-        "type": "object",
-        **_members(model),
-        "properties": {name: key(field) for name, field in model.model_fields.items()},
-        "additionalProperties": False,
-    }
-
-
-def kinds(models: Iterable[type[Section]], description: str) -> Schema:
-    """Return the schema of a section of several kinds.
+def section(form: SectionForm, description: str) -> Schema:
+    """Return the schema of a section.
 
     All keys of all kinds stand in it once, so that an editor completes them and marks a single wrong key;
     what one kind needs and excludes follows as a condition.
     """
-    of_kind = {kind_of(model): model for model in models}
-    words = [(model.__doc__ or "").splitlines()[0] for model in of_kind.values()]
-    found: dict[str, dict[str, Schema]] = {}
-    for kind, model in of_kind.items():
-        for name, field in model.model_fields.items():
-            if name != "kind":
-                found.setdefault(name, {})[kind] = key(field)
-    kind_key = {
-        "description": "\n".join(f"- {kind}: {text}" for kind, text in zip(of_kind, words, strict=True)),
+    found: dict[str, list[KeyForm]] = {}
+    for keys in form.keys.values():
+        for each in keys:
+            found.setdefault(each.name, []).append(each)
+    properties = {name: _merged(of_kinds) for name, of_kinds in found.items()}
+    whole = {"description": description, "type": "object", "additionalProperties": False}
+    if not form.kinds:
+        return {**whole, **_needed(form.keys[""], fewest=form.fewest), "properties": properties}
+    words = list(form.kinds.values())
+    kind = {
+        "description": "\n".join(f"- {name}: {text}" for name, text in form.kinds.items()),
         "type": "string",
-        "enum": list(of_kind),
+        "enum": list(form.kinds),
         "x-taplo": {"docs": {"enumValues": words}},
     }
-    return {
-        "description": description,
-        "type": "object",
-        "required": ["kind"],
-        "properties": {"kind": kind_key, **{name: _merged(name, of) for name, of in found.items()}},
-        "additionalProperties": False,
-        "allOf": [
-            {
-                "if": {**given("kind"), "properties": {"kind": {"enum": [kind]}}},
-                "then": {
-                    "allOf": [
-                        refused(name for name in found if name not in model.model_fields),
-                        _members(model),
-                    ]
-                },
-            }
-            for kind, model in of_kind.items()
-        ],
-    }
-
-
-def key(field: FieldInfo) -> Schema:
-    """Return the schema of a key."""
-    optional = not field.is_required()
-    sections = [part for part in get_args(field.annotation) if _is_section(part)]
-    told = remark(field.description or "", optional, default_of(field))
-    shown = field.examples or []
-    description = f"{told}\n\nExample: {as_toml(shown[0])}" if shown else told
-    value = kinds(sections, "") if sections else _value(field.annotation, field.metadata)
-    return {**value, "description": description, "examples": shown}
-
-
-def _members(model: type[Section]) -> Schema:
-    """Return which keys a section needs, and which exclude each other."""
-    needed = [name for name, field in model.model_fields.items() if field.is_required() and name != "kind"]
-    schema: Schema = {"required": needed} if needed else {}
-    if model.fewest:
-        schema["minProperties"] = model.fewest
-    return {**schema, **_choice(model)}
-
-
-def _choice(model: type[Section]) -> Schema:
-    """Return the condition that one of a section's choices of keys is given: the first, if none is begun."""
-    every = {name for choice in model.choices for name in choice}
-    found: Schema = {}
-    for choice in model.choices:
-        others = every - set(choice)
-        if choice == ("file",):
-            others |= COLUMNS[kind_of(model)].plain
-        rule = {**given(*choice), **refused(sorted(others))}
-        begun = {"anyOf": [given(name) for name in choice]}
-        found = {"if": begun, "then": rule, "else": found} if found else rule
-    return found
-
-
-def _merged(name: str, of_kind: Mapping[str, Schema]) -> Schema:
-    """Return one schema of a key that several kinds have."""
-    parts = list(of_kind.values())
-    types_ = [
-        {word: part[word] for word in part if word not in ("description", "examples")} for part in parts
+    conditions = [
+        {
+            "if": {**given("kind"), "properties": {"kind": {"enum": [name]}}},
+            "then": {"allOf": [refused(set(found) - {key.name for key in keys}), _needed(keys, name)]},
+        }
+        for name, keys in form.keys.items()
     ]
-    if any(other != types_[0] for other in types_):
-        raise TypeError(f"{name} has several types")
-    texts: dict[str, list[str]] = {}
-    for kind, part in of_kind.items():
-        texts.setdefault(part["description"], []).append(kind)
-    description = "\n\n".join(f"{', '.join(kinds)}: {text}" for text, kinds in texts.items())
-    examples = [example for i, part in enumerate(parts) for example in part.get("examples", [])]
-    unique = [example for i, example in enumerate(examples) if example not in examples[:i]]
-    return {**parts[0], "description": description, "examples": unique}
+    return {**whole, "required": ["kind"], "properties": {"kind": kind, **properties}, "allOf": conditions}
 
 
 def given(*names: str) -> Schema:
@@ -132,43 +48,66 @@ def given(*names: str) -> Schema:
 
 def refused(names: Iterable[str]) -> Schema:
     """Return the schema that refuses keys."""
-    return {"properties": dict.fromkeys(names, False), "additionalProperties": True}
+    return {"properties": dict.fromkeys(sorted(names), False), "additionalProperties": True}
 
 
-def _value(annotation: Any, metadata: Iterable[Any]) -> Schema:
-    """Return the schema of a type with its annotations."""
-    metadata = [part for item in metadata for part in getattr(item, "metadata", [item])]
-    bounds: Schema = {
-        BOUNDS[name]: getattr(item, name) for item in metadata for name in BOUNDS if hasattr(item, name)
-    }
-    for item in metadata:
-        reader = getattr(item, "func", None)
-        if isinstance(reader, Reader):
-            positive = any(getattr(other, "gt", None) == 0.0 for other in metadata)
-            text = {"type": "string", "pattern": pattern(reader.units, positive)}
-            pair = {"type": "array", "items": text, "minItems": 2, "maxItems": 2}
-            return {"anyOf": [text, pair]} if reader.pairs else text
-        if isinstance(item, OneOf):
-            bounds["enum"] = list(item.names)
-    origin, parts = get_origin(annotation), get_args(annotation)
-    if origin is Annotated:
-        return _value(parts[0], [*parts[1:], *metadata])
-    if origin in (Union, types.UnionType):
-        (part,) = [part for part in parts if part is not type(None)]
-        return _value(part, metadata)
-    if origin is Literal:
-        return {"type": "string", "enum": list(parts)}
-    if origin is list or (origin is tuple and parts[-1] is Ellipsis):
-        return {"type": "array", "items": _value(parts[0], []), **bounds}
-    if origin is tuple:  # of one type throughout
-        return {
-            "type": "array",
-            "items": _value(parts[0], []),
-            "minItems": len(parts),
-            "maxItems": len(parts),
-        }
-    return {"type": PLAIN[annotation], **bounds}
+def _needed(keys: Sequence[KeyForm], kind: str = "", fewest: int = 0) -> Schema:
+    """Return which keys a section needs, and which exclude each other."""
+    needed = [key.name for key in keys if not key.optional]
+    found: Schema = {"required": needed} if needed else {}
+    if fewest:
+        found["minProperties"] = fewest
+    return {**found, **_choice(keys, kind)}
 
 
-def _is_section(part: Any) -> bool:
-    return isinstance(part, type) and issubclass(part, Section)
+def _choice(keys: Sequence[KeyForm], kind: str) -> Schema:
+    """Return the condition that one of a section's choices of keys is given: the first, if none is begun."""
+    choices: dict[int, list[str]] = {}
+    for key in keys:
+        if key.choice is not None:
+            choices.setdefault(key.choice, []).append(key.name)
+    every = {name for names in choices.values() for name in names}
+    found: Schema = {}
+    for _, names in sorted(choices.items()):
+        others = every - set(names)
+        if names == ["file"]:
+            others |= COLUMNS[kind].plain
+        rule = {**given(*names), **refused(others)}
+        begun = {"anyOf": [given(name) for name in names]}
+        found = {"if": begun, "then": rule, "else": found} if found else rule
+    return found
+
+
+def _merged(keys: Sequence[KeyForm]) -> Schema:
+    """Return one schema of a key that several kinds have."""
+    values = [_value(key) for key in keys]
+    if any(other != values[0] for other in values):
+        raise TypeError(f"{keys[0].name} has several types")
+    texts: dict[str, list[str]] = {}
+    for key in keys:
+        words = remark(key.meaning, key.optional, key.default)
+        if key.example is not None:
+            words = f"{words}\n\nExample: {as_toml(key.example)}"
+        texts.setdefault(words, []).append(key.kind or "")
+    examples = [key.example for key in keys if key.example is not None]
+    unique = [example for i, example in enumerate(examples) if example not in examples[:i]]
+    description = "\n\n".join(f"{', '.join(kinds)}: {text}" for text, kinds in texts.items())
+    return {**values[0], "description": description.removeprefix(": "), "examples": unique}
+
+
+def _value(key: KeyForm) -> Schema:
+    """Return the schema of the value of a key."""
+    if key.value == "section":
+        inner = next(form for form in section_forms() if form.name == f"{key.section}.{key.name}")
+        return section(inner, "")
+    schema: Schema = without_own_words(key.schema)
+    return schema
+
+
+def without_own_words(part: Any) -> Any:
+    """Return a part of a schema without the words that only metafem knows."""
+    if isinstance(part, list):
+        return [without_own_words(each) for each in part]
+    if not isinstance(part, dict):
+        return part
+    return {name: without_own_words(each) for name, each in part.items() if name != "x-units"}

@@ -163,4 +163,7 @@ class TabulatedSection(Section):
         return TabulatedContact(self.indentation or [], self.load or [], self.area or [])
 
 
-ContactSection = CapSection | JKRSection | KogutEtsionSection | JacksonGreenSection | TabulatedSection
+ContactSection = Annotated[
+    CapSection | JKRSection | KogutEtsionSection | JacksonGreenSection | TabulatedSection,
+    Field(discriminator="kind"),
+]

@@ -66,10 +66,9 @@ class Sections(Section):
         RobustSection | None, says("errors of the part, under which the expected misfit is least")
     ] = None
     model: Annotated[ModelSection, says("model under which the target is to be met")] = ModelSection()
-    contact: Annotated[
-        ContactSection,
-        Field(discriminator="kind", description="law of one contact, of one of these kinds; default: hertz"),
-    ] = HertzSection(kind="hertz")
+    contact: Annotated[ContactSection, says("law of one contact, of one of these kinds; default: hertz")] = (
+        HertzSection(kind="hertz")
+    )
     part: Annotated[PartSection, says("options of the part files")] = PartSection()
     checks: Annotated[ChecksSection, says("further checks")] = ChecksSection()
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core.core_schema import CoreSchema, no_info_before_validator_function
 
 from metafem.errors import InvalidInput
-from metafem.files.units import converted
+from metafem.files.units import USUAL, converted, pattern
 
 # Sets of keys of which one is given.
 Choices = tuple[tuple[str, ...], ...]
@@ -24,35 +25,48 @@ class Section(BaseModel):
     choices: ClassVar[Choices] = ()
     fewest: ClassVar[int] = 0
 
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """Add the choices of keys to the JSON schema, and the least number of keys."""
+        found = {**handler.resolve_ref_schema(handler(core)), "x-choices": cls.choices}
+        return {**found, "minProperties": cls.fewest} if cls.fewest else found
+
 
 @dataclass(frozen=True)
-class Reader:
+class Quantity:
     """Reads a text with a unit of one of several dimensions, and where `pairs` is true a list of two."""
 
     read: Callable[[Any], Any]
     units: tuple[str, ...]
     pairs: bool = False
 
-    def __call__(self, given: Any) -> Any:
-        """Return the value of a text."""
-        return self.read(given)
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Return the validation of the number that is read."""
+        return no_info_before_validator_function(self.read, handler(source))
+
+    def __get_pydantic_json_schema__(self, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """Return the pattern of the text, and the usual units."""
+        number = handler(core)
+        words = pattern(self.units, positive="exclusiveMinimum" in number)
+        shown = [unit for dimension in self.units for unit in USUAL[dimension] if unit[0] not in "µμ°"]
+        text = {"type": "string", "pattern": words, "x-units": shown}
+        pair = {"type": "array", "items": text, "minItems": 2, "maxItems": 2}
+        return {"anyOf": [text, pair]} if self.pairs else text
 
 
-@dataclass(frozen=True)
-class OneOf:
-    """States the names that a text can have, for the JSON schema."""
-
-    names: tuple[str, ...]
-
-
-def measured(unit: str, example: str | None = None) -> BeforeValidator:
+def measured(unit: str, example: str | None = None) -> Quantity:
     """Read a text with a unit, such as "120 um"."""
-    return BeforeValidator(Reader(lambda given: converted(given, unit, example), (unit,)))
+    return Quantity(lambda given: converted(given, unit, example), (unit,))
 
 
 def says(meaning: str, example: Any = None) -> Any:
     """State the meaning of a key and a valid value; errors and `metafem spec` print both."""
     return Field(description=meaning, examples=None if example is None else [example])
+
+
+def one_of(names: Iterable[str]) -> Any:
+    """State the names that a text can have, for the JSON schema."""
+    return Field(json_schema_extra={"enum": list(names)})
 
 
 Length = Annotated[float, measured("mm")]

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
+from typing import TYPE_CHECKING
 
+import metafem as mf
 from metafem._given import printable
-from metafem.contact import Contact
 from metafem.errors import InvalidInput
-from metafem.models import Automatic, BoundaryElements, Independent, Interacting, MeanField, Model
-from metafem.models.model import PARABOLOID, with_contact
-from metafem.substrate import BondedLayer
+
+if TYPE_CHECKING:
+    from metafem.contact import Contact
+    from metafem.models import Model
 
 # Cell of the named resolved model [mm]: at least eight cells per contact radius at the source paper's
 # lightest loads, fifty in its largest contact.
@@ -21,25 +23,20 @@ RESOLVED_CELL = 0.008
 AUTOMATIC_TOLERANCE = 1e-3
 
 
-def _block() -> Model:
-    from metafem.fe import Block3D  # imports scikit-fem, which no other model needs
-
-    return Interacting(substrate=Block3D())
-
-
+# The models are imported when they are made, so that the command knows their names at once.
 MODELS: Mapping[str, Callable[[], Model]] = {
-    "independent": Independent,
-    "mean-field": MeanField,
-    "half-space": Interacting,
-    "layer": lambda: Interacting(substrate=BondedLayer()),
-    "block": _block,
-    "resolved": lambda: BoundaryElements(cell=RESOLVED_CELL),
-    "automatic": lambda: Automatic(tolerance=AUTOMATIC_TOLERANCE),
+    "independent": lambda: mf.Independent(),
+    "mean-field": lambda: mf.MeanField(),
+    "half-space": lambda: mf.Interacting(),
+    "layer": lambda: mf.Interacting(substrate=mf.BondedLayer()),
+    "block": lambda: mf.Interacting(substrate=mf.fe.Block3D()),
+    "resolved": lambda: mf.BoundaryElements(cell=RESOLVED_CELL),
+    "automatic": lambda: mf.Automatic(tolerance=AUTOMATIC_TOLERANCE),
 }
 
 
-def model_named(name: str, contact: Contact = PARABOLOID) -> Model:
-    """Return the model of a name with a contact law; raises InvalidInput with the known names.
+def model_named(name: str, contact: Contact | None = None) -> Model:
+    """Return the model of a name with a contact law, default: Hertz(); raises InvalidInput for other names.
 
     Examples
     --------
@@ -49,7 +46,9 @@ def model_named(name: str, contact: Contact = PARABOLOID) -> Model:
     if name not in MODELS:
         words = f"is unknown{suggestion(name, MODELS)}"
         raise InvalidInput(words, key="model", value=f'"{printable(name, 60)}"')
-    return with_contact(MODELS[name](), contact)
+    from metafem.models.model import PARABOLOID, with_contact
+
+    return with_contact(MODELS[name](), contact or PARABOLOID)
 
 
 def suggestion(name: str, known: Mapping[str, object] | tuple[str, ...]) -> str:

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from metafem._given import Names, printable
 from metafem.contact import Contact
 from metafem.errors import InvalidInput
-from metafem.files.specification.manual import example, kind_of, models_of
+from metafem.files.specification.forms import KeyForm, section_forms
 from metafem.files.specification.models import model_named, suggestion
 from metafem.files.specification.named_tables import in_folder, with_columns
 from metafem.files.specification.problems import problem
 from metafem.files.units import written_unit
 from metafem.models import Model
 from metafem.models.model import contact_of, with_contact
-
-if TYPE_CHECKING:
-    from pydantic import BaseModel
-    from pydantic.fields import FieldInfo
 
 
 def chosen_model(model: Model, name: str | None, contact: str | None) -> Model:
@@ -30,11 +25,10 @@ def chosen_model(model: Model, name: str | None, contact: str | None) -> Model:
 
 
 @cache
-def contacts() -> dict[str, type[BaseModel]]:
-    """Return the sections of contact laws by their kinds."""
-    from metafem.files.specification.contacts import ContactSection
-
-    return {kind_of(section): section for section in models_of(ContactSection)}
+def contacts() -> dict[str, tuple[KeyForm, ...]]:
+    """Return the kinds of contact laws with the keys whose values stand in words: all but lists."""
+    form = next(form for form in section_forms() if form.name == "contact")
+    return {kind: tuple(key for key in keys if not key.listed) for kind, keys in form.keys.items()}
 
 
 def contact_named(text: str) -> Contact:
@@ -45,25 +39,23 @@ def contact_named(text: str) -> Contact:
     >>> contact_named("power 4 0.5")
     PowerCap(exponent=4.0, coefficient=0.5)
     """
-    from pydantic import ValidationError
+    from pydantic import TypeAdapter, ValidationError
 
-    from metafem.files.specification.contents import Sections
+    from metafem.files.specification.contacts import ContactSection
 
     table = section_named(text.split())
     kind = table["kind"]
-    section: Any = contacts()[kind]
     units = {name: unit for name, value in table.items() if (unit := written_unit(value))}
     try:
         if "file" in table:
             table, _ = with_columns("contact", table, in_folder(Path()))
         if "file" in table.get("cap", {}):
             table["cap"], _ = with_columns("contact.cap", table["cap"], in_folder(Path()))
-        law: Contact = section.model_validate(table).law()
+        law: Contact = TypeAdapter(ContactSection).validate_python(table).law()
         return law
     except ValidationError as error:
         detail = error.errors(include_url=False)[0]
-        place = ("contact", kind, *detail["loc"])  # as in a specification
-        reason = problem({**detail, "loc": place}, Sections)
+        reason = problem({**detail, "loc": ("contact", *detail["loc"])})  # as in a specification
     except InvalidInput as error:
         reason = error
     reason = reason.at(reason.key.removeprefix("contact").removeprefix("."))
@@ -80,17 +72,10 @@ def form(kind: str) -> str:
     'power EXPONENT [COEFFICIENT]'
     """
     names = (
-        name.upper() if field.is_required() or name == "file" else f"[{name.upper()}]"
-        for name, field in _worded_keys(kind)
+        f"[{key.name.upper()}]" if key.optional and key.name != "file" else key.name.upper()
+        for key in contacts()[kind]
     )
     return " ".join([kind, *names])
-
-
-def _worded_keys(kind: str) -> Iterator[tuple[str, FieldInfo]]:
-    """Yield the keys whose values stand in words: all but lists."""
-    for name, field in contacts()[kind].model_fields.items():
-        if name != "kind" and not isinstance(example(field), list):
-            yield name, field
 
 
 def section_named(words: list[str]) -> dict[str, Any]:
@@ -99,10 +84,10 @@ def section_named(words: list[str]) -> dict[str, Any]:
     if kind not in contacts():
         raise InvalidInput(f'contact law "{printable(kind, 60)}" is unknown{suggestion(kind, contacts())}')
     section: dict[str, Any] = {"kind": kind}
-    for name, field in _worded_keys(kind):
+    for key in contacts()[kind]:
         if not rest:
             break
-        shown = example(field)
+        name, shown = key.name, key.example
         if isinstance(shown, float):
             section[name] = _number(rest.pop(0))
         elif isinstance(shown, dict):

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from metafem._given import printable
 from metafem.errors import InvalidInput
-from metafem.files.specification.manual import all_keys, as_toml, kind_of, models_of
+from metafem.files.specification.forms import Schema, all_keys, as_toml, sections_of, whole_schema
 from metafem.files.specification.models import suggestion
 from metafem.files.units import as_written
-
-if TYPE_CHECKING:
-    from pydantic import BaseModel
 
 # Requirements by pydantic's name of the error; braces hold the violated bound.
 MUST = {
@@ -29,10 +26,10 @@ MUST = {
 }
 
 
-def problem(detail: Any, sections: type[BaseModel]) -> InvalidInput:
+def problem(detail: Any) -> InvalidInput:
     """Return one of pydantic's errors, with its key."""
     kind, given = detail["type"], detail["input"]
-    keys, last, models = _located(detail["loc"], sections)
+    keys, last, sections = _located(detail["loc"])
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{printable(part, 60)}" for part in keys)[1:]
     name = next((part for part in reversed(keys) if isinstance(part, str)), "")
     if kind == "value_error":
@@ -40,44 +37,43 @@ def problem(detail: Any, sections: type[BaseModel]) -> InvalidInput:
         return reason.at(key)
     if kind == "extra_forbidden":
         what = "section" if len(keys) == 1 else "key"
-        return InvalidInput(f"is an unknown {what}{suggestion(name, tuple(last.model_fields))}", key=key)
+        return InvalidInput(f"is an unknown {what}{suggestion(name, tuple(last['properties']))}", key=key)
     if kind == "missing" and len(keys) == 1:
         return InvalidInput(f"is missing; write a section [{key}]", key=key)
     if kind == "missing":
         return InvalidInput("is missing", key=key, example=_example(keys[0], name))
     if kind == "union_tag_not_found":
-        return InvalidInput("is missing", key=f"{key}.kind", example=f'kind = "{kind_of(models[0])}"')
+        return InvalidInput("is missing", key=f"{key}.kind", example=f'kind = "{next(iter(sections))}"')
     if kind == "union_tag_invalid":
-        tag, known = printable(str(detail["ctx"]["tag"]), 60), tuple(map(kind_of, models))
+        tag, known = printable(str(detail["ctx"]["tag"]), 60), tuple(sections)
         return InvalidInput(f"is unknown{suggestion(tag, known)}", key=f"{key}.kind", value=f'"{tag}"')
     must, example = MUST.get(kind, "cannot be used"), _example(keys[0], name)
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         must, example = f"must be a section: write [{key}] on a line of its own", ""
     must = must.format(**detail.get("ctx", {}))
-    return InvalidInput(must, key=key, value=as_written(given), example=example)
+    value = (
+        given if isinstance(given, float) else as_written(given)
+    )  # a float may be a quantity that was read
+    return InvalidInput(must, key=key, value=value, example=example)
 
 
-def _located(
-    place: tuple[Any, ...], sections: type[BaseModel]
-) -> tuple[list[Any], type[BaseModel], tuple[type[BaseModel], ...]]:
+def _located(place: tuple[Any, ...]) -> tuple[list[Any], Schema, dict[str, Schema]]:
     """Return the keys of a location, the section in which the last one stands, and the sections behind it.
 
     pydantic includes the kind of a section in the location.
     """
     keys: list[Any] = []
-    last = sections
-    models: tuple[type[BaseModel], ...] = (sections,)
+    last = whole_schema()
+    sections = {"": last}
     for part in place:
-        of_kind = [model for model in models if keys and kind_of(model) == part]
-        if of_kind:
-            models = (of_kind[0],)
+        if keys and part in sections:
+            sections = {"": sections[part]}
             continue
         keys.append(part)
-        if len(models) == 1:
-            last = models[0]
-        field = last.model_fields.get(part)
-        models = () if field is None else models_of(field.annotation)
-    return keys, last, models
+        if len(sections) == 1:
+            last = next(iter(sections.values()))
+        sections = sections_of(last["properties"].get(part, {}))
+    return keys, last, sections
 
 
 def _example(section: str, name: str) -> str:

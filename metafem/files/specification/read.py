@@ -243,7 +243,7 @@ def _specification(name: str, raw: bytes, source: Source) -> Specification:
     try:
         sections = Sections.model_validate(table)
     except ValidationError as error:
-        problems = [problem(detail, Sections) for detail in error.errors(include_url=False)]
+        problems = [problem(detail) for detail in error.errors(include_url=False)]
         raise _refused(name, *problems, names=names) from None
     parts, problems = sections.build()
     mixed = sections.radii is not None and sections.radii.mixed

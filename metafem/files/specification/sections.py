@@ -13,11 +13,11 @@ from metafem.files.specification.fields import (
     Angle,
     Length,
     Number,
-    OneOf,
     Section,
     Stress,
     Whether,
     measured,
+    one_of,
     one_of_two,
     says,
 )
@@ -27,7 +27,7 @@ from metafem.prediction import Tolerances
 from metafem.surface import Material
 
 Integer = Annotated[int, Field(strict=True)]
-Radius = Annotated[Length, Field(gt=0.0)]
+Radius = Annotated[float, Field(gt=0.0), measured("mm")]
 Site = Annotated[int, Field(strict=True, ge=0)]
 
 
@@ -235,7 +235,7 @@ class RobustSection(Section):
 class ModelSection(Section):
     """``[model]``."""
 
-    kind: Annotated[str, OneOf(tuple(MODELS)), says(f"one of: {', '.join(MODELS)}", "layer")] = "independent"
+    kind: Annotated[str, one_of(MODELS), says(f"one of: {', '.join(MODELS)}", "layer")] = "independent"
 
     @field_validator("kind")
     @classmethod
@@ -249,18 +249,18 @@ class PartSection(Section):
     """``[part]``."""
 
     alignment_height: Annotated[
-        Annotated[float, measured("mm", "400 um"), Field(gt=0.0)] | None,
+        Annotated[float, Field(gt=0.0), measured("mm", "400 um")] | None,
         says("of four alignment asperities outside the corners; cut them off after use", "400 um"),
     ] = None
     chord_error: Annotated[
-        Annotated[float, measured("mm", "1 um"), Field(gt=0.0)] | None,
+        Annotated[float, Field(gt=0.0), measured("mm", "1 um")] | None,
         says(
             "largest distance of the mesh from the caps; default: 4e-4 R, at most 2 million triangles",
             "1 um",
         ),
     ] = None
     formats: Annotated[
-        tuple[Annotated[str, Field(strict=True), OneOf(FORMATS)], ...],
+        tuple[Annotated[str, Field(strict=True), one_of(FORMATS)], ...],
         says("of the part and its mould: stl, 3mf, obj", ["stl", "3mf"]),
     ] = ("stl",)
 
@@ -278,6 +278,6 @@ class ChecksSection(Section):
     """``[checks]``."""
 
     hardness: Annotated[
-        Annotated[float, measured("MPa", "10 MPa"), Field(gt=0.0)] | None,
+        Annotated[float, Field(gt=0.0), measured("MPa", "10 MPa")] | None,
         says("H, which decides on a plastic law", "10 MPa"),
     ] = None

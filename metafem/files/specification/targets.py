@@ -5,12 +5,21 @@ from __future__ import annotations
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, model_validator
+from pydantic import model_validator
 
 from metafem import _validate as check
 from metafem.errors import InvalidInput
 from metafem.files.loads import LOAD, GivenLoad, given_load, rescaled_range
-from metafem.files.specification.fields import Area, Choices, Force, Number, Reader, Section, one_of_two, says
+from metafem.files.specification.fields import (
+    Area,
+    Choices,
+    Force,
+    Number,
+    Quantity,
+    Section,
+    one_of_two,
+    says,
+)
 from metafem.inversion import (
     BilinearLaw,
     LinearLaw,
@@ -38,10 +47,10 @@ def _crossover(given: Any) -> list[GivenLoad]:
     return [given_load(load) for load in given] if isinstance(given, list) else [given_load(given)]
 
 
-Load = Annotated[Any, BeforeValidator(Reader(given_load, ("mm^2", "N")))]
+Load = Annotated[Any, Quantity(given_load, ("mm^2", "N"))]
 
 # Read as a whole, so that an error names the entry and not each alternative.
-Crossover = Annotated[Any, BeforeValidator(Reader(_crossover, ("mm^2", "N"), pairs=True))]
+Crossover = Annotated[Any, Quantity(_crossover, ("mm^2", "N"), pairs=True)]
 
 
 # Targets that take points, and the keys of the points.

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any
 
+from metafem._given import Given
 from metafem.errors import InvalidInput, MetafemError
 from metafem.studies.sampling.store import Result, own_version
 
@@ -69,19 +70,20 @@ def cluster(address: str) -> Iterator[Run]:
         raise InvalidInput(
             f"scheduler = {address!r} needs the extra cluster: pip install 'metafem[cluster]'"
         ) from None
-    instead = "leave scheduler out and use workers=2 on this machine"
+    instead = "leave scheduler out and use {.name} on this machine"
+    given: dict[str, Any] = {"key": "scheduler", "value": repr(address)}
     try:
         # a client of an address that cannot be used ends with errors of its own
         resolve_address(address)
         client: Any = Client(address, timeout=PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, ValueError, TypeError) as error:
-        raise InvalidInput(
-            f"scheduler = {address!r} does not answer ({error or type(error).__name__}): start it with "
-            f"`dask scheduler`, or {instead}"
-        ) from None
+        why = Given("error", str(error) or type(error).__name__)
+        words = f"does not answer ({{.number}}): start it with `dask scheduler`, or {instead}"
+        raise InvalidInput(words, why, Given("workers=2"), **given) from None
     try:
         if not client.nthreads():
-            raise InvalidInput(f"scheduler = {address!r} has no workers: start `dask worker`, or {instead}")
+            words = f"has no workers: start `dask worker`, or {instead}"
+            raise InvalidInput(words, Given("workers=2"), **given)
         _require_same_version(client, address)
 
         def run(task: Task, numbers: Sequence[int]) -> Iterator[Result]:

@@ -79,7 +79,7 @@ def test_given_deviations_are_weights(law):
 
 def test_a_load_with_open_contacts_is_refused_and_the_first_without_named(law):
     with pytest.raises(
-        InvalidInput, match=r"load_min = 0.01: \d of 9 asperities are not in contact"
+        InvalidInput, match=r"load_min = 0.01 is too small: \d of 9 asperities are not in contact"
     ) as error:
         shear_strength(measured(law), SURFACE, 0.01)
     named = float(str(error.value).split("all are from ")[1].split()[0])

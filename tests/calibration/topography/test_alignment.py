@@ -53,7 +53,7 @@ def test_one_or_two_summits():
     place = aligned(pair.position[::-1] + 4.0, pair.height[::-1], pair, None)
     assert place.site.tolist() == [1, 0]
     np.testing.assert_allclose(place.position, pair.position[::-1], atol=1e-15)
-    with pytest.raises(mf.InvalidInput, match="2 caps and design_surface has 20 asperities"):
+    with pytest.raises(mf.InvalidInput, match="2 caps and the design has 20 asperities"):
         aligned(pair.position, pair.height, DESIGN, None)
 
 

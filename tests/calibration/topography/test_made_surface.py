@@ -105,7 +105,7 @@ def test_missing_summits_and_hills_are_named(rough):
     [
         ({"height_map": np.zeros((800, 800))}, "no cap of a radius near 0.526 mm"),
         ({"height_map": np.zeros(800)}, r"shape \(800,\)"),
-        ({"height_map": np.full((800, 800), np.nan)}, "height_map holds no heights"),
+        ({"height_map": np.full((800, 800), np.nan)}, "the map holds no heights"),
         ({"pixel_size": 0.012}, "no cap"),
         ({"pixel_size": -1.0}, "pixel_size"),
         ({"steepest": 0.0}, "steepest"),

@@ -54,7 +54,7 @@ def test_a_stopped_explanation_leaves_no_file(run, tilted, monkeypatch):
     def stopped(*_args):
         raise mf.NotConverged("stopped")
 
-    monkeypatch.setattr("metafem.cli.measurement.compare.explanation", stopped)
+    monkeypatch.setattr("metafem.calibration.explain", stopped)
     assert run("compare", "linear", "contacts.csv", "--explain").exit_code == 1
     assert not Path("linear/measured.nc").exists()
 

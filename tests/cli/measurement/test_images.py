@@ -89,7 +89,9 @@ def test_a_broken_image_is_named_and_the_others_are_measured(run, pictures):
     (pictures / "10.tif").write_bytes(whole[: len(whole) // 2])
     result = run("images", "pictures", "--forces", "forces.csv", "--pixel", "20 um", "-o", "contacts.csv")
     assert result.exit_code == 1
-    assert "remark: 10.tif: is cut off: the file ends before the last row" in result.output
+    assert (
+        "this image is not measured: 10.tif: is cut off: the file ends before the last row" in result.output
+    )
     table = read_contacts("contacts.csv")
     assert np.isnan(table.area[1]).all()
     assert table.load[1] == 0.02
@@ -153,7 +155,8 @@ def test_an_image_without_contacts_is_named_once_as_the_reason(run, pictures):
     assert result.exit_code == 1
     text = " ".join(result.output.split())
     assert (
-        "remark: 11.tif: threshold and levels are from 11.tif, because blank.png cannot be measured" in text
+        "remark: 11.tif: threshold and levels are from this image, because blank.png cannot be measured"
+        in text
     )
     assert text.count("image is constant") == 1
     wrong = " ".join(run("images", "blank.png", "--pixel", "20 um", "--bright-contacts").output.split())

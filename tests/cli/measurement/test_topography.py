@@ -97,7 +97,7 @@ def test_a_scale_is_about_the_mean_height(run, part):
             ("part.npy", "--pixel", "15 um", "--height-unit", "um", "--design", "design"),
             "check --pixel, --height-unit and --mould",
         ),
-        (("empty.npy", *PIXEL, "--design", "design"), "empty.npy holds no heights"),
+        (("empty.npy", *PIXEL, "--design", "design"), "empty.npy: the map holds no heights"),
     ],
 )
 def test_what_cannot_be_measured_ends_with_a_message(run, part, arguments, message):

@@ -98,7 +98,7 @@ def test_files_of_every_wrong_kind_are_refused_by_their_name(text, words):
 
 
 def test_forces_without_a_friction_say_what_is_missing():
-    with pytest.raises(InvalidInput, match=r"add \[friction\] to the specification"):
+    with pytest.raises(InvalidInput, match=r"state them in the section \[friction\]"):
         read_points("m.csv", FORCES, PAIR[0], None)
 
 

@@ -150,7 +150,7 @@ def test_contacts_of_images_are_points(read):
         ("load_mN,area_mm2,area_1_mm2\n1,2,3\n", "total area and area_1; keep one"),
         ("area_mm2,area_before_mm2,area_sheared_mm2\n1,2,3\n", "area and area_before, which are the same"),
         ("displacement_um,area_mm2\n1,2\n", "lacks friction_force_mN: it has"),
-        ("\n".join(PULL.split("\n")[:12]), "a.csv: friction_force is largest at the last entry"),
+        ("\n".join(PULL.split("\n")[:12]), "a.csv: friction_force_mN is largest at the last entry"),
         (
             PULL.replace("\n20,", "\n5,"),
             "a.csv, line 4: displacement_um = 5 is less than the one before",

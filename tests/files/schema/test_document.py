@@ -12,9 +12,8 @@ from jsonschema import Draft7Validator
 from pydantic import ValidationError
 
 from metafem import read_spec
-from metafem.cli.group import DEMOS
 from metafem.errors import InvalidInput
-from metafem.files import all_keys, demo_text, place_schema, schema_text, write_schema
+from metafem.files import DEMOS, all_keys, demo_text, place_schema, schema_text, write_schema
 from metafem.files.schema.document import SCHEMA_FILE, schema
 from metafem.files.specification.contents import Sections
 from metafem.files.specification.named_tables import in_folder, with_tables

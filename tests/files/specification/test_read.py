@@ -256,7 +256,7 @@ WRONG = {
     "radii twice": ("[block]", '[radii]\ntools = ["1 mm"]\n[block]', ["lattice.radius and [radii] both"]),
     "no radii": ("[block]", "[radii]\n[block]", ["radii needs either tools or range"]),
     "no tools": ("[block]", "[radii]\ntools = []\n[block]", ["radii.tools = []", '["300 um", "526 um"]']),
-    "bad tool": ("[block]", '[radii]\ntools = ["0 mm"]\n[block]', ["radii.tools[0] = '0 mm'", "greater"]),
+    "bad tool": ("[block]", '[radii]\ntools = ["0 mm"]\n[block]', ["radii.tools[0] = 0 mm must be gr"]),
     "falling range": (
         "[block]", '[radii]\nrange = ["2 mm", "1 mm"]\n[block]', ["must increase, but is [2 mm, 1 mm]"]
     ),

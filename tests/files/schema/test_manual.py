@@ -5,7 +5,7 @@ import pytest
 import metafem as mf
 from metafem.files import Specification, all_keys, manual
 from metafem.files.specification.contents import Sections
-from metafem.files.specification.manual import as_toml
+from metafem.files.specification.forms import as_toml
 
 KEYS = all_keys()
 KINDS = sorted({key.kind for key in KEYS if key.section == "target"})

@@ -7,21 +7,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from metafem.errors import InvalidInput
-from metafem.files.schema.quantities import UNITS, pattern
-from metafem.files.units import EXAMPLES, converted
+from metafem.files.units import EXAMPLES, USUAL, converted, pattern
 
 
-@pytest.mark.parametrize(("unit", "name"), [(unit, name) for unit in UNITS for name in UNITS[unit]])
+@pytest.mark.parametrize(("unit", "name"), [(unit, name) for unit in USUAL for name in USUAL[unit]])
 def test_the_parser_reads_every_listed_unit(unit, name):
     for spelling in {name, *(name.replace("^2", square) for square in ("2", "**2", "²"))}:
         assert re.search(pattern((unit,)), f"1.5 {spelling}")
         assert converted(f"1.5 {spelling}", unit) > 0.0
-        others = [other for other in UNITS if other != unit]
+        others = [other for other in USUAL if other != unit]
         assert not any(re.search(pattern((other,)), f"1.5 {spelling}") for other in others)
 
 
 def test_examples_match():
-    assert all(re.search(pattern((unit,)), EXAMPLES[unit]) for unit in UNITS)
+    assert all(re.search(pattern((unit,)), EXAMPLES[unit]) for unit in USUAL)
 
 
 TEXTS = st.from_regex(r"[ \t]{0,2}[+-]?[0-9.]{0,5}(e[+-]?[0-9]{0,3})?[ ]?(um|mm|cm)?[ \n]?", fullmatch=True)

@@ -1,0 +1,200 @@
+"""Sections and keys of a specification as data, from the JSON schema of the definitions that read them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+Schema = dict[str, Any]
+
+# What values without a unit are, by their types in a JSON schema.
+PLAIN = {"number": "number", "integer": "integer", "boolean": "truth", "string": "text"}
+
+
+@dataclass(frozen=True)
+class KeyForm:
+    """A key of a section, and the form of its value.
+
+    Attributes
+    ----------
+    section, name : str
+    kind : str or None
+        The kind of section that has this key; None for a section without kinds.
+    meaning : str
+    example : object
+        A valid value, as TOML has it.
+    optional : bool
+    default : object
+        Of an optional key; None for none.
+    schema : dict
+        JSON schema of the value; the usual units of a quantity are its "x-units".
+    choice : int or None
+        Number of the choice to which the key belongs: of a section's choices one is given.
+    """
+
+    section: str
+    kind: str | None
+    name: str
+    example: Any
+    meaning: str
+    optional: bool
+    default: Any
+    schema: Schema
+    choice: int | None = None
+
+    @property
+    def needed(self) -> bool:
+        """Whether a specification that follows the first choice of keys has this one."""
+        return not self.optional or self.choice == 0
+
+    @property
+    def listed(self) -> bool:
+        """Whether the value is a list."""
+        return self.schema.get("type") == "array"
+
+    @property
+    def pairs(self) -> bool:
+        """Whether an entry of the list can be a list of two."""
+        return "anyOf" in self._entry
+
+    @property
+    def value(self) -> str:
+        """What the value is, or each of a list: quantity, number, integer, truth, text or section."""
+        if sections_of(self.schema):
+            return "section"
+        return "quantity" if self.units else PLAIN[self._single["type"]]
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Usual units of a quantity."""
+        return tuple(self._single.get("x-units", ()))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The texts that are allowed; empty for any."""
+        return tuple(self._single.get("enum", ()))
+
+    @property
+    def _entry(self) -> Schema:
+        return self.schema["items"] if self.listed else self.schema
+
+    @property
+    def _single(self) -> Schema:
+        return self._entry["anyOf"][0] if self.pairs else self._entry
+
+
+@dataclass(frozen=True)
+class SectionForm:
+    """A section of a specification.
+
+    Attributes
+    ----------
+    name : str
+    meaning : str
+    optional : bool
+    kinds : mapping of str to str
+        What each kind is, in a sentence; empty for a section without kinds.
+    keys : mapping of str to tuple of KeyForm
+        Keys of each kind in the order of the manual, of "" for a section without kinds.
+    fewest : int
+        Least number of keys.
+    """
+
+    name: str
+    meaning: str
+    optional: bool
+    kinds: dict[str, str]
+    keys: dict[str, tuple[KeyForm, ...]]
+    fewest: int = 0
+
+
+@cache
+def whole_schema() -> Schema:
+    """Return the JSON schema of a specification as pydantic makes it."""
+    from metafem.files.specification.contents import Sections
+
+    return Sections.model_json_schema()
+
+
+@cache
+def section_forms() -> tuple[SectionForm, ...]:
+    """Return the sections of a specification in the order of the manual.
+
+    A key whose value is a section again, ``contact.cap``, is followed by that section.
+
+    Examples
+    --------
+    >>> forms = {form.name: form for form in section_forms()}
+    >>> forms["limits"].keys[""][0].units[:3], forms["contact"].kinds["hertz"]
+    (('nm', 'um', 'mm'), 'Elastic paraboloids.')
+    """
+    whole, found = whole_schema(), []
+    for name, given in whole["properties"].items():
+        found += _forms(name, given, name not in whole["required"])
+    return tuple(found)
+
+
+def all_keys() -> tuple[KeyForm, ...]:
+    """Return every key of a specification, but those of sections within a section."""
+    forms = (form for form in section_forms() if "." not in form.name)
+    return tuple(key for form in forms for keys in form.keys.values() for key in keys)
+
+
+def sections_of(schema: Schema) -> dict[str, Schema]:
+    """Return the schemas of the sections that a value can be, by kind or for ""; none for other values.
+
+    The schema of an optional value also allows null.
+    """
+    schema = not_null(schema)
+    kinds = {part: kind for kind, part in schema.get("discriminator", {}).get("mapping", {}).items()}
+    parts = [part["$ref"] for part in schema.get("oneOf", [schema]) if "$ref" in part]
+    return {kinds.get(part, ""): whole_schema()["$defs"][part.rpartition("/")[2]] for part in parts}
+
+
+def not_null(schema: Schema) -> Schema:
+    """Return the schema of an optional value where it is given."""
+    null = {"type": "null"}
+    if null not in schema.get("anyOf", ()):
+        return schema
+    (value,) = (part for part in schema["anyOf"] if part != null)
+    return {**value, **{name: part for name, part in schema.items() if name != "anyOf"}}
+
+
+def as_toml(value: Any) -> str:
+    """Return an example as it is written in a file."""
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{key} = {as_toml(member)}' for key, member in value.items())}}}"
+    return json.dumps(value)
+
+
+def _forms(name: str, schema: Schema, optional: bool) -> list[SectionForm]:
+    sections = sections_of(schema)
+    keys = {kind: tuple(_keys(name, kind, section)) for kind, section in sections.items()}
+    kinds = {kind: section["description"].splitlines()[0] for kind, section in sections.items() if kind}
+    fewest = sections.get("", {}).get("minProperties", 0)
+    found = [SectionForm(name, schema.get("description", ""), optional, kinds, keys, fewest)]
+    for key in (key for of_kind in keys.values() for key in of_kind if key.value == "section"):
+        found += _forms(f"{name}.{key.name}", {**key.schema, "description": key.meaning}, key.optional)
+    return found
+
+
+def _keys(section: str, kind: str, schema: Schema) -> list[KeyForm]:
+    choices = {name: i for i, names in enumerate(schema["x-choices"]) for name in names}
+    found = []
+    for name, given in schema["properties"].items():
+        if kind and name == "kind":
+            continue
+        optional, default = name not in schema.get("required", ()), given.get("default")
+        example = given.get("examples", [None])[0]
+        about = {"description", "examples", "default", "title", "prefixItems"}
+        whole = not_null(given)
+        value = {word: part for word, part in whole.items() if word not in about}
+        if "prefixItems" in whole:  # all of one type
+            value["items"] = whole["prefixItems"][0]
+        words = given.get("description", "")
+        default = None if default == [] else default
+        form = (section, kind or None, name, example, words, optional, default)
+        found.append(KeyForm(*form, value, choices.get(name)))
+    return found

@@ -1,0 +1,6 @@
+from .fits import fit_table as fit_table
+from .names import all_notes as all_notes
+from .names import misfit_words as misfit_words
+from .names import model_data as model_data
+from .page import page as page
+from .page import parameter_rows as parameter_rows
