@@ -65,7 +65,7 @@ def compare(
     Example: metafem compare linear measured.csv --calibration calibration.json --explain
     """
     from metafem.studies.measurements import explained, measured
-    from metafem.studies.summaries.measurements import FEATURES, answers, feature_rows
+    from metafem.studies.summaries.measurements import FEATURES, answers, feature_rows, sentences
 
     priors = given_priors(given, explain)
     still = mf.files.same_design(folder)
@@ -82,7 +82,7 @@ def compare(
         mf.files.write_study(dataset, path, force=force, still=still)
         if why is not None and explained_path is not None:
             mf.files.write_study(why, explained_path, force=force, still=still)
-    points, reasons = answers(dataset), () if why is None else answers(why)
+    points, reasons = answers(dataset), () if why is None else sentences(why)
     if as_json:
         data = {"file": str(path), "answers": points, **mf.files.study_data(dataset)}
         if why is not None:
