@@ -133,6 +133,8 @@ class Design(Value):
         pair = self.surface.material, self.surface.friction
         if (self.law.material, self.law.friction) != pair:
             raise InvalidInput("law.material and law.friction must be those of the surface")
+        if self.density is not None and not self.fits:
+            raise InvalidInput("fits must hold the branches of the height density")
         for value in (self.sites, *self.parameters.values()):
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False

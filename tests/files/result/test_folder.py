@@ -136,6 +136,7 @@ WRONG = [
     ("law.notes", [{"type": "Note", "text": 3, "level": {"type": "Level", "name": "WARNING"}}], "a text"),
     ("fits", [[1, 2]], "design.fits"),
     ("fits", {"a": 1}, "design.fits"),
+    ("fits", [], "design: fits must hold the branches of the height density"),
     ("density.scale", -1.0, "design.density: scale = -1 must be greater than 0"),
     ("limits.max_height", 1e308, "design.limits: max_height = 1e\\+308 is outside the range"),
     ("layout", 5, "design.layout = 5 must be a Layout or null"),
