@@ -28,7 +28,8 @@ PICTURED = 12
 
 # What the kinds of source mean to a reader.
 MEANINGS = {
-    Kind.PAPER: "The number stands in the paper or its Supplementary Materials.",
+    Kind.PAPER: "The number, bound or rule stands in the paper or its Supplementary Materials; the tolerance "
+    "of a check need not.",
     Kind.PUBLICATION: "The number or equation stands in another publication, which is linked.",
     Kind.CLOSED_FORM: "A formula of metafem.reference gives the number; no solver uses these formulas.",
     Kind.SECOND_METHOD: "Another method, without the models of metafem, computes it in the same run.",

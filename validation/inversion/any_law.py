@@ -7,12 +7,13 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
+from metafem.reference.height_densities import smallest_slope
 from metafem.reference.single_contacts import hertz
 from validation.check import LINE_REQUIRED, REQUIRED, Claim, Picture, Row, below
 from validation.figures import panels
 from validation.paper.surfaces import friction_of_slope, template
 from validation.scenes.models import MODELS
-from validation.sources import Source, closed_form, printed
+from validation.sources import Source, closed_form
 
 # Longer than a few seconds: three designs of many sampled loads.
 SLOW = True
@@ -32,7 +33,7 @@ STEPPED = {
 # A friction coefficient below the least one of the paper's radius and heights, and three tool radii [mm].
 LOW_COEFFICIENT, TOOLS, TOP = 0.9, [0.2, 0.3, 0.526], 0.12
 
-COEFFICIENT = printed("SM, bounds on achievable friction coefficients: 3π/4 √(R/h_m) σB/E* is at most μ")
+COEFFICIENT = closed_form(smallest_slope, "the radius at which μ = σB/E* · 3π/4 √(R/h_m)")
 
 
 @cache
@@ -74,7 +75,7 @@ def claim() -> Claim:
     target = mf.LinearLaw.from_friction_coefficient(LOW_COEFFICIENT, pair.material, pair.friction)
     found = mf.design(target, pair, limits=mf.Limits(TOP, height_sd=0.0009), radii=TOOLS, common_radius=True)
     stress = friction_of_slope(pair)
-    largest = TOP * (LOW_COEFFICIENT / (0.75 * np.pi * stress)) ** 2
+    largest = TOP * (LOW_COEFFICIENT / (stress * smallest_slope(1.0, 1.0))) ** 2
     checks += [
         below(f"μ = {LOW_COEFFICIENT:g} with the best tool: misfit", found.misfit, 0.1, LINE_REQUIRED),
         below("its radius [mm]", found.parameters["radius"], largest, COEFFICIENT),

@@ -9,14 +9,14 @@ import numpy as np
 import metafem as mf
 from metafem.inversion.bounds import Bounds
 from metafem.inversion.radii import Radii
-from metafem.reference.height_densities import slope
+from metafem.reference.height_densities import slope, smallest_slope
 from metafem.reference.single_contacts import hertz
 from validation.check import LINE_REQUIRED, REQUIRED, Claim, Picture, Row, above, below, near
 from validation.figures import panels
 from validation.inversion.later_targets import area_at, largest_exponent
 from validation.paper.surfaces import friction_of_slope, template
 from validation.scenes.models import MODELS
-from validation.sources import closed_form, known_input, printed, second_method, self_consistency
+from validation.sources import closed_form, known_input, second_method, self_consistency
 
 # Two tool radii, or any radius between them [mm]; loads and heights of the power laws.
 TOOLS = [0.2, 0.8]
@@ -112,9 +112,9 @@ def _coefficients() -> list[Row]:
         near(
             "least friction coefficient with both tools",
             both[0],
-            float(stress * 0.75 * np.pi * np.sqrt(0.2 / limits.max_height)),
+            stress * smallest_slope(0.2, limits.max_height),
             1e-12,
-            printed("SM, bounds on achievable friction coefficients: 3π/4 √(R/h_m) σB/E*, smaller radius"),
+            closed_form(smallest_slope, "μ = σB/E* · 3π/4 √(R/h_m) with the smaller radius"),
         ),
         near(
             "largest with both",

@@ -18,7 +18,7 @@ from validation.methods import independent
 from validation.paper.surfaces import friction_of_slope
 from validation.published import paper
 from validation.scenes.flow import COEFFICIENT, Flow, flow
-from validation.sources import closed_form, known_input, printed, second_method
+from validation.sources import closed_form, known_input, second_method
 
 # Standard deviations that separate agreement from an error in a single draw.
 SIGMAS = 3.0
@@ -32,7 +32,7 @@ ROUNDING = 1e-10
 RESCALED = known_input("target of the flow, m = μ E*/(σB) as in the Fig. 4 caption")
 SAMPLE = known_input("sites of the specification, a lattice of 8 × 8 as in the paper")
 LEVELS = known_input("steps of the specification, 6 µm as in the paper")
-MADE = printed("SM, effect of manufacturing errors: s.d. of the slope below 0.5 % at 0.9 µm")
+MADE = known_input("three times 0.5 %, the bound that the paper states for the s.d. of the slope at 0.9 µm")
 DENSITY = closed_form(height_densities.slope, "eq. S3, slope of the exponential density")
 FORCES = second_method(independent.areas, "σB times the areas of the heights, eq. S1, with numpy")
 LINE = second_method(stats.linregress, "Student's quantile times the standard error of the slope, with scipy")

@@ -46,6 +46,7 @@ CHANGES = np.geomspace(0.01, 20.0, 156)
 
 SCHEME = "SM, inversion scheme for operating points"
 ORDER = printed(f"{SCHEME}: h_i+1 < h_i,a < h_i")
+NEAREST = printed(f"{SCHEME}, at a load that rounds to the printed one")
 SOLVED = second_method(levels, "eq. S1 for the printed points, by bisection")
 AGAIN = known_input("the printed heights, from whose law these points follow")
 WITHIN = "the paper states that measured forces lie within 2.5 % of the first two targets, 5 % of the third"
@@ -54,6 +55,11 @@ NOTICED = "smallest change with which the law of the printed heights fails a che
 
 ROUNDED = """The printed points have three digits. Other points that round to the same digits lead to all of
 the printed heights, see the checks."""
+
+
+AT_LOAD = """At {load} mm² the law of the printed heights has F/(σB) = {area:.4f} mm², {off:.4f} mm² above the
+printed value, whose last digit allows {digit} mm². At a lighter load that rounds to the same digits it
+agrees, see the checks."""
 
 
 def claim() -> Claim:
@@ -70,7 +76,7 @@ def claim() -> Claim:
     """
     changes = noticed()
     up, down = ([changes[name][side] for name in heights()] for side in (0, 1))
-    differing = _differing()
+    differing = [*_differing(), _at_printed_load()]
     apart = np.subtract(_of_design(), list(heights().values())[1:])
     figures = {"Law through the points": Picture(_figure)}
     rows = [*_designed(), *points_of_printed_heights(), *_designed_again(), *differing, *_results(changes)]
@@ -124,6 +130,19 @@ def _differing() -> list[Difference]:
     ]  # fmt: skip
 
 
+def _at_printed_load() -> Difference:
+    """Return the last point of the printed heights at the printed load, which has other digits."""
+    numbers, surface = paper()["fig3"], printed_surface()
+    load, friction = numbers["load_mm2"][-1], numbers["friction_mm2"][-1]
+    area = mf.equilibrium(surface, load=surface.material.composite_modulus * load).area
+    return Difference(
+        f"operating point {len(numbers['counts'])} of the printed heights: F/(σB) at the printed load [mm²]",
+        area, f"F/(σB) = {friction} mm² at P/E* = {load} mm²",
+        AT_LOAD.format(load=load, area=area, off=area - friction, digit=FRICTION_DIGIT),
+        printed(SCHEME), Reason.AMBIGUOUS,
+    )  # fmt: skip
+
+
 def printed_surface(changed: str = "", by: float = 0.0) -> mf.Surface:
     """Return a surface of the printed heights, one of which can be changed [µm].
 
@@ -167,9 +186,11 @@ def points_of_printed_heights(changed: str = "", by: float = 0.0) -> Iterator[Ch
         if i + 1 < last:  # the load of the last point is chosen
             source = printed(SCHEME, name.format("P/E*"))
             yield near(f"{which}: P/E* [mm²]", load, numbers["load_mm2"][i], LOAD_DIGIT, source)
-        source = printed(SCHEME, name.format("F/(σB)"))
+        # the area of the last point is that nearest to the printed one, which does not reproduce a number
+        source = printed(SCHEME, name.format("F/(σB)")) if i + 1 < last else NEAREST
+        at = "" if i + 1 < last else " at the load nearest to the point"
         value = numbers["friction_mm2"][i]
-        yield near(f"{which}: F/(σB) [mm²]", state.area, value, FRICTION_DIGIT, source)
+        yield near(f"{which}: F/(σB){at} [mm²]", state.area, value, FRICTION_DIGIT, source)
     tops = surface.height[np.cumsum([0, *numbers["counts"][:-1]])]
     planes, added = [state.separation for state in found], surface.height[-last:]
     between = 1e3 * float(min((tops - added).min(), (added - planes).min()))

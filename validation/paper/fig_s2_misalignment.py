@@ -58,6 +58,11 @@ doubled. The contribution of the tilt is x tan φ + y tan φ alone, which is use
 change of a height at 0.1° is 37 µm, as the paper states."""
 
 
+PLACEMENT = """The paper does not print the sites of its heights. With decreasing heights on the rows of the
+lattice, as designed, the scatter exceeds the bound; the median of 1,000 random assignments of the same
+heights to sites does not, see the checks."""
+
+
 @cache
 def study(colour: str) -> Dataset:
     """Return the misalignment of a surface of Fig. 4 as made and with its heights shuffled."""
@@ -75,7 +80,8 @@ def claim() -> Claim:
     for all. The paper states them for its two samples. Of the random assignments of the same heights to
     sites, {first:.0f} % (blue) and {second:.0f} % (red) stay below 2.1 % at 0.1°, and {third:.0f} % and
     {fourth:.0f} % below 0.2 % at 0.005°; 5 % of the blue ones exceed {high:.1f} % at 0.1°. The bounds
-    describe the arrangement that was made, not the list of heights alone.
+    describe the arrangement that was made, not the list of heights alone. With the rows of the lattice by
+    decreasing height the blue surface exceeds both.
     """
     rows: list[Row] = []
     shares = {}
@@ -86,8 +92,7 @@ def claim() -> Claim:
             where = f"{colour}, {degrees:g}°"
             rows += [
                 below(f"{where}: median scatter of the placements", np.median(scatter[1:]), bound, WHERE),
-                reported(f"{where}: scatter as designed", scatter[0],
-                         "rows of the lattice by decreasing height"),
+                _as_designed(where, float(scatter[0]), bound),
                 reported(f"{where}: share of placements below {1e2 * bound:g} % [%]", shares[degrees, colour],
                          PLACED),
             ]  # fmt: skip
@@ -113,6 +118,14 @@ def claim() -> Claim:
             "high": high,
         },
     )
+
+
+def _as_designed(where: str, scatter: float, bound: float) -> Row:
+    """Compare the scatter with the heights at the sites of the design with the paper's bound."""
+    name, stated = f"{where}: scatter as designed", f"a discrepancy of less than {1e2 * bound:g} %"
+    if scatter <= bound:
+        return below(name, scatter, bound, WHERE)
+    return Difference(name, scatter, stated, PLACEMENT, WHERE, Reason.AMBIGUOUS)
 
 
 def bounds() -> dict[float, float]:

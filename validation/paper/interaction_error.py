@@ -61,6 +61,11 @@ relative change at 20 loads. With the tallest asperities in the centre it is {in
 {centre:.0f} % (Fig. 3)."""
 
 
+LARGEST = """The paper does not print the sites. On a half-space the largest rms of 1,000 random assignments
+of the heights to sites is {largest}; with the tallest asperities in the centre the rms is {centred}. The
+rows of each surface show how many assignments stay below 2.3 %."""
+
+
 @cache
 def changes(name: str, model: str, assignments: int = ASSIGNMENTS) -> dict[str, np.ndarray]:
     """Relative change of A0 (k,) as designed and centred, for random assignments (m, k), and sinking [mm]."""
@@ -128,9 +133,9 @@ def claim() -> Claim:
     of the heights. Therefore 1,000 random assignments of the heights to sites are evaluated on each surface.
     For Fig. 5, Table S2 numbers the asperities from 1 to 64; "printed sites" are those of Table S2 numbered
     row by row, an assumption of this check, on which the result hardly depends: all 1,000 assignments stay
-    below 2.3 %. On Fig. 4 nearly all do. On Fig. 3, whose heights stand on three levels, the median is
-    {least:.1f} to {most:.1f} %, which depends on the norm and on the loads. At order 1, point loads, every
-    change is computed a second time by a dense Newton method.
+    below 2.3 %. On Fig. 4 nearly all do; the largest is {linear:.1f} %. On Fig. 3, whose heights stand on
+    three levels, the median is {least:.1f} to {most:.1f} %, which depends on the norm and on the loads. At
+    order 1, point loads, every change is computed a second time by a dense Newton method.
     """
     rows: list[Row] = []
     for name in surfaces():
@@ -144,7 +149,9 @@ def claim() -> Claim:
         "share": max(row.value for row in shares),
         "inner": rms(changes("Fig. 5 red", HALF_SPACE)["centred"]),
         "centre": rms(changes("Fig. 3", HALF_SPACE)["centred"]),
+        "linear": rms(changes("Fig. 4 red", HALF_SPACE)["random"]).max(),
     }
+    rows.append(_largest())
     percent = {key: 1e2 * value for key, value in numbers.items()}
     label, statement = (
         "Fig. 3: median rms of random assignments [%]",
@@ -170,14 +177,33 @@ def _assigned(name: str) -> Iterator[Row]:
     for substrate, ending in (("half-space", ""), ("layer", ", layer")):
         random = rms(changes(name, f"{substrate}, order 3")["random"])
         method = RANDOM if substrate == "half-space" else RANDOM.replace("a half-space", "the bonded layer")
-        for words, value, figure in (("median", np.median(random), "4"), ("largest", random.max(), "5")):
+        # the median of Fig. 3 and the largest of Figs. 3 and 4 are differences: see `claim` and `_largest`
+        for words, value in (("median", np.median(random)), ("largest", random.max())):
             label = f"{name}{ending}: {words} rms of random assignments"
-            judged = figure in name  # on this figure the paper's bound must hold
+            judged = "3" not in name if words == "median" else "5" in name
             yield below(label, value, limit, NOTE) if judged else reported(label, value, method)
         share = float((random < limit).mean())
         yield reported(f"{name}: share of assignments below {1e2 * limit:g} %{ending}", share, method)
     if "3" in name:
         yield from _readings(name)
+
+
+def _largest() -> Difference:
+    """Return the largest rms of the assignments over all surfaces, which the paper's statement includes."""
+    limit = paper()["interaction"]["rms_area_difference_below"]
+    values = {
+        words: {name: float(np.max(rms(changes(name, HALF_SPACE)[key]))) for name in surfaces()}
+        for words, key in (("largest", "random"), ("centred", "centred"))
+    }
+    listed = {
+        words: ", ".join(f"{1e2 * value:.1f} % ({name})" for name, value in found.items() if value > limit)
+        for words, found in values.items()
+    }
+    return Difference(
+        "all surfaces: largest rms of random assignments [%]", 1e2 * max(values["largest"].values()),
+        f"less than {1e2 * limit:g} % rms over all cases considered", LARGEST.format(**listed), NOTE,
+        Reason.AMBIGUOUS,
+    )  # fmt: skip
 
 
 def _readings(name: str) -> Iterator[Row]:

@@ -42,3 +42,12 @@ def test_counts_of_another_design_fail(monkeypatch):
     monkeypatch.setitem(paper()["fig3"], "counts", [5, 3, 46])
     names = [check.name for check in fig3._designed() if not check.passed]
     assert names == ["n_3"]
+
+
+def test_the_last_point_agrees_at_the_nearest_load_alone_and_is_no_agreeing_number():
+    (nearest,) = (row for row in fig3.points_of_printed_heights() if "point 3" in row.name)
+    assert nearest.passed
+    assert not nearest.source.quantity
+    difference = fig3._at_printed_load()
+    assert abs(difference.computed - 4.12) > fig3.FRICTION_DIGIT
+    assert difference in fig3.claim().rows
