@@ -11,7 +11,7 @@ from validation.cost.times import in_words
 from validation.cost.work_precision import TABLE_SCENE, one_panel
 from validation.readme import renew
 from validation.scenes.costs import AUTOMATIC, ORDER_3, RESOLVED, SCENES, Reference, reference
-from validation.scenes.models import AREA_ERROR
+from validation.scenes.models import AREA_ERROR, CAP_ERROR
 
 MARKS = ("<!-- models: python -m validation --readme -->", "<!-- end of the models -->")
 PICTURE = Path(__file__).parents[1] / "work_precision.svg"
@@ -36,8 +36,9 @@ TABLE = (
     (
         "Interacting()", ORDER_3, "",
         "as order 1, with the size of the contacts and the slope and curvature of their fields",
-        f"A0 to {1e2 * AREA_ERROR:g} % up to a/r = 0.32 on a half-space, to 0.2 % up to a/t = 0.3 on a "
-        "layer; no overlap; timed up to 10⁴ asperities, order 1 to 10⁶",
+        f"A0 to {1e2 * AREA_ERROR:g} % up to a/r = 0.32 on a half-space, other caps than paraboloids "
+        f"to {1e2 * CAP_ERROR:g} %; to 0.2 % up to a/t = 0.3 on a layer; no overlap; timed up to 10⁴ "
+        "asperities, order 1 to 10⁶",
     ),
     (
         "BoundaryElements(0.01)", RESOLVED, "10 µm",

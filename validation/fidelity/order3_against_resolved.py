@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
+from scipy.optimize import brentq
 
 import metafem as mf
 from metafem.drawing import QUIET
@@ -18,7 +19,7 @@ from metafem.reference import single_contacts
 from validation.check import Check, Claim, Picture, Result, above, below, near, reported
 from validation.figures import panels
 from validation.methods import point_load_error
-from validation.scenes.models import FEW_ERROR, LOAD_ERROR
+from validation.scenes.models import CAP_ERROR, CAP_LOAD_ERROR, FEW_ERROR, LOAD_ERROR
 from validation.sources import closed_form, second_method
 
 # The tests of this claim carry the mark "slow".
@@ -32,6 +33,19 @@ APPROACHES = (0.05, 0.1, 0.15, 0.2, 0.3)
 CAPS = {"sphere": mf.SphericalCap(), "quartic cap": mf.PowerCap(4.0)}
 CAP_APPROACH = 0.1
 
+# Nine crowded contacts: largest radius over the pitch and over R, at the ends of the documented ranges, where
+# the caps overlap on the base. The approach is that at which order 3 has this radius.
+CROWDED, WIDTH = 0.319, 0.5
+SHAPES = {
+    "paraboloid": mf.Hertz(),
+    "sphere": mf.SphericalCap(),
+    "power 3": mf.PowerCap(3.0),
+    "power 4": mf.PowerCap(4.0),
+}
+
+CROWDED_SCENE = f"3 x 3, a/r = {CROWDED:g}, {{}}"
+CROWDED_CAPS = [CROWDED_SCENE.format(shape) for shape in list(SHAPES)[1:]]
+
 # Cells per contact radius. Errors fall as the inverse square; those of neighbouring cells scatter, and the
 # scatter of four about the line is the uncertainty of the extrapolated value.
 CELLS = (24, 32, 42, 56)
@@ -41,8 +55,8 @@ CELLS = (24, 32, 42, 56)
 CELL_LOAD, CELL_AREA = 0.12, 0.37
 
 # Least ratio of the errors of A0, a requirement of this check; quartic caps, whose centre is flat, gain
-# least.
-LEAST_GAIN = 4.0
+# least, and other caps than paraboloids less where they are crowded.
+LEAST_GAIN, CROWDED_GAIN = 4.0, 3.0
 
 # The next terms of the expansion are (a/r)² of the leading ones: 6 % at a/r = 0.24.
 NEXT = 0.06
@@ -75,12 +89,16 @@ class Scene:
 
 @dataclass(frozen=True)
 class Errors:
-    """Relative errors of load at fixed approach and of A0 at fixed load, and the uncertainty of each."""
+    """Relative errors of load at fixed approach and of A0 at fixed load, and the uncertainty of each.
+
+    radius: mean contact radius [mm]; ratio: largest contact radius over the distance of the nearest asperity.
+    """
 
     load: float
     area: float
     uncertain: np.ndarray
     radius: float
+    ratio: float
 
 
 def lattice(approach: float, **options) -> Scene:
@@ -101,6 +119,22 @@ def irregular() -> Scene:
     return Scene(mf.Surface(position, height, radius, mf.Material(1.0)), 0.1)
 
 
+@cache
+def crowded(shape: str) -> Scene:
+    """Return nine equal asperities of a shape at the approach of the crowded contacts."""
+    surface = mf.Surface.square_lattice(
+        0.2, (3, 3), WIDTH * RADIUS / CROWDED, radius=RADIUS, material=mf.Material(1.0)
+    )
+    model = mf.Interacting(contact=SHAPES[shape])
+
+    def beyond(approach: float) -> float:
+        state = mf.equilibrium(surface, model, approach=approach)
+        return float(np.sqrt(state.asperity_area.max() / np.pi)) - WIDTH * RADIUS
+
+    return Scene(surface, brentq(beyond, 0.01, 0.3, xtol=1e-9), SHAPES[shape])
+
+
+@cache
 def scenes() -> dict[str, Scene]:
     """Return the scenes in the order of the report."""
     found = {f"3 x 3, approach {1e3 * d:g} µm": lattice(d) for d in APPROACHES}
@@ -108,6 +142,7 @@ def scenes() -> dict[str, Scene]:
     found["six unequal asperities"] = irregular()
     for name, cap in CAPS.items():
         found[f"3 x 3 of a {name}, approach {1e3 * CAP_APPROACH:g} µm"] = lattice(CAP_APPROACH, contact=cap)
+    found |= {CROWDED_SCENE.format(shape): crowded(shape) for shape in SHAPES}
     return found
 
 
@@ -137,14 +172,19 @@ def errors(name: str, order: int) -> Errors:
     model = scene.expansion(order)
     under = scene.state(model, load=float(value[0]))
     radius = float(np.sqrt(under.asperity_area.mean() / np.pi))
-    return Errors(scene.state(model).load / value[0] - 1.0, under.area / value[1] - 1.0, uncertain, radius)
+    apart = np.linalg.norm(scene.surface.position[:, None] - scene.surface.position, axis=2)
+    np.fill_diagonal(apart, np.inf)
+    ratio = float((np.sqrt(under.asperity_area / np.pi) / apart.min(axis=1)).max())
+    load, area = scene.state(model).load / value[0] - 1.0, under.area / value[1] - 1.0
+    return Errors(load, area, uncertain, radius, ratio)
 
 
 def claim() -> Claim:
     """Order 1 represents the neighbours of a contact by point loads, as the paper does; order 3 adds the size
     of the contacts and the curvature and slope of their fields. Resolved contacts assume nothing of this. The
     error of order 1 in A0 grows as the cube of contact radius over distance and reaches half a percent, as
-    much as interaction itself changes A0(P) of some of the paper's surfaces. Order 3 is the default.
+    much as interaction itself changes A0(P) of some of the paper's surfaces. Order 3 is the default. Its
+    error for crowded spheres and power caps is up to four times that of paraboloids.
     """
     return Claim(
         "Interaction to third order against resolved contacts",
@@ -159,12 +199,17 @@ def claim() -> Claim:
 def _scenes() -> Iterator[Check | Result]:
     for name in scenes():
         first, third = errors(name, 1), errors(name, 3)
-        yield below(f"{name}, order 3: error of the load", abs(third.load), LOAD_ERROR, RESOLVED)
-        yield below(f"{name}, order 3: error of A0", abs(third.area), FEW_ERROR, RESOLVED)
+        load, area, gain = LOAD_ERROR, FEW_ERROR, LEAST_GAIN
+        if name in CROWDED_CAPS:
+            load, area, gain = CAP_LOAD_ERROR, CAP_ERROR, CROWDED_GAIN
+        yield below(f"{name}, order 3: error of the load", abs(third.load), load, RESOLVED)
+        yield below(f"{name}, order 3: error of A0", abs(third.area), area, RESOLVED)
         yield above(f"{name}: error of A0, order 1 over order 3",
-                    abs(first.area / third.area), LEAST_GAIN, RESOLVED)  # fmt: skip
+                    abs(first.area / third.area), gain, RESOLVED)  # fmt: skip
         yield reported(f"{name}, order 1: error of the load [%]", 1e2 * first.load, str(RESOLVED))
         yield reported(f"{name}, order 1: error of A0 [%]", 1e2 * first.area, str(RESOLVED))
+        yield reported(f"{name}: largest a/r", third.ratio,
+                       "contact radius over the distance of the nearest asperity, order 3")  # fmt: skip
         yield reported(f"{name}: uncertainty of the resolved A0 [%]", 1e2 * float(third.uncertain[1]),
                        f"scatter of {len(CELLS)} cells about a line")  # fmt: skip
 
