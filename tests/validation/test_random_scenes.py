@@ -8,8 +8,10 @@ from click.testing import CliRunner
 
 import metafem as mf
 from validation.check import prose
+from validation.results import Evaluated
 from validation.scenes.random_contacts import random_scene
 from validation.stability import random_scenes
+from validation.verdicts import Evidence, _fails
 
 SCENE = random_scene(7)
 
@@ -30,10 +32,11 @@ class Broken(mf.Independent):
     ("end", "expected"),
     [
         ({}, "converged"),
-        ({"residual": np.array([1.0])}, "refused"),
+        ({"residual": np.array([1.0])}, "not solved"),
         ({"stiffness": np.array([1.0]), "approach": np.array([np.nan])}, "failed"),
         (mf.InvalidInput("use lighter loads"), "refused"),
         (mf.NotConverged(""), "failed"),
+        (mf.NotConverged("cannot be followed"), "not solved"),
         (ZeroDivisionError("division"), "failed"),
     ],
 )
@@ -59,9 +62,31 @@ def test_scenes_without_a_solution_are_rows_with_the_reason_in_its_own_words():
         for seed in range(5)
     ]
     found += [random_scenes.Outcome(9, True, "order 3", "Hertz", "converged")]
-    (row,) = (row for row in random_scenes._results(found) if row.name.startswith("not solved"))
-    assert row.name == "not solved: load … mm^2 is beyond … mm^2"
+    (row,) = (row for row in random_scenes._results(found) if row.name.startswith("refused"))
+    assert row.name == "refused: load … mm^2 is beyond … mm^2"
     assert row.value == 5
     assert row.method.startswith("outside the ranges: seeds 0, 1, 2, and 2 more. Seed 0: “load 3.4 mm^2 is")
     text = prose(random_scenes.claim, random_scenes._numbers(found))
     assert "Of 5 designs 5 were refused, of 1 other scenes 0." in text
+
+
+def test_failures_of_solver_and_search_are_counted_as_failures_of_their_own():
+    names = (
+        ("order 3", "not solved"),
+        ("design", "not solved"),
+        ("design", "refused"),
+        ("order 3", "converged"),
+    )
+    found = [
+        random_scenes.Outcome(seed, False, model, "Hertz", end, "a reason" * (end != "converged"), error=0.0)
+        for seed, (model, end) in enumerate(names)
+    ]
+    inside = random_scenes.Outcome(9, True, "order 3", "Hertz", "converged", error=0.0)
+    rows = (*random_scenes._checks([*found, inside]), *random_scenes._results([*found, inside]))
+    evidence = Evidence({"random_scenes": Evaluated("random_scenes", "", "", "A text.", rows, (), 1.0)})
+    headline, sentence = _fails(evidence)
+    assert headline == "2 of 5 random scenes failed"
+    assert "In 1 the solver did not converge and in 1 the search of a design missed its target" in sentence
+    assert "0 of them inside the documented ranges; 0 ended without a stated reason" in sentence
+    unsolved = random_scenes._checks([replace(inside, end="not solved"), inside, *found])
+    assert [check.passed for check in unsolved if check.name.startswith("inside")] == [True, False]
