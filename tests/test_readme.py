@@ -27,8 +27,11 @@ def test_printed_output_is_what_the_example_prints():
     code = re.search(r"```python\n(.*?)```", README, re.S).group(1)
     output = re.search(r"```text\n(.*?)```", README, re.S).group(1)
     with contextlib.redirect_stdout(io.StringIO()) as printed:
-        exec(compile(code, "README.md", "exec"), {})
+        exec(compile(code, "README.md", "exec"), names := {})
     assert printed.getvalue() == output
+    law = names["design"].law
+    first, *_, last = law.friction_force / law.load
+    assert f"here {first:.1f} at the lightest and {last:.1f} at the heaviest" in README
 
 
 def test_sites_of_the_guide_are_those_of_a_design(tmp_path):
