@@ -121,6 +121,11 @@ def _checks(contacts: int, energy: float) -> Iterator[Row]:
     )
 
 
+def square_variance(mean: float, sd: float) -> float:
+    """Return the variance of the square of a normal variable, by a million draws."""
+    return float((np.random.default_rng(1).normal(mean, sd, 1_000_000) ** 2).var())
+
+
 def _regressions() -> list[Row]:
     """Compare single fits with ODRPACK and with the public function."""
     import odrpack
@@ -141,6 +146,11 @@ def _regressions() -> list[Row]:
         )  # fmt: skip
         apart.append(abs(other.beta[0] - fit.modulus[i]) / math.sqrt(fit.covariance[i, 0, 0]))
     one = fit_compression(load[0], area[0], RADIUS)
+    few = fit_compression(
+        *(each[0] for each in compression_tests(1, 1, 0.0, np.random.default_rng(0))), RADIUS
+    )
+    mean, sd = max(few.adhesion_root, 0.0), math.sqrt(few.root_covariance[1, 1])
+    source = second_method(square_variance, "variance of the squares of normal draws of √w")
     return [
         below(
             "largest difference of E* from ODRPACK over the uncertainty, 20 fits",
@@ -149,6 +159,10 @@ def _regressions() -> list[Row]:
                 1e-5,
                 second_method(odrpack.odr_fit, "ODRPACK, variances of the fitted areas"),
             ),
+        ),
+        near(
+            "contacts without adhesion: variance of w over that of draws",
+            *(float(few.covariance[1, 1]) / square_variance(mean, sd), 1.0, 0.02, source),
         ),
         near(
             "metafem.calibration.fit_compression on the first set of data, E* [MPa]",

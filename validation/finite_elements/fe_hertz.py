@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from metafem import fe, studies
+from metafem.reference import single_contacts
 from metafem.report.elements import hertz_figure
-from metafem.studies.element_checks import search_convergence, spectral_convergence
-from validation.check import Claim, Picture
+from metafem.studies.element_checks import HERTZ, search_convergence, spectral_convergence
+from validation.check import Check, Claim, Picture, near
 from validation.figures import panels
-from validation.finite_elements.rows import as_rows
+from validation.finite_elements.rows import SOURCES, as_rows
 
 A, R = 0.2, 0.526
+
+# Poisson's ratio of a compressible half-space, and cell of the active set over the contact radius, with which
+# its loads are good to 3e-4.
+OTHER, CELL = 0.3, 1.0 / 20.3
 
 
 # Several seconds of finite elements.
@@ -24,9 +29,17 @@ def claim() -> Claim:
     """
     return Claim(
         "Finite elements: Hertz's contact on a half-space",
-        as_rows(studies.hertz_check()),
+        [*as_rows(studies.hertz_check()), _compressible()],
         {"Pressure and displacement": Picture(_fields), "Convergence": Picture(_rates)},
     )
+
+
+def _compressible() -> Check:
+    """Check the active set on a compressible half-space: Hertz's load over E* does not depend on ν."""
+    found = fe.search_contact(A**2 / R, R, OTHER, cell=CELL * A)
+    exact = single_contacts.hertz(A, R)[0]
+    name = f"active set, ν = {OTHER:g}: load over Hertz"
+    return near(name, found.rescaled_load / exact, 1.0, 3e-4, SOURCES[HERTZ])
 
 
 def _fields():

@@ -19,7 +19,7 @@ from validation.methods.small_errors import drawn_deviation, relative_error
 from validation.paper.pictures import INKS
 from validation.paper.surfaces import surfaces, words
 from validation.published import paper
-from validation.sources import second_method
+from validation.sources import known_input, second_method
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -57,6 +57,11 @@ def errors(name: str) -> dict[str, float]:
         "shear_strength": printed["shear_strength_MPa"][key][1],
         "area_ratio": batch["area_ratio_sd"],
     }
+
+
+# Error of a sum of shares by the draws, and interaction of the parameters, with a margin.
+SHARE_ERROR = 0.015
+LINEAR = known_input("identity: shares of independent parameters of a linear response add up to 1")
 
 
 @cache
@@ -108,6 +113,8 @@ def claim() -> Claim:
             reported(f"{name}: share of E* in its variance",
                      float(last.area_first_order.sel(parameter="composite_modulus")), STUDY),
         ]  # fmt: skip
+        total = float(found.isel(rescaled_load=0).area_total.sum())
+        rows.append(near(f"{name}: sum of the total Sobol shares of A0", total, 1.0, SHARE_ERROR, LINEAR))
         rows += measured_checks(name)
     figures = {"Fig. 4 with error bars": Picture(figure)}
     return Claim("Figs. 3 to 5: error bars", rows, figures)

@@ -263,7 +263,7 @@ def _ends(found: list[Outcome], *axes):
         groups = _groups(found, kind)
         counts = {name: Counter(each.end for each in group) for name, group in groups.items()}
         left = np.zeros(len(groups))
-        for end, colour in zip(ENDS, ("C0", "C1", "C3"), strict=True):
+        for end, colour in zip(ENDS, ("C0", "C1", "C4", "C3"), strict=True):
             width = np.array([100.0 * counts[name][end] / len(groups[name]) for name in groups])
             ax.barh(list(groups), width, left=left, color=colour, label=end)
             left += width
