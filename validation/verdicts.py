@@ -188,7 +188,7 @@ def _reproduced(evidence: Evidence) -> tuple[str, str]:
         differing=sum(len(each.differences) for each in evidence.results.values()),
     )
     left_out = f" {absent} of {len(chapter)} claims were left out of this run." if absent else ""
-    return "The computed numbers, yes; the crossover measured in Fig. 5, blue, no", words + left_out
+    return "Most computed numbers, yes; the crossover measured in Fig. 5, blue, no", words + left_out
 
 
 def _s2(evidence: Evidence, colour: str, words: str) -> float:
@@ -242,7 +242,8 @@ def _interaction(evidence: Evidence) -> tuple[str, str]:
         f"taken row by row, and by {_percent(linear)} on Fig. 4 (rms of the relative change, median of "
         f"random assignments of the heights to sites). The largest of 1,000 assignments is "
         f"{_percent(largest[5])} on Fig. 5 and {_percent(largest[4])} on Fig. 4; with the tallest asperities "
-        f"in the centre it is {_percent(centred[0])} to {_percent(centred[1])} on both. The paper states "
+        f"in the centre it is {number(1e2 * centred[0], 2)} to {_percent(centred[1])} on both. The paper "
+        "states "
         f"neither the norm nor the loads nor the sites. On Fig. 3 the rms is {listed}: medians of 1,000 "
         "assignments.",
     )
@@ -299,11 +300,11 @@ def _exact(evidence: Evidence) -> tuple[str, str]:
         else "The independent code tamaas, with which the report compares it, is not installed."
     )
     return (
-        f"Order 3: A0 of paraboloids to {stated}, of the other caps to {_percent(CAP_ERROR)}",
+        f"Order 3: A0 of paraboloids to {stated}",
         f"The documentation states that order 3 misses A0 of paraboloids on a half-space by at most {stated} "
         f"where contact radii are up to {number(COMPARED)} of the distances, and by at most "
         f"{_percent(FEW_ERROR)} with up to nine contacts. Against resolved contacts the worst of the sampled "
-        f"scenes, 64 equal contacts, has {number(worst, 2)} %; nine crowded spheres have "
+        f"scenes of paraboloids, 64 equal contacts, has {number(worst, 2)} %; nine crowded spheres have "
         f"{_percent(caps['sphere'])}, caps of power 3 {_percent(caps['power 3'])} and of power 4 "
         f"{_percent(caps['power 4'])}, at most the stated {_percent(CAP_ERROR)}. Point loads (order 1) miss "
         "A0 "

@@ -36,8 +36,8 @@ TABLE = (
     (
         "Interacting()", ORDER_3, "",
         "as order 1, with the size of the contacts and the slope and curvature of their fields",
-        f"A0 to {1e2 * AREA_ERROR:g} % up to a/r = 0.32 on a half-space, other caps than paraboloids "
-        f"to {1e2 * CAP_ERROR:g} %; to 0.2 % up to a/t = 0.3 on a layer; no overlap; timed up to 10⁴ "
+        f"A0 to {1e2 * AREA_ERROR:g} % up to a/r = 0.32 on a half-space, spheres and caps of power "
+        f"3 or 4 to {1e2 * CAP_ERROR:g} %; to 0.2 % up to a/t = 0.3 on a layer; no overlap; timed up to 10⁴ "
         "asperities, order 1 to 10⁶",
     ),
     (
