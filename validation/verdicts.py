@@ -13,8 +13,9 @@ from validation.check import Result, Row
 from validation.fidelity.order3_against_resolved import CROWDED
 from validation.inversion.later_targets import RANGE
 from validation.numbers import number
+from validation.paper.interaction_error import ASSIGNMENTS
 from validation.paper.measured_slopes import ENDS
-from validation.published import paper
+from validation.published import paper, table
 from validation.results import Evaluated
 from validation.scenes.compression_tests import MODULUS
 from validation.scenes.costs import ORDER_3, SCENES
@@ -151,7 +152,8 @@ def _percent(value: float, digits: int = 2) -> str:
 REPRODUCED = (
     "{numbers} distinct printed numbers, {tables} of them in Tables S1 and S2, agree with the computed ones "
     "within the digits of these numbers and of the printed targets, or within their errors. Of Table S2, "
-    "{outside} of 128 heights differ by more, by up to {most} µm. The crossover load of Fig. 5, blue, was "
+    f"{outside} of {heights} heights differ by more, by up to {most} µm. The crossover load of Fig. 5, "
+    "blue, was "
     "measured at {measured} mm²; the lines through the predicted law intersect at {crossing} mm²{ruled}. The "
     "second slope of the red law is predicted {slope} % above its target; the paper states that the measured "
     "slopes lie within {within} %. The printed points of Fig. 3, with three digits, give adjustment heights "
@@ -177,6 +179,7 @@ def _reproduced(evidence: Evidence) -> tuple[str, str]:
         numbers=sum(source.numbers for source in numbers),
         tables=sum(source.numbers for source in numbers if source.text.startswith("Table")),
         outside=number(sum(outside)),
+        heights=sum(map(len, (table("table_s2")[colour] for colour in ("red", "blue")))),
         most=number(most, 2),
         measured=f"{load} ± {error}",
         crossing=number(crossing, 2),
@@ -240,12 +243,11 @@ def _interaction(evidence: Evidence) -> tuple[str, str]:
         "Yes" if holds else "Typically below it on Figs. 4 and 5; on Fig. 3 it depends on the norm",
         f"At equal load, order 3 on a half-space changes A0 by {_percent(printed)} on Fig. 5, with Table S2 "
         f"taken row by row, and by {_percent(linear)} on Fig. 4 (rms of the relative change, median of "
-        f"random assignments of the heights to sites). The largest of 1,000 assignments is "
-        f"{_percent(largest[5])} on Fig. 5 and {_percent(largest[4])} on Fig. 4; with the tallest asperities "
-        f"in the centre it is {number(1e2 * centred[0], 2)} to {_percent(centred[1])} on both. The paper "
-        "states "
-        f"neither the norm nor the loads nor the sites. On Fig. 3 the rms is {listed}: medians of 1,000 "
-        "assignments.",
+        f"random assignments of the heights to sites). The largest of {ASSIGNMENTS:,} assignments is "
+        f"{_percent(largest[5])} on Fig. 5 and {_percent(largest[4])} on Fig. 4; with the tallest "
+        f"asperities in the centre it is {number(1e2 * centred[0], 2)} to {_percent(centred[1])} on both. "
+        f"The paper states neither the norm nor the loads nor the sites. On Fig. 3 the rms is {listed}: "
+        f"medians of {ASSIGNMENTS:,} assignments.",
     )
 
 
@@ -272,13 +274,11 @@ def _model(evidence: Evidence) -> tuple[str, str]:
         f"to {_percent(half_space[0])} and {number(half_space[1], 2)} µm off, Independent() up to "
         f"{number(alone, 2)} % in A0. The pedestals on which the caps stand change A0 by up to "
         f"{_percent(low)} rms on Figs. 4 and 5 and by {_percent(tall)} on Fig. 3, whose caps are the "
-        "tallest: "
-        f"against the block with pedestals the layer is up to {_percent(flat)} off at one load, and up to "
-        f"{_percent(whole)} with pedestal=True. Their compliance is that at light loads; the actual contact "
-        f"radii change A0 by up to {number(wide, 2)} % rms more. With the tallest asperities in the centre "
-        "interaction on a "
-        f"half-space changes A0 by up to {_percent(worst)} rms, which Independent() leaves out. Automatic() "
-        "where contacts may merge.",
+        f"tallest: against the block with pedestals the layer is up to {_percent(flat)} off at one load, "
+        f"and up to {_percent(whole)} with pedestal=True. Their compliance is that at light loads; the "
+        f"actual contact radii change A0 by up to {number(wide, 2)} % rms more. With the tallest asperities "
+        f"in the centre interaction on a half-space changes A0 by up to {_percent(worst)} rms, which "
+        "Independent() leaves out. Automatic() where contacts may merge.",
     )
 
 
@@ -301,14 +301,13 @@ def _exact(evidence: Evidence) -> tuple[str, str]:
     )
     return (
         f"Order 3: A0 of paraboloids to {stated}",
-        f"The documentation states that order 3 misses A0 of paraboloids on a half-space by at most {stated} "
-        f"where contact radii are up to {number(COMPARED)} of the distances, and by at most "
-        f"{_percent(FEW_ERROR)} with up to nine contacts. Against resolved contacts the worst of the sampled "
-        f"scenes of paraboloids, 64 equal contacts, has {number(worst, 2)} %; nine crowded spheres have "
-        f"{_percent(caps['sphere'])}, caps of power 3 {_percent(caps['power 3'])} and of power 4 "
+        "The documentation states that order 3 misses A0 of paraboloids on a half-space by at most "
+        f"{stated} where contact radii are up to {number(COMPARED)} of the distances, and by at most "
+        f"{_percent(FEW_ERROR)} with up to nine contacts. Against resolved contacts the worst of the "
+        f"sampled scenes of paraboloids, 64 equal contacts, has {number(worst, 2)} %; nine crowded spheres "
+        f"have {_percent(caps['sphere'])}, caps of power 3 {_percent(caps['power 3'])} and of power 4 "
         f"{_percent(caps['power 4'])}, at most the stated {_percent(CAP_ERROR)}. Point loads (order 1) miss "
-        "A0 "
-        f"of nine paraboloids by {number(first, 2)} % at "
+        f"A0 of nine paraboloids by {number(first, 2)} % at "
         f"{number(evidence.value(name, f'{wide}: largest a/r'), 2)} of the distances and by "
         f"{number(most, 2)} % at {number(CROWDED, 2)}. {confirmed} This is the error of the interaction "
         "alone.",
@@ -338,13 +337,11 @@ def _contacts(evidence: Evidence) -> tuple[str, str]:
         f"Hertz's law meets the slopes measured in Fig. 4 to {number(hertz[0], 2)} standard deviations. "
         f"JKR's theory with 9 mJ/m² misses them by up to {number(printed[0], 2)} with σ as printed, by up "
         f"to {number(refitted[0], 3)} with σ refitted to the same forces from full contact to twice its "
-        "load, "
-        f"and by up to {number(max(other), 2)} with another load of the fit. Of Fig. 5 it then misses the "
-        f"targets by up to {number(refitted[1], 2)} %, Hertz's law by {number(hertz[1], 2)} % (heights "
-        f"of Table S2; measured, as the paper states: at most {number(measured)} %). "
-        f"Adhesion changes A0 by {number(area[0], 2)} to {number(area[1], 2)} % rms on Figs. 3 to 5, and by "
-        "up "
-        f"to {number(single, 2)} % at one load; it changes the friction force by {number(friction[0], 2)} to "
+        f"load, and by up to {number(max(other), 2)} with another load of the fit. Of Fig. 5 it then misses "
+        f"the targets by up to {number(refitted[1], 2)} %, Hertz's law by {number(hertz[1], 2)} % (heights "
+        f"of Table S2; measured, as the paper states: at most {number(measured)} %). Adhesion changes A0 by "
+        f"{number(area[0], 2)} to {number(area[1], 2)} % rms on Figs. 3 to 5, and by up to "
+        f"{number(single, 2)} % at one load; it changes the friction force by {number(friction[0], 2)} to "
         f"{number(friction[1], 2)} % rms on Figs. 4 and 5 where σ is fitted with the same law.",
     )
 
@@ -388,13 +385,10 @@ def _fails(evidence: Evidence) -> tuple[str, str]:
     return (
         f"{number(failed + solver + search)} of {number(total)} random scenes failed",
         f"In {number(solver)} the solver did not converge and in {number(search)} the search of a design "
-        "missed "
-        f"its target, {number(inside)} of them inside the documented ranges; {number(failed)} ended without "
-        "a "
-        f"stated reason. Inside the ranges {number(refused)} scenes were refused; outside them "
+        f"missed its target, {number(inside)} of them inside the documented ranges; {number(failed)} ended "
+        f"without a stated reason. Inside the ranges {number(refused)} scenes were refused; outside them "
         f"{_percent(outside)} had no solution, mostly designs that would reach the base plane. The "
-        "equations of "
-        f"{number(equations)} scenes were recomputed.",
+        f"equations of {number(equations)} scenes were recomputed.",
     )
 
 
@@ -416,11 +410,9 @@ def _measurements(evidence: Evidence) -> tuple[str, str]:
     return (
         "E*, yes, where contacts obey the fitted law and errors are as stated",
         f"In synthetic tests with the paper's errors the bias of E* is at most {_percent(own, 1)} of its "
-        f"uncertainty, and its 68 % intervals hold the true value in at least {_percent(held, 3)} "
-        "of the tests. "
-        f"The paper's straight line gives an E* {_percent(five)} too large in the mean with five contacts "
-        "under "
-        f"the load, as in the paper, and {_percent(one)} with one.{strain}",
+        f"uncertainty, and its 68 % intervals hold the true value in at least {_percent(held, 3)} of the "
+        f"tests. The paper's straight line gives an E* {_percent(five)} too large in the mean with five "
+        f"contacts under the load, as in the paper, and {_percent(one)} with one.{strain}",
     )
 
 
@@ -439,17 +431,14 @@ def _designs(evidence: Evidence) -> tuple[str, str]:
         f"Powers {number(least, 2)} to {number(widest, 2)} of the load, two slopes, and points, within 1 %",
         f"Paraboloids of one radius have powers 2/3 to {number(wide, 3)} of the load over a factor of "
         f"{number(RANGE[1] / RANGE[0])} in load; two tools reach {number(widest, 3)}, caps of power 4 reach "
-        f"{number(least, 2)}. Powers and pairs "
-        f"of slopes are met to {_percent(misfit)}; three operating points, two powers and two slopes on "
-        "height "
-        f"steps of 6 µm to {_percent(stepped)}. Friction proportional to load over a factor of "
+        f"{number(least, 2)}. Powers and pairs of slopes are met to {_percent(misfit)}; three operating "
+        f"points, two powers and two slopes on height steps of 6 µm to {_percent(stepped)}. Friction "
+        "proportional to load over a factor of "
         f"{number(evidence.largest(name, 'largest over smallest load'), 2)} in load is met to "
         f"{_percent(deviation)} for independent asperities, a half-space and a layer, each under its own "
-        "model. "
-        "A straight line without a stated range has an intercept and is approximate: of one with μ = 0.9 the "
-        f"slope deviates by {_percent(line)}. A law that no surface of the limits reaches is refused with "
-        "the reason, or ends "
-        "as missed with its misfit.",
+        "model. A straight line without a stated range has an intercept and is approximate: of one with μ "
+        f"= 0.9 the slope deviates by {_percent(line)}. A law that no surface of the limits reaches is "
+        "refused with the reason, or ends as missed with its misfit.",
     )
 
 
