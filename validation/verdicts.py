@@ -152,11 +152,10 @@ def _percent(value: float, digits: int = 2) -> str:
 REPRODUCED = (
     "{numbers} distinct printed numbers, {tables} of them in Tables S1 and S2, agree with the computed ones "
     "within the digits of these numbers and of the printed targets, or within their errors. Of Table S2, "
-    f"{outside} of {heights} heights differ by more, by up to {most} µm. The crossover load of Fig. 5, "
-    "blue, was "
-    "measured at {measured} mm²; the lines through the predicted law intersect at {crossing} mm²{ruled}. The "
-    "second slope of the red law is predicted {slope} % above its target; the paper states that the measured "
-    "slopes lie within {within} %. The printed points of Fig. 3, with three digits, give adjustment heights "
+    "{outside} of {heights} heights differ by more, by up to {most} µm. The crossover load of Fig. 5, blue, "
+    "was measured at {measured} mm²; the lines through the predicted law intersect at {crossing} mm²{ruled}. "
+    "The second slope of the red law is predicted {slope} % above its target; the paper states that the "
+    "measured slopes lie within {within} %. The printed points of Fig. 3, with three digits, give adjustment heights "
     "that differ from the printed ones by {apart} µm. In all, the report lists {differing} differences from "
     "the paper; the heights of Table S2 are one for each colour."
 )
