@@ -156,8 +156,8 @@ REPRODUCED = (
     "was measured at {measured} mm²; the lines through the predicted law intersect at {crossing} mm²{ruled}. "
     "The second slope of the red law is predicted {slope} % above its target; the paper states that the "
     "measured slopes lie within {within} %. The printed points of Fig. 3, with three digits, give adjustment "
-    "heights that differ from the printed ones by {apart} µm. In all, the report lists {differing} differences "
-    "from the paper; the heights of Table S2 are one for each colour."
+    "heights that differ from the printed ones by {apart} µm. In all, the report lists {differing} "
+    "differences from the paper; the heights of Table S2 are one for each colour."
 )
 RULED = ", and the paper's rule, applied to synthetic laws of the predicted surface, gives {blue} mm²"
 

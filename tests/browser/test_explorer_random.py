@@ -174,6 +174,7 @@ def downloaded(visit, name):
 
 def compared(visit):
     """Compare what the page shows with the design of its specification; return whether there is one."""
+    visit.page.keyboard.press("Escape")  # a press of the mouse can end on the button of the help
     visit.page.get_by_role("tab", name="Take it").click()
     text = downloaded(visit, "spec.toml").decode()
     refused = visit.page.evaluate("() => getElement(document.querySelector('.law-plot')).plot.data.refusal")
