@@ -85,7 +85,7 @@ class Sums:
 
 @dataclass(frozen=True, eq=False)
 class Moments:
-    """Moments of y/nominal - 1, (l, q), and for each the plain draws of equal error over draws used."""
+    """Moments of y/nominal - 1, (l, q), and for each the plain draws of equal error per draw used."""
 
     mean: Estimate
     sd: Estimate

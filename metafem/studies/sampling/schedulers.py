@@ -16,7 +16,7 @@ Task = Callable[[int], Result]
 # Computes batches, and yields their results in the order of the numbers.
 Run = Callable[[Task, Sequence[int]], Iterator[Result]]
 
-# Number of times a batch may end its worker before the run is aborted.
+# Number of times a batch may end its worker before it is abandoned.
 MOST_DEATHS = 3
 
 # Largest number of batches on a cluster at a time; their results are small.
