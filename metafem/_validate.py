@@ -293,7 +293,7 @@ def array_with_gaps(name: str, value: Any, *, shape: tuple[int | None, ...]) -> 
 
 
 def refuse_entries(name: str, values: FloatArray, wrong: Any, must: str) -> None:
-    """Refuse values of which one is `wrong`, a mask of their shape; the error names the first such entry."""
+    """Refuse values if one is `wrong`, a mask of their shape; the error names the first such entry."""
     bad = np.argwhere(wrong)
     if bad.size:
         place = tuple(bad[0].tolist())

@@ -177,7 +177,7 @@ class Surface(Value):
         return card.card("Surface", self._facts(), self.plot if few else distribution)
 
     def _facts(self) -> dict[str, str]:
-        """Return what is printed of the surface."""
+        """Return the printed facts of the surface."""
         facts = {
             "asperities": f"{self.count:,}",
             "heights": span(self.height, "mm"),

@@ -41,7 +41,7 @@ def beyond(name: str, ratio: float) -> str:
 
 
 def within_errors(name: str, values: FloatArray, sd: FloatArray) -> tuple[Note, ...]:
-    """Return a note on values (k,) none of which exceeds its standard deviation."""
+    """Return a note if no value (k,) exceeds its standard deviation."""
     known = np.isfinite(values) & np.isfinite(sd)
     if not known.any() or (np.abs(values[known]) > sd[known]).any():
         return ()

@@ -50,7 +50,7 @@ class NotAchieved(Ended):
 
 
 class Name(click.Path):
-    """The name of a file or folder, as a Path; an empty one would stand for the current folder."""
+    """The name of a file or folder, as a Path; an empty one would mean the current folder."""
 
     name = "path"
 

@@ -104,7 +104,7 @@ class Columns:
     """The columns of a kind of table.
 
     `titles` names them, separated by commas: a quantity as quantity_unit, with the unit that errors propose,
-    and texts and numbers without unit by their name alone. One of the lists of names `needed` must be
+    and texts and numbers without unit by their name only. One of the lists of names `needed` must be
     present; the column of a standard deviation, NAME_sd, is allowed only with NAME. `entry` describes a line,
     `wanted` the required first line, and `declared` returns the declared name of a synonym.
     """

@@ -205,7 +205,7 @@ def sample_curve(surface: Surface, model: Model, area: FloatArray, one_by_one: b
     """Return the curve of a sample with E* = 1 under a model, for areas (k, n) [mm^2] of single contacts.
 
     The sample is solved at loads that reach beyond the areas, and the logarithm of load over area is
-    interpolated by a cubic spline, for each contact where areas are measured one by one.
+    interpolated by a cubic spline, separately for each contact if single areas were measured.
     """
     single = cap_curve(contact_of(model), float(surface.radius[0]))
     closed = area[area > 0.0]

@@ -17,7 +17,7 @@ from metafem.surface import Surface
 
 @dataclass(frozen=True, eq=False)
 class Observations:
-    """The areas of the contacts in a measured law, and whether they were measured one by one."""
+    """The areas of the contacts in a measured law, and whether they were measured individually."""
 
     measured: MeasuredLaw
     by_contact: bool

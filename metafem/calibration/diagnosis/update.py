@@ -34,8 +34,8 @@ DAMPING = 0.7
 # Gap of an open contact, in standard deviations, beyond which the contact is left out.
 FAR = 8.0
 
-# Largest last step of a converged posterior, in its standard deviations. The step is not 0 where a contact
-# opens and closes in turn; below this it changes no interval noticeably.
+# Largest last step of a converged posterior, in its standard deviations. The step is not 0 if a contact
+# alternately opens and closes; smaller steps do not change an interval noticeably.
 NEARLY = 0.1
 
 
@@ -97,7 +97,7 @@ def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Pos
         change = max(whole, moved)
         if change <= STILL:
             break
-    if change > NEARLY:  # an adhesive contact jumps in and out in turn
+    if change > NEARLY:  # an adhesive contact alternately jumps in and out
         mean, covariance, precision, factor, log_open = best
     at = linear(mean, covariance)
     log_det = 2.0 * float(np.log(np.diag(factor[0])).sum())

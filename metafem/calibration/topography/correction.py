@@ -108,7 +108,7 @@ def corrected_heights(design: Surface | Design, made: MadeSurface) -> Correction
 
     An ordered height h' becomes ``h' + e(h')``; the corrected height is the h' for which this equals the
     designed height. The errors are regressed on the designed heights and the positions (see `Correction`);
-    groups of terms are dropped one by one, the least significant first, until all others are significant.
+    the least significant groups of terms are removed one after the other until all others are significant.
 
     Parameters
     ----------

@@ -71,7 +71,7 @@ class Pair:
     covariance: FloatArray
 
     def errors(self, law: MeasuredLaw) -> dict[str, Any]:
-        """Return the arguments of `compare` for a law: without a Friction its areas depend on E* alone."""
+        """Return the arguments of `compare` for a law: without a Friction its areas depend only on E*."""
         kept = [
             i
             for i, name in enumerate(self.parameters)

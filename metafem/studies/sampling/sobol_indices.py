@@ -148,7 +148,7 @@ def sobol_indices(
 
     First-order and total indices are ratios of mean products of differences, Azzini, Mara and Rosati,
     Environ. Model. Softw. 144, 105167 (2021), doi:10.1016/j.envsoft.2021.105167. They do not change if a
-    constant is added to the function, and are exact if it depends on one group alone.
+    constant is added to the function, and are exact if it depends on one group only.
 
     Parameters
     ----------

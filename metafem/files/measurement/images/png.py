@@ -68,7 +68,7 @@ def opened(path: Path) -> Iterator[Any]:
 
 
 def _plain(error: BaseException) -> str:
-    """Return what is wrong with a file, without its name."""
+    """Return the problem with a file, without its name."""
     if isinstance(error, OSError) and error.strerror:
         return error.strerror
     text = str(error)
