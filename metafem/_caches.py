@@ -66,10 +66,10 @@ def size(paths: list[Path]) -> int:
 
 
 def remove(paths: list[Path]) -> int:
-    """Remove files and folders, and return how much was freed [bytes].
+    """Remove files and folders, and return the freed size [bytes].
 
-    Other processes may use the same files at any time: each file is complete or absent, and the content of an
-    absent one is computed again.
+    Other processes may use the same files at any time: each file is complete or absent, and the content of
+    absent files is computed again.
     """
     before = size(paths)
     for path in paths:
@@ -89,7 +89,7 @@ def _children(folder: Path, name: re.Pattern[str]) -> Iterator[Path]:
 def _time(path: Path) -> float:
     try:
         return path.stat().st_mtime
-    except OSError:  # removed by another process in the meantime
+    except OSError:  # another process has removed it
         return 0.0
 
 

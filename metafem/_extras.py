@@ -8,6 +8,6 @@ from metafem.errors import InvalidInput
 
 
 def refuse_missing(package: str, extra: str, purpose: str) -> None:
-    """Raise InvalidInput, which names the extra and its purpose, if a package of it is not installed."""
+    """Raise InvalidInput with the name and purpose of the extra if one of its packages is not installed."""
     if find_spec(package) is None:
         raise InvalidInput(f"{purpose} needs the extra {extra}: pip install 'metafem[{extra}]'")

@@ -1,4 +1,4 @@
-"""What a user passed in, in the words of errors: names of arguments, units and values."""
+"""Arguments in error messages: their names, units and values."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-# The unit of each argument that has one. A name means the same in the whole package.
+# The unit of each argument that has one. A name has one meaning in the whole package.
 UNITS: Mapping[str, str] = {
     name: unit
     for unit, names in {
@@ -39,7 +39,7 @@ def unit_of(name: str) -> str:
 
 @dataclass(frozen=True)
 class Given:
-    """An argument or an entry of one, such as ``radius[3]``, with its value where an error states it.
+    """An argument or an entry of one, such as ``radius[3]``, with its value if an error states it.
 
     A number is in the package's unit, a text is printed as it is.
     """
@@ -50,7 +50,7 @@ class Given:
 
 @dataclass(frozen=True)
 class Said:
-    """An argument in the words of a reader: its name, and its value with the unit."""
+    """An argument as a reader knows it: its name, and its value with the unit."""
 
     name: str
     number: str
@@ -61,10 +61,10 @@ class Said:
 
 @dataclass(frozen=True)
 class Names:
-    """How a reader knows arguments: by their names in Python, or as a file or a command has them.
+    """Names of arguments for a reader: those of Python, of a file or of a command.
 
     `names` holds the reader's names of arguments, `units` the unit in which a quantity was written and the
-    size of that unit in the package's unit, and `places` where each entry of an argument stands.
+    size of that unit in the package's unit, and `places` the location of each entry of an argument.
     """
 
     names: Mapping[str, str] = field(default_factory=dict)
@@ -72,7 +72,7 @@ class Names:
     places: Sequence[str] = ()
 
     def under(self, inner: Names) -> Names:
-        """Return these names with others that come before them."""
+        """Return these names with others that take precedence."""
         places = inner.places or self.places
         return Names({**self.names, **inner.names}, {**self.units, **inner.units}, places)
 
@@ -81,7 +81,7 @@ class Names:
         return message.format(*map(self.said, about)) if about else message
 
     def said(self, given: Given) -> Said:
-        """Return an argument in the words of the reader."""
+        """Return an argument as the reader knows it."""
         value = given.value
         number = value if isinstance(value, str) else "" if value is None else self.number(given.name, value)
         return Said(self.name(given.name), number)

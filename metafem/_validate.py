@@ -1,4 +1,4 @@
-"""Checks of user input, as plain numbers; each error names the argument, the value and what is allowed."""
+"""Checks of user input, as plain numbers; each error states the argument, the value and the allowed ones."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from metafem.errors import InvalidInput
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Products of up to five lengths, loads or moduli occur; each product must be a normal number in double
+# The package computes products of up to five lengths, loads or moduli; each must be a normal number in double
 # precision.
 SMALLEST, LARGEST = sys.float_info.min**0.2, sys.float_info.max**0.2
 
@@ -28,7 +28,7 @@ PROPORTION = 1.0 / sys.float_info.epsilon
 # Bounds of Poisson's ratio of a block: 0.5 is incompressible.
 POISSON: Mapping[str, Any] = {"at_least": 0.0, "at_most": 0.5}
 
-# Kinds of arrays that are refused, by numpy's letter of the kind.
+# Refused kinds of arrays, by numpy's letter.
 FOREIGN = {
     "b": "a truth value",
     "c": "complex",
@@ -99,7 +99,7 @@ def integer(name: str, value: Any, *, at_least: int) -> int:
 
 
 def array(name: str, value: Any, *, shape: tuple[int | None, ...], positive: bool = False) -> FloatArray:
-    """Return `value` as a new, read-only, finite float array; None in `shape` is any length > 0."""
+    """Return `value` as a new, read-only, finite float array; None in `shape` means any length > 0."""
     try:
         result = np.array(plain(name, value), dtype=np.float64, order="C")
     except InvalidInput:
@@ -207,7 +207,7 @@ def increasing(name: str, value: FloatArray) -> FloatArray:
 
 
 def interval(name: str, value: Any) -> tuple[float, float]:
-    """Return two positive numbers of which the second is the larger."""
+    """Return two positive numbers; the second must be larger."""
     low, high = increasing(name, array(name, value, shape=(2,))).tolist()
     return low, high
 
@@ -222,11 +222,11 @@ def generator(rng: Any) -> np.random.Generator:
 
 
 def plain(name: str, value: Any) -> Any:
-    """Return a value as plain numbers in the unit that belongs to its name.
+    """Return a value as plain numbers in the unit of its name.
 
     A quantity of pint, astropy or a similar library is converted by its own method. A value that has a unit
-    but no such method is refused, and so are masked entries and units of another dimension. Anything else
-    that is not a number raises TypeError with what it is.
+    but no such method is refused, and so are masked entries and units of another dimension. Any other value
+    that is not a number raises TypeError with its type.
     """
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return value
@@ -285,7 +285,7 @@ def _wrong_unit(name: str, unit: Any, expected: str) -> InvalidInput:
 def array_with_gaps(name: str, value: Any, *, shape: tuple[int | None, ...]) -> FloatArray:
     """Return `value` as `array` does, with nan where it was not measured."""
     missing: Any = False
-    with suppress(TypeError, ValueError):  # `array` says what is wrong
+    with suppress(TypeError, ValueError):  # `array` reports the problem
         entries = np.array(plain(name, value), dtype=np.float64)
         missing = np.isnan(entries)
         value = np.where(missing, 0.0, entries)
@@ -293,7 +293,7 @@ def array_with_gaps(name: str, value: Any, *, shape: tuple[int | None, ...]) -> 
 
 
 def refuse_entries(name: str, values: FloatArray, wrong: Any, must: str) -> None:
-    """Refuse values of which one is `wrong`, a mask of their shape; the error names the first such entry."""
+    """Refuse values if one is `wrong`, a mask of their shape; the error names the first such entry."""
     bad = np.argwhere(wrong)
     if bad.size:
         place = tuple(bad[0].tolist())

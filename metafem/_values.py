@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 # Micrometres per millimetre.
 MICROMETRES = 1e3
 
-# Up to this number of entries a repr prints them all; above it, their number and range.
+# A repr prints up to this number of entries; of more, their number and range.
 MOST_PRINTED = 6
 
 
@@ -20,7 +20,7 @@ class Value:
     """Base of dataclasses declared ``frozen=True, eq=False, repr=False``.
 
     Two values are equal if they have the same type and all compared members are equal: arrays in type, shape
-    and every bit, mappings irrespective of order. Equal values have the same hash.
+    and every bit, mappings in any order. Equal values have the same hash.
     """
 
     def __eq__(self, other: object) -> bool:
@@ -42,13 +42,13 @@ class Value:
 
 
 def span(values: NDArray[Any], unit: str) -> str:
-    """Return the range of an array with a unit, or its value where all entries are equal."""
+    """Return the range of an array with a unit, or its value if all entries are equal."""
     low, high = f"{values.min():.4g}", f"{values.max():.4g}"
     return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
 
 
 def three_digits(value: float) -> str:
-    """Return a number with three digits, of which those of large numbers are written out.
+    """Return a number with three significant digits; large numbers have no exponent.
 
     Examples
     --------
@@ -59,7 +59,7 @@ def three_digits(value: float) -> str:
 
 
 def two_digits(value: float) -> str:
-    """Return a number with two digits, of which those of large numbers are written out.
+    """Return a number with two significant digits; large numbers have no exponent.
 
     Examples
     --------

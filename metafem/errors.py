@@ -13,8 +13,8 @@ from metafem._given import AS_IN_PYTHON, Given, Names
 class MetafemError(Exception):
     """Base of all errors that metafem raises for its users.
 
-    A message that is about arguments is a template with a field for each of them: `str` fills it with their
-    names and values as the reader knows them, which are those of Python unless `named` says otherwise.
+    A message about arguments is a template with a field for each of them. `str` fills it with their names and
+    values as the reader knows them: those of Python, unless `named` sets others.
     """
 
     names: Names = AS_IN_PYTHON
@@ -30,21 +30,21 @@ class MetafemError(Exception):
 
 
 class InvalidInput(MetafemError, ValueError):
-    """An argument or a key has a value that cannot be used.
+    """An argument or a key has an invalid value.
 
     Attributes
     ----------
     must : str
-        What is wrong, or what is allowed: "must be greater than 0". Without a key it is the whole message.
+        The problem or the allowed values: "must be greater than 0". Without a key it is the whole message.
     key : str
         The argument, an entry such as "radius[3]", or the key of a file such as "limits.max_height"; "" if
         there is no single one.
     value : float, str or None
-        The number, in the package's unit, or the text that was given; None if the error does not state it.
+        The number, in the package's unit, or the text; None if the error does not state it.
     example : str
-        A valid value or line, to be stated at the end; "" for none.
+        A valid value or line, stated at the end; "" for none.
     problems : tuple of InvalidInput
-        The problems of a refused specification, whose name is then the message; otherwise empty.
+        The problems of a refused specification; its name is then the message. Otherwise empty.
     """
 
     def __init__(
@@ -61,7 +61,7 @@ class InvalidInput(MetafemError, ValueError):
 
     @property
     def must(self) -> str:
-        """What is wrong, without the key and its value."""
+        """The problem, without the key and its value."""
         words = super().__str__()
         return f"{words}; write for example {self.example}" if self.example else words
 
@@ -90,7 +90,7 @@ class InvalidInput(MetafemError, ValueError):
 class Infeasible(MetafemError):
     """A target that no surface within the limits can reach.
 
-    The message states loads and frictions in the units of the target; `in_units` returns it in others.
+    The message states loads and frictions in the units of the target; `in_units` converts it to others.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class Infeasible(MetafemError):
         The nearest target of the same kind that can be designed with the same template and
         limits, if one is known.
     by_search : bool
-        Whether a search has found no surface although no bound excludes one. A longer search can find one.
+        Whether a search has found no surface although no bound excludes one. A longer search may find one.
     """
 
     def __init__(self, message: Any, nearest: Any = None, by_search: bool = False) -> None:
@@ -135,9 +135,9 @@ class MetafemWarning(UserWarning):
 
 @contextmanager
 def named(names: Names) -> Iterator[None]:
-    """Let errors of the body name arguments and print numbers as a file or a command has them.
+    """Make errors of the body use the names of arguments and the units of a file or a command.
 
-    What has a name from within the body keeps it.
+    Names that were set within the body remain.
     """
     try:
         yield

@@ -1,7 +1,7 @@
 """Notes: sentences that accompany a result, as information or as a warning.
 
-A note is a warning unless it is made by `information`. Where a number decides, it stands beside the text:
-`BOUND` and `TOO_WIDE` in `prediction/validity.py` for what a model neglects, the tolerance of `Automatic` in
+A note is a warning unless `information` makes it. Thresholds are defined next to the text: `BOUND` and
+`TOO_WIDE` in `prediction/validity.py` for what a model neglects, the tolerance of `Automatic` in
 `models/automatic.py`, `MISSED` in `inversion/assessment.py` and `HEIGHT_TO_ERROR` in
 `inversion/design_notes.py` for designs, and `FINEST_SCALE_IN_SD` of `inversion/height_density.py` in
 `inversion/strategies/exponential.py` for errors of the heights.
@@ -16,8 +16,8 @@ from typing import Any, cast
 
 from metafem._given import AS_IN_PYTHON, Given, Names
 
-# Largest number of asperities and loads of a result whose notes are estimated when it is printed: that takes
-# up to a few tenths of a second, and 17 s for the state of a million asperities.
+# Largest number of asperities and loads of a result for which printing estimates the notes: up to a few
+# tenths of a second; for the state of a million asperities it would be 17 s.
 FEW = 1000
 
 
@@ -36,8 +36,8 @@ class Note:
     ----------
     text : str
     level : Level
-        ``Level.WARNING`` where the result may be wrong or the part may not work; ``Level.INFORMATION`` for
-        what was done, chosen or left out.
+        ``Level.WARNING`` if the result may be wrong or the part may not work; ``Level.INFORMATION`` for
+        actions, choices and omissions.
 
     Examples
     --------
@@ -60,13 +60,13 @@ class Note:
         return self.level is Level.WARNING
 
     def named(self, names: Names) -> Note:
-        """Return the note with the names of a reader: itself, as it is not about arguments."""
+        """Return the note itself: it has no names of arguments."""
         return self
 
 
 @dataclass(frozen=True)
 class ArgumentNote(Note):
-    """A note on arguments; `named` returns it for a reader who knows them by other names.
+    """A note on arguments; `named` returns it with other names of them.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def information(text: str) -> Note:
 
 
 def counted(notes: Iterable[Note]) -> str:
-    """Return how many notes there are of each level: ``1 warning, 2 notes``.
+    """Return the number of notes of each level: ``1 warning, 2 notes``.
 
     Examples
     --------
@@ -109,7 +109,7 @@ def counted(notes: Iterable[Note]) -> str:
 
 
 def to_lines(notes: Iterable[Note]) -> str:
-    """Return notes as one text for a data set, a line for each: ``information: ...``."""
+    """Return notes as one text for a data set, one line each: ``information: ...``."""
     return "\n".join(f"{note.level.value}: {note.text}" for note in notes)
 
 
@@ -141,7 +141,7 @@ class LateNotes:
 
 
 def late_notes() -> Any:
-    """Return a field of notes for a dataclass; it is read as a tuple."""
+    """Return a field of notes for a dataclass; its value is a tuple."""
     return LateNotes()
 
 
@@ -164,7 +164,7 @@ def when_read(function: Callable[..., tuple[Note, ...]], *arguments: Any, size: 
 
 
 def printed_count(*results: Any) -> str:
-    """Return `counted` of the notes of results, unless they would first have to be estimated at length.
+    """Return `counted` of the notes of results, unless their estimate would take long.
 
     Examples
     --------

@@ -12,13 +12,13 @@ __all__ = ["listening"]
 
 Item = TypeVar("Item")
 
-# Called with the name of the step and the fraction done, None if it is not known.
+# Called with the name of the step and the completed fraction, None if it is not known.
 OnStep = Callable[[str, float | None], None]
 
 
 @dataclass(frozen=True)
 class _Step:
-    """A step and, if it is one of several, its number and their number `of`, which may be an upper bound."""
+    """A step and, if it is one of several, its number and their number `of` (may be an upper bound)."""
 
     name: str
     number: int = 0
@@ -41,7 +41,7 @@ class _Listener:
     steps: list[_Step] = field(default_factory=list)
 
     def at(self, depth: int, *step: _Step) -> None:
-        """Replace the steps from a depth on, and report the running ones."""
+        """Replace the steps from a depth on, and report the running steps."""
         self.steps[depth:] = step
         if self.steps:
             self.on_step(", ".join(map(str, self.steps)), self._done())
@@ -67,8 +67,8 @@ def listening(on_step: OnStep, on_message: Callable[[str], None] | None = None) 
     Parameters
     ----------
     on_step : callable
-        Called as each step begins, with the name of the step and the fraction that is done, from 0 to 1, or
-        None if it is not known. Quick computations report many steps per second.
+        Called at the beginning of each step with the name of the step and the completed fraction, from 0 to
+        1, or None if it is not known. Quick computations report many steps per second.
     on_message : callable, optional
         Called with messages that should stay on the screen, such as the file in which a solution is stored.
 
@@ -111,9 +111,9 @@ def doing(name: str) -> Iterator[None]:
 def each(
     name: str, items: Sequence[Item], *, at_most: bool = False, detail: Callable[[], str] = str
 ) -> Iterator[Item]:
-    """Yield items and report each as a step of that name; `at_most` if the loop may end early.
+    """Yield items and report each as a step of this name; `at_most` if the loop may end early.
 
-    `detail` returns what is added to the name of each step, such as the time left.
+    `detail` returns an addition to the name of each step, such as the time left.
     """
     listener = _LISTENER.get()
     if listener is None:
@@ -125,7 +125,7 @@ def each(
             listener.at(depth, _Step(name, number, len(items), at_most, detail()))
             yield item
     finally:
-        # no report here: where a loop ends early, Python prints and drops what a listener raises to stop it
+        # no report here: if a loop ends early, Python prints and ignores an exception that a listener raises
         del listener.steps[depth:]
     listener.at(depth)
 

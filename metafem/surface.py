@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Block", "Friction", "Material", "Surface"]
 
-# Largest tilt: for larger ones heights are not along the normal of the plane.
+# Largest tilt: for larger ones the heights are no longer nearly normal to the plane.
 STEEPEST = 0.25 * math.pi
 
-# Largest number of asperities that a notebook shows one by one.
+# Largest number of asperities that a notebook shows individually.
 MOST_DRAWN = 4000
 
 # Largest number of sites: more need gigabytes.
@@ -177,7 +177,7 @@ class Surface(Value):
         return card.card("Surface", self._facts(), self.plot if few else distribution)
 
     def _facts(self) -> dict[str, str]:
-        """Return what is printed of the surface."""
+        """Return the printed facts of the surface."""
         facts = {
             "asperities": f"{self.count:,}",
             "heights": span(self.height, "mm"),
@@ -200,7 +200,7 @@ class Surface(Value):
 
     @property
     def gap(self) -> FloatArray:
-        """Depth of each summit below the tallest, (n,) [mm]; it keeps the digits of small differences."""
+        """Depth of each summit below the tallest, (n,) [mm]; it preserves the digits of small differences."""
         return np.asarray(self.height.max() - self.height)
 
     def replaced(self, **changes: Any) -> Surface:
@@ -213,8 +213,8 @@ class Surface(Value):
         Parameters
         ----------
         angle_x, angle_y : float
-            Slopes along x and along y, as angles [rad], between -pi/4 and pi/4; the height at the origin
-            of the coordinates does not change.
+            Slopes along x and along y, as angles [rad], between -pi/4 and pi/4; the height at the origin does
+            not change.
 
         Returns
         -------
@@ -246,8 +246,8 @@ class Surface(Value):
         `rng` is a seed or a numpy Generator; default: 0.
         """
         generator = check.generator(rng)
-        # the first permutation of a seed is the one by which `design` assigns heights to sites; the same one
-        # again would put the heights back into their order
+        # `design` assigns heights to sites by the first permutation of a seed; to apply it again would sort
+        # the heights
         generator.permutation(self.count)
         order = generator.permutation(self.count)
         return self.replaced(height=self.height[order], radius=self.radius[order])
@@ -279,7 +279,7 @@ class Surface(Value):
 
 
 def _refuse_coincident(position: FloatArray) -> None:
-    # coordinates may be arbitrarily small, but smaller ones count as zero
+    # coordinates may be arbitrarily small; smaller ones count as zero
     rounded = np.where(np.abs(position) < check.SMALLEST, 0.0, position)
     order = np.lexsort(rounded.T)
     same = np.flatnonzero((rounded[order[1:]] == rounded[order[:-1]]).all(axis=1))

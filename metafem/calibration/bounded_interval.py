@@ -15,7 +15,7 @@ from metafem._validate import FloatArray
 # Probability of an interval, and half its width for a normal distribution, in standard deviations.
 PROBABILITY, WIDTH = 0.68, 0.9944578832
 
-# Means, over the standard deviation, at which the intervals of estimates are computed.
+# Means in standard deviations at which the intervals of the estimates are computed.
 SMALLEST_MEAN, MEANS = 1e-4, 4000
 
 
@@ -48,7 +48,7 @@ def interval_of(estimate: float, variance: float) -> tuple[float, float]:
 
 @lru_cache
 def _accepted() -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return means up to WIDTH, above which all of them are accepted within WIDTH, with their limits.
+    """Return means up to WIDTH, and the lowest and highest estimates that are accepted for each.
 
     Estimates from ``m - (m^2 + t^2)/(2 m)``, where the ratio is that of ``m + t``, to ``m + t``.
     """

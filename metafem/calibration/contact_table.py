@@ -1,4 +1,4 @@
-"""Contacts in a series of images with the measured forces, and the points of fits and laws that they hold."""
+"""Contacts in a series of images with the measured forces, and the points for fits and laws."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from metafem._values import Value
 from metafem.errors import InvalidInput
 from metafem.notes import Note, information
 
-# Largest number of images or contacts that a sentence names.
+# Largest number of images or contacts named in a sentence.
 NAMED = 5
 
 
@@ -23,9 +23,9 @@ NAMED = 5
 class ContactTable(Value):
     """Areas of n contacts in k images, and the forces at which the images were taken.
 
-    A contact that an image does not show counts as open: its area is 0, and its error the smallest area that
-    the image shows, below which a contact is overlooked. One that could not be measured, at the edge of the
-    frame or merged with another, has the area nan, and `remarks` names it.
+    A contact that an image does not show counts as open: its area is 0, and its error is the smallest area
+    that can be detected in the image. A contact that could not be measured, at the edge of the frame or
+    merged with another, has the area nan, and `remarks` names it.
 
     Attributes
     ----------
@@ -141,18 +141,18 @@ def pressed_images(table: ContactTable) -> tuple[NDArray[np.intp], tuple[Note, .
 
 
 def sheared_points(table: ContactTable) -> tuple[FloatArray, NDArray[np.intp], tuple[Note, ...]]:
-    """Return the points of the images, the image of each, and notes on what they lack.
+    """Return the points of the images, the image of each point, and notes on missing quantities.
 
     Points are areas before and after shear [mm^2] and friction forces [N], (3, k), nan where not measured.
 
-    An image of which all contacts were measured before and after is one point. Else it is up to two: the
-    areas of the contacts that both images show, for B, and the sheared area of all contacts with the friction
-    force, for sigma, if all were measured. Two points of an image share the errors of sheared areas, which
-    only changes the covariance of B and sigma.
+    An image is one point if all its contacts were measured before and after shear. Otherwise it is up to two:
+    the areas of the contacts that both images show, for B, and the sheared area of all contacts with the
+    friction force, for sigma, if all were measured. Two points of an image share the errors of sheared areas,
+    which only changes the covariance of B and sigma.
 
     A contact that is below the smallest area in one of the images would bias the ratio of the sums. In the
-    sum for sigma its sheared area is the smaller one of the smallest area and of what the ratio of the other
-    contacts says.
+    sum for sigma its sheared area is the smallest area or the area from the ratio of the other contacts,
+    whichever is smaller.
     """
     before, after, force = table.area, table.sheared_area, table.friction_force
     both = np.isfinite(before) & np.isfinite(after)
@@ -205,8 +205,8 @@ def of_contacts(
 ) -> tuple[dict[str, Any], tuple[Note, ...]]:
     """Return the arrays of a law by name, and notes that name the images that are left out.
 
-    `numbers` are the sites of the design's asperities; without them, these have the numbers of the sites.
-    Friction forces are used where they can be `rescaled`, else the areas.
+    `numbers` are the sites of the design's asperities; default: asperity i is at site i. Friction forces are
+    used if they can be `rescaled`, otherwise the areas.
     """
     forces, total = np.isfinite(table.friction_force), ~np.isnan(table.area.sum(axis=1))
     by_force = rescaled and bool(forces.any())
@@ -241,7 +241,7 @@ def of_contacts(
     sd = np.sqrt((np.where(area > 0.0, area_sd, 0.0) ** 2).sum(axis=1))  # open contacts are taken as open
     if total[used].all() or (table.matched and total[used].any()):
         found["area"] = area.sum(axis=1)
-        if (sd > 0.0).all():  # else from the errors: an image without contacts has none
+        if (sd > 0.0).all():  # otherwise from the errors: an image without contacts has none
             found["area_sd"] = sd
     return found, tuple(notes)
 
@@ -259,7 +259,7 @@ def _asperities(sites: NDArray[np.intp], numbers: IntArray | None) -> NDArray[np
 
 
 def _unknown(table: ContactTable, used: NDArray[np.bool_], unknown: NDArray[np.bool_]) -> list[Note]:
-    """Return which areas of contacts (k, n) the images in use lack, one note for images alike."""
+    """Return notes on the unknown areas of contacts (k, n), one for all images with the same ones."""
     images: dict[str, list[str]] = {}
     for i in np.flatnonzero(used & unknown.any(axis=1)).tolist():
         sites = table.site[unknown[i]].tolist()
@@ -276,14 +276,14 @@ def _unknown(table: ContactTable, used: NDArray[np.bool_], unknown: NDArray[np.b
 
 
 def _named(images: list[str]) -> str:
-    """Return the names of images, of many the first and the last."""
+    """Return the names of images; only the first and the last of many."""
     if len(images) == 1:
         return f"image {images[0]}"
     return f"{len(images)} images, {images[0]} to {images[-1]}"
 
 
 def _missing(table: ContactTable, i: int, by_force: bool) -> str:
-    """Return what image i lacks."""
+    """Return the quantity that is missing in image i."""
     if np.isnan(table.load[i]):
         return "load"
     if by_force:

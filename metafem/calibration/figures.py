@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from metafem.calibration.topography.made_surface import MadeSurface
     from metafem.prediction import FrictionLaw
 
-# Most cells of the picture of a map along one axis; their means show more than rough single pixels do.
+# Largest number of cells along an axis of the residual map; cell means show more than rough pixels.
 MOST = 300
 
 

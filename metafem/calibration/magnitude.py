@@ -1,4 +1,4 @@
-"""Values that no measurement has, and the unit with which they would be usual."""
+"""Detection of implausible values, and the unit that would make them plausible."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.notes import Note
 
-# Units of columns that are confused, the smaller one first.
+# Units of columns that are easily confused, the smaller one first.
 CONFUSED = {"force": ("mN", "N"), "area": ("um2", "mm2")}
 
 # Ratio beyond which a difference is attributed to the unit: the root of the smallest factor between two
@@ -18,7 +18,7 @@ OFF = math.sqrt(1e3)
 
 
 def unit_hint(name: str, ratio: float) -> str:
-    """Return which unit of a column would fit where its values are `ratio` times those expected.
+    """Return which unit of a column would fit if its values are `ratio` times the expected ones.
 
     Examples
     --------
@@ -31,17 +31,17 @@ def unit_hint(name: str, ratio: float) -> str:
 
 
 def is_off(ratio: float) -> bool:
-    """Whether a ratio to what is expected is that of a wrong unit rather than of a measurement."""
+    """Whether a ratio to the expected value indicates a wrong unit."""
     return not 1.0 / OFF < ratio < OFF
 
 
 def beyond(name: str, ratio: float) -> str:
-    """Return the hint for values whose ratio to what is expected is not 1, as the end of a sentence."""
+    """Return the hint for values whose ratio to the expected ones is not 1, as the end of a sentence."""
     return f"; {unit_hint(name, ratio)}" if is_off(ratio) else ""
 
 
 def within_errors(name: str, values: FloatArray, sd: FloatArray) -> tuple[Note, ...]:
-    """Return a note on values (k,) none of which exceeds its standard deviation."""
+    """Return a note if no value (k,) exceeds its standard deviation."""
     known = np.isfinite(values) & np.isfinite(sd)
     if not known.any() or (np.abs(values[known]) > sd[known]).any():
         return ()

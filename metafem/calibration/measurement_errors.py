@@ -29,7 +29,7 @@ class MeasurementErrors:
     friction_force : float
         Of a friction force at zero [N], positive; default: 1 mN.
     friction_relative : float
-        Of a friction force in proportion to it [-], not negative; default: 0.01.
+        Of a friction force, relative to it [-], not negative; default: 0.01.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Labels of measured points, and points that are drawn again from those of each test."""
+"""Labels of measured points, and resampling of the points of each test."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from metafem.errors import InvalidInput
 
 @dataclass(frozen=True)
 class Bootstrap:
-    """Fits to points that are drawn again with replacement from those of each test.
+    """Fits to points resampled with replacement from those of each test.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ class Bootstrap:
     Raises
     ------
     InvalidInput
-        For fewer than 2 draws, and for a seed that is none.
+        For fewer than 2 draws, and for an invalid seed.
 
     Examples
     --------
@@ -44,7 +44,7 @@ class Bootstrap:
         check.generator(self.rng)
 
     def rows(self, group: Sequence[Hashable], at_once: int) -> Iterator[NDArray[np.intp]]:
-        """Yield the points (m, k) of m draws, `at_once` or fewer, each as many of a group as it has."""
+        """Yield the points (m, k) of m draws, `at_once` or fewer; each draw keeps the size of each group."""
         rng = check.generator(self.rng)
         members: dict[Hashable, list[int]] = {}
         for i, label in enumerate(group):

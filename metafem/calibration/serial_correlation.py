@@ -1,4 +1,4 @@
-"""Correlation of successive errors of measurement: its test, its size, and what it does to a fit."""
+"""Correlation of successive errors of measurement: its test, its size, and its effect on a fit."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scipy.special import ndtr
 
 from metafem._validate import FloatArray
 
-# Largest correlation of successive errors, beyond which they are a drift, and the tolerance of its value.
+# Largest correlation of successive errors (larger ones are a drift), and the tolerance of its value.
 LARGEST, TOLERANCE = 0.99, 1e-6
 
 
@@ -45,7 +45,7 @@ class Succession:
 
     @cached_property
     def _lag(self) -> FloatArray:
-        """Number of points between two of one test, (k, k); infinite between tests."""
+        """Distance between two points of one test, in points, (k, k); infinite between tests."""
         test = np.asarray(self.test)
         same = test[:, None] == test
         place = np.tril(same, -1).sum(axis=1)
@@ -57,14 +57,14 @@ class Succession:
         return np.where(self._lag == 1.0, 0.5, 0.0)
 
     def lag_one(self, residual: FloatArray) -> tuple[float, float]:
-        """Return the correlation of successive residuals (k,), and the probability of one as large.
+        """Return the correlation of successive residuals (k,), and the probability of a value as large.
 
         Residuals e of independent errors have ``e^T W e/e^T e`` with the moments of Durbin and Watson,
         Biometrika 37, 409 (1950), doi:10.1093/biomet/37.3-4.409. The distribution is taken as normal.
         """
         pairs, freedom = self._half.sum(), len(residual) - self._basis.shape[1]
         square = float(residual @ residual)
-        if not square or not pairs or freedom < 2:  # one residual direction has one correlation
+        if not square or not pairs or freedom < 2:  # with one residual direction the correlation is fixed
             return 0.0, 1.0
         found = float(residual @ self._half @ residual) / square
         successive = self._half @ self._basis
@@ -77,7 +77,7 @@ class Succession:
         return found, float(ndtr(-(found + trace / freedom) / math.sqrt(variance)))
 
     def of_errors(self, lag_one: float) -> float:
-        """Return the correlation rho of successive errors whose residuals have this one.
+        """Return the correlation rho of successive errors from that of their residuals.
 
         A fit removes part of slow errors, so that residuals are less correlated than errors.
         """
@@ -98,7 +98,7 @@ class Succession:
         """Return the covariance (p, p) of least squares under errors with this correlation.
 
         Errors m points apart are correlated by rho^m. With regressors ``X = Q T`` it is
-        ``T^-1 Q^T R Q T^-T``, of independent errors ``T^-1 T^-T = (X^T X)^-1``.
+        ``T^-1 Q^T R Q T^-T``; for independent errors it is ``T^-1 T^-T = (X^T X)^-1``.
         """
         back = np.linalg.inv(np.linalg.qr(self.regressor)[1])
         return np.asarray(back @ self._basis.T @ (rho**self._lag @ self._basis) @ back.T)

@@ -1,4 +1,4 @@
-"""Whether a law fits measured points, and whether tests that were fitted one by one agree."""
+"""Whether a law fits measured points, and whether separately fitted tests agree."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from metafem.notes import Note
 # Probability below which a law is rejected: one in a hundred correct laws.
 REJECTED = 0.01
 
-# Smallest probability that is printed: smaller ones of normal errors have no meaning.
+# Smallest printed probability: smaller ones are meaningless for normal errors.
 LEAST = 1e-9
 
 # Residuals over their standard deviations below this are rounding; their signs are not counted.
@@ -59,15 +59,15 @@ class SignificanceTest:
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether residuals, divided by their standard deviations, are those of the law.
+    """Whether residuals, divided by their standard deviations, are consistent with the law.
 
     Attributes
     ----------
     freedom : int
         Number of points minus number of fitted parameters.
     tests : tuple of SignificanceTest
-        ``chi_square`` and ``runs`` judge the law; where the order of measurement is known, ``correlation``
-        and ``largest`` judge the errors. ``verdict["runs"]`` is one of them.
+        ``chi_square`` and ``runs`` test the law; if the order of measurement is known, ``correlation`` and
+        ``largest`` test the errors. ``verdict["runs"]`` returns one test.
     outlier : int
         Row of the point with the largest residual; 0 where it is not tested.
 
@@ -97,7 +97,7 @@ class Verdict:
 
     @property
     def one_outlier(self) -> bool:
-        """Whether one point is an outlier, without which chi-square does not reject the law."""
+        """Whether one point is an outlier, and chi-square does not reject the law without it."""
         largest = self["largest"]
         square = max(self["chi_square"].statistic - largest.statistic**2, 0.0)
         return largest.noticed and _chi_probability(square, self.freedom - 1) >= REJECTED
@@ -122,7 +122,7 @@ class Verdict:
 
 
 def chi(square: float) -> str:
-    """Return a chi-square for texts: of four digits from a thousand on, without a power of ten.
+    """Return a chi-square for texts: with four digits from a thousand on, without a power of ten.
 
     Examples
     --------
@@ -133,7 +133,7 @@ def chi(square: float) -> str:
 
 
 def chance(probability: float, digits: int = 2) -> str:
-    """Return a probability for texts, with its sign of relation.
+    """Return a probability for texts, with "=" or "<".
 
     Examples
     --------
@@ -144,7 +144,7 @@ def chance(probability: float, digits: int = 2) -> str:
 
 
 def judged(residual: FloatArray, parameters: int) -> Verdict:
-    """Return the verdict on normalised residuals (k,), in the order of load, after a fit of parameters."""
+    """Return the verdict on normalised residuals (k,), sorted by load, after a fit of parameters."""
     square, freedom = float((residual**2).sum()), max(len(residual) - parameters, 0)
     signs = residual[residual != 0.0] > 0.0
     runs = int(np.count_nonzero(signs[1:] != signs[:-1])) + 1 if signs.size else 0
@@ -158,7 +158,7 @@ def judged(residual: FloatArray, parameters: int) -> Verdict:
 def judged_in_order(residual: FloatArray, load: FloatArray, measured: Succession) -> Verdict:
     """Return the verdict on residuals (k,) as measured: runs over load, and correlation in time.
 
-    The largest of k normal residuals is tested at their common level: each has the variance 1 less its
+    The largest of k normal residuals is tested at their common level: each has the variance 1 minus its
     leverage.
     """
     clear = np.where(np.abs(residual) > ROUNDING, residual, 0.0)
@@ -174,7 +174,7 @@ def judged_in_order(residual: FloatArray, load: FloatArray, measured: Succession
 
 
 def errors_of(verdict: Verdict, measured: Succession, what: str) -> tuple[float, tuple[Note, ...]]:
-    """Return the correlation rho of successive errors, 0 unless it is noticed, with a note on it."""
+    """Return the correlation rho of successive errors, 0 unless it is significant, and a note on it."""
     correlation = verdict["correlation"]
     if not correlation.noticed:
         return 0.0, ()
@@ -198,7 +198,7 @@ def _chi_probability(square: float, freedom: int) -> float:
 
 
 def _runs_probability(positive: int, count: int, runs: int) -> float:
-    """Return the probability of at most `runs` runs of `positive` plus and the other minus signs.
+    """Return the probability of at most `runs` runs among `positive` plus signs and the minus signs.
 
     Wald and Wolfowitz, Ann. Math. Statist. 11, 147 (1940), doi:10.1214/aoms/1177731909: 2 j runs have the
     weight ``2 C(p-1, j-1) C(m-1, j-1)``, and 2 j + 1 runs
@@ -206,7 +206,7 @@ def _runs_probability(positive: int, count: int, runs: int) -> float:
     """
     negative = count - positive
     if min(positive, negative) == 0:
-        return 1.0 if count < 2 else 2.0 ** (1 - count)  # one run of signs that were equally likely
+        return 1.0 if count < 2 else 2.0 ** (1 - count)  # one run of equally likely signs
     weight = 0
     for number in range(2, runs + 1):
         j, odd = divmod(number, 2)
@@ -234,7 +234,7 @@ class SingleTest(Value):
     covariance : ndarray, (2, 2)
         Their covariance, without the error of the radius.
     verdict : Verdict or None
-        Whether the law fits this test; None of a shear test.
+        Whether the law fits this test; None for a shear test.
     sd : ndarray, (2,)
         Standard deviations of the values.
 

@@ -9,11 +9,11 @@ __all__ = ["main", "run"]
 
 
 def run() -> None:
-    """Run the metafem command. It is stopped by signals from here on, while its modules are imported too.
+    """Run the metafem command. Signals stop it from here on, even while its modules are imported.
 
-    The dense systems of a design are small: threads of BLAS only wait for each other, on a busy machine for
-    ten times as long, and the last digit can depend on their number. So there is one thread, unless the user
-    chose another number.
+    The dense systems of a design are small: BLAS threads only wait for each other, up to ten times as long on
+    a busy machine, and the last digit can depend on their number. The default is therefore one thread; the
+    user can choose another number.
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read once, when numpy is imported
     with stopped_by_signals(last=True):

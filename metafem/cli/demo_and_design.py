@@ -134,7 +134,7 @@ def _run(
 
 
 def _refusal(error: Infeasible, folder: Path) -> NotAchieved:
-    """Return the error of a refused target; its nearest law is a table beside the folder, and data."""
+    """Return the error of a refused target; its nearest law is written as a table next to the folder."""
     if error.nearest is None:
         return NotAchieved("Infeasible", str(error))
     words, nearest = str(error), {"target": error.nearest.title}
@@ -205,7 +205,7 @@ def _print_design(
 
 
 def _fit_data(result: Design, branch: Branch, fit: BranchFit) -> dict[str, float | None]:
-    """Return the slope of a branch, and its friction coefficient where the surface has a Friction."""
+    """Return the slope of a branch, and its friction coefficient if the surface has a Friction."""
     from metafem.inversion.targets.wording import Wording
 
     data: dict[str, float | None] = {

@@ -68,13 +68,13 @@ def megabytes(size: int) -> str:
 def _tried(what: str, trial: Callable[[], tuple[str, bool]]) -> Finding:
     try:
         found, well = trial()
-    except Exception as error:  # any fault of the installation is reported
+    except Exception as error:  # every fault of the installation is reported
         return Finding(what, f"{type(error).__name__}: {error}", False)
     return Finding(what, found, well)
 
 
 def _package() -> tuple[str, bool]:
-    """Compare the folder from which metafem is imported with the installed one."""
+    """Compare the folder of the imported metafem with the installed one."""
     imported = Path(metafem.__file__).parent
     try:
         installed = distribution("metafem")

@@ -9,7 +9,7 @@ import click
 from metafem.cli.group import Name, main
 from metafem.cli.signals import Stopped
 
-# Exit code of a command that Ctrl-C ends: 128 + SIGINT. It is the usual end of this one.
+# Exit code after Ctrl-C: 128 + SIGINT. This command usually ends so.
 STOPPED_BY_CTRL_C = 130
 
 

@@ -22,10 +22,10 @@ CONTACTS = (
     "tabulated FILE",
 )
 
-# The options of arguments that errors propose.
+# Options that errors propose for arguments.
 ARGUMENTS = Names({"force=True": "--force", "workers=2": "--workers 2"})
 
-# Exit codes: a target that cannot be reached, and input that cannot be used.
+# Exit codes: unreachable target, and invalid input.
 NOT_ACHIEVED, BAD_INPUT = 1, 2
 
 
@@ -50,7 +50,7 @@ class NotAchieved(Ended):
 
 
 class Name(click.Path):
-    """The name of a file or folder, as a Path; an empty one would stand for the current folder."""
+    """The name of a file or folder, as a Path; an empty one would mean the current folder."""
 
     name = "path"
 
@@ -109,7 +109,7 @@ def model_option(default: str, multiple: bool = False) -> Callable[[Callable[...
 
 
 def _contact_kinds(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the kinds of contact laws that a shell offers."""
+    """Return the kinds of contact laws for shell completion."""
     kinds = (law.partition(" ")[0] for law in CONTACTS)
     return [kind for kind in kinds if kind.startswith(incomplete)]
 

@@ -1,4 +1,4 @@
-"""Output of the command: terminals without some characters, and files that cannot be written further."""
+"""Output of the command: terminals with limited characters, and output that cannot be written."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def plainly(error: UnicodeError) -> tuple[str, int]:
 
 @contextmanager
 def printing() -> Iterator[None]:
-    """Make every text printable within the body; end with a message if the output cannot be written."""
+    """Make all text in the body printable; end with a message if the output cannot be written."""
     codecs.register_error("metafem.plainly", plainly)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):

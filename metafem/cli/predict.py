@@ -172,7 +172,7 @@ def _block(given: dict[str, float], models: tuple[str, ...]) -> mf.Block | None:
     """Return the block of a table from its given dimensions; a layer needs only the thickness."""
     bounded = [
         name for name in ("block", "layer") if name in models
-    ]  # the first needs all that the others do
+    ]  # the first option needs all dimensions of the others
     needed = {"layer": BLOCK[2:], "block": BLOCK}.get("".join(bounded[:1]), BLOCK if given else ())
     missing = [f'--{name} "{7.2 if name == "thickness" else 20} mm"' for name in needed if name not in given]
     if missing:
@@ -242,7 +242,7 @@ def _law_data(law: FrictionLaw) -> dict[str, Any]:
     }
     if law.friction is not None:
         data["friction_force_N"] = law.friction_force.tolist()
-        # JSON has no infinity: at zero load there is no coefficient
+        # JSON has no infinity: there is no coefficient at zero load
         data["friction_coefficient"] = [
             value if math.isfinite(value) else None for value in law.friction_coefficient.tolist()
         ]

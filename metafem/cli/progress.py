@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 # Without a terminal: seconds before the first line, and between two lines.
 FIRST_LINE, NEXT_LINE = 5.0, 10.0
 
-# Interval between two checks whether a line is due [s].
+# Interval of the checks whether a line is due [s].
 LOOK = 0.5
 
 
@@ -52,7 +52,7 @@ def progress() -> Iterator[None]:
 
 
 def _how_often() -> str:
-    """Return whether compiled kernels can be kept, as a user needs to know it."""
+    """Return a sentence on whether compiled kernels can be stored."""
     with suppress(OSError):
         folder = _caches.kernel_folder()
         folder.mkdir(parents=True, exist_ok=True)
@@ -63,7 +63,7 @@ def _how_often() -> str:
 
 @contextmanager
 def _status(console: Console) -> Iterator[OnStep]:
-    """Show the step, the fraction done and the elapsed time in a line that is updated."""
+    """Show the step, the completed fraction and the elapsed time in a line that is updated."""
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
     columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
@@ -114,5 +114,5 @@ class Lines:
 
 
 def worded(step: str, done: float | None) -> str:
-    """Return a step with the fraction done."""
+    """Return a step with the completed fraction."""
     return step if done is None else f"{step}, {100.0 * done:.0f} %"

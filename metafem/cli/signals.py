@@ -14,7 +14,7 @@ from types import CodeType, FrameType
 # Seconds after which a signal is repeated if its exception was lost; no destructor runs longer.
 AGAIN = 0.01
 
-# Code of the hooks that see dropped exceptions, and signals that wait to be repeated.
+# Code of the hooks for ignored exceptions, and signals that wait to be repeated.
 _HOOKS: set[CodeType] = set()
 _repeated: set[int] = set()
 
@@ -29,8 +29,8 @@ def stopped_by_signals(last: bool = False) -> Iterator[None]:
 
     A signal that the parent process set to be ignored stays ignored. Python delivers signals to the main
     thread only, so other threads do not change. Python drops an exception that is raised in a destructor or
-    in the callback of a weak reference; the signal is then repeated. The last body of a process has done its
-    work when it ends: a later signal ends the process with the exit code of the body.
+    in the callback of a weak reference; the signal is then repeated. When the last body of a process ends,
+    its work is complete: a later signal ends the process with the exit code of the body.
     """
     code = 1  # of an exception other than SystemExit
     before, hook = {}, sys.unraisablehook
@@ -60,7 +60,7 @@ def stopped_by_signals(last: bool = False) -> Iterator[None]:
 
 @contextmanager
 def report_stop(left: str) -> Iterator[None]:
-    """Print one line on stderr when the body is stopped by a signal: what it left behind."""
+    """Print a line on stderr if a signal stops the body: what it left behind."""
     try:
         yield
     except Stopped as stop:
@@ -71,7 +71,7 @@ def report_stop(left: str) -> Iterator[None]:
 
 def _stop(number: int, frame: FrameType | None) -> None:
     while frame is not None:
-        if frame.f_code in _HOOKS:  # where an exception is dropped as well
+        if frame.f_code in _HOOKS:  # an exception is ignored here, too
             _again(number)
             return
         frame = frame.f_back
@@ -88,7 +88,7 @@ def _repeat(error: BaseException | None) -> bool:
 
 
 def _again(number: int) -> None:
-    """Send a signal again until its exception is raised, if that is not under way."""
+    """Send a signal again until its exception is raised, unless that is in progress."""
     if number not in _repeated:
         _repeated.add(number)
         threading.Thread(target=_send, args=(number,), daemon=True).start()
@@ -98,6 +98,6 @@ def _send(number: int) -> None:
     main = threading.main_thread().ident
     time.sleep(AGAIN)
     while main is not None and number in _repeated:
-        # to the main thread: a signal to another one does not end what the main thread waits for
+        # to the main thread: a signal to another thread does not interrupt a wait of the main thread
         signal.pthread_kill(main, number)
         time.sleep(AGAIN)

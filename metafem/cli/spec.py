@@ -10,7 +10,7 @@ import click
 import metafem as mf
 from metafem.cli.group import Name, force_option, json_option, main
 
-# What is printed of a key.
+# Printed text of a key.
 SHOWN = ("section", "kind", "name", "example", "meaning", "optional", "default")
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from metafem.inversion import Design
     from metafem.notes import Note
 
-# Where the context of a command keeps the notes on changed folders.
+# Key of the notes on changed folders in the context of a command.
 FOLDERS = "metafem.folders"
 
 # Characters per line if the output is not a terminal, so that tables are not wrapped.
@@ -71,7 +71,7 @@ def print_notes(console: Console, notes: Iterable[Note]) -> None:
 
 
 def say(console: Console, *lines: str) -> None:
-    """Print lines as they are."""
+    """Print lines without changes."""
     for line in lines:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
 
@@ -100,7 +100,7 @@ def notes_data(notes: Iterable[Note]) -> list[dict[str, str]]:
 
 
 def loaded(folder: Path) -> Design:
-    """Return the design of a result folder; what was changed in it is printed on stderr and kept for JSON."""
+    """Return the design of a result folder; its changes are printed on stderr and stored for JSON."""
     with doing("reading the design"):
         design, notes = mf.files.load_compared(folder)
     for note in notes:
@@ -110,6 +110,6 @@ def loaded(folder: Path) -> Design:
 
 
 def print_json(data: Mapping[str, Any]) -> None:
-    """Print the data of a command, with the notes on changed folders before its own."""
+    """Print the data of a command, with the notes on changed folders first."""
     notes = notes_data(click.get_current_context().meta.get(FOLDERS, ()))
     click.echo(json.dumps({**data, "notes": [*notes, *data.get("notes", ())]} if notes else data))

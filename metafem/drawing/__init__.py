@@ -24,14 +24,14 @@ FloatArray = NDArray[np.float64]
 TARGET, ACHIEVED, QUIET = "#c8553d", "#1b6f8a", "#8a8f98"
 MEASURED, MEASURED_BESIDE = "#2b2d33", "#b07a1e"
 
-# Colours of words on coloured cells, which stay what they are where a page is dark, unlike black and white.
+# Colours of words on coloured cells; unlike black and white, they do not change on a dark page.
 DARK, BRIGHT = "#010101", "#fefefe"
 
-# Diameter of the largest marker over the mean distance of summits; the same in a legend [points]; the largest
+# Diameter of the largest marker over the mean distance of summits; its diameter in a legend [points]; largest
 # number of radii in a legend.
 LARGEST_DOT, LEGEND_DOT, MOST_DOTS = 0.8, 11.0, 3
 
-# Number of marks above which they are drawn as pixels; resolution of those [per inch].
+# Number of marks above which they are drawn as pixels; resolution of the pixels [per inch].
 MANY, RESOLUTION = 1000, 200
 
 # Fixed salt, so that the names of an SVG's elements are the same in every run.
@@ -51,7 +51,7 @@ def new_figure(
     """Return an empty figure of a given size [inch], independent of pyplot's state.
 
     The margins on the left, on the right, below and above [inch] hold the labels of the axes. Without them
-    matplotlib measures the labels, which takes as long as drawing the figure.
+    matplotlib measures the labels, and that takes as long as drawing the figure.
     """
     from matplotlib.figure import Figure
 
@@ -98,13 +98,13 @@ def svg(figure: Figure, title: str) -> str:
 
 
 def law(ax: Axes, load: FloatArray, friction: FloatArray, *, forces: bool, label: str | None = None) -> None:
-    """Draw a friction law from the origin on: forces [N], or rescaled load and friction [mm^2]."""
+    """Draw a friction law from the origin: forces [N], or rescaled load and friction [mm^2]."""
     ax.plot(np.append(0.0, load), np.append(0.0, friction), color=ACHIEVED, lw=1.8, label=label)
     name_law(ax, forces=forces)
 
 
 def name_law(ax: Axes, *, forces: bool) -> None:
-    """Name the axes of a friction law, which begin at zero."""
+    """Label the axes of a friction law; they begin at zero."""
     ax.set_xlabel("load  P [N]" if forces else "rescaled load  P/E* [mm²]")
     ax.set_ylabel("friction force  F [N]" if forces else "rescaled friction  F/(σB) [mm²]")
     ax.set_xlim(left=0.0)

@@ -45,7 +45,7 @@ def residuals(ax: Axes, x: FloatArray, residual: FloatArray) -> None:
 
 
 def with_residuals(columns: int = 1) -> tuple[Figure, list[tuple[Axes, Axes]]]:
-    """Return a figure of fits beside each other, each with axes for its residuals below."""
+    """Return a figure of fits side by side, each with axes for its residuals below."""
     figure = new_figure(4.6 * columns, 4.6)
     grid = figure.subplots(2, columns, squeeze=False, sharex="col", gridspec_kw={"height_ratios": [3.0, 1.0]})
     return figure, [(grid[0, i], grid[1, i]) for i in range(columns)]

@@ -1,4 +1,4 @@
-"""What a notebook shows of a result: its facts as a table, and a picture."""
+"""Display of a result in a notebook: a table of facts and a picture."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 # Width and height of the picture [inch].
 WIDTH, HEIGHT = 4.4, 3.0
 
-# Largest number of points of a line, one for each pixel and more.
+# Largest number of points of a line, at least one for each pixel.
 MOST_POINTS = 1000
 
-# Fewest values of which a distribution is drawn, and its number of bars.
+# Smallest number of values for a distribution, and its number of bars.
 FEWEST, BARS = 10, 24
 
-# The colours of the notebook: letters and axes are drawn as its text, on its background.
+# The colours of the notebook: letters and axes have those of its text, on its background.
 COLOURS = (
     "fill: currentColor; --ink: currentColor; --measured: currentColor; --paper: none; --line: #8a8f9880"
 )
@@ -33,9 +33,9 @@ NAME = CELL + "; white-space: nowrap; opacity: .75"
 
 
 def card(title: str, facts: Mapping[str, str], draw: Callable[[Axes], object] | None = None) -> str:
-    """Return an element of HTML without scripts, in the colours of the page that holds it.
+    """Return an HTML element without scripts, in the colours of its page.
 
-    `draw` draws the picture on axes; without it there is none.
+    `draw` draws the picture on axes; default: no picture.
 
     Examples
     --------
@@ -70,7 +70,7 @@ def thinned(*arrays: FloatArray) -> tuple[FloatArray, ...]:
 
 
 def distribution(ax: Axes, values: FloatArray, label: str) -> None:
-    """Draw how many asperities have which value."""
+    """Draw the distribution of values of asperities."""
     ax.hist(values, BARS, color=ACHIEVED)
     ax.set_xlabel(label)
     ax.set_ylabel("asperities")

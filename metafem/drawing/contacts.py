@@ -1,4 +1,4 @@
-"""Drawing of what was found in an image of contacts."""
+"""Drawing of the contacts found in an image."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Colours of measured contacts, of those that could not be measured, of regions of no site, of open sites.
+# Colours of measured contacts, of contacts without a measured area, of regions without a site, of open sites.
 MEASURED, FLAGGED, STRAY, OPEN = "#00b4d8", "#e63946", "#ffb703", "#7b2cbf"
 
-# Most pixels that are drawn along a side of an image.
+# Largest number of drawn pixels along a side of an image.
 MOST_DRAWN = 1600
 
 # Width and height of the largest figure [inch], and height of its heading.
@@ -31,7 +31,7 @@ def picture_figure(width: float, height: float) -> Figure:
 
 
 def picture(ax: Axes, image: NDArray[Any], pixel_size: float) -> None:
-    """Draw the grey values of an image in the plane of the contacts, its lower left corner in the origin."""
+    """Draw the grey values of an image in the plane of the contacts, its lower left corner at the origin."""
     rows, columns = image.shape
     step = -(-max(rows, columns) // MOST_DRAWN)
     means = image

@@ -1,4 +1,4 @@
-"""The data of a figure as a table: what its lines, points, bars, boxes and images show."""
+"""The data of a figure as a table: its lines, points, bars, boxes and images."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ if TYPE_CHECKING:
 # Largest numbers of points of a series and of values of an image in the table.
 MOST_POINTS, MOST_VALUES = 2000, 5000
 
-# Columns that every table has, and those that a table has if one of its series fills them.
+# Columns of every table, and columns that are present if a series fills them.
 ALWAYS = ("panel", "series", "x", "y")
 OPTIONAL = ("value", "x_low", "x_high", "y_low", "y_high", "name")
 
-# The five lines of a box between its box and the next one: whiskers, caps and the median.
+# The five lines of a box plot between one box and the next: whiskers, caps and the median.
 BOX_LINES = 6
 
 
 @dataclass(frozen=True)
 class Series:
-    """Points of one name, and what is known of each: columns of equal length."""
+    """Points of one name, and the data of each: columns of equal length."""
 
     name: str
     columns: dict[str, FloatArray] = field(default_factory=dict)
 
 
 def figure_table(figure: Figure) -> str:
-    """Return what a figure shows as a CSV table in long form: panel, series, x, y, and a value or errors.
+    """Return the data of a figure as a CSV table in long form: panel, series, x, y, and a value or errors.
 
-    Lines that begin with # state the axes of each panel with their units, and what was thinned out: long
+    Lines that begin with # state the axes of each panel with their units, and which data were reduced: long
     series to 2,000 points, images to 5,000 values.
     """
     rows: list[dict[str, str]] = []
@@ -76,7 +76,7 @@ def _axis_name(ax: Axes, along: str) -> str:
 
 
 def _by_colour(ax: Axes) -> dict[tuple[float, ...], str]:
-    """Return the labels of the lines of each colour, of the panel or else of the figure, if there is one."""
+    """Return the label of the lines of each colour, of the panel or otherwise of the figure, if unique."""
     found: dict[tuple[float, ...], str] = {}
     for panels in (ax.figure.axes, [ax]):
         labels: dict[tuple[float, ...], set[str]] = {}
@@ -98,12 +98,12 @@ def _rows(ax: Axes, number: int, series: Series, step: int) -> Iterator[dict[str
 
 
 def _number(value: float) -> str:
-    """Return six digits, or nothing for a number that is not known."""
+    """Return six digits, or "" for a number that is not known."""
     return f"{value:.6g}" if np.isfinite(value) else ""
 
 
 def _tick_names(axis: Axis) -> dict[int, str]:
-    """Return the words at whole positions of an axis that carries words in place of numbers."""
+    """Return the words at whole positions of an axis that has words in place of numbers."""
     formatter = type(axis.get_major_formatter()).__name__
     if formatter not in ("FixedFormatter", "FuncFormatter", "StrCategoryFormatter"):
         return {}
@@ -177,7 +177,7 @@ def _lines(ax: Axes, lines: list[Any]) -> Iterator[Series]:
         if not x.size:
             continue
         number += 1
-        # a line across the axes, such as that of a bound, has a place along one of them alone
+        # a line across the axes, such as a bound, has a position along one of them only
         known = line.get_transform().contains_branch_seperately(ax.transData)
         name = f"line {number}"
         if all(known):
@@ -190,7 +190,7 @@ def _lines(ax: Axes, lines: list[Any]) -> Iterator[Series]:
 
 
 def _box(lines: list[Any]) -> list[tuple[str, float, float]] | None:
-    """Return names, places and values of the numbers of a box plot; None if the lines are none."""
+    """Return names, positions and values of the numbers of a box plot; None if the lines are not one."""
     if len(lines) < BOX_LINES or any(not str(line.get_label()).startswith("_") for line in lines):
         return None
     data = [np.column_stack(line.get_data(orig=False)).astype(float) for line in lines]
@@ -258,7 +258,7 @@ def _collection(ax: Axes, collection: Any, number: int) -> Iterator[Series]:
 
 
 def _outline(ax: Axes, patch: Any) -> Iterator[Series]:
-    """Return the corners of a named shape in the units of the axes."""
+    """Return the corners of a labelled shape in the units of the axes."""
     known = patch.get_data_transform().contains_branch_seperately(ax.transData)
     corners = patch.get_patch_transform().transform(patch.get_path().vertices)
     x, y = (
@@ -268,7 +268,7 @@ def _outline(ax: Axes, patch: Any) -> Iterator[Series]:
 
 
 def _image(image: Any, number: int) -> Iterator[Series]:
-    """Return the values of an image with the middles of its pixels; one in colours has no values."""
+    """Return the values of an image with the middles of its pixels; a colour image has no values."""
     value = np.ma.asarray(image.get_array())
     if value.ndim == 2:
         left, right, bottom, top = image.get_extent()
@@ -281,7 +281,7 @@ def _image(image: Any, number: int) -> Iterator[Series]:
 
 
 def _field(name: str, x: FloatArray, y: FloatArray, value: Any) -> Series:
-    """Return values on a grid; of a large one, every n-th row and column, which the name states."""
+    """Return values on a grid; of a large one, every n-th row and column, as stated in the name."""
     step = int(np.ceil(np.sqrt(value.size / MOST_VALUES)))
     if step > 1:
         name = f"{name} (one of {step} rows and columns)"

@@ -1,4 +1,4 @@
-"""Figures as parts of a page: SVG whose colours follow those of the page, with a caption and their data."""
+"""Figures as parts of a page: SVG in the colours of the page, with a caption and their data."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from metafem.drawing.data import figure_table
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Variables of the page for the colours of a figure; a page without them shows the colours themselves.
+# Variables of the page for the colours of a figure; without them the colours themselves are shown.
 VARIABLES = {
     "#000000": "--ink",
     "#ffffff": "--paper",
@@ -35,13 +35,13 @@ COORDINATES = re.compile(r' (?:d|x|y|x1|x2|y1|y2)="[^"]*"')
 # Digits of a coordinate behind the decimal point, in points of 1/72 inch.
 LONG_NUMBER = re.compile(r"(\.\d\d)\d+")
 
-# What a link with data may hold unescaped.
+# Characters that a link with data may contain unescaped.
 SAFE = "/,:;()[]=+-*!?@$'~ "
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """A figure of a page: its title, a caption that says what to see, its picture and its data."""
+    """A figure of a page: its title, an explanatory caption, its picture and its data."""
 
     title: str
     caption: str
@@ -56,7 +56,7 @@ class Drawn:
 
     @property
     def link(self) -> str:
-        """The data as an address, which a page holds itself."""
+        """The data as a link that the page itself contains."""
         return "data:text/csv;charset=utf-8," + quote(self.csv, SAFE).replace(" ", "%20").replace("'", "%27")
 
 
@@ -68,7 +68,7 @@ def drawn(figure: Figure, title: str, caption: str = "") -> Drawn:
 def themed(text: str) -> str:
     """Return an SVG element whose colours are variables of the page, in fewer bytes.
 
-    Identifiers without references, repeated names of fonts and digits that nobody sees are left out.
+    Identifiers without references, repeated names of fonts and invisible digits are left out.
     """
     used = set(re.findall(r'#([^")]+)["\)]', text))
     text = IDENTIFIER.sub(lambda found: found[0] if found[1] in used else "", text)

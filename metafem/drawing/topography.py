@@ -56,7 +56,7 @@ def errors_over_height(
 
 
 def residual_map(ax: Axes, values: FloatArray, width: float, height: float) -> None:
-    """Draw the residuals of a map of a width and a height [mm]; larger ones have the last colours."""
+    """Draw the residuals of a map of a width and a height [mm]; larger residuals have the last colours."""
     shown = np.ma.masked_invalid(values * MICROMETRES)
     known = np.abs(shown.compressed())
     largest = float(np.percentile(known, SHOWN)) if known.size else 1.0

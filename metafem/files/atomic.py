@@ -1,8 +1,8 @@
-"""Files and result folders that are written completely or not at all.
+"""Atomic writing of files and result folders: complete or not at all.
 
-They are written into a hidden folder beside their goal, under a lock, and renamed. A result folder that is
-replaced is first renamed to ``NAME.old``: what a killed run leaves is at worst this one complete folder, and
-hidden folders that the next run removes.
+They are written into a hidden folder next to the destination, under a lock, and renamed. A result folder that
+is replaced is first renamed to ``NAME.old``: at worst, a killed run leaves this complete folder, and hidden
+folders that the next run removes.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ from metafem.progress import message
 # A hidden file of a result folder: lines of "sha256  name" for every file that metafem wrote there.
 MANIFEST = ".metafem-files"
 
-# Ends of the hidden names of a lock and of a working folder, and of the name of a folder that is replaced.
+# Suffixes of the hidden names of a lock and of a working folder, and of a replaced folder.
 LOCK, WORK, OLD = ".metafem-lock", ".metafem-writing", ".old"
 
 # Seconds to wait for a lock: the writing of a single file and the removal of leftovers take less.
 PATIENCE = 0.5
 
-# What a file of each kind holds among its first bytes, by which it is recognised outside a result folder.
+# Text in the first bytes of a file of each kind, which identifies it outside a result folder.
 FIRST_BYTES = 200
 MARKS: Mapping[str, bytes] = {
     "law": b"load_N,area_mm2,separation_mm,rescaled_load_mm2,rescaled_friction_mm2",
@@ -56,8 +56,8 @@ def staged(
     """Yield a hidden folder that becomes `folder` if the body ends without an error.
 
     It is locked for other runs of metafem, and removed if the body fails. An existing folder is refused
-    unless it is empty or, with `force`, holds nothing but files that metafem wrote and files with these
-    `contents`. A link to a folder stands for that folder.
+    unless it is empty or, with `force`, contains only files that metafem wrote and files with these
+    `contents`. A link to a folder is followed.
 
     Raise InvalidInput if the folder is refused, is being written by another run, or cannot be written.
     """
@@ -87,13 +87,13 @@ def check_free(folder: str | Path, force: bool = False) -> None:
 
 
 def earlier_result(folder: Path) -> Path | None:
-    """Return the result folder ``NAME.old`` of a missing folder, as a run leaves it that is killed."""
+    """Return the result folder ``NAME.old`` of a missing folder, left by a killed run."""
     old = folder.with_name(folder.name + OLD)
     return old if (old / MANIFEST).is_file() and not os.path.lexists(folder) else None
 
 
 def _target(folder: str | Path) -> Path:
-    """Return the path of a folder that can be made."""
+    """Return the path of a folder that can be created."""
     try:
         target = Path(folder).absolute()
     except TypeError:
@@ -110,7 +110,7 @@ def _target(folder: str | Path) -> Path:
 
 
 def _refuse_folder(target: Path, force: bool, contents: Mapping[str, bytes]) -> bool:
-    """Raise InvalidInput if a folder must not be replaced; return whether there is one."""
+    """Raise InvalidInput if a folder must not be replaced; return whether it exists."""
     with _reported(target):
         try:
             kind = os.lstat(target).st_mode
@@ -153,7 +153,7 @@ def _foreign(folder: Path, names: Sequence[str], known: Collection[str]) -> Inva
 
 
 def _replace(target: Path, fresh: Path, contents: Mapping[str, bytes]) -> None:
-    """Exchange a folder and a new one: the earlier one has the hidden name at the end."""
+    """Exchange a folder and a new one: the earlier one gets the hidden name."""
     for path in fresh.iterdir():  # the new files are on the disk before the old ones are removed
         with path.open("rb+") as file:
             os.fsync(file.fileno())
@@ -181,10 +181,10 @@ def write_file(
 ) -> None:
     """Write a file by the function `write` under another name, and rename it.
 
-    With `force` an existing file is replaced: in a result folder one that metafem wrote and that was not
-    changed, elsewhere one of the same `kind` of `MARKS`, or any. `still` raises an error if the content is
-    not valid any more, and is called before the file is renamed. `fixed` says that no other name can be
-    chosen. Raise InvalidInput if the file exists or cannot be written; no unfinished file is left.
+    With `force` an existing file is replaced: in a result folder, an unchanged file of metafem; elsewhere, a
+    file of the same `kind` of `MARKS`, or any. `still` is called before the file is renamed and raises an
+    error if the content is no longer valid. `fixed` means that no other name can be chosen. Raise
+    InvalidInput if the file exists or cannot be written; no unfinished file is left.
     """
     target = Path(path).absolute()
     refuse_existing(target, force, kind, fixed)
@@ -195,7 +195,7 @@ def write_file(
         write(fresh)
         still()
         refuse_existing(target, force, kind, fixed)
-        if in_result:  # before the file: a run that is killed between them leaves the old file unchanged
+        if in_result:  # before the file: if a run is killed in between, the old file is unchanged
             with manifest.open("a", encoding="utf-8") as file:
                 file.write(_manifest_line(fresh))
         fresh.replace(target)
@@ -221,15 +221,15 @@ def refuse_existing(path: str | Path, force: bool, kind: str = "", fixed: bool =
 
 @contextmanager
 def _claimed(goal: Path) -> Iterator[Path]:
-    """Yield an empty hidden folder beside a file or folder to be written, which no other run has.
+    """Yield an empty hidden folder next to a file or folder to be written, locked for other runs.
 
-    It is removed at the end, and those of killed runs are removed first. Raise InvalidInput, which names the
-    goal, if another run has it or it cannot be made.
+    It is removed at the end, and those of killed runs are removed first. Raise InvalidInput with the name of
+    the destination if another run has the lock or the folder cannot be created.
     """
     lock = goal.with_name(f".{goal.name}{LOCK}")
     with _reported(goal):
         others = [path for path in goal.parent.iterdir() if path.name.endswith(LOCK) and path != lock]
-        lock.touch()  # if it is impossible, the error of the system says why
+        lock.touch()  # if it is impossible, the error of the system states the reason
         held = FileLock(lock)
         try:
             held.acquire(timeout=PATIENCE)
@@ -260,9 +260,9 @@ def _work(lock: Path) -> Path:
 
 
 def _remove(lock: Path) -> None:
-    """Remove the working folder of a lock that this process holds, and its file.
+    """Remove the working folder of a lock of this process, and the lock file.
 
-    A run that waits for the lock notices that its file is gone, and makes a new one.
+    A run that waits for the lock creates a new file if this one is missing.
     """
     shutil.rmtree(_work(lock), ignore_errors=True)
     lock.unlink(missing_ok=True)
@@ -279,7 +279,7 @@ def _reported(target: Path) -> Iterator[None]:
 
 
 def is_of_kind(path: Path, kind: str) -> bool:
-    """Whether a file is one of a kind that metafem writes, by its first bytes; "" is any kind."""
+    """Whether a file is of a kind that metafem writes, by its first bytes; "" is any kind."""
     with path.open("rb") as file:
         return MARKS.get(kind, b"") in file.read(FIRST_BYTES)
 

@@ -1,4 +1,4 @@
-"""Loads as a person writes them: rescaled in mm^2, or in newtons."""
+"""Loads as a user writes them: rescaled in mm^2, or in newtons."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def given_load(given: Any) -> GivenLoad:
 
 
 def rescaled_range(given: Sequence[GivenLoad] | None, material: Material) -> list[float] | None:
-    """Return a range of rescaled loads; checked as it was written, for the errors."""
+    """Return a range of rescaled loads; it is checked in the written units, for the errors."""
     if given is None:
         return None
     if len({load.unit for load in given}) > 1:

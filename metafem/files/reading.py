@@ -11,8 +11,8 @@ from typing import Any
 from metafem._given import printable, shown
 from metafem.errors import InvalidInput
 
-# Largest files that are read [bytes]. A specification of a thousand points has 30 kB, a summit in a table 60
-# bytes and a site in a record 300, so that a million summits fit.
+# Largest files that are read [bytes]. A specification of a thousand points has 30 kB, a summit in a table has
+# 60 bytes and a site in a record 300, so that a million summits fit.
 SPECIFICATION, TABLE, RECORD = 2**18, 2**26, 2**29
 
 
@@ -31,7 +31,7 @@ def refuse_unreadable(path: str | Path) -> None:
 
 
 def _beginning(path: str | Path, most: int, missing: str) -> bytes:
-    """Return at most so many bytes of a regular file."""
+    """Return at most a number of bytes of a regular file."""
     name = file_label(path)
     try:
         _refuse_other_kinds(path, name)

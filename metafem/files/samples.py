@@ -1,4 +1,4 @@
-"""Tables that a specification names: laws that are wanted or measured, and profiles of caps."""
+"""Tables named in a specification: target laws, measured laws, and profiles of caps."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from metafem.surface import Material
 class SampleColumns(Columns):
     """The columns of a table of samples, which are also keys of a specification.
 
-    `what` is the content of the table in words, `rising` are the columns whose entries increase, and
-    `from_zero` says whether the first entries are 0; None: they may be; others are above 0.
+    `what` describes the content of the table, `rising` are the columns with increasing entries, and
+    `from_zero` states whether the first entries are 0; None: they may be; others are above 0.
     """
 
     what: str = "law"
@@ -51,10 +51,10 @@ MEASURED = SampleColumns(
     from_zero=None,
 )
 
-# The columns of the tables that a specification names, by the kind of its section.
+# The columns of the tables named in a specification, by the kind of its section.
 COLUMNS = {"sampled": TARGET, "profile": PROFILE, "tabulated": MEASURED}
 
-# Keys of a sampled target in the order in which a table is preferred to state them.
+# Keys of a sampled target, in order of preference for a table.
 LOADS, FRICTIONS = ("rescaled_load", "load"), ("rescaled_friction", "friction_force", "area")
 
 # Columns as keys of a specification: a text with its unit for each entry, or a number of a plain column.
@@ -68,7 +68,7 @@ def columns_of(name: str, content: bytes, columns: SampleColumns) -> Keys:
 
 
 def _key(entries: Entries, name: str, columns: SampleColumns) -> list[Any]:
-    """Return a column; it is checked here, where the line is known, and read again with the specification."""
+    """Return a column; it is checked here, with the line, and read again with the specification."""
     values = entries.numbers(name)
     if name in columns.plain:
         return list(values.tolist())
@@ -90,7 +90,7 @@ def samples_of(name: str, content: bytes) -> Keys:
     """Return the keys of a sampled target from a table, also of `metafem images` or with error bars.
 
     The loads may be in any order, and samples of equal loads are averaged. Standard deviations of the loads
-    and of the frictions become relative errors of the frictions; only those that the table states.
+    and of the frictions in the table become relative errors of the frictions.
     """
     table = table_of(name, content, TARGET.example)
     entries = _of_images(table) if is_of_contacts(table) else columns_of(name, content, TARGET)
@@ -117,7 +117,7 @@ def _numbers(key: str, column: list[Any]) -> FloatArray:
 def _relative_error(
     name: str, values: Mapping[str, FloatArray], load: str, friction: str
 ) -> FloatArray | None:
-    """Return the relative errors of the frictions, with those of the loads by the exponent of the law."""
+    """Return the relative errors of the frictions; those of the loads enter by the exponent of the law."""
     stated = [key for key in (f"{load}_sd", f"{friction}_sd") if key in values]
     if not stated:
         return values.get("relative_error")
@@ -137,12 +137,12 @@ def _relative_error(
 
 
 def _averaged(values: Mapping[str, FloatArray], load: str) -> Keys:
-    """Return samples in the order of their loads, one for each, of columns (k,)."""
+    """Return samples from columns (k,), sorted by load, one for each load."""
     loads, group, counts = np.unique(values[load], return_inverse=True, return_counts=True)
     found: Keys = {}
     for key, column in values.items():
         if key == load:
-            mean = loads  # themselves, not their rounded means
+            mean = loads  # the values themselves, not rounded means
         elif key == "weight":
             mean = np.bincount(group, column).astype(np.float64)
         elif key == "relative_error":  # errors of repeated samples are independent

@@ -1,4 +1,4 @@
-"""Tables as CSV files: columns are declared, and their entries read with units and by line."""
+"""Tables as CSV files: columns are declared, and their entries are read with units and line numbers."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ OWN = {"mm": "mm", "um": "mm", "mm2": "mm^2", "N": "N", "mN": "N"}
 SEMICOLONS = "if commas are decimal, separate the columns by semicolons"
 
 
-# Number of a column and the size of its unit in the package's.
+# Number of a column and the size of its unit in the package's unit.
 Column = tuple[int, Fraction]
 
 
@@ -44,7 +44,7 @@ class Table:
     separator: str
 
     def entries(self) -> list[tuple[int, list[str]]]:
-        """Return the lines below the first with their numbers, each with an entry for every column."""
+        """Return the lines below the first one with their numbers, each with an entry for every column."""
         for line, row in self.rows:
             if len(row) != len(self.header):
                 hint = f"; {SEMICOLONS}" if self.separator == "," and len(row) > len(self.header) else ""
@@ -78,7 +78,7 @@ def read_table(path: str | Path, example: str) -> Table:
 
 
 def table_of(name: str, content: bytes, example: str) -> Table:
-    """Return the table of a file's name, as errors state it, and content, or raise InvalidInput."""
+    """Return the table from a file's name, as errors state it, and its content, or raise InvalidInput."""
     text = decoded(name, content)
     lines = ["\n" if line.lstrip().startswith("#") else line for line in io.StringIO(text, newline=None)]
     first = next((line for line in lines if line.strip()), None)
@@ -104,9 +104,9 @@ class Columns:
     """The columns of a kind of table.
 
     `titles` names them, separated by commas: a quantity as quantity_unit, with the unit that errors propose,
-    and texts and numbers without unit by their name alone. Of the lists of names `needed`, one must be there,
-    and the column of a standard deviation, NAME_sd, only with NAME. `entry` says what a line holds, `wanted`
-    what the first line must be, and `declared` returns the declared name of another one.
+    and texts and numbers without unit by their name only. One of the lists of names `needed` must be
+    present; the column of a standard deviation, NAME_sd, is allowed only with NAME. `entry` describes a line,
+    `wanted` the required first line, and `declared` returns the declared name of a synonym.
     """
 
     titles: str
@@ -167,7 +167,7 @@ class Columns:
         return entries
 
     def lacking(self, entries: Entries, *names: str, hint: str = "") -> InvalidInput:
-        """Return the error of a table without a column that it needs."""
+        """Return the error of a table without a required column."""
         lacks = f"lacks {', '.join(map(self.title, names))}: it " if names else ""
         header = printable(", ".join(entries.table.header), 120)
         wanted = self.wanted or f"{self.example} (or in other units)"
@@ -214,11 +214,11 @@ class Entries:
         return self.table.header[self.columns[name][0]]
 
     def places(self) -> list[str]:
-        """Return the places of the rows: the name of the file with the number of the line."""
+        """Return the locations of the rows: the name of the file with the number of the line."""
         return [f"{self.table.name}, line {line}" for line, _ in self.table.rows]
 
     def cell(self, row: int, name: str) -> str:
-        """Return the place of an entry."""
+        """Return the location of an entry."""
         return f"{self.places()[row]}: {self.title(name)}"
 
     def texts(self, name: str) -> list[str]:
@@ -251,7 +251,7 @@ class Entries:
         return [int(text) for text in found]
 
     def names(self, **names: str) -> Names:
-        """Return how errors name the columns and entries of the table, and other arguments by their names."""
+        """Return the names of columns and entries in errors; other arguments keep their names."""
         return Names(
             {**{name: self.title(name) for name in self.columns}, **names},
             {name: ("", float(size)) for name, (_, size) in self.columns.items()},

@@ -13,8 +13,8 @@ from typing import Any
 from metafem._given import Names, printable, shown
 from metafem.errors import InvalidInput
 
-# A decimal number, then a product of units with exponents of one digit. Nothing else reaches pint,
-# which would read "1,5 mm" as 15 mm and would work out "9**9**9".
+# A decimal number, then a product of units with exponents of one digit. Nothing else reaches pint: it would
+# read "1,5 mm" as 15 mm and would evaluate "9**9**9".
 _NUMBER = r"[+-]?(?:\d{1,40}\.?\d{0,40}|\.\d{1,40})(?:[eE][+-]?\d{1,3})?"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*", re.DOTALL | re.ASCII)
 _FACTOR = r"[^\W\d_]+(?:(?:\^|\*\*)?-?\d)?|%|°"
@@ -25,8 +25,8 @@ _SUPERSCRIPT = str.maketrans("²³", "23")
 # Longest product of units: pint needs as many nested calls as there are factors.
 _LONGEST = 100
 
-# The usual units and what they are in ours, without the third of a second in which pint reads all that it
-# knows. It reads every other one.
+# The usual units and their size in the package's units; pint, used for all others, takes a third of a second
+# to load.
 _KNOWN = {
     "um": ("mm", Fraction(1, 1000)),
     "µm": ("mm", Fraction(1, 1000)),
@@ -51,11 +51,11 @@ USUAL = {
     "rad": ("deg", "°", "mrad", "rad"),
 }
 
-# Numbers that the parser reads, and that neither overflow nor vanish in any of the units.
+# Numbers that the parser reads and that do not overflow or vanish in any of the units.
 EXPONENT = r"([eE][+-]?[0-9]{1,2})?"
 NUMBER = rf"[+-]?([0-9]{{1,40}}\.?[0-9]{{0,40}}|\.[0-9]{{1,40}}){EXPONENT}"
 
-# Among these, numbers above 0: somewhere stands a digit from 1 to 9.
+# Among these, numbers above 0: they contain a digit from 1 to 9.
 ABOVE_ZERO = (
     r"[+]?([0-9]{0,19}[1-9][0-9]{0,20}\.?[0-9]{0,40}|[0-9]{0,40}\.[0-9]{0,19}[1-9][0-9]{0,20})" + EXPONENT
 )
@@ -86,7 +86,7 @@ def quantity(key: str, given: Any, unit: str, example: str | None = None) -> flo
         Number and unit, such as ``"120 um"``; both micro signs are read, and ``mm^2``, ``mm2``,
         ``mm**2`` and ``mm²`` are the same.
     unit : str
-        "mm", "mm^2", "N", "N/mm", "MPa", "rad", "1", or "%" for a relative quantity, of which the fraction is
+        "mm", "mm^2", "N", "N/mm", "MPa", "rad", "1", or "%" for a relative quantity; the fraction is
         returned. A number without unit is neither read as percent nor as a fraction.
     example : str, optional
         A valid value for the error.
@@ -136,7 +136,7 @@ def converted(given: Any, unit: str, example: str | None = None) -> float:
 
 
 def as_written(value: Any) -> str:
-    """Return a value of a TOML file as it is written there, on one line."""
+    """Return a value of a TOML file as written there, on one line."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, (datetime.date, datetime.time)):
@@ -152,7 +152,7 @@ def decimal(text: str) -> Fraction:
 
 
 def option_names(options: Mapping[str, str | None]) -> Names:
-    """Return the names of a command's options, and the units of those that are given, for errors."""
+    """Return the names of a command's options, and the units of those in use, for errors."""
     names = {name: f"--{name.replace('_', '-')}" for name in options}
     units = {name: written_unit(text) for name, text in options.items()}
     return Names(names, {name: unit for name, unit in units.items() if unit is not None})
@@ -226,7 +226,7 @@ def factor(name: str, unit: str) -> Fraction:
         given = registry.parse_units(plain)
     except (pint.errors.PintError, ValueError, AssertionError):
         raise unknown from None
-    # pint takes angles and shares for one; "1 %" of a ratio is ambiguous
+    # pint treats angles and shares as dimensionless; "1 %" of a ratio is ambiguous
     if name == "%" or unit in ("1", "%"):
         raise other
     wanted = registry.parse_units(unit)

@@ -12,7 +12,7 @@ from metafem.prediction import FrictionLaw
 from metafem.report.names import model_words
 from metafem.studies.substrates import laws_on_substrates
 
-# A report takes a second or two; above this number of asperities interacting laws take longer.
+# Largest number of asperities for which interacting laws are compared: a report then takes a second or two.
 MOST_COMPARED = 1500
 
 
@@ -29,9 +29,10 @@ class Comparison:
 def compared(design: Design) -> tuple[tuple[Comparison, ...], tuple[Note, ...]]:
     """Predict a design's law under the common models, at the loads of the design's law.
 
-    The models are the half-space, with a block also the bonded layer and the true block, and the model of
-    the design's law if it is another one. Surfaces of more than 1,500 asperities are not compared. The true
-    block is included only if its influence has been computed before. The notes say what was left out.
+    The models are the half-space, with a block also the bonded layer and the true block, and the model of the
+    design's law if it is a different one. Surfaces of more than 1,500 asperities are not compared. The true
+    block is included only if its influence has been computed before. The notes state which models are left
+    out.
     """
     if design.surface.count > MOST_COMPARED:
         return (), ()
@@ -40,7 +41,7 @@ def compared(design: Design) -> tuple[tuple[Comparison, ...], tuple[Note, ...]]:
     )
     independent = predicted["independent"]
     laws = {law.model.name: law for law in predicted.values() if law.model.couples}
-    # the law of a design under one of these models is among them
+    # the law of the design may be under one of these models
     if design.law.model not in (independent.model, *(law.model for law in laws.values())):
         laws[design.law.model.name] = design.law
     comparisons = tuple(

@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
     from metafem.surface import Friction
 
-# Number of loads at which sensitivities are drawn; a law has a hundred.
+# Number of loads at which sensitivities are drawn; a law has a hundred loads.
 SENSITIVITY_LOADS = 33
 
-# For labels on the left and below, whose numbers have seven characters at most [inch].
+# Margins for labels on the left and below, with numbers of at most seven characters [inch].
 MARGINS = (0.9, 0.2, 0.6, 0.2)
 
 
@@ -44,7 +44,7 @@ def law_figure(design: Design) -> Figure:
 
 
 def _draw_difference(design: Design, ax: Axes) -> None:
-    """Draw the law's relative difference from what `design.misfit` compares it with."""
+    """Draw the relative difference of the law that defines `design.misfit`."""
     target = design.target_law
     difference = target.difference(design.target_area)
     ax.axhline(0.0, color=QUIET, lw=0.8)
@@ -148,5 +148,5 @@ def _force_axes(design: Design, ax: Axes) -> None:
 
 
 def _scaling(factor: float) -> tuple[Callable[[ArrayLike], ArrayLike], Callable[[ArrayLike], ArrayLike]]:
-    """Return the multiplication by a factor and its inverse."""
+    """Return the multiplication by a factor and its inverse function."""
     return (lambda value: np.asarray(value) * factor), (lambda value: np.asarray(value) / factor)

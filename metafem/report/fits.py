@@ -11,9 +11,9 @@ from metafem.prediction import BranchFit
 def fit_table(design: Design) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Return headings and rows, with slopes of rescaled values or friction coefficients and newtons.
 
-    The target's intercept is that of the line, or of the density's asymptote if it is known. If the target is
-    given by slopes and the surface has a Friction, two more columns hold friction coefficients and intercepts
-    in newtons.
+    The target's intercept is that of the line, or of the asymptote of the density if it is known. If the
+    target is given by slopes and the surface has a Friction, two more columns hold friction coefficients and
+    intercepts in newtons.
 
     Examples
     --------

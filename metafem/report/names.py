@@ -21,7 +21,7 @@ MJ_PER_M2 = 1e6
 
 
 def in_python(value: Any) -> str:
-    """Return a model as Python code, without arguments at their defaults; a table by its size alone."""
+    """Return a model as Python code, without default arguments; a table is stated by its size only."""
     members = {field: getattr(value, field.name) for field in fields(value)} if is_dataclass(value) else {}
     if not members or any(isinstance(member, np.ndarray) or callable(member) for member in members.values()):
         return repr(value)
@@ -47,7 +47,7 @@ def model_words(model: Model) -> str:
 
 
 def law_words(law: Contact) -> str:
-    """Return a contact law in words; one without a short name as Python code."""
+    """Return a contact law in words, or as Python code if it has no short name."""
     if isinstance(law, JKR):
         cap = "" if law.cap == Hertz() else f", {law_words(law.cap)}"
         return f"JKR, w = {MJ_PER_M2 * law.adhesion_energy:.3g} mJ/m²{cap}"
@@ -95,7 +95,7 @@ def all_notes(design: Design, hardness: float | None = None) -> tuple[Note, ...]
         H of the softer material [MPa]; default: None, the plasticity index is not evaluated.
     """
     found = [*design.notes]
-    # a design for a hardness states the index itself
+    # a design for a hardness already states the index
     if hardness is not None and "plasticity_index" not in design.parameters:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", MetafemWarning)

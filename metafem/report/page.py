@@ -35,13 +35,13 @@ Row = tuple[str, str, str]
 
 NO_STUDIES: Mapping[str, Dataset] = MappingProxyType({})
 
-# Largest number of different radii that are listed one by one.
+# Largest number of different radii that are listed individually.
 MOST_NAMED = 5
 
 # Largest number of summits in the table; heights.csv lists all.
 MOST_LISTED = 200
 
-# Significant digits of a parameter, and of one that is a misfit.
+# Significant digits of a parameter, and of a misfit.
 DIGITS, MISFIT_DIGITS = 6, 3
 
 # Parameters below this fraction of the largest area, of the largest height or of 100 % are printed as 0.
@@ -118,7 +118,7 @@ def page(
     checks : bool
         Whether to add the finite-element checks, which take about a minute; default: False.
     studies : mapping of str to xarray.Dataset
-        Studies of this design by their names, whose answers and figures are shown; default: none.
+        Studies of this design by their names, to be shown with answers and figures; default: none.
 
     Returns
     -------
@@ -247,7 +247,7 @@ def _radii(design: Design) -> str:
 
 
 def _range(design: Design) -> list[Row]:
-    """Return the range from which radii were chosen, with its step."""
+    """Return the range of the radii to choose from, with its step."""
     if not isinstance(design.radii, RadiusRange):
         return []
     low, high, step = (MICROMETRES * (value or 0.0) for value in astuple(design.radii))

@@ -23,7 +23,7 @@ LIGHT, AMBIENT = np.array([-0.5, -0.35, 0.8]), 0.4
 # Number of pixels across; number of samples per pixel along each direction.
 PIXELS, SAMPLES = 700, 2
 
-# Drawn height of the tallest summit over the distance of summits; allowed exaggeration factors.
+# Drawn height of the tallest summit over the distance of summits; allowed exaggeration of heights.
 TALL, FACTORS = 0.45, (1, 2, 3, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 # Drawn thickness of the block over its extent; brightness of its faces.
@@ -75,7 +75,7 @@ def relief(
     side = SIDE * float(np.ptp(right))
     rows = np.arange(float(up[inside].min()) - side, float(up.max()) + step, step)
     image = np.zeros((len(rows), len(u), 4), np.float32)
-    # the visible point in each column at each height of the picture: the first one that reaches this height
+    # the visible point in each column at each height of the picture: the first point that reaches this height
     seen = np.stack([np.searchsorted(column, rows) for column in top.T], axis=1)
     front = top[inside.argmax(axis=0), np.arange(len(u))]
     hit = (rows[:, None] >= front) & (seen < len(v)) & np.isfinite(front)

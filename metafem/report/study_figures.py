@@ -1,4 +1,4 @@
-"""Figures of studies; several surfaces can share one."""
+"""Figures of studies; one figure can show several surfaces."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from xarray import Dataset
 
-# For labels on the left and below, whose numbers have seven characters at most [inch].
+# Margins for labels on the left and below, with numbers of at most seven characters [inch].
 MARGINS = (1.0, 0.2, 0.65, 0.2)
 
-# The same with a legend above the axes, which bars leave free.
+# The same with a legend above the axes, away from the bars.
 ABOVE = (1.0, 0.2, 0.65, 0.4)
 LEGEND_ABOVE: dict[str, Any] = {
     "loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 2, "frameon": False,
 }  # fmt: skip
 
-# Bars are not wider than those of this number of inputs.
+# Bars are at most as wide as for this number of inputs.
 FEW_BARS = 3
 
-# Studies by their label in the figure, such as the name of the surface; one without a label is "".
+# Studies by their label in the figure, such as the name of the surface; "" for no label.
 Labelled = Mapping[str, "Dataset"]
 
-# Shuffled placements that are drawn, as many as in Fig. S2 can be told apart.
+# Number of shuffled placements that are drawn, as many as can be distinguished in Fig. S2.
 MOST_SHUFFLES = 20
 
 # Error bars of a law.
@@ -107,7 +107,7 @@ def uncertainty_figure(study: Dataset) -> Figure:
 
 
 def combined_figure(study: Dataset) -> Figure | None:
-    """Largest multiples of the given errors at which made surfaces meet the target as often as wanted.
+    """Largest multiples of the given errors at which made surfaces meet the target as required.
 
     None if there is no such multiple.
     """

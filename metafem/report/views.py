@@ -26,16 +26,16 @@ if TYPE_CHECKING:
 # The three loads of the contact views, as fractions of the largest load of the law.
 VIEWED_LOADS = (0.1, 0.4, 1.0)
 
-# Diameter of the rings of open summits, and the smallest drawn diameter of contacts, over the distance of
+# Diameter of the rings of open summits, and smallest drawn diameter of contacts, over the distance of
 # summits: smaller circles would be invisible.
 RING, LEAST_DOT = 0.3, 0.1
 
-# Largest number of sites in the view of the shape; of more, the part around the tallest summit is shown.
+# Largest number of sites in the view of the shape; for more, the part around the tallest summit is shown.
 MOST_SHAPED = 400
 
 
 def several_radii(surface: Surface) -> bool:
-    """Whether the summits differ in their radii."""
+    """Whether the summits have different radii."""
     return bool(np.ptp(surface.radius) > 0.0)
 
 
@@ -54,7 +54,7 @@ def height_figure(design: Design) -> Figure:
 def contact_figure(design: Design) -> Figure:
     """Top views at three loads: contacts as discs to scale, summits that are not in contact as rings.
 
-    Of many summits, those around the tallest are shown.
+    If there are many summits, those around the tallest are shown.
     """
     figure = new_figure(9.6, 4.0, (0.7, 0.1, 0.6, 0.6))
     axes = figure.subplots(1, len(VIEWED_LOADS), sharex=True, sharey=True, gridspec_kw={"wspace": 0.05})
@@ -78,7 +78,7 @@ def contact_figure(design: Design) -> Figure:
 
 
 def shape_figure(design: Design) -> Figure:
-    """The surface seen at an angle, coloured by height; of many summits, those around the tallest."""
+    """The surface viewed at an angle, coloured by height; of many summits only those around the tallest."""
     surface = design.surface
     corners, shown = _shown(surface)
     if surface.block is not None and shown.all():
@@ -102,7 +102,7 @@ def shape_figure(design: Design) -> Figure:
 def _shown(surface: Surface) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Return two corners [mm] of the shown part, and which summits (n,) are in it.
 
-    The part extends by half the distance of summits beyond the outer ones, within the block.
+    The part extends beyond the outer summits by half the distance of summits, within the block.
     """
     position = surface.position
     distance = drawing.spacing(position)

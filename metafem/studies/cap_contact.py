@@ -22,7 +22,7 @@ HEIGHT_NODES, RATIO_NODES = 3, 3
 # Largest number of radii: each needs a table, which takes half a minute.
 MOST_RADII = 4
 
-# Largest number of Newton steps for the contact radius; from Hertz's, 5 steps reach rounding.
+# Largest number of Newton steps for the contact radius; starting from Hertz's, 5 steps suffice to rounding.
 NEWTON_STEPS = 30
 
 
@@ -38,7 +38,7 @@ class CapContact:
     height: tuple[float, float]  # range of the table in h [mm]
     ratio: tuple[float, float]  # range of the table in s [-]
     load_excess: FloatArray  # coefficients of f in scaled h and s, in ascending order
-    indentation_excess: FloatArray  # the same of g
+    indentation_excess: FloatArray  # the same for g
     error: float  # largest relative error of load or indentation at a test solution that is not in the table
 
     def solve(self, height: FloatArray, indentation: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -121,8 +121,8 @@ def caps_of(surface: Surface, indentation: FloatArray) -> Caps:
 def cap_contact(surface: Surface, indentation: FloatArray) -> CapContact:
     """Compute the caps of a surface by finite elements, up to given indentations (n,) [mm].
 
-    Each is a true spherical cap on a bonded cylinder with the block's thickness and base area and a free
-    side, with the material's Poisson's ratio, at small strain. Raise InvalidInput if the surface has no
+    Each is a true spherical cap on a bonded cylinder with a free side and the block's thickness and base
+    area, at small strain, with the Poisson's ratio of the material. Raise InvalidInput if the surface has no
     block, or if the summits in contact have several radii or not 0 < h <= R.
     """
     touching = indentation > 0.0
@@ -162,7 +162,7 @@ def cap_contact(surface: Surface, indentation: FloatArray) -> CapContact:
         tables.append(np.linalg.solve(by_height, found[:, :, k]) @ np.linalg.inv(by_ratio).T)
     loads, indentations = tables
     bare = CapContact(radius, ranges[0], ranges[1], loads, indentations, math.nan)
-    # between the nodes, where both polynomials have nearly their largest error
+    # between the nodes, where the errors of both polynomials are nearly largest
     place = np.array([0.75 * low + 0.25 * high, 0.6 * ranges[1][1]])
     error = max(
         abs(s_excess - float(bare._excess(table, place[0], place[1]))) * place[1]

@@ -1,4 +1,4 @@
-"""All errors at once: whether the made surface meets the target, and how small the errors must be."""
+"""All errors at once: probability that the made surface meets the target, and largest tolerances."""
 
 from __future__ import annotations
 
@@ -35,16 +35,16 @@ from metafem.surface import Surface
 if TYPE_CHECKING:
     import xarray as xr
 
-# Largest batch: half a second under a layer.
+# Largest batch: half a second on a bonded layer.
 MOST_POINTS = 256
 
-# First number of draws with a wanted error.
+# Initial number of draws if an error is wanted.
 FIRST_DRAWS = 4_096
 
 
 @dataclass(frozen=True)
 class Requirement:
-    """What made surfaces shall do: meet the target within a misfit, with a probability.
+    """Requirement that made surfaces meet the target within a misfit, with a probability.
 
     Parameters
     ----------
@@ -89,18 +89,18 @@ def combined(
     rng: Any = 0,
     execution: Execution | None = None,
 ) -> xr.Dataset:
-    """Probability that the made surface meets the target, and the largest tolerances for a wanted one.
+    """Probability that the made surface meets the target, and the largest tolerances for a required one.
 
     Each draw has errors of its heights, radii, positions and alignment, all at once, and of the parameters.
-    Its law is solved by the model and compared with the target as that of the design: its misfit is that of
-    `Design.misfit`, and parameters that the target leaves open are fitted to each law. A draw whose law has
-    no solution does not meet the target.
+    Its law under the model is compared with the target in the same way as the law of the design: the misfit
+    is defined as `Design.misfit`, and free parameters of the target are fitted to each law. A draw whose law
+    has no solution does not meet the target.
 
-    The largest tolerances are multiples of the given ones: one common factor of all, and that of each alone
-    with the others as given. At the factor, the quantile of the misfit at the wanted probability is the
-    largest allowed misfit. It is found by the method of false position, with the same random numbers at all
-    factors and a fifth of the draws, and a last step with all draws. 10,000 draws of 64 asperities take
-    seconds without interaction, and minutes with it. Aymard et al., Science 383, 200 (2024),
+    The largest tolerances are multiples of the given ones: a common factor of all, and a factor of each one
+    with the others as given. With this factor, the quantile of the misfit at the wanted probability equals
+    the largest allowed misfit. The factor is found by the method of false position, with the same random
+    numbers at all factors and a fifth of the draws; the last step uses all draws. 10,000 draws of 64
+    asperities take seconds without interaction, and minutes with it. Aymard et al., Science 383, 200 (2024),
     doi:10.1126/science.adk4234, Figs. S2 and S3, state the effects of single errors.
 
     Parameters
@@ -111,15 +111,15 @@ def combined(
     requirement : metafem.studies.Requirement, optional
         Largest misfit and wanted probability; default: ``Requirement(misfit=0.1, probability=0.9)``.
     parameters : mapping of str to float, optional
-        Standard deviations of ``composite_modulus`` [MPa], ``radius`` [mm] (all radii change by the same
-        factor; of the mean radius), ``shear_strength`` [MPa] and ``area_ratio`` [-], as for `uncertainty`.
-        They change the law at given forces, which is compared with the target at nominal values. The
-        factors do not apply to them. Default: none.
+        Standard deviations of ``composite_modulus`` [MPa], ``radius`` [mm] (of the mean radius; all radii
+        change by the same factor), ``shear_strength`` [MPa] and ``area_ratio`` [-], as for `uncertainty`.
+        They change the law at given forces, which is compared with the target at nominal values. The factors
+        do not apply to them. Default: none.
     draws : int or metafem.studies.Draws
-        Number of draws, at least 2; default: 10,000. With an error, draws are added until it is that of the
-        probability.
+        Number of draws, at least 2; default: 10,000. With an error, draws are added until the probability has
+        this error.
     model : Model, optional
-        Default: that of the design's law.
+        Default: the model of the design's law.
     load_range : (float, float), optional
         Rescaled loads P/E* between which the slope is fitted [mm^2]. Default: 25 to 100 % of the load at
         which the plane reaches the lowest summit.
@@ -134,8 +134,8 @@ def combined(
         ``probability`` [-] that the misfit is at most the allowed one; ``misfit_quantile`` [-] over
         ``quantile`` (0.05, 0.5, 0.95), and ``nominal_misfit`` without errors. ``factor`` [-] over
         ``tolerance`` ("all" and the names of those that are not 0): the largest multiple of the given
-        tolerance, ``given`` [mm or rad; 1 for all]. It is nan where even without this error the probability
-        is smaller, and infinite where it is larger up to the largest multiple tried; notes say so.
+        tolerance, ``given`` [mm or rad; 1 for all]. It is nan if the probability is too small even without
+        this error, and infinite if it is large enough at the largest multiple tried; notes say so.
         ``slope_mean``, ``slope_sd`` [-], ``area_mean`` and ``area_sd`` [mm^2] over ``rescaled_load``, and
         ``nominal_slope`` and ``nominal_area``. Each has its standard sampling error ``NAME_error``. If all
         summits have one height and no load range is given, there is no slope. ``failed`` is the number of

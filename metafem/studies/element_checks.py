@@ -21,7 +21,7 @@ from metafem.reference import bonded_layer, single_contacts
 RADIUS, PITCH, THICKNESS, BLOCK_RADIUS = 0.526, 1.5, 7.2, 10.0
 
 # Heights and contact radii [mm] of the caps on the block that are checked, and cells of the active set over
-# the contact radius; with these its loads are good to 3e-4.
+# the contact radius; with these its loads are accurate to 3e-4.
 CAP_ROWS = ((0.12, 0.10), (0.20, 0.26))
 CAP_CELLS = 1.0 / 20.3
 
@@ -93,8 +93,8 @@ class Convergence:
 def hertz_check(poisson_ratio: float = 0.5) -> list[Check]:
     """Check a contact on a half-space: `metafem.fe.press` and `metafem.fe.search_contact`.
 
-    Load, indentation and displacement of a paraboloid against Hertz's closed forms, and the load of a
-    quartic punch against Sneddon's. It takes about 15 s.
+    Load, indentation and displacement of a paraboloid are compared with Hertz's closed forms, and the load of
+    a quartic punch with Sneddon's. It takes about 15 s.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def hertz_check(poisson_ratio: float = 0.5) -> list[Check]:
         _near("outer displacement over Hertz's, worst", worst, 1.0, 1e-8, HERTZ),
         _near("load of a quartic punch", quartic.rescaled_load, power, 1e-8, SNEDDON),
         _below("error estimate", contact.error_estimate, 1e-6, DEGREES),
-        # Each degree gains a third of a digit or more while rounding is negligible.
+        # Each degree adds a third of a digit or more while rounding is negligible.
         _above("digits gained per degree", -spectrum.rate, 1.0 / 3.0, EXPONENTIAL),
         _below("load by active set, relative error", float(search[0].error[-1]), 1e-4, HERTZ),
         _below("radius by active set, relative error", float(search[1].error[-1]), 1e-4, HERTZ),
@@ -136,10 +136,10 @@ def hertz_check(poisson_ratio: float = 0.5) -> list[Check]:
 
 
 def cap_check() -> list[Check]:
-    """Check the true cap on the bonded block, a sphere, and the order at which the edge's bracket closes.
+    """Check the true cap on the bonded block, a sphere, and the order of convergence of the contact's edge.
 
-    The load of the cap against an active set at the same indentation, that of the sphere on a half-space
-    against Sneddon's closed form. It takes about 10 s.
+    The load of the cap is compared with an active set at the same indentation, that of the sphere on a
+    half-space with Sneddon's closed form. It takes about 10 s.
 
     Returns
     -------
@@ -166,7 +166,7 @@ def cap_check() -> list[Check]:
                 f"{name}: load over Hertz", contact.rescaled_load / load, searched.rescaled_load / load, 1e-3,
                 SEARCHED,
             ),
-            # the last closed node is known to one cell
+            # the position of the last closed node is known to one cell
             _near(f"{name}: contact radius", a, searched.last_radius, CAP_CELLS, SEARCHED),
             _below(f"{name}: error estimate", contact.error_estimate, 1e-4, BRACKET),
         ]  # fmt: skip
@@ -178,7 +178,7 @@ def cap_check() -> list[Check]:
         _near(f"{name}: load", sphere.rescaled_load, load, 1e-7, SPHERE),
         _near(f"{name}: indentation", sphere.indentation, indentation, 1e-7, SPHERE),
     ]
-    # The bracket spans one element at the edge: order one, which a fit over three sizes gives to 0.1.
+    # The bracket spans one element at the edge: order one, and a fit over three sizes finds it to 0.1.
     checks.append(_above("order of the edge's bracket", cap_convergence().rate, 0.9, BRACKET_ORDER))
     return checks
 
@@ -248,7 +248,7 @@ def cell_check() -> list[Check]:
 
 
 def spectral_convergence(poisson_ratio: float = 0.5) -> Convergence:
-    """Error of Hertz's load in the half-space by the degree of the elements."""
+    """Error of Hertz's load on the half-space as a function of the degree of the elements."""
     degree = np.array([4, 5, 6, 7, 8])
     mesh = half_space_mesh()
 
@@ -261,12 +261,12 @@ def spectral_convergence(poisson_ratio: float = 0.5) -> Convergence:
 
 
 def search_convergence(poisson_ratio: float = 0.5) -> tuple[Convergence, Convergence]:
-    """Errors of the active set's load and radius by the cell, in contact radii.
+    """Errors of the active set's load and radius as functions of the cell, in contact radii.
 
-    The growing cells far away leave 3e-5 of the load, with the opposite sign of the contact's error: the
-    fitted order of the load is too high by it, that of the radius is not.
+    The growing cells far away cause an error of 3e-5 of the load, opposite in sign to the error of the
+    contact: it makes the fitted order of the load too high, but not that of the radius.
     """
-    # The edge of the contact has the same position within its cell in all of them.
+    # The edge of the contact has the same position within its cell for all sizes.
     cell = 1.0 / np.array([10.3, 20.3, 40.3])
     contacts = [search_contact(1.0, 1.0, poisson_ratio, cell=float(size)) for size in cell]
     load = np.abs([0.75 * contact.rescaled_load - 1.0 for contact in contacts])
@@ -275,7 +275,7 @@ def search_convergence(poisson_ratio: float = 0.5) -> tuple[Convergence, Converg
 
 
 def cap_convergence() -> Convergence:
-    """Half-width of the edge's bracket by the size of the last elements, for the first cap."""
+    """Half-width of the edge's bracket as a function of the size of the last elements, for the first cap."""
     height, a = CAP_ROWS[0]
     cap = Cap(RADIUS, height, BLOCK_RADIUS, THICKNESS)
     edge = float(cap.surface(np.array(a))[0])

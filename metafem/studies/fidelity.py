@@ -39,19 +39,19 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     and "fe". The influence of the true block is computed once (half a minute for 64 asperities) and stored
     on disk.
 
-    "fe" are independent asperities with the contact law of the true spherical cap on the bonded block
+    "fe" denotes independent asperities with the contact law of the true spherical cap on the bonded block
     instead of Hertz's: ``sum_i P_fe(a_i, h_i) = P`` with ``d_fe(a_i, h_i) = h_i - delta``. The law is
     interpolated between axisymmetric finite elements (`metafem.fe.press`) at nine pairs of height and contact
     radius. It includes the shape of the cap, its pedestal, and the base and the sides of the block, but no
     neighbours. The difference from "independent" is meaningful at small a/R. At large a/R it is an upper
-    estimate: at a/R = 0.5 small strain gives 1.11 of Hertz's load, finite strain 0.978 of it.
+    estimate: at a/R = 0.5 the load is 1.11 of Hertz's at small strain, and 0.978 at finite strain.
 
     Parameters
     ----------
     design : Design
     elements : bool
-        Whether to compute "fe", which takes about half a minute for each radius of the summits; it is left
-        out if there are more than four radii. Default: True.
+        Whether to compute "fe", about half a minute for each radius of the summits; more than four radii are
+        not computed. Default: True.
 
     Returns
     -------

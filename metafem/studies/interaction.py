@@ -30,7 +30,7 @@ AT_ONCE = 100
 # Number of loads of the random assignments: every n-th load of the design's law.
 RANDOM_LOADS = 20
 
-# Orders of the interaction that are compared, up to the largest of the contact law.
+# Compared orders of the interaction, up to the largest order of the contact law.
 ORDERS = (1, 3)
 
 
@@ -71,8 +71,8 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     check.instance("design", design, Design, "a metafem.Design")
     count = check.integer("placements", placements, at_least=1)
     seed = entropy(rng)
-    # not the stream by which `design` assigns heights to sites: its first permutation would undo that of a
-    # design of the same seed, and the heights would stand in their order
+    # not the random stream of the assignment in `design`: its first permutation would undo that of a design
+    # with the same seed, and the heights would be sorted
     random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(0,)))
     surface = design.surface
     rescaled = design.law.rescaled_load

@@ -1,4 +1,4 @@
-"""The largest tolerances with which made surfaces do what is wanted."""
+"""The largest tolerances with which made surfaces meet a requirement."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from metafem.inversion.assessment import REACHED
 from metafem.studies.made_laws import MadeLaws, Runs
 from metafem.surface import STEEPEST
 
-# The scatter of the slope that a part may have, as a fraction: a law within it counts as reached.
+# Allowed relative scatter of the slope of a part: a law within it counts as reached.
 ALLOWED = REACHED
 
 # Name of the common factor of all tolerances.
 ALL = "all"
 
-# The tolerances, and the largest value of each, where there is one, for a surface.
+# The tolerances, and the largest value of each for a surface, if there is one.
 BOUNDS: Mapping[str, Any] = {
     "height_sd": lambda surface: math.inf,
     "angle": lambda surface: STEEPEST,
@@ -29,7 +29,7 @@ BOUNDS: Mapping[str, Any] = {
     "position_sd": lambda surface: math.inf,
 }
 
-# A tolerance that is left out has this fraction of its value: its points are still drawn.
+# A tolerance that is left out is multiplied by this fraction: its points are still drawn.
 NOTHING = 1e-9
 
 # The search for the largest tolerances evaluates this fraction of the draws about five times for each, and
@@ -39,16 +39,16 @@ SHARE = 0.2
 # Largest multiple of the given tolerance that is tried.
 MOST = 100.0
 
-# A factor that is too large lies this fraction beyond the one that is extrapolated. The rate of the quantile
-# is taken between the factor found and one that is larger by about as much: closer, it is that of a single
-# draw.
+# Relative distance from the extrapolated factor to one that is too large. The rate of the quantile is
+# computed between the factor found and one that is larger by about as much: at a smaller distance, it would
+# depend on a single draw.
 BEYOND, NEAREST, FARTHEST = 0.1, 0.05, 0.3
 
 # The search ends where the quantile of the misfit is within this fraction of its sampling error, or after
-# so many steps, each of which evaluates all draws.
+# this number of steps; each step evaluates all draws.
 FRACTION, STEPS = 0.2, 12
 
-# A smaller rise of the level, relative to the wanted one, counts as none.
+# A smaller increase of the level, relative to the wanted one, counts as zero.
 SMALLEST = 1e-9
 
 
@@ -62,9 +62,9 @@ class Level(NamedTuple):
 class Largest(NamedTuple):
     """A multiple of a tolerance, and its standard sampling error [-].
 
-    The error is infinite where draws without a solution decide. The factor is nan where even without this
-    error the wanted level is exceeded, and infinite where it is not at the largest multiple tried. The rate
-    is that of the level with the factor there.
+    The error is infinite if the result depends on draws without a solution. The factor is nan if the level
+    exceeds the wanted one even without this error, and infinite if it does not at the largest multiple tried.
+    The rate is the derivative of the level by the factor at this factor.
     """
 
     factor: float
@@ -73,7 +73,7 @@ class Largest(NamedTuple):
 
 
 def quantile(misfit: FloatArray, probability: float) -> Level:
-    """Return the smallest misfit that at least a fraction of the draws does not exceed.
+    """Return the smallest misfit that is not exceeded by at least a fraction of the draws.
 
     Its error is half the distance of the misfits at one standard error of the fraction on both sides.
     """
@@ -86,12 +86,13 @@ def quantile(misfit: FloatArray, probability: float) -> Level:
 
 
 def largest(level: Callable[[float], Level], given: Level, wanted: float, most: float) -> Largest:
-    """Return the largest factor, up to `most`, at which a level is the wanted one.
+    """Return the largest factor, up to `most`, at which a level equals the wanted one.
 
-    The level of each draw is a continuous function of the factor, and so is that of all with common random
-    numbers: the root is bracketed and found by the method of false position in its Illinois form.
+    The level of each draw is a continuous function of the factor, and so is the level of all draws with
+    common random numbers: the root is bracketed and found by the method of false position in its Illinois
+    form.
 
-    level: that at a factor; given: that at 1.
+    level: the level at a factor; given: the level at 1.
     """
     low, at_low = 0.0, level(0.0)
     high, at_high = 1.0, given
@@ -114,7 +115,7 @@ def largest(level: Callable[[float], Level], given: Level, wanted: float, most: 
         over = found.value - wanted
         if math.isfinite(found.error) and abs(over) <= max(FRACTION * found.error, SMALLEST * wanted):
             break
-        # the end that did not move twice counts half
+        # the level of an end that stays twice is halved
         if over > 0.0:
             high, above[factor] = factor, found.value
             ends = [ends[0] * (0.5 if unmoved < 0 else 1.0), over]
@@ -156,7 +157,7 @@ def factors(
         found = largest(level, at_given, allowed, most)
         if not 0.0 < found.error < math.inf:
             return found
-        # of all draws by one step, as the level of a part of them is already the wanted one
+        # one step with all draws, as the level of a part of them already equals the wanted one
         value, error = level(found.factor, len(drawn))
         return Largest(found.factor - (value - allowed) / found.rate, error / found.rate, found.rate)
 

@@ -1,4 +1,4 @@
-"""Laws of made surfaces, drawn batch by batch, and their misfits from the target of a design."""
+"""Laws of made surfaces, drawn in batches, and their misfits from the target of a design."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ class MadeLaws:
     P/E* and F'/(sigma B), with the nominal values, so an error of E* changes the rescaled load and errors of
     sigma and B the rescaled friction.
 
-    The points of the unit cube depend on the seed and the batch alone: with other tolerances, of the same
-    dimensions, they are the same (common random numbers). Columns of the tolerances come first.
+    The points of the unit cube depend only on the seed and the batch: they are the same for other tolerances
+    of the same dimensions (common random numbers). Columns of the tolerances come first.
     """
 
     surface: Surface
@@ -47,7 +47,7 @@ class MadeLaws:
     size: int
     draws: int  # the last batch may be smaller
     first: int = 0  # number of the first batch
-    described: bool = True  # whether slopes and areas are computed, too
+    described: bool = True  # whether slopes and areas are also computed
 
     @property
     def batches(self) -> range:
@@ -56,7 +56,7 @@ class MadeLaws:
 
     @property
     def shown(self) -> FloatArray:
-        """Loads of the areas that are described [mm^2]: those of the slope, or else of the target."""
+        """Loads of the described areas [mm^2]: those of the slope, otherwise those of the target."""
         return self.law.load if self.slope is None else self.slope.load
 
     @cached_property
@@ -86,7 +86,7 @@ class MadeLaws:
         return result
 
     def _loads(self, described: bool) -> FloatArray:
-        """Return all loads that are needed, increasing, (k,)."""
+        """Return all required loads, increasing, (k,)."""
         lists = [self.law.load, *(branch.load for branch in self.branches)]
         return np.unique(np.concatenate([*lists, self.shown] if described else lists))
 
@@ -118,14 +118,14 @@ class MadeLaws:
         for row, times in enumerate(stiffer):
             radii = None if radius is None else radius[row : row + 1]
             places = None if position is None else position[row : row + 1]
-            # the energy or stress of a law is compared with the modulus of each draw
+            # the effect of an energy or stress of a law depends on the modulus of each draw
             other = replace(material, composite_modulus=times * material.composite_modulus)
             drawn = surface.replaced(material=other) if varies else surface
             parts.append(self.model.areas(drawn, load / times, height[row : row + 1], radii, places))
         return factor * np.concatenate(parts)
 
     def _misfits(self, area: FloatArray) -> FloatArray:
-        """Return the misfits of laws at all loads (m, k), (m,); infinite where there is no solution."""
+        """Return the misfits (m,) of laws at all loads (m, k); infinite where there is no solution."""
         load = self._loads(area.shape[1] != len(self._loads(False)))
         solved = np.isfinite(area).all(axis=1)
         found = area[solved]
@@ -142,7 +142,7 @@ class MadeLaws:
         return result
 
     def _quantities(self, area: FloatArray) -> FloatArray:
-        """Return the slope, 1 without one, and the areas at the loads that are described, (m, q)."""
+        """Return the slope, 1 without one, and the areas at the described loads, (m, q)."""
         shown = area[:, np.searchsorted(self._loads(True), self.shown)]
         if self.slope is None:
             return np.column_stack([np.ones(len(area)), shown])
@@ -150,13 +150,13 @@ class MadeLaws:
 
 
 def share_error(share: float, count: int) -> float:
-    """Return the standard error of a share of draws, half of Wilson's interval, which is never empty."""
+    """Return the standard error of a share of draws: half of Wilson's interval, which is never empty."""
     return math.sqrt(share * (1.0 - share) / count + 0.25 / count**2) / (1.0 + 1.0 / count)
 
 
 @dataclass(eq=False)
 class Runs:
-    """Batches of several tasks, one after another, with numbers of their own."""
+    """Batches of several tasks, one after another, each with its own number."""
 
     compute: Run
     next_number: int = 0
@@ -170,7 +170,7 @@ class Runs:
     def described(self, task: MadeLaws, allowed: float, error: float | None) -> tuple[FloatArray, Sums]:
         """Return the misfits of all draws (m,), and the sums of their slopes and areas.
 
-        With `error` the number of draws is doubled until that of the probability is reached.
+        With `error` the number of draws is doubled until the probability has this error.
         """
         parts: list[FloatArray] = []
         total, done = None, 0

@@ -48,17 +48,17 @@ def manufacturing(
 ) -> xr.Dataset:
     """Mean and scatter of the friction law of surfaces whose heights, radii and positions have errors.
 
-    Each draw adds independent Gaussian errors to the surface, and its law is solved by the model. The slope
+    Each draw adds independent Gaussian errors to the surface, and the model solves for its law. The slope
     m is that of the straight line fitted to A0(P) over 20 equally spaced loads of a range. Aymard et al.,
     Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. S3.
 
     The draws are Sobol points, in batches that are scrambled independently. The linear response
-    ``dm = sum_i dm/dh_i dh_i``, whose moments are known, serves as control variate of the mean and of the
-    second moment. Both need fewer draws for the same sampling error; `saving` states the factor.
+    ``dm = sum_i dm/dh_i dh_i`` has known moments and serves as control variate for the mean and the second
+    moment. Both reduce the number of draws for the same sampling error; `saving` states the factor.
 
-    The largest errors of the heights with which the slope scatters by less than 1 % are solved for, with the
-    same random numbers and whatever `height_sd` is: that takes as long as about 4 further values of it, and
-    at most 21.
+    The largest standard deviation of the heights at which the slope scatters by less than 1 % is computed
+    with the same random numbers, for any `height_sd`. This takes as long as about 4 further values of
+    `height_sd`, and at most 21.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def manufacturing(
         Standard deviations of the heights [mm], one or many, not negative. All use the same random numbers.
     draws : int or metafem.studies.Draws
         Number of draws at each value, at least 2, rounded up to whole batches; default: 10,000. With an
-        error, draws are added until it is that of `slope_sd`, relative, at each value of `height_sd`.
+        error, draws are added until `slope_sd` has this relative error at each value of `height_sd`.
     model : Model, optional
         Default: independent asperities.
     load_range : (float, float), optional
@@ -85,12 +85,13 @@ def manufacturing(
     xarray.Dataset
         ``slope_mean`` and ``slope_sd`` [-] over ``height_sd`` [mm]; ``area_mean`` and ``area_sd`` [mm^2] over
         ``height_sd`` and ``rescaled_load`` [mm^2]; ``slope_quantile`` at ``quantile`` .05, .5 and .95; each
-        with its standard sampling error ``NAME_error``. ``nominal_slope`` and ``nominal_area`` are those
+        with its standard sampling error ``NAME_error``. ``nominal_slope`` and ``nominal_area`` are the values
         without errors, ``draws`` the draws with a solution, ``failed`` those without. ``saving`` is the
         number of plain draws of equal error over the draws used, for the ``moment`` "mean" and "sd" of the
-        slope. ``slope_quantile_error`` is that of plain draws. ``largest_height_sd`` [mm] is that with which
-        `slope_sd` is ``allowed_scatter``, 1 % of the nominal slope: nan where the other errors alone cause
-        more, and infinite where no such value is found. Its error is infinite with fewer than 16 draws.
+        slope. ``slope_quantile_error`` is the error of plain draws. ``largest_height_sd`` [mm] is the value
+        at which `slope_sd` equals ``allowed_scatter``, 1 % of the nominal slope: nan if the other errors
+        already cause more, and infinite if no such value is found. Its error is infinite with fewer than 16
+        draws.
 
     Raises
     ------
@@ -160,7 +161,7 @@ def manufacturing(
 
 
 def _largest_height_sd(compute: Run, task: SlopeDraws, first: int, error: float | None) -> Largest:
-    """Return the deviation of the heights with which the slope scatters by `ALLOWED`, and its error [mm].
+    """Return the deviation of the heights at which the slope scatters by `ALLOWED`, and its error [mm].
 
     first: number of the first batch that is free; error: as for `summed`.
     """
@@ -173,7 +174,7 @@ def _largest_height_sd(compute: Run, task: SlopeDraws, first: int, error: float 
 
     if error is None and task.draws < FEWEST_BATCHES:
         return Largest(0.0, math.inf)
-    # half of that by linear response, and not more than the same fraction of the radius
+    # half the value by linear response, and not more than the same fraction of the radius
     response = float(np.linalg.norm(task.response[0]))
     most = ALLOWED * float(task.surface.radius.mean())
     start = min(0.5 * ALLOWED / response, most) if response > 0.0 else most

@@ -1,4 +1,4 @@
-"""Measured laws: comparisons with a design and what explains them, as the datasets of a result folder."""
+"""Comparisons of measured laws with a design and their explanation, as datasets of a result folder."""
 
 from __future__ import annotations
 

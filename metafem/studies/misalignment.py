@@ -34,7 +34,7 @@ STEPS = 1000
 # Slopes along x and along y over the tangent of the angle.
 DIRECTIONS = {"both": (1.0, 1.0), "x": (1.0, 0.0), "y": (0.0, 1.0)}
 
-# With fewer angles, half as many no longer tell the error: with 2 it was up to ten times the estimate.
+# With fewer angles, half as many do not show the error: with 2 it was up to ten times the estimate.
 FEWEST_ANGLES = 20
 
 
@@ -50,7 +50,7 @@ def misalignment(
     rng: Any = 0,
     execution: Execution | None = None,
 ) -> xr.Dataset:
-    """Return how much the slope of the law varies while the plane is not parallel to the surface.
+    """Return the scatter of the slope of the law if the plane is not parallel to the surface.
 
     A tilt changes the heights to ``h_i + x_i tan(angle_x) + y_i tan(angle_y)``, see `Surface.tilted`. The
     mean and the standard deviation at an angle are those over all angles between minus this angle and this
@@ -59,25 +59,25 @@ def misalignment(
     al., Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. S2 and supplementary text "Effect of a
     misalignment on the friction law".
 
-    The largest angle with which the slope scatters by less than 1 % is found with steps of its own, whatever
-    `angle` is: with 801 angles about three times, and at most twelve times.
+    The largest angle at which the slope scatters by less than 1 % is found by separate searches, for any
+    `angle`: usually three and at most twelve searches with 801 angles each.
 
     Parameters
     ----------
     surface : Surface
     angle : float or array_like, (k,)
-        Largest angle [rad], which is reached in 1,000 equal steps, or increasing angles; positive and at most
+        Largest angle [rad], reached in 1,000 equal steps, or increasing angles; positive and at most
         pi/4. Each is used with both signs, and the angle 0 in addition.
     model : Model, optional
         Default: `Independent()`.
     axes : "both", "x" or "y"
-        Whether the surface is inclined by the angle along x and along y together, as in the source, along
-        x alone (`angle_x` of `Surface.tilted`), or along y alone; default: "both".
+        Whether the surface is inclined by the angle along x and along y together, as in the source, only
+        along x (`angle_x` of `Surface.tilted`), or only along y; default: "both".
     shuffles : int
-        Number of random assignments of the asperities to the sites, which are studied too; default: 0.
+        Number of random assignments of the asperities to the sites that are also studied; default: 0.
     load_range : (float, float), optional
-        Rescaled loads P/E* between which a line is fitted [mm^2]. The source does not print its own. Default:
-        25 to 100 % of the load at which the plane reaches the lowest summit.
+        Rescaled loads P/E* between which a line is fitted [mm^2]. The source does not state its range.
+        Default: 25 to 100 % of the load at which the plane reaches the lowest summit.
     rng : int or numpy.random.Generator
         Seed or generator of the shuffled placements; default: 0.
     execution : metafem.studies.Execution, optional
@@ -92,9 +92,9 @@ def misalignment(
         angle and its neighbours. With at least two shuffled placements, ``slope_sd_quantile`` over
         ``quantile`` (0.05, 0.5 and 0.95) and ``angle`` describes them; its error is the sampling error, which
         is too small at 0.05 and 0.95 for fewer than about 100 placements. ``nominal_slope`` and
-        ``nominal_area`` are those without a tilt. ``largest_angle`` [rad] is the least one with which
-        `slope_sd` as made is ``allowed_scatter``, 1 % of the nominal slope; it is infinite without one up to
-        pi/4, and nan if none is found. ``failed`` is the number of laws without a solution; they
+        ``nominal_area`` are those without a tilt. ``largest_angle`` [rad] is the smallest angle at which
+        `slope_sd` as made equals ``allowed_scatter``, 1 % of the nominal slope; it is infinite if there is
+        none up to pi/4, and nan if none is found. ``failed`` is the number of laws without a solution; they
         are interpolated from those at the neighbouring angles.
 
     Raises

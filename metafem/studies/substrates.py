@@ -23,10 +23,10 @@ def laws_on_substrates(
 ) -> tuple[dict[str, FrictionLaw], list[Note]]:
     """Return the laws of independent asperities, and on the half-space, the bonded layer and the true block.
 
-    All have the given contact law, and the largest order of interaction that it has. The keys are the models'
+    All have the given contact law, and its largest order of interaction. The keys are the models'
     names on the command line, "independent" first; the loads (k,) are in N. Notes state which models are left
-    out, and why: without a block the layer and the true block, without `wait` a true block whose influence is
-    not on disk, and models without a solution.
+    out, and why: the layer and the true block without a block; without `wait`, a true block with an influence
+    that is not on disk; and models without a solution.
     """
     order = contact.largest_order
     models: dict[str, Model] = {
@@ -60,7 +60,7 @@ def laws_on_substrates(
 
 def _true_block(surface: Surface, wait: bool) -> tuple[Block3D | None, str]:
     """Return the substrate of the true block, or None and the reason."""
-    from metafem.fe import Block3D  # imports scikit-fem, which no other model needs
+    from metafem.fe import Block3D  # imports scikit-fem; no other model needs it
 
     substrate = Block3D()
     try:

@@ -30,7 +30,7 @@ from metafem.surface import Surface
 if TYPE_CHECKING:
     import xarray as xr
 
-# First number of draws where it follows from the wanted error.
+# Initial number of draws if it follows from the wanted error.
 FIRST_DRAWS = 5_000
 
 
@@ -49,11 +49,11 @@ def uncertainty(
 ) -> xr.Dataset:
     """Error bars of the rescaled law from Gaussian errors of its parameters, and the share of each parameter.
 
-    Of a prediction, ``A0 = F/(sigma B)`` is computed at the load P/E* with drawn values of R, E* and P, and
-    ``F = sigma B A0`` with drawn sigma and B in addition. Of measured pairs, P/E* and F/(sigma B) follow from
-    drawn values of P, F, E*, sigma and B, and their ``deviation`` F/(sigma B) - A0(P/E*) from the prediction
-    from these and R. Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text
-    "Uncertainties", error bars of Figs. 3 to 5.
+    For a prediction, ``A0 = F/(sigma B)`` is computed at the load P/E* with drawn values of R, E* and P, and
+    ``F = sigma B A0`` with drawn values of sigma and B in addition. For measured pairs, P/E* and F/(sigma B)
+    follow from drawn values of P, F, E*, sigma and B; their ``deviation`` from the prediction, F/(sigma B) -
+    A0(P/E*), depends on these and R. Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234,
+    supplementary text "Uncertainties", error bars of Figs. 3 to 5.
 
     The areas at the drawn loads and radii are interpolated between laws of the model at three radii. For
     independent asperities the dependence on the radius is exact.
@@ -63,13 +63,13 @@ def uncertainty(
     surface : Surface
         With the mean values of R, E*, sigma and B.
     parameters : mapping of str to float, or (sequence of str, array_like (p, p))
-        Standard deviations of ``radius`` [mm] (all radii change by the same factor; of the mean radius),
+        Standard deviations of ``radius`` [mm] (of the mean radius; all radii change by the same factor),
         ``composite_modulus`` [MPa], ``load`` [N], ``shear_strength`` [MPa] and ``area_ratio`` [-], and of
         ``friction_force`` [N] for measured pairs; or the names of parameters and their covariance matrix, in
         these units. Deviations of the forces may be arrays (k,). Parameters that are not named have no error.
     draws : int or metafem.studies.Draws
         Number of evaluations, at least 2, rounded up to whole batches; default: 10,000. With an error, draws
-        are added until it is that of ``area_sd``, relative, at all loads.
+        are added until ``area_sd`` has this relative error at all loads.
     model : Model, optional
         Default: `Independent()`.
     load : array_like, (k,), optional
@@ -92,10 +92,10 @@ def uncertainty(
         load. If the surface has a Friction, ``friction_force_mean`` and ``friction_force_sd`` [N]. For
         measured pairs instead ``rescaled_load_...``, ``rescaled_friction_...`` and ``deviation_...``
         [mm^2]. ``NAME_first_order`` and ``NAME_total`` over ``parameter`` are the Sobol indices of each:
-        the shares of the variance that a parameter explains alone, and that remains if all others are
-        known. Correlated parameters are one entry. Each has its standard sampling error ``..._error``.
-        ``saving`` is the number of plain draws with the error of ``area_sd`` over that of the draws used,
-        if A0 has a normal distribution.
+        the share of the variance that a parameter explains by itself, and the share that remains if all
+        others are known. Correlated parameters are one entry. Each has its standard sampling error
+        ``..._error``. ``saving`` is the number of plain draws with the same error of ``area_sd`` over the
+        number of draws used, if A0 has a normal distribution.
 
     Raises
     ------
@@ -159,7 +159,7 @@ def uncertainty(
             enough = wanted is None or (found.sd.error[area] <= wanted * found.sd.value[area]).all()
             if enough or size.draws >= MOST_DRAWS:
                 break
-            # afresh: one net of twice as many points is more accurate than two
+            # restarted: one net of twice as many points is more accurate than two
             first, size = first + size.batches, plan(2 * size.draws, groups)
     if not enough:
         notes.append(Note(f"the sampling error of area_sd exceeds {wanted:g} after {size.draws} draws"))

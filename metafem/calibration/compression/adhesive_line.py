@@ -15,9 +15,9 @@ from metafem._values import Value
 class AdhesiveLine(Value):
     """Least squares of ``y = a0^(3/4)/(sqrt(6) pi^(5/4) R)`` on ``x = pi^(1/4) p/(sqrt(6) a0^(3/4))``.
 
-    The law of Johnson, Kendall and Roberts of a paraboloid is the straight line of the slope ``3/(4 E*)`` and
-    the intercept ``sqrt(3 w/(4 E*))``; p and a0 are load and area of a single contact. Least squares neglect
-    that x has errors, which grow as the contacts shrink: the slope is then too small and E* too large.
+    For a paraboloid, the law of Johnson, Kendall and Roberts is a straight line with the slope ``3/(4 E*)``
+    and the intercept ``sqrt(3 w/(4 E*))``; p and a0 are load and area of a single contact. Least squares
+    neglect the errors of x, and these grow as the contacts shrink: the slope is too small and E* too large.
     Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text "Calibration of
     individual microcontacts".
 
@@ -28,7 +28,7 @@ class AdhesiveLine(Value):
     slope, intercept : float
         [1/MPa], [sqrt(mm)].
     composite_modulus, adhesion_root : float
-        E* [MPa], and sqrt(w) [sqrt(N/mm)] of the sign of the intercept.
+        E* [MPa], and sqrt(w) [sqrt(N/mm)] with the sign of the intercept.
     root_covariance : ndarray, (2, 2)
         Of E* and sqrt(w), from the scatter about the line.
 

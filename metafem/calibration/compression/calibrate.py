@@ -51,15 +51,15 @@ def fit_compression(
     """Return E* and adhesion energy w from loads and contact areas, with errors on both.
 
     ``P = sum_j (E* q(A_j) - b s(A_j))`` with ``b = sqrt(w E*)`` and ``s = sqrt(8 pi a^3)``, ``A = pi a^2``:
-    q = P/E* is the load of the cap without adhesion, 4 a^3/(3 R) for `metafem.Hertz`, or with a surface that
-    of the sample under its model. The law is linear in E* and b. The sum of squared distances from it, over
-    their variances at the fitted areas, is smallest; for given variances that is the orthogonal distance
-    regression of ODRPACK. b has a sign, so that intervals of sqrt(w) are right where w is nearly 0. The
-    straight line of Aymard et al. is computed as well (`AdhesiveLine`).
+    q = P/E* is the load of the cap without adhesion, 4 a^3/(3 R) for `metafem.Hertz`, or, with a surface, the
+    load of the sample under its model. The law is linear in E* and b. The fit minimises the sum of squared
+    distances from it, over their variances at the fitted areas; for given variances this is the orthogonal
+    distance regression of ODRPACK. b may be negative, so that intervals of sqrt(w) are right where w is
+    nearly 0. The straight line of Aymard et al. is computed as well (`AdhesiveLine`).
 
-    Valid for elastic contacts with adhesion of short range. That neighbours change the adhesive part of the
-    load as well is neglected: 1e-5 of E* for caps 7 mm apart, 1e-4 for 2 mm. Johnson, Kendall and Roberts,
-    Proc. R. Soc. A 324, 301 (1971), doi:10.1098/rspa.1971.0141.
+    Valid for elastic contacts with adhesion of short range. The effect of neighbours on the adhesive part of
+    the load is neglected: 1e-5 of E* for caps 7 mm apart, 1e-4 for 2 mm. Johnson, Kendall and Roberts, Proc.
+    R. Soc. A 324, 301 (1971), doi:10.1098/rspa.1971.0141.
 
     Parameters
     ----------
@@ -77,14 +77,14 @@ def fit_compression(
     area_sd : array_like, of the shape of `area`, optional
         Standard deviations of the areas [mm^2], in place of those of `errors`.
     test : array_like, (k,), optional
-        Labels of the tests to which the points belong; default: one test. The points of a test stand in the
-        order in which they were measured: where successive residuals are correlated, the errors drift, the
-        covariance includes it, and a note says by how much.
+        Labels of the tests to which the points belong; default: one test. The points of a test are in the
+        order of measurement: if successive residuals are correlated, the errors drift, the covariance
+        includes the drift, and a note states its size.
     robust : bool
-        Whether points far from the law lose weight, down to 0 at 4.7 standard deviations (Tukey's biweight),
-        for data with outliers; default: False. Without outliers the intervals are 2.6 % wider.
+        Whether points far from the law have less weight, 0 from 4.7 standard deviations on (Tukey's
+        biweight), for data with outliers; default: False. Without outliers the intervals are 2.6 % wider.
     bootstrap : Bootstrap, optional
-        Also fit to points that are drawn again from those of each test; default: none.
+        Also fit points resampled from those of each test; default: none.
 
     Returns
     -------
@@ -180,9 +180,9 @@ def _single_test(data: Data, curve: AreaCurve, name: str, rows: NDArray[np.intp]
 def _judged(
     data: Data, fit: DistanceFit, rows: Any = slice(None)
 ) -> tuple[DistanceFit, Verdict, tuple[Note, ...]]:
-    """Return a fit to rows with the covariance of its errors, its verdict, and a note on correlated errors.
+    """Return a fit with the covariance of its errors, its verdict, and a note on correlated errors.
 
-    Points to which a robust fit gives less than half of their weight are left out, unless they are many.
+    Points with less than half of their weight in a robust fit are left out, unless they are many.
     """
     used = fit.weight >= OUTLYING
     used |= (~used).mean() > MANY_OUTLIERS
@@ -193,7 +193,7 @@ def _judged(
 
 
 def _resampled(data: Data, curve: AreaCurve, bootstrap: Bootstrap) -> FloatArray:
-    """Return E* and sqrt(w) (draws, 2) of points drawn again, without draws that have no fit."""
+    """Return E* and sqrt(w) (draws, 2) of resampled points, without draws that have no fit."""
     found = []
     for rows in bootstrap.rows(data.test, CHUNK // data.area.size):
         fit = data.fit(curve, rows)

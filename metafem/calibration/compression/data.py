@@ -34,7 +34,7 @@ ONE_AREA, ROUNDING = 1e-6, 1e-9
 class Data:
     """Loads (k,) of all contacts together, and areas (k, n) of single ones.
 
-    Each area stands for `contacts` contacts: for all of them where only their total was measured.
+    Each area represents `contacts` contacts: all of them if only their total was measured.
     """
 
     load: FloatArray

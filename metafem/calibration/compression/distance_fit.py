@@ -14,9 +14,9 @@ from metafem._validate import FloatArray
 from metafem.contact import JKR
 from metafem.material import Material
 
-# Shares of the change of the fitted areas in each step, and the change of the parameters over their standard
-# deviations at which the iteration ends. The change falls by a factor of about 100 per full step; smaller
-# steps are needed where errors of areas are as large as the areas.
+# Step lengths for the fitted areas, and the change of the parameters over their standard deviations at which
+# the iteration ends. A full step reduces the change by a factor of about 100; smaller steps are needed if
+# errors of areas are as large as the areas.
 SHARES, ENOUGH = (1.0,) * 15 + (0.5,) * 45 + (0.2,) * 140, 1e-9
 
 # Smallest fitted area over the measured one during the iteration: the area of a contact stays positive.
@@ -52,7 +52,7 @@ class DistanceFit:
     area : ndarray, (..., k, n)
         Fitted areas of single contacts [mm^2].
     weight : ndarray, (..., k)
-        Weights of the points beyond their standard deviations, 1 of least squares [-].
+        Weights of the points in addition to their standard deviations, 1 for least squares [-].
     regressor : ndarray, (..., k, 2)
         Change of the loads with E* and b, so that the covariance is the inverse of X^T X.
     converged : ndarray of bool, (...,)
@@ -69,7 +69,7 @@ class DistanceFit:
 
     @property
     def root(self) -> FloatArray:
-        """sqrt(w) = b/sqrt(E*) [sqrt(N/mm)], of the sign of b; nan where E* is not positive."""
+        """sqrt(w) = b/sqrt(E*) [sqrt(N/mm)], with the sign of b; nan where E* is not positive."""
         with np.errstate(invalid="ignore"):
             return np.asarray(self.product / np.sqrt(self.modulus))
 
@@ -88,7 +88,7 @@ class DistanceFit:
 def adhesive_load(area: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return s = sqrt(8 pi a^3) [mm^(3/2)] of contacts of areas pi a^2, and its derivative by the area.
 
-    `metafem.JKR` with w = E* = 1 lowers the load of a cap by s; it is in proportion to sqrt(w E*).
+    `metafem.JKR` with w = E* = 1 lowers the load of a cap by s; the reduction is proportional to sqrt(w E*).
     """
     radius = np.sqrt(area / math.pi)
     lowered = 2.0 * radius * UNIT.deficit(radius)
@@ -109,15 +109,15 @@ def distance_fit(
 ) -> DistanceFit:
     """Fit E* and b to loads (..., k) [N] and areas (..., k, n) [mm^2] of single contacts.
 
-    The sum of the squared distances from the curve, over their variances, is smallest. A load is the sum over
-    the n areas, times `contacts` where one area stands for that many. `load_sd` [N] is the standard deviation
-    of the loads, `area_sd` returns those of areas [mm^2], and `largest` [mm^2] is the end of the curve.
-    `robust` multiplies the weights by Tukey's, ``(1 - (r/4.685)^2)^2`` and 0 beyond, for residuals r.
+    The fit minimises the sum of the squared distances from the curve, over their variances. A load is the sum
+    over the n areas, times `contacts` if one area represents that many. `load_sd` [N] is the standard
+    deviation of the loads, `area_sd` returns those of areas [mm^2], and `largest` [mm^2] is the end of the
+    curve. `robust` multiplies the weights by Tukey's, ``(1 - (r/4.685)^2)^2`` and 0 beyond, for residuals r.
     Beaton and Tukey, Technometrics 16, 147 (1974), doi:10.1080/00401706.1974.10489171.
 
     In each step the curve is linear about the fitted areas A: ``y = P - c sum_j p'(A_j) (A_measured - A_j)``
     is regressed on q(A) and s(A) with the variances ``V = load_sd^2 + sum_j (c p' area_sd)^2``, and
-    ``A_j = A_measured + c p' area_sd^2 r/V`` with the residual r. Regressors and weights are taken at A,
+    ``A_j = A_measured + c p' area_sd^2 r/V`` with the residual r. Regressors and weights are evaluated at A,
     whose error is independent of that of r. Regressors at the measured areas would bias E* in proportion to
     the variances of the areas, by a thirtieth of its standard deviation at the usual errors. York, Earth
     Planet. Sci. Lett. 5, 320 (1968), doi:10.1016/S0012-821X(68)80059-7.

@@ -23,11 +23,11 @@ from metafem.notes import ArgumentNote, Level, Note, information
 OUTLYING, MANY_OUTLIERS = 0.5, 0.1
 
 # Largest E* of elastomers and gels [MPa]; the contact radius over R at which the mean pressure of Hertz,
-# 4/(3 pi) E* a/R, is a tenth of E*: about the strength of a perfect solid, which no other solid reaches.
+# ``4/(3 pi) E* a/R``, is a tenth of E*: about the strength of a perfect solid, the largest of all.
 STIFF, MEAN_PRESSURE = 300.0, 4.0 / (3.0 * math.pi)
 WIDEST_STIFF = 0.1 / MEAN_PRESSURE
 
-# Contact radius over R beyond which large strain bends the law. Up to there the load of a soft cap
+# Contact radius over R beyond which large strain changes the law. Up to there the load of a soft cap
 # (neo-Hookean, incompressible) is 1 to 4 % below Hertz's, and at 0.76 R from 2 % below to 1 % above it,
 # depending on the height of the cap: tables of finite elements, meshes/deep_caps.csv.
 KNOWN = 0.5
@@ -85,7 +85,7 @@ def notes_of(found: ContactCalibration, cap: Contact, bootstrap: Bootstrap | Non
 
 
 def _outliers(found: ContactCalibration) -> Iterator[Note]:
-    """Return which points are outliers, and those that a robust fit leaves out."""
+    """Return which points are outliers, and which of them a robust fit leaves out."""
     left = np.flatnonzero(found.weight < OUTLYING)
     points = [Given(f"load[{i}]") for i in left.tolist()]
     if points:

@@ -65,18 +65,18 @@ class ContactCalibration(Value):
     residual : ndarray, (k,)
         Distances from the law over their standard deviations [-].
     weight : ndarray, (k,)
-        Weights of a robust fit, from 1 down to 0 for outliers; 1 of all points of any other [-].
+        Weights of a robust fit, from 1 down to 0 for outliers; 1 for all points of any other fit [-].
     verdict : Verdict
-        Whether the law fits the points, of a robust fit those with at least half of their weight, or
-        all points if more than a tenth of them have less.
+        Whether the law fits the points; for a robust fit, those with at least half of their weight, or all
+        points if more than a tenth of them have less.
     line : AdhesiveLine
         The straight line of Aymard et al. through the same points.
     tests : tuple of SingleTest
-        E* and sqrt(w) of each test, where there are several; nan of one with too few points.
+        E* and sqrt(w) of each test, if there are several; nan for a test with too few points.
     heterogeneity : Heterogeneity or None
-        Whether the tests agree; None of a single test.
+        Whether the tests agree; None for a single test.
     bootstrap : ndarray, (m, 2), or None
-        E* and sqrt(w) of points drawn again from those of each test.
+        E* and sqrt(w) of points resampled from those of each test.
     notes : tuple of Note
 
     Examples
@@ -176,7 +176,7 @@ class ContactCalibration(Value):
     def parameter_covariance(self) -> FloatArray:
         """Covariance of the radius [mm], if it has an error, and E* [MPa].
 
-        E* grows with the radius, and at a given load an error of both nearly cancels in the area.
+        E* grows with the radius; at a given load the two errors nearly cancel in the area.
         """
         variance, radius = self.root_covariance[0, 0], self.radius_sd
         if not radius:

@@ -33,7 +33,7 @@ MOST_OF_SPHERE = 0.999
 SAME = 1e-9
 
 # States of a sample: smallest area over the smallest measured one, largest area over the largest measured one
-# and over the largest of the law, number of states, and smallest number in which a contact must be closed.
+# and over the largest of the law, number of states, and smallest number of states with a contact closed.
 BELOW, ABOVE, WITHIN, GRID, FEWEST_STATES = 0.5, 1.5, 0.97, 60, 8
 
 
@@ -60,8 +60,8 @@ class Sample:
     Parameters
     ----------
     contacts : int
-        Number of contacts that share a load; default: 1. Equal ones are assumed where only their total area
-        was measured.
+        Number of contacts that share a load; default: 1. They are assumed to be equal if only their total
+        area was measured.
     radius_sd : float
         Standard deviation of R [mm], common to all points; default: 0. Caps with a profile or a table of
         their own keep their shape.
@@ -116,7 +116,7 @@ class Sample:
         return 0.5 if self.poisson_ratio is None else self.poisson_ratio
 
     def curve(self, radius: float, scale: float, area: FloatArray, one_by_one: bool) -> AreaCurve:
-        """Return the curve of areas (k, n) [mm^2] for radii [mm] that are larger by a factor."""
+        """Return the curve of areas (k, n) [mm^2] for radii [mm] multiplied by a factor."""
         law = self.cap if scale == 1.0 else scaled_cap(self.cap, scale)
         if self.surface is None:
             return cap_curve(law, scale * radius)
@@ -124,7 +124,7 @@ class Sample:
         return sample_curve(scaled, with_contact(self.model, law), area, one_by_one)
 
     def refuse_radius(self, radius: float) -> None:
-        """Refuse a radius [mm] within its error of 0, and one that is not that of the surface."""
+        """Refuse a radius [mm] within its error of 0, and one that differs from that of the surface."""
         if self.radius_sd >= radius:
             words = "must be less than the radius, {.number}"
             raise InvalidInput(words, Given("radius", radius), key="radius_sd", value=self.radius_sd)
@@ -134,7 +134,7 @@ class Sample:
             raise InvalidInput(words, Given("radius", radius), key=f"surface.radius[{i}]", value=own[i])
 
     def _refuse_law(self, law: Contact) -> None:
-        """Refuse a law whose load is not in proportion to E* at a given area."""
+        """Refuse a law whose load is not proportional to E* at a given area."""
         without = "; give the model its cap, such as metafem.Independent(contact=metafem.Hertz())"
         reasons = {
             f"has an adhesion energy, which is fitted{without}": law.adhesive,
@@ -163,7 +163,7 @@ class Sample:
 
 
 def cap_curve(cap: Contact, radius: float) -> AreaCurve:
-    """Return the curve of a contact of its own, of a radius [mm]."""
+    """Return the curve of an isolated contact of a radius [mm]."""
 
     deepest = float(cap.largest_indentation(radius))
     widest = MOST_OF_SPHERE * radius if isinstance(cap, SphericalCap) else math.inf
@@ -179,7 +179,7 @@ def cap_curve(cap: Contact, radius: float) -> AreaCurve:
 
 
 def scaled_cap(cap: Contact, scale: float) -> Contact:
-    """Return the law of caps all of whose lengths are larger by a factor, where they do not follow from R."""
+    """Return the law of caps with all lengths multiplied by a factor, if they do not follow from R."""
     if isinstance(cap, TabulatedContact):
         return TabulatedContact(
             *(cap.table.T * np.array([scale, scale**2, scale**2])).T, material=cap.material
@@ -205,7 +205,7 @@ def sample_curve(surface: Surface, model: Model, area: FloatArray, one_by_one: b
     """Return the curve of a sample with E* = 1 under a model, for areas (k, n) [mm^2] of single contacts.
 
     The sample is solved at loads that reach beyond the areas, and the logarithm of load over area is
-    interpolated by a cubic spline, for each contact where areas are measured one by one.
+    interpolated by a cubic spline, separately for each contact if single areas were measured.
     """
     single = cap_curve(contact_of(model), float(surface.radius[0]))
     closed = area[area > 0.0]

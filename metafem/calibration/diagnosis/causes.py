@@ -18,7 +18,7 @@ COMMON = ("angle_x", "angle_y", "height_scale", "composite_modulus", "friction",
 # Errors of single asperities, one number or two of each asperity.
 SINGLE = ("height", "radius", "position")
 
-# Causes that are one in tables and in the shares of the misfit.
+# Causes that are combined in tables and in the shares of the misfit.
 GROUPS = {
     "tilt": ("angle_x", "angle_y"),
     "height_scale": ("height_scale",),
@@ -30,7 +30,7 @@ GROUPS = {
     "position": ("position",),
 }
 
-# Smallest true load over the standard deviation of a measured one: there is a contact.
+# Smallest true load over the standard deviation of a measured one: a contact needs a positive load.
 LIGHTEST = 0.01
 
 # Smallest radius of a made summit over the designed one, and smallest factor of E*, sigma B and sqrt(w).
@@ -66,7 +66,7 @@ class Made:
 
 @dataclass(frozen=True, eq=False)
 class Causes:
-    """Where each unknown stands among the standard normal numbers z (p,), and its prior standard deviation.
+    """Place of each unknown among the standard normal numbers z (p,), and its prior standard deviation.
 
     The last k numbers are the errors of the measured loads, over their standard deviations.
     """
@@ -174,25 +174,25 @@ class Priors:
     angle_sd : float
         Of the tilt about either axis [rad], from 0 to pi/4; default: 0.05 degrees.
     height_scale_sd : float
-        Relative, of a common factor of all heights [-]; default: 0.02.
+        Of a common factor of all heights, relative [-]; default: 0.02.
     composite_modulus_sd : float
-        Relative, of E* [-]; default: 0.05.
+        Of E*, relative [-]; default: 0.05.
     friction_sd : float
-        Relative, of sigma B, the friction force per initial contact area [-]; default: 0.05.
+        Of sigma B, the friction force per initial contact area, relative [-]; default: 0.05.
     height_sd : float
-        Of each height by itself [mm]; default: 0.9 um.
+        Of each single height [mm]; default: 0.9 um.
     radius_sd : float
         Of each radius [mm]; default: 5 um.
     position_sd : float
         Of x and of y of each site [mm]; default: 0.
     adhesion_root_sd : float
-        Relative, of the root of the adhesion energy of adhesive contacts [-]; default: 0.2, about that of
-        three tests of a calibration.
+        Of the root of the adhesion energy of adhesive contacts, relative [-]; default: 0.2, about the error
+        of a calibration with three tests.
 
     Raises
     ------
     InvalidInput
-        If a value is negative, or a relative one above 1/3.
+        If a value is negative, or if a relative one exceeds 1/3.
 
     Examples
     --------

@@ -51,37 +51,37 @@ def explain(
 
         V = (1 + J'W J)^-1,   m = V J'W (y - f(m) + J m),
 
-    J = df/dz and W the inverse variances. It is relinearised until it stands still, since the law is not
-    linear where contacts open; sums of areas are averaged over the posterior. Tarantola, Inverse Problem
-    Theory (SIAM, 2005), doi:10.1137/1.9780898717921, section 3.2.3.
+    J = df/dz and W the inverse variances. It is relinearised until it converges, since the law is not linear
+    where contacts open; sums of areas are averaged over the posterior. Tarantola, Inverse Problem Theory
+    (SIAM, 2005), doi:10.1137/1.9780898717921, section 3.2.3.
 
-    The error of a load enters all that was measured at this load: the true loads are unknowns as well as the
-    errors of the part, with the measured ones as their means. Linearised, this is the effective covariance
-    ``C + J_P C_P J_P'``, but with its derivatives at the true loads and not at the measured ones. The error
-    of the area of a contact is that of its boundary, and grows with the true area. A contact found open has
-    no area with an error: it says that the indentation is at most 0 at the largest load at which it was found
-    open. This step is replaced by the Gaussian factor with the same mean and variance (expectation
-    propagation). The total area is not used where those of the contacts are known, whose sum it is.
+    The error of a load enters all that was measured at this load: like the errors of the part, the true loads
+    are unknowns; their means are the measured loads. Linearised, this is the effective covariance
+    ``C + J_P C_P J_P'`` with its derivatives at the true loads instead of the measured ones. The error of the
+    area of a contact is that of its boundary, and grows with the true area. A contact found open has no area
+    with an error: its indentation is at most 0 at the largest load at which it was found open. This step
+    function is replaced by the Gaussian factor with the same mean and variance (expectation propagation). The
+    total area is not used if the areas of all contacts are known, since it is their sum.
 
-    A common offset of all heights changes nothing at a given load. An outlier among the heights, larger than
-    the largest error of 99 % of parts, is no draw from the prior: it gets its own size as prior standard
-    deviation, and does not distort the other errors.
+    A common offset of all heights changes nothing at a given load. An outlier among the heights is larger
+    than the largest error in 99 % of parts, so it does not follow the prior: its own size becomes its prior
+    standard deviation, and it does not distort the other errors.
 
     Parameters
     ----------
     measured : MeasuredLaw
-        Any of friction forces, areas and areas of the contacts. Its material and friction, those of the
+        Friction forces, total areas or areas of the contacts. Its material and friction, from the
         calibration, are the means of E* and sigma B.
     design : Design or Surface
         The designed heights, radii and positions.
     priors : Priors
         Expected errors; default: `Priors()`.
     model : Model, optional
-        Default: the one of independent asperities and, if the surface has a block, asperities interacting
-        through the bonded layer, under which the measured values are more probable; with the contact law of
-        the design's model. Adhesive asperities are independent by default. Derivatives
-        by errors of single asperities are those of independent ones. Those by common errors are closed forms
-        for independent asperities, and central differences for interacting ones.
+        Default: independent asperities or, if the surface has a block and the measured values are then more
+        probable, asperities interacting through the bonded layer; with the contact law of the design's model.
+        Adhesive asperities are independent by default. Derivatives by errors of single asperities are those
+        of independent ones. Those by common errors are closed forms for independent asperities, and central
+        differences for interacting ones.
 
     Returns
     -------
@@ -90,7 +90,7 @@ def explain(
     Raises
     ------
     InvalidInput
-        For arguments of another kind, sites that the design does not have, and friction forces without a
+        For arguments of a wrong type, sites that are not in the design, and friction forces without a
         Friction.
     NotConverged
         If the model has no solution at a load.
@@ -138,14 +138,14 @@ def _models(model: Model | None, surface: Surface, contact: Contact) -> list[Mod
     if model is not None:
         return [checked_model(model)]
     independent = Independent(contact=contact)
-    # interacting adhesive contacts are followed from the first touch, seconds for each of hundreds of states
+    # interacting adhesive contacts are solved from the first touch on: seconds for each of hundreds of states
     if surface.block is None or contact.adhesive:
         return [independent]
     return [independent, with_contact(Interacting(substrate=BondedLayer()), contact)]
 
 
 def _solved(scene: Scene) -> tuple[Scene, Posterior]:
-    """Return the posterior; an outlier among the heights is no draw from their prior and gets a wide one."""
+    """Return the posterior; the prior of an outlier among the heights is widened."""
     causes = scene.causes
     posterior = update(scene.linear, causes.size)
     if "height" in causes.sd:
@@ -161,7 +161,7 @@ def _solved(scene: Scene) -> tuple[Scene, Posterior]:
 def _explanation(
     scene: Scene, posterior: Posterior, priors: Priors, evidence: dict[str, float]
 ) -> Explanation:
-    """Return the posterior of one model in terms of the part."""
+    """Return the posterior of one model as errors of the part."""
     causes, mean, at = scene.causes, posterior.mean, posterior.linear
     sd = np.sqrt(np.diag(posterior.covariance))
     common = causes.common
@@ -204,7 +204,7 @@ def _explanation(
 
 
 def _notes(causes: Causes, posterior: Posterior) -> Iterator[Note]:
-    """Return notes on a fit that has not converged, and on factors of E* or sigma B that no part has."""
+    """Return notes on a fit that has not converged, and on impossible factors of E* or sigma B."""
     if not posterior.converged:
         yield Note(
             f"the fit has not converged: its last step changed an error by {posterior.change:.2g} of its "

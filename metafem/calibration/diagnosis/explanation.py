@@ -48,7 +48,7 @@ class Cause:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SingleErrors(Value):
-    """Errors of the n asperities by themselves, [mm].
+    """Errors of the n single asperities [mm].
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class SingleErrors(Value):
     mean, sd : ndarray, (n,), or (n, 2) for positions
         Mean and standard deviation after it [mm].
     outlier : ndarray of bool, as mean
-        Whether an error is larger than the largest of n Gaussian errors is in 99 % of parts.
+        Whether an error exceeds the largest of n Gaussian errors in 99 % of parts.
 
     Examples
     --------
@@ -97,12 +97,12 @@ class Explanation(Value):
     unresolved : tuple of Unresolved
         Errors, and combinations of them, that the measured values do not determine.
     misfit_design, misfit : float
-        Chi-square of the measured values from the design, without any of the errors and with all of them,
-        whose squares over their variances are included [-].
+        Chi-square of the measured values from the design, without any of the errors and with all of them; the
+        latter includes the squares of the errors over their variances [-].
     count : int
         Number of measured values, without loads and open contacts: the expected `misfit`.
     verdict : Verdict
-        Whether what remains is an error of measurement.
+        Whether the errors of measurement explain what remains.
     load, load_sd : ndarray, (k,)
         True loads and their standard deviations after the measurement [N].
     residual : mapping of str to ndarray
@@ -111,7 +111,7 @@ class Explanation(Value):
     log_evidence : mapping of str to float
         Logarithm of the probability density of the measured values under each model that was tried.
     surface : Surface
-        The part with the mean errors, without its tilt taken out, and with its E*.
+        The part with the mean errors, its tilt included, and with its E*.
     friction : Friction or None
         Friction with the mean error of sigma B.
     model : Model
@@ -172,7 +172,7 @@ class Explanation(Value):
         return np.flatnonzero(np.any(found, axis=0)) if found else np.zeros(0, dtype=np.int64)
 
     def sentences(self) -> tuple[str, ...]:
-        """Return what explains the measured law, what is not determined and what remains, in sentences."""
+        """Return sentences on the causes of the misfit, on what is not determined and on what remains."""
         areas = bool(np.isfinite(self.residual.get("asperity_area", np.nan)).any())
         found = [sentences.misfit(self.misfit_design, self.misfit, self.count, areas)]
         found += sentences.ranking(self.shares)

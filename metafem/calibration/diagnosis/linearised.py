@@ -20,15 +20,15 @@ from metafem.surface import Friction
 # Step of central differences over the prior standard deviation of a cause, or over that of the load.
 STEP = 0.03
 
-# Mean and standard deviation of the indentation above which a contact is seen, over (2b)^2/R with the error b
-# of its boundary. A contact of the radius a, with the indentation a^2/R, is taken for open if the error of
-# its area exceeds its area, with the probability N(-a/2b).
+# Mean and standard deviation of the indentation above which a contact is detected, over (2b)^2/R with the
+# error b of its boundary. A contact of the radius a, with the indentation a^2/R, is found open if the error
+# of its area exceeds its area, with the probability N(-a/2b).
 SEEN, SEEN_SD = 0.5, math.sqrt(1.25)
 
 # Smallest standard deviation of an area over the largest area.
 SMALLEST = 1e-12
 
-# Largest change of an unknown, in prior standard deviations, for which differences are used again.
+# Largest change of an unknown, in prior standard deviations, for which differences are reused.
 NEAR = 0.05
 
 # Largest contact radius over the summit's at which the indentation of an overlooked area is taken: a
@@ -46,9 +46,9 @@ class Linear:
     residual: FloatArray  # (m,), measured minus computed: friction forces, total areas, areas of contacts
     gradient: FloatArray  # (m, p), derivatives of the computed values
     sd: FloatArray  # (m,), standard deviations, in the unit of each value
-    indentation: FloatArray  # (c,), of the contacts found open, less the smallest one that is seen [mm]
+    indentation: FloatArray  # (c,), of the contacts found open, minus the smallest detected [mm]
     indentation_gradient: FloatArray  # (c, p)
-    resolution: FloatArray  # (c,), standard deviation of the smallest indentation that is seen [mm]
+    resolution: FloatArray  # (c,), standard deviation of the smallest detected indentation [mm]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ class Scene:
     causes: Causes
     observed: Observations
     friction: Friction | None
-    # the last differences by each kind of error, and where they were taken
+    # the last differences by each kind of error, and where they were computed
     differences: dict[str, tuple[FloatArray, FloatArray]] = field(default_factory=dict, compare=False)
 
     def response(self, made: Made) -> Response:
@@ -115,7 +115,7 @@ class Scene:
         return result
 
     def _near_difference(self, z: FloatArray, name: str) -> FloatArray:
-        """Return the difference of the areas by one kind of error, or that of a place near z."""
+        """Return the difference of the areas by one kind of error, or an earlier one from near z."""
         if name not in self.differences or np.abs(z - self.differences[name][0]).max() > NEAR:
             self.differences[name] = z, self._difference(z, self.causes.where[name])
         return self.differences[name][1]
@@ -129,7 +129,7 @@ class Scene:
             sides.append(self.response(self.causes.made(other)).area)
         return np.asarray((sides[0] - sides[1]) / (2.0 * STEP))
 
-    # the error of a value is that of the computed one: that of the measured one would give small values too
+    # the error of a value follows from the computed one: from the measured one, small values would have too
     # much weight
     def _observed(
         self, made: Made, found: Response, derivative: FloatArray, covariance: FloatArray
@@ -183,12 +183,12 @@ class Scene:
         )
 
     def _smallest(self, boundary: float, made: Made) -> tuple[FloatArray, ...]:
-        """Return the smallest indentation (c,) at which a contact found open is seen [mm], and its error.
+        """Return the smallest indentation (c,) at which a contact is detected [mm], and its error.
 
-        Then follow its derivatives by log E* and by log sqrt(w).
+        The other two values are its derivatives by log E* and by log sqrt(w).
 
-        With the error b of the boundary it is about b^2/(2 R); where a larger area may be overlooked, it is
-        the indentation of that area, with the error 2 a b/R by that of the contact radius a.
+        With the error b of the boundary it is about b^2/(2 R); if a larger area may be overlooked, it is the
+        indentation of that area, with the error 2 a b/R from the error of the contact radius a.
         """
         seen, radius = self.observed, self.causes.surface.radius[self.observed.open_site]
         least = (2.0 * boundary) ** 2 / radius
@@ -226,7 +226,7 @@ def _total(area: FloatArray, derivative: FloatArray, covariance: FloatArray) -> 
 def _ratio(
     error: Callable[[FloatArray], FloatArray], computed: FloatArray, measured: FloatArray
 ) -> FloatArray:
-    """Return the error of the computed values over that of the measured ones, at most twice or half."""
+    """Return the error of the computed values over that of the measured ones, limited to 0.5 to 2."""
     of_measured = error(measured)
     ratio = np.divide(error(computed), of_measured, np.ones_like(computed), where=of_measured > 0.0)
     return np.asarray(np.clip(ratio, 0.5, 2.0))

@@ -17,7 +17,7 @@ from metafem.surface import Surface
 
 @dataclass(frozen=True, eq=False)
 class Observations:
-    """The areas of the contacts in a measured law, and whether they were measured one by one."""
+    """The areas of the contacts in a measured law, and whether they were measured individually."""
 
     measured: MeasuredLaw
     by_contact: bool
@@ -27,7 +27,7 @@ class Observations:
     boundary: FloatArray  # (m,), error of the boundary of each contact [mm]
     open_row: IntArray  # (c,), largest load at which a contact was found open, and its asperity
     open_site: IntArray
-    # (c,), largest area of such a contact that is overlooked [mm^2], 0: its boundary's
+    # (c,), largest overlooked area of such a contact [mm^2]; 0: from the error of its boundary
     overlooked: FloatArray
 
     @staticmethod
@@ -48,7 +48,7 @@ class Observations:
         row, column = np.nonzero(found > 0.0)
         area = found[row, column]
         boundary = found_sd[row, column] / (2.0 * np.sqrt(math.pi * area))
-        # only the largest load at which a contact is open counts: it implies that it is open at smaller ones
+        # only the largest load with an open contact counts: the contact is also open at smaller loads
         last = len(found) - 1 - np.argmax(found[::-1] <= 0.0, axis=0)
         opened = np.flatnonzero((found <= 0.0).any(axis=0))
         overlooked = found_sd[last[opened], opened]

@@ -34,11 +34,12 @@ class Response:
     """Contacts of a surface at k rescaled loads, all arrays (k, n).
 
     The area of an open contact is negative: ``pi R d`` with its gap -d, so that it is differentiable where
-    the contact closes. With shares s_j and the area's rate A' by the indentation, an independent contact has
+    the contact closes. With the shares s_j and the derivative A' of the area by the indentation, for
+    independent contacts
 
         dA_i = A'_i (dh_i - sum_j s_j dh_j + dq / sum_j p'_j),   s_j = p'_j / sum_j p'_j
 
-    at a change dh of the heights and dq of the load, p' the stiffness of a contact.
+    where dh and dq are the changes of the heights and of the load, and p' is the stiffness of a contact.
     """
 
     area: FloatArray  # [mm^2]
@@ -84,7 +85,7 @@ class Response:
 
 
 def response(model: Model, part: Made, load: FloatArray) -> Response:
-    """Return the contacts at rescaled loads (k,) in any order; derivatives are of independent asperities."""
+    """Return the contacts at rescaled loads (k,) in any order; derivatives neglect interaction."""
     contact = with_adhesion(contact_of(model), part.adhesion)
     law = contact.for_material(part.material)
     radius = part.radius
@@ -140,9 +141,9 @@ def _by_radius(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the derivatives of load and area of each contact by its radius at fixed indentation.
 
-    At a fixed contact radius indentation and load change by x and y, and at a fixed indentation load and area
-    by ``y - p' x`` and ``-A' x``; for a paraboloid by ``P/(2 R)`` and ``pi d``, that of the latent area of an
-    open contact.
+    At a fixed contact radius the indentation and the load change by x and y. At a fixed indentation the load
+    and the area change by ``y - p' x`` and ``-A' x``; for a paraboloid by ``P/(2 R)`` and ``pi d``, as does
+    the latent area of an open contact.
     """
     latent = math.pi * indentation
     if law == PARABOLOID:

@@ -25,7 +25,7 @@ NAMES = {
     "position": "positions",
 }
 
-# Smallest share of the misfit that is named in a sentence.
+# Smallest share of the misfit that a sentence states.
 SMALL = 0.01
 
 # Difference of the logarithms of two evidences from which data favour a model: 20 to 1.
@@ -51,7 +51,7 @@ def cause(name: str, prior_sd: float, mean: float, sd: float) -> str:
 
 
 def spread(name: str, mean: FloatArray, sd: FloatArray) -> str:
-    """Return how large the errors of single asperities are."""
+    """Return the size of the errors of single asperities."""
     rms = amount(name, float(np.sqrt((mean**2).mean())), ".2g")
     return f"{rms} rms, each ± {amount(name, float(np.median(sd)), '.2g')}"
 
@@ -62,7 +62,7 @@ def single(name: str, prior_sd: float, mean: FloatArray, sd: FloatArray) -> str:
 
 
 def misfit(design: float, left: float, count: int, areas: bool) -> str:
-    """Return the misfit before and after; `areas`: those of single contacts are among the values."""
+    """Return the misfit before and after; `areas`: the values include areas of single contacts."""
     values = "1 measured value" if count == 1 else f"{count} measured values"
     return (
         f"The measured law differs from the design by chi² = {chi(design)} over {values}"

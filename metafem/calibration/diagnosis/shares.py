@@ -1,4 +1,4 @@
-"""How much of the misfit each cause explains, and which causes the data do not tell apart."""
+"""The share of the misfit that each cause explains, and causes that the data do not distinguish."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from metafem.calibration.diagnosis.update import Posterior
 def shares(causes: Causes, posterior: Posterior) -> tuple[dict[str, float], dict[str, float], float, float]:
     """Return the share of each group of causes in the explained misfit, the largest first.
 
-    Then follow the misfit if each group is left out, and that without and with all of them.
+    The other values are the misfit without each group, without all groups and with all groups.
 
     The misfit without causes is that of the values linearised at the posterior, ``r'S^-1 r``, with the
     residuals r of the prior prediction and the covariance S of the measurement, loads included. With all:
     ``r'(S + J J')^-1 r = r'S^-1 r - sum_c (J_c'S^-1 r).m_c`` with the posterior means m: cause c explains the
-    term c. It is negative where a cause corrects what another one does too much.
+    term c. It is negative if the cause corrects an excess of another one.
     """
     at, load = posterior.linear, causes.where["load"]
     residual = at.residual + at.gradient @ posterior.mean
@@ -56,14 +56,14 @@ def shares(causes: Causes, posterior: Posterior) -> tuple[dict[str, float], dict
     return {name: share[name] for name in order}, {name: without[name] for name in order}, before, after
 
 
-# Share of its prior variance that the data leave an unseen cause, even with all other causes known.
+# Share of the prior variance above which a cause is not seen, even with all other causes known.
 UNSEEN = 0.7
 
-# Share of its prior variance that the data leave an unresolved combination: three quarters of the standard
+# Share of the prior variance above which a combination is unresolved: three quarters of the standard
 # deviation.
 UNRESOLVED = 0.55
 
-# Smallest part of a cause that is named in a combination, over the largest part.
+# Smallest component of a combination that is named, over the largest component.
 NAMED = 0.3
 
 # Steps of the rotation to combinations of few errors.
@@ -77,8 +77,8 @@ class Unresolved:
     Attributes
     ----------
     change : mapping of str to float
-        Change of each error [rad or relative] that together remain within the errors of the measurement, of
-        one standard deviation.
+        Changes of the errors by one standard deviation [rad or relative]; together they remain within the
+        errors of the measurement.
     variance_left : float
         Variance that the measurement leaves, over that of the prior [-].
 
@@ -96,15 +96,15 @@ def unresolved(causes: Causes, covariance: FloatArray, precision: FloatArray) ->
     """Return what is not resolved among the errors of the whole part.
 
     covariance, precision: of the unknowns over their prior standard deviations, (p, p). The combinations are
-    eigenvectors of the posterior covariance against that of the prior, with all other unknowns unknown,
-    rotated in the space of those that are not resolved until each has few errors.
+    eigenvectors of the posterior covariance relative to the prior one, with all other unknowns free. Those
+    that are not resolved are rotated in their space until each has few errors.
     """
     names = causes.common
     index = np.array([causes.where[name].start for name in names], dtype=np.intp)
     if not names:
         return ()
     block = covariance[np.ix_(index, index)]
-    # known others: those of the whole part; single errors and loads stay unknown
+    # the other errors of the whole part are known; single errors and loads stay unknown
     known = 1.0 / np.diag(np.linalg.inv(block))
     unseen = known > UNSEEN
     found = [Unresolved({names[i]: causes.sd[names[i]]}, float(block[i, i])) for i in np.flatnonzero(unseen)]

@@ -1,9 +1,9 @@
 """The Gaussian posterior of the unknowns: a linear update, relinearised until it converges.
 
-The prior of the unknowns z is the standard normal distribution. A measured value has a Gaussian error, and a
-contact that was found open says that its indentation is at most 0: a step of the likelihood, which is
-replaced by the Gaussian factor that gives the same mean and variance of the indentation (expectation
-propagation; Minka, Proc. 17th Conf. Uncertainty in Artificial Intelligence, 362 (2001), arXiv:1301.2294).
+The prior of the unknowns z is the standard normal distribution. A measured value has a Gaussian error. The
+indentation of a contact that was found open is at most 0: this step function in the likelihood is replaced by
+the Gaussian factor with the same mean and variance of the indentation (expectation propagation; Minka, Proc.
+17th Conf. Uncertainty in Artificial Intelligence, 362 (2001), arXiv:1301.2294).
 """
 
 from __future__ import annotations
@@ -22,26 +22,26 @@ from metafem.calibration.diagnosis.linearised import Linear
 # The update ends when no mean moves by more than this part of its standard deviation.
 STILL = 1e-4
 
-# Number of full steps, after which each is damped more, and largest number of steps.
+# Number of full steps, after which the damping increases with each step, and largest number of steps.
 FULL_STEPS, MOST_STEPS = 15, 60
 
-# A step changes no unknown by more than this number of prior standard deviations.
+# Largest change of an unknown in one step, in prior standard deviations.
 LONGEST = 10.0
 
-# Part of the change of the factors of open contacts that one step makes.
+# Fraction of the change of the factors of open contacts that is applied in one step.
 DAMPING = 0.7
 
 # Gap of an open contact, in standard deviations, beyond which the contact is left out.
 FAR = 8.0
 
-# Largest last step of a converged posterior, in its standard deviations. The step is not 0 where a contact
-# opens and closes in turn; below this it changes no interval noticeably.
+# Largest last step of a converged posterior, in its standard deviations. The step is not 0 if a contact
+# alternately opens and closes; smaller steps do not change an interval noticeably.
 NEARLY = 0.1
 
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
-    """Mean (p,) and covariance (p, p) of the unknowns, and what they leave."""
+    """Mean (p,) and covariance (p, p) of the unknowns, and the residuals at the mean."""
 
     mean: FloatArray
     covariance: FloatArray
@@ -97,7 +97,7 @@ def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Pos
         change = max(whole, moved)
         if change <= STILL:
             break
-    if change > NEARLY:  # an adhesive contact jumps in and out in turn
+    if change > NEARLY:  # an adhesive contact alternately jumps in and out
         mean, covariance, precision, factor, log_open = best
     at = linear(mean, covariance)
     log_det = 2.0 * float(np.log(np.diag(factor[0])).sum())

@@ -19,7 +19,7 @@ from metafem.errors import InvalidInput
 from metafem.notes import ArgumentNote
 from metafem.progress import each
 
-# What is said of an image that cannot be measured.
+# Note on an image that cannot be measured.
 NOT_MEASURED = "{.name} is not measured: {.number}"
 
 
@@ -36,12 +36,12 @@ def contact_areas(
 ) -> ContactAreas:
     """Measure the areas of the contacts in an image, dark on a brighter ground.
 
-    The image is divided by its ground, a polynomial of degree 2 in x and in y. Contacts are the regions
-    within the contour half-way between the grey levels of the ground, 1, and of wide contacts, in the image
-    smoothed by a Gaussian as wide as its own blur s, which has the least noise. The blur moves that contour
-    inwards by s_t²/2 times its curvature, with s_t² the variance of both. So the contour encloses, for any
-    shape, ``pi s_t²`` less than the contact, and this is added, with the next term ``pi s_t⁴/(6 r²)`` of a
-    circle.
+    The image is divided by its ground, a polynomial of degree 2 in x and in y. The image is then smoothed by
+    a Gaussian as wide as its own blur s, which gives the least noise. Contacts are the regions within the
+    contour half-way between the grey levels of the ground, 1, and of wide contacts. Blur and smoothing, with
+    the total variance s_t², move this contour inwards by s_t²/2 times its curvature. For any shape it
+    therefore encloses ``pi s_t²`` less than the contact. This is added, with the next term ``pi s_t⁴/(6 r²)``
+    of a circle.
 
     Parameters
     ----------
@@ -54,11 +54,11 @@ def contact_areas(
     dark_level : float, optional
         Grey level of contacts, over that of the ground [-]; default: that of the widest contacts.
     blur : float, optional
-        Standard deviation of the edges, that of the optics and of the pixels together [mm]; default: from the
+        Standard deviation of the edges, from the optics and the pixels together [mm]; default: from the
         distance of the quarter levels at the edges of the widest contacts.
     subpixel : bool
-        Whether `area` is found with the contour; if not, it is `otsu_area`, and `area_error` contains the
-        bias of that; default: True.
+        Whether `area` is found with the contour; if not, it is `otsu_area`, and `area_error` includes its
+        bias; default: True.
     bright_contacts : bool
         Whether contacts are brighter than the ground; default: False.
     smallest_area : float, optional
@@ -71,17 +71,17 @@ def contact_areas(
     Raises
     ------
     InvalidInput
-        If the image is not one of finite grey values, or shows no contacts.
+        If the image has values that are not finite grey levels, or shows no contacts.
 
     Notes
     -----
     The error of an area with the perimeter L is, for noise of standard deviation n of each pixel over the
     contrast, ``n sqrt(2 sqrt(pi) s L)`` square pixels: 0.3, 0.1 and 0.03 % of the area at radii of 10, 20 and
-    50 pixels with n = 0.05 and s = 1.5 pixels. To it are added the scatter of the grey levels of ground and
-    contacts, and the errors of the dark level and of s, which are common to all contacts of an image.
-    Contacts of radius below 2 s_t are not measured, and those below 1.2 s_t do not reach the half level. One
-    that comes within 2 s_t of the frame is at its edge. The blur of a neighbour within 2 s_t adds to an area,
-    by up to 1 %; nearer ones are merged.
+    50 pixels with n = 0.05 and s = 1.5 pixels. The scatter of the grey levels of ground and contacts is
+    added, and so are the errors of the dark level and of s, which are common to all contacts of an image.
+    Contacts of radius below 2 s_t are not measured, and those below 1.2 s_t do not reach the half level. A
+    contact within 2 s_t of the frame is at its edge. The blur of a neighbour within 2 s_t adds to an area, by
+    up to 1 %; nearer ones are merged.
 
     Otsu's method, IEEE Trans. Syst. Man Cybern. 9, 62 (1979), doi:10.1109/TSMC.1979.4310076, is that of
     Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234.
@@ -115,11 +115,11 @@ def stack_areas(
     """Measure the areas of the contacts in k images with the threshold of the image at the largest load.
 
     That image also supplies the dark level and the blur, as the contacts at smaller loads may be too narrow
-    to show them. If it cannot be measured, the one at the next smaller load takes its place. Where the wide
-    contacts of another image are brighter or darker than that level, a note says so, and the errors of its
-    areas contain what this may cause; a change of the blur between images is not noticed. The images are read
-    one at a time, from the largest load to the smallest. One that cannot be measured does not stop the
-    others: its result has no contacts, `failed` is true, and its notes say why.
+    to show them. If it cannot be measured, the image at the next smaller load is used. If the wide contacts
+    of another image are brighter or darker than that level, a note says so, and the errors of its areas
+    include the possible effect; a change of the blur between images is not noticed. The images are read one
+    at a time, from the largest load to the smallest. If an image cannot be measured, the others still are:
+    its result has no contacts, `failed` is true, and its notes state the reason.
 
     Parameters
     ----------

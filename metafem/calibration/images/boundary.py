@@ -34,7 +34,7 @@ def contours(image: NDArray[np.float32], labels: NDArray[np.int32], level: float
 
     Both arrays have a border of one pixel on the ground, so that contours are closed. Dark pixels that touch
     at a corner are not connected. Contours connect points on the sides of cells of four pixels (marching
-    squares), inside of smooth ones by `errors.INTERPOLATION`.
+    squares). They lie inside smooth contours by `errors.INTERPOLATION`.
     """
     label, start, end, number = _sides(image, labels, level, count)
     origin = _mean(label, start, count)
@@ -95,7 +95,7 @@ def _mean(label: NDArray[np.intp], points: FloatArray, count: int) -> FloatArray
 def semi_axes(shape: Contours, total: float) -> tuple[FloatArray, FloatArray]:
     """Return the semi-axes (n, 2) and the angles (n,) of the ellipses with the same moments.
 
-    The contour lies s_t²/2 times its curvature inside of the boundary. The integral of x² over that strip is
+    The contour lies inside the boundary by s_t²/2 times its curvature. The integral of x² over that strip is
     pi s_t² a³/(a + b) for an ellipse with the semi-axes a along x and b along y.
     """
     xx, yy, xy = shape.moment.T
@@ -125,7 +125,7 @@ Window: TypeAlias = tuple[slice, ...]
 # 0.95 for ratios of their radii of 1 to 0.3. Noise of the boundary changes it only in second order.
 COMPACT = 0.97
 
-# Share of a contact's grey levels at an end of the scale above which it is saturated.
+# Share of grey levels at an end of the scale above which a contact is saturated.
 SATURATED = 0.01
 
 
@@ -136,12 +136,12 @@ def pixels_of(labels: NDArray[np.int32], windows: list[Window]) -> FloatArray:
 
 
 def at_edge(window: Window, shape: tuple[int, ...], margin: int = 1) -> bool:
-    """Whether a region of an image with a border comes within so many pixels of the frame's edge."""
+    """Whether a region of an image with a border comes within a number of pixels of the frame's edge."""
     return any(s.start <= margin or s.stop >= n - margin for s, n in zip(window, shape, strict=True))
 
 
 def merged(shape: Contours, labels: NDArray[np.int32], windows: list[Window]) -> NDArray[np.bool_]:
-    """Return which regions are no ellipses, their holes filled."""
+    """Return which regions are not ellipses after their holes are filled."""
     compact = compactness(shape.area, shape.moment)
     for i in np.flatnonzero(shape.holes):
         compact[i] = _filled(labels[windows[i]] == i + 1)
@@ -166,7 +166,7 @@ def _filled(region: NDArray[np.bool_]) -> float:
 def saturated(
     values: NDArray[Any], labels: NDArray[np.int32], size: FloatArray, bright_contacts: bool
 ) -> NDArray[np.bool_]:
-    """Return which contacts have too many grey levels at an end of the scale; the ground counts for all.
+    """Return which contacts have too many grey levels at an end of the scale; a saturated ground marks all.
 
     `size` holds the numbers of pixels of the contacts; `labels` have no border.
     """

@@ -1,4 +1,4 @@
-"""The contacts that an image shows, as a value."""
+"""The contacts found in an image."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class ContactAreas(Value):
     ----------
     area, area_error : ndarray, (n,)
         Contact areas and their standard deviations [mm^2]. Contacts at the edge of the frame or merged with
-        another have the area of what is seen.
+        another have the visible area.
     otsu_area : ndarray, (n,)
         Number of pixels below Otsu's threshold, times the area of a pixel [mm^2].
     centre : ndarray, (n, 2)
@@ -31,14 +31,15 @@ class ContactAreas(Value):
     angle : ndarray, (n,)
         Direction of the longer axis from x, anticlockwise, from -pi/2 to pi/2 [rad].
     edge, merged, saturated : ndarray of bool, (n,)
-        Whether the contact is at the edge of the frame; whether its outline has a waist as two contacts in
-        one have; whether more than 1 % of its grey levels, or of the ground's, are at an end of the scale.
+        Whether the contact is at the edge of the frame; whether its outline has the waist of two merged
+        contacts; whether more than 1 % of the grey levels of the contact or of the ground are at an end of
+        the scale.
     holes : ndarray of int, (n,)
         Number of bright spots within the contact; they do not count as area.
     threshold, dark_level : float
         Otsu's threshold and the grey level of wide contacts, over the grey level of the ground [-].
     blur : float
-        Standard deviation of the Gaussian that makes a step into the edges of the contacts [mm].
+        Standard deviation of the Gaussian that blurs a step to the edges of the contacts [mm].
     noise : float
         Standard deviation of the grey levels over the contrast, at the scale of the blur [-].
     pixel_size : float
@@ -46,9 +47,9 @@ class ContactAreas(Value):
     shape : tuple of int
         Rows and columns of the image.
     smallest_area : float
-        Area below which a dark region is not taken for a contact [mm^2].
+        Area below which a dark region does not count as a contact [mm^2].
     failed : bool
-        Whether the image could not be measured; `notes` say why, and there are no contacts.
+        Whether the image could not be measured; `notes` state the reason, and there are no contacts.
     notes : tuple of Note
 
     Examples

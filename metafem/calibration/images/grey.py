@@ -1,4 +1,4 @@
-"""Images as grey values, where they are clipped, and the options of their measurement."""
+"""Images as grey values, clipped pixels, and the options of the measurement."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from metafem._extras import refuse_missing
 from metafem._given import shown
 from metafem.errors import InvalidInput
 
-# Pixels along the shorter side of the smallest image that is measured: a contact and ground around it.
+# Smallest number of pixels along the shorter side of an image: a contact and the ground around it.
 FEWEST = 16
 
 # Largest grey levels of cameras, whose pictures of 10 to 14 bits are stored in 16.
@@ -58,7 +58,7 @@ def grey_values(image: Any) -> NDArray[Any]:
 
 
 def _one_channel(values: NDArray[Any]) -> NDArray[Any]:
-    """Return the grey values of an image that is stored in colour; one in several colours is refused."""
+    """Return the grey values of an image that is stored in colour; different channels are refused."""
     if values.ndim != 3 or values.shape[2] not in (1, 2, 3, 4) or min(values.shape[:2]) < FEWEST:
         return values
     channels = values.shape[2]

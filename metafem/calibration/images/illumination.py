@@ -27,8 +27,8 @@ CLIPPED, ROUNDS = 3.0, 12
 # Smallest share of the blocks for a fit.
 ENOUGH = 0.03
 
-# Weight of the blocks beyond the surface in its initial guess. With it, contacts may cover two thirds of the
-# image.
+# Weight of the blocks on the bright side of the surface in its initial guess. It admits contacts that cover
+# two thirds of the image.
 WEIGHT = 50.0
 
 # Median absolute deviation of a normal distribution over its standard deviation.
@@ -46,8 +46,8 @@ class Ground:
 
     `corrected` is the image with the illumination removed: 1 on the ground, and smaller in the contacts.
     `span` is the range of its blocks, wider by itself on both sides: single bad pixels lie outside of it.
-    `structure` is the standard deviation of what the polynomial leaves, over scales of a block; `divided`
-    whether the image was divided by the ground, else the ground was subtracted.
+    `structure` is the standard deviation of the residual of the polynomial, on the scale of a block.
+    `divided` states whether the image was divided by the ground; otherwise the ground was subtracted.
     """
 
     corrected: NDArray[np.float32]
@@ -109,7 +109,7 @@ def _brighter(guess: FloatArray, error: float) -> NDArray[np.bool_]:
 def _fitted(
     terms: FloatArray, grid: FloatArray, sign: float, bright: NDArray[np.bool_], error: float
 ) -> tuple[FloatArray, NDArray[np.bool_], float]:
-    """Return coefficients, the blocks they were fitted to, and the standard deviation of those."""
+    """Return coefficients, the blocks they were fitted to, and the standard deviation of these blocks."""
     on_ground = _clear_of(~bright)
     for _ in range(ROUNDS):
         used = terms[on_ground.ravel()]
@@ -135,7 +135,7 @@ def otsu(values: NDArray[Any]) -> float:
 def _envelope(terms: FloatArray, levels: FloatArray, sign: float) -> FloatArray:
     """Return the coefficients of a surface near the blocks that are least like contacts: an expectile.
 
-    The blocks on its one side have larger weights.
+    The blocks on one side of it have larger weights.
     """
     weight = np.ones(levels.size)
     for _ in range(ROUNDS):
@@ -146,14 +146,14 @@ def _envelope(terms: FloatArray, levels: FloatArray, sign: float) -> FloatArray:
 
 
 def _clear_of(dark: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return which blocks are not dark and, where that leaves enough, have no dark neighbour."""
+    """Return which blocks are not dark and, if enough blocks remain, have no dark neighbour."""
     clear = ~binary_dilation(dark, np.ones((3, 3)))
     enough = np.count_nonzero(clear) >= ENOUGH * dark.size
     return np.asarray(clear if enough else ~dark)
 
 
 def _structure(residual: FloatArray, error: float) -> float:
-    """Return the standard deviation of what is left, nan in contacts, without the noise of single blocks.
+    """Return the standard deviation of residuals, nan in contacts, without the noise of single blocks.
 
     The noise of neighbouring blocks is independent, so the mean product of their residuals is free of it. Its
     own error is subtracted.

@@ -20,12 +20,11 @@ from metafem.errors import InvalidInput
 # resolve narrower kernels.
 LEAST_SMOOTHING = 1.0
 
-# Standard deviations at which the kernel of a smoothing is cut off; its variance is that of the kernel after
-# the cut.
+# Standard deviations at which the kernel of a smoothing is truncated; the variance is that of the truncated
+# kernel.
 CUT_OFF = 3.0
 
-# Largest number of contacts from which the levels are measured, and their least depth over that of the
-# deepest.
+# Largest number of contacts used for the levels, and their smallest depth over that of the deepest.
 MOST, AS_DEEP = 64, 0.5
 
 # Depth [pixels] beyond which a contact has its dark level: four standard deviations of an edge after a blur
@@ -133,7 +132,7 @@ def measured_levels(
 
 
 def threshold_of(ground: Ground) -> tuple[float, float | None]:
-    """Return Otsu's threshold, or if it divides noise the half level of the darkest region and that level."""
+    """Return Otsu's threshold or, within noise, the half level of the darkest region and its level."""
     level = ground.otsu()
     noise = float(np.median(np.abs(ground.corrected[::EVERY, ::EVERY] - 1.0))) / MAD
     if 1.0 - level > IN_NOISE * noise:
@@ -183,12 +182,12 @@ def _from_widest(
         total = float(np.median(edge)) if blur is None else np.sqrt(blur**2 + variance)
         if dark is not None or deepest > 2.0 * DEEP * total:
             break
-        # the share of the contrast that a smoothed circle has within the pixels of its middle
+        # the share of the contrast of a smoothed circle within the pixels of its middle
         shown = chndtr((radius / total) ** 2, 2.0, pixels / (2.0 * math.pi * total**2))
         level = float(np.median(1.0 - (1.0 - cores) / shown))
     error = float(np.median(np.abs(edge - total))) / MAD / np.sqrt(edge.size)
     own = np.sqrt(max(total**2 - variance, 0.0)) if blur is None else blur
-    # the error of s from that of s_t, of which the smoothing is exact
+    # the error of s from that of s_t; the smoothing is exact
     spread = 0.0 if blur is not None else total / max(own, LEAST_SMOOTHING) * error
     return Levels(
         ground.level, threshold, level, float(own), scatter, float(spread), narrow=deepest < DEEP * total
@@ -196,7 +195,7 @@ def _from_widest(
 
 
 def _core(window: NDArray[np.float32], depth: FloatArray) -> tuple[float, int]:
-    """Return the mean grey level of the middle of a contact, and of how many pixels."""
+    """Return the mean grey level of the middle of a contact, and its number of pixels."""
     deepest = float(depth.max())
     middle = window[depth >= max(0.5 * deepest, min(deepest - 1.0, CORE))]
     return float(middle.mean(dtype=np.float64)), middle.size
@@ -212,7 +211,7 @@ def _scatter(cores: FloatArray, noise: float, pixels: FloatArray, width: float) 
     by_noise = float(np.mean(noise**2 / independent))
     # a median has the variance pi/2 times that of a mean
     error = 0.5 * math.pi * max(spread**2, by_noise) / cores.size
-    # the square of a median absolute deviation scatters by 2.3/sqrt(n) of itself
+    # the square of a median absolute deviation has the relative scatter 2.3/sqrt(n)
     chance = by_noise * (1.0 + 2.3 / math.sqrt(cores.size))
     return math.sqrt(max(spread**2 - chance, 0.0) + error)
 

@@ -1,4 +1,4 @@
-"""How contacts are found in an image, and the notes on what is uncertain."""
+"""Measurement of the contacts in an image, and notes on uncertain values."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from metafem.notes import Note, information
 CONTRAST = 6.0
 
 # Least radius of a contact that is measured, in standard deviations of the smoothed edge: below it, the area
-# of the half level is less than three quarters of the contact's, and depends steeply on noise.
+# at the half level is less than three quarters of the contact's, and depends strongly on noise.
 SMALLEST = 2.0
 
 # Smallest difference of grey levels that is not attributed to noise, in standard deviations.
@@ -145,7 +145,7 @@ def _middle(image: NDArray[np.float32], centre: FloatArray, axes: FloatArray, to
 
 
 def _drift(middle: FloatArray, found: Levels, scatter: float, common: float) -> float:
-    """Return the median of grey levels less the dark level, 0 if it may differ by chance."""
+    """Return the median of grey levels minus the dark level, 0 if the difference may be chance."""
     if not middle.size:
         return 0.0
     level = float(np.median(middle))
@@ -181,14 +181,14 @@ def _counted(
 # Structure of the ground over the contrast above which there is a note: the half level is then wrong by 1 %.
 UNEVEN = 0.02
 
-# Largest number of contacts that a note names.
+# Largest number of contacts named in a note.
 NAMED = 10
 
 
 def remarks(
     found: ContactAreas, levels: Levels, ground: Ground, left_out: int, drift: float
 ) -> Iterator[Note]:
-    """Return notes on what was left out and on what is uncertain.
+    """Return notes on omitted regions and on uncertain values.
 
     `drift` is the difference of the contacts' grey level from that of the levels, over the contrast.
     """

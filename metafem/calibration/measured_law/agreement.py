@@ -21,7 +21,7 @@ from metafem.inversion import Design
 from metafem.notes import Note
 from metafem.prediction import FrictionLaw
 
-# Parameters whose errors shift all points together.
+# Parameters with errors that shift all points together.
 PARAMETERS = ("composite_modulus", "shear_strength", "area_ratio")
 
 # Ratio of E* to that of the design above which the material or a unit is wrong.
@@ -40,16 +40,16 @@ class Comparison(Value):
     predicted : ndarray, (m,)
         Rescaled friction of the design at the measured loads [mm^2].
     deviation, deviation_sd : ndarray, (m,)
-        Measured less predicted rescaled friction, and its standard deviation from the errors of the load, of
+        Measured minus predicted rescaled friction, and its standard deviation from the errors of the load, of
         the friction, and of the parameters [mm^2].
     covariance : ndarray, (m, m)
         Covariance matrix of the deviations [mm^4].
     features : tuple of Feature
         Slopes, operating points and crossover, as far as the target of the design has them.
     verdict : Verdict
-        Of the deviations, with the correlation by the parameters.
+        Verdict on the deviations, with their correlation from the errors of the parameters.
     parameters : mapping of str to float
-        Standard deviations of the parameters that were taken into account.
+        Standard deviations of the parameters that are included.
     notes : tuple of Note
         What was left out.
     percent, normalised : ndarray, (m,)
@@ -121,13 +121,13 @@ def compare(
     ----------
     measured : MeasuredLaw
     design : Design or FrictionLaw
-        The law of a design is computed at the measured loads, that of a FrictionLaw is interpolated. Features
-        are those of the target of a design.
+        The law of a design is computed at the measured loads, a FrictionLaw is interpolated. Features follow
+        from the target of a design.
     parameters : mapping of str to float, or sequence of str
         Standard deviations of ``composite_modulus`` [MPa], ``shear_strength`` [MPa] and ``area_ratio`` [-],
         or the names of the rows of `covariance`; default: no errors.
     covariance : array_like, (p, p), optional
-        Covariance matrix of the named parameters, as a calibration states it.
+        Covariance matrix of the named parameters, for example from a calibration.
 
     Returns
     -------
@@ -194,7 +194,7 @@ def compare(
     )
     notes += _magnitudes(found, design)
     parts = [*features_of(found, design)] if isinstance(design, Design) else []
-    # whitened residuals in order of load are independent if the law holds
+    # if the law holds, whitened residuals in order of load are independent
     residual = np.linalg.solve(np.linalg.cholesky(found.covariance), found.values)
     deviations = dict(zip(names, np.sqrt(np.diag(matrix)).tolist(), strict=True))
     return Comparison(

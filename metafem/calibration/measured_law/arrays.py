@@ -1,4 +1,4 @@
-"""The arrays of a measured law: checked, completed by their standard deviations and put in order of load."""
+"""The arrays of a measured law: checked, completed by their standard deviations and sorted by load."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ BELOW_ZERO = 5.0
 # contacts: one normal error in thirty thousand is so large.
 FALLING = 4.0
 
-# Area whose error a load without contact has, over the largest area.
+# Area that determines the error at a load without contact, over the largest area.
 SMALL_CONTACT = 0.01
 
 
@@ -110,7 +110,7 @@ def _deviation(
         closed = found["asperity_area"] > 0.0
         total: FloatArray = np.sqrt((np.where(closed, found["asperity_area_sd"], 0.0) ** 2).sum(axis=1))
     else:
-        total = errors.of_area(values)  # of n contacts together as of one: the squares add up
+        total = errors.of_area(values)  # the same for n contacts together as for one: the squares add up
     # known contacts count at loads with an unknown total
     parts = np.nansum(found["asperity_area"], axis=1) if missing.any() else values
     largest = float(np.where(missing, parts, values).max())

@@ -30,7 +30,7 @@ REGULAR = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Points of several laws (b, n) with their standard deviations, in order of x."""
+    """Points of several laws (b, n) with their standard deviations, sorted by x."""
 
     x: FloatArray
     y: FloatArray
@@ -128,7 +128,7 @@ def descended(points: Points, start: FloatArray, free: tuple[int, ...]) -> Bent:
 
 def fitted(points: Points, kink: FloatArray, left: float | FloatArray | None = None,
            right: float | FloatArray | None = None) -> Bent:  # fmt: skip
-    """Return the best line of each law (b,) with given crossovers (b,), and perhaps one slope given."""
+    """Return the best line of each law (b,) with fixed crossovers (b,), and optionally one fixed slope."""
     b, dx = len(kink), points.x - kink[:, None]
     columns = np.stack([np.ones_like(dx), np.minimum(dx, 0.0), np.maximum(dx, 0.0)], axis=-1)
     # initial guess: linear least squares, with the errors of x at the slope of all points
@@ -186,9 +186,9 @@ TRIED = 25
 def growths(points: Points, p: FloatArray, draws: int, rng: np.random.Generator) -> FloatArray:
     """Return the growths of chi-square (3, b) at the ends of the intervals of crossover and slopes.
 
-    They are the 68 % quantiles of the difference of chi-square, at the true value of the parameter and
-    minimised over all others, from its minimum. For a crossover at the end of its range the growth is smaller
-    than that of the regular case, which is taken instead: the true crossover is not at the end.
+    Each is the 68 % quantile of chi-square minus its minimum, where chi-square is taken at the true value of
+    the parameter and minimised over all others. For a crossover at the end of its range the growth is smaller
+    than in the regular case, which is used instead: the true crossover is not at the end.
     """
     found = [
         _quantiles(points.take(np.array([i])), p[i], rng.standard_normal((draws, points.x.shape[1])))

@@ -1,4 +1,4 @@
-"""Two straight branches and their crossover, found as in the paper."""
+"""Two straight branches and their crossover by the paper's rule."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ OFF = 2.0
 
 @dataclass(frozen=True)
 class Branches:
-    """Two straight branches of a measured law, with the crossover as the paper states it.
+    """Two straight branches of a measured law, with the crossover by the paper's rule.
 
     The crossover is the middle between the last point on the first line and the first point off it, and its
-    error half their distance. It is biased: a point is found off the first line only where the second has
-    already left it by more than the error bars, and a single error can end the first line early. Of
+    error half their distance. It is biased: a point is found off the first line only where the two lines
+    already differ by more than the error bars, and a single error can end the first line early. Of
     measurements simulated with the heights of Table S2 and the paper's errors, the stated interval contains
-    the target in about 15 % of the trials (``validation/calibration/segmented_regression.py``). That of
-    `fit_segments` covers.
+    the target in about 15 % of the trials (``validation/calibration/segmented_regression.py``). The interval
+    of `fit_segments` has the stated coverage.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Branches:
     crossover_load : float
         Middle of the two loads P/E* [mm^2].
     crossover_interval : (float, float)
-        The two loads [mm^2]; by the rule of the paper, not an interval of 68 %.
+        The two loads [mm^2]: the paper's rule, not a 68 % interval.
 
     Examples
     --------
@@ -59,8 +59,8 @@ class Branches:
 def branches(law: MeasuredLaw, first: int | None = None, second: int | None = None) -> Branches:
     """Fit lines to the first and to the last points of a law, and state the crossover by the paper's rule.
 
-    Without `first`, the first line is that through the first three points, to which the next is added as
-    long as it deviates from the line by at most twice its error bar. Aymard et al., Science 383, 200 (2024),
+    Without `first`, the first line begins with three points. The next point is added as long as it deviates
+    from the line by at most twice its error bar. Aymard et al., Science 383, 200 (2024),
     doi:10.1126/science.adk4234, Fig. 5 and supplementary text on friction laws with two branches.
 
     Parameters
@@ -68,7 +68,7 @@ def branches(law: MeasuredLaw, first: int | None = None, second: int | None = No
     law : MeasuredLaw
     first, second : int, optional
         Numbers of points of the first and of the last line, at least 3. Default: the first line ends before
-        the first point off it, and the last has all points that follow, at least 3.
+        the first point off it, and the last line has all following points, at least 3.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def branches(law: MeasuredLaw, first: int | None = None, second: int | None = No
     Raises
     ------
     InvalidInput
-        If the law has fewer than six points, or no point is off the first line, so that there is one branch.
+        If the law has fewer than six points, or only one branch because no point is off the first line.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Slopes of branches and friction at operating points, as measured and as a design predicts them."""
+"""Measured and predicted slopes of branches and friction at operating points."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ class Feature:
     Attributes
     ----------
     name : str
-        What it is, with its loads.
+        Kind of feature, with its loads.
     unit : str
         "" for a slope, else "mm²".
     value, sd : float
-        As measured, and its standard deviation from the errors of measurement and of the parameters; of a
+        Measured value, and its standard deviation from the errors of measurement and of the parameters; for a
         crossover, half its 68 % interval from the errors of measurement.
     predicted : float
-        Of the design, from the same loads by the same estimator.
+        Value of the design, at the same loads by the same estimator.
     target : float
-        As specified.
+        Specified value.
     interval : (float, float)
         68 % interval of the value.
     deviation, normalised : float
@@ -129,7 +129,7 @@ class Deviations:
 
 
 def features_of(found: Deviations, design: Design) -> Iterator[Feature | Note]:
-    """Return the features of a design's target in a measured law, and notes on those that it lacks."""
+    """Return the features of a design's target in a measured law, and notes on missing ones."""
     yield from _slopes(found, design)
     yield from _points(found, design)
     yield from _crossover(found, design)
@@ -184,7 +184,7 @@ def _crossover(found: Deviations, design: Design) -> Iterator[Feature | Note]:
         wanted = 0.5 * sum(target.crossover_loads[0])
     else:
         return
-    # beyond the second branch the law bends again
+    # the slope changes again beyond the second branch
     end = design.fits[-1][0].load_range[1] if design.fits else np.inf
     below = found.load <= end
     if below.sum() < LEAST_BENT:

@@ -51,16 +51,16 @@ class MeasuredLaw(BaseLaw):
         Real contact areas A0 [mm^2]; default: the sums of `asperity_area`.
     asperity_area : array_like, (k, n), optional
         Contact area of each asperity [mm^2], 0 for an open contact; nan where it could not be measured. The
-        area of such a load is nan, unless it is given, and `compare` leaves the load out.
+        total area at such a load is nan unless `area` states it, and `compare` leaves the load out.
     site : array_like of int, (n,), optional
         Numbers of the asperities in the design; default: 0 to n - 1.
     material : Material
     friction : Friction, optional
         Needed to rescale friction forces.
     errors : MeasurementErrors
-        Standard deviations of what has none of its own; default: those of the paper.
+        Standard deviations of quantities without their own ones; default: those of the paper.
     load_sd, friction_force_sd, area_sd, asperity_area_sd : array_like, optional
-        Standard deviations, in the units and shapes of the quantities, positive. That of an open contact is
+        Standard deviations, in the units and shapes of the quantities, positive. For an open contact it is
         the largest area that may have been overlooked, or 0.
     label : str
         Name of the law; default: "static".
@@ -138,10 +138,10 @@ class MeasuredLaw(BaseLaw):
     ) -> MeasuredLaw:
         """Return the law of the contacts found in images.
 
-        The area of a load is the sum over its contacts. Images without a load are left out, and where
-        some have a friction force, those without; the notes name them. Areas of contacts that were not
-        matched to a site are part of the sums only. Of an image in which the area of a matched contact is
-        unknown, the areas of the others are used.
+        The area of a load is the sum over its contacts. Images without a load are left out and, if some
+        images have a friction force, those without one; the notes name them. Areas of contacts that were not
+        matched to a site only enter the sums. If the area of a matched contact is unknown in an image, the
+        areas of its other contacts are used.
 
         Parameters
         ----------
@@ -149,7 +149,7 @@ class MeasuredLaw(BaseLaw):
         material : Material
         friction : Friction, optional
         errors : MeasurementErrors
-            Of loads and friction forces; the areas have their own.
+            Errors of loads and friction forces; the table has those of the areas.
         label : str
         sites : array_like of int, (n,), optional
             Sites of the asperities of the design, ``Design.sites``; needed for a table of `metafem images` if
@@ -163,7 +163,7 @@ class MeasuredLaw(BaseLaw):
         ------
         InvalidInput
             If no image has a load, or none has a friction force or the areas of all contacts, and for a site
-            that is none of `sites`.
+            that is not in `sites`.
 
         Examples
         --------
@@ -243,7 +243,7 @@ class MeasuredLaw(BaseLaw):
         return self._in_newtons(self.friction_force, self.area)
 
     def _in_newtons(self, force: FloatArray | None, area: FloatArray | None) -> FloatArray:
-        """Return what was measured as friction forces, or sigma B times what was measured as areas."""
+        """Return measured friction forces, or sigma B times measured areas."""
         if force is not None:
             return force
         if self.friction is None:

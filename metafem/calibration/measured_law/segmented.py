@@ -1,4 +1,4 @@
-"""Two branches and their crossover with intervals that cover: regression with errors on both axes."""
+"""Two branches and their crossover with 68 % intervals: regression with errors on both axes."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ DIFFERENT = 4
 # Numbers of crossovers that are tried: for the estimate, and for the ends of its interval.
 TRIED, SCANNED = 41, 201
 
-# Divisions of the step that contains an end of an interval. Two rounds find the end to a thousandth of its
+# Divisions of the step that contains an end of an interval. Two rounds locate the end to a thousandth of its
 # distance from the estimate.
 DIVISIONS = 32
 
-# Number of steps of doubled length from an estimate after which an interval counts as open.
+# Number of steps, each twice as long as the last, after which an interval counts as unbounded.
 MOST_DOUBLINGS = 12
 
 
@@ -106,12 +106,12 @@ def fit_segments(law: MeasuredLaw, *, draws: int = 2000, rng: Any = 0) -> Segmen
     """Fit two straight lines that meet at a crossover, with errors on both axes.
 
     Chi-square is the sum of the squared distances of the points from the bent line in standard deviations,
-    along both axes. An interval holds the values of a parameter for which chi-square, minimised over the
+    along both axes. An interval contains the values of a parameter for which chi-square, minimised over the
     others, exceeds its minimum by at most q. For many points or small errors, q is the 68 % quantile of
-    chi-square with one degree of freedom, 0.989. Where the error of the crossover is not small against the
-    distance of the points, several splits of the points into two branches compete, and intervals with this q
-    cover 62 to 68 % for the data of Fig. 5. q is therefore the 68 % quantile of the growth of chi-square in
-    simulated laws on the fitted lines.
+    chi-square with one degree of freedom, 0.989. If the error of the crossover is not small compared with the
+    distance of the points, several splits of the points into two branches fit similarly well, and intervals
+    with this q cover 62 to 68 % for the data of Fig. 5. q is therefore the 68 % quantile of the growth of
+    chi-square in simulated laws on the fitted lines.
 
     Parameters
     ----------
@@ -224,7 +224,7 @@ def _interval(profile: Callable[[Any], FloatArray], estimate: float, limit: floa
     """Return the ends of an interval about an estimate at which a profile reaches a limit."""
     ends = []
     for sign in (-1.0, 1.0):
-        # the profile at steps of doubled length, computed together
+        # the profile at steps of doubling length, computed together
         steps = sign * 0.02 * abs(estimate) * 2.0 ** np.arange(MOST_DOUBLINGS)
         value = profile(estimate + steps)
         above = np.flatnonzero(value > limit)

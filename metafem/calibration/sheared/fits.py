@@ -1,4 +1,4 @@
-"""Fits of the two lines of sheared contacts: all points, tests one by one, and points drawn again."""
+"""Fits of the two lines of sheared contacts: all points, single tests, and resampled points."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def parameters(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArra
 
 
 def fitted(points: FloatArray, test: Sequence[str], errors: MeasurementErrors) -> ShearCalibration:
-    """Fit points (3, k); those with a single quantity have no fitted value."""
+    """Fit points (3, k); points with a single quantity have no fitted value."""
     used = np.isfinite(points).sum(axis=0) >= 2
     value = np.full(points.shape[1], np.nan)
     found, covariance, value[used] = parameters(points[:, used], errors)
@@ -86,7 +86,7 @@ def fitted_tests(
 
 
 def _of_known(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray, FloatArray]:
-    """Return B and sigma with their covariance, nan for the line of which the points hold nothing."""
+    """Return B and sigma with their covariance, nan for a line without points."""
     known = np.isfinite(points)
     of_ratio, of_strength = (known[0] & known[1]).any(), (known[1] & known[2]).any()
     value, covariance = np.full(2, np.nan), np.full((2, 2), np.nan)
@@ -106,8 +106,8 @@ def resampled(
 ) -> FloatArray:
     """Return B and sigma (draws, 2) of points that are drawn with replacement from each group.
 
-    The points of a group have the same test and the same measured quantities, so that each draw has as many
-    points of either line.
+    The points of a group have the same test and the same measured quantities, so that each draw has the same
+    number of points on each line.
     """
     known = np.isfinite(points)
     used = np.flatnonzero(known.sum(axis=0) >= 2)

@@ -1,4 +1,4 @@
-"""Shear strength from the friction of a surface of which every asperity is in contact."""
+"""Shear strength from the friction of a surface with every asperity in contact."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ from metafem.surface import Surface
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Relative step of the load in the derivative dA0/dP: the error of a central difference is its square, and the
-# rounding 1e-16 over it.
+# Relative step of the load in the derivative dA0/dP: the error of a central difference is the square of the
+# step, the rounding error 1e-16 over the step.
 STEP = 1e-4
 
 # Doublings and halvings of the load in the search for the first one at which all asperities are in contact.
@@ -56,19 +56,19 @@ def shear_strength(
     """Fit the shear strength to friction forces at loads under which all asperities are in contact.
 
     Under such loads no new contact is formed, and the area A0(P) that the model predicts hardly depends on
-    the heights. The factor of ``F = sigma B A0(P)`` is fitted with the errors of load and friction force, and
-    divided by B. An error of E* changes sigma by ``dlog(sigma)/dlog(E*)``, about 2/3, one of B by
-    ``dlog(sigma)/dlog(B) = -1``, and one of the radius by about -2/3. If E* was calibrated with caps of the
-    same radius, it is in proportion to it, and an error of the radius nearly cancels. Aymard et al., Science
-    383, 200 (2024), doi:10.1126/science.adk4234, supplementary text "Model parameter values".
+    the heights. The factor sigma B of ``F = sigma B A0(P)`` is fitted with the errors of load and friction
+    force, and divided by B. The relative sensitivity of sigma to E*, ``dlog(sigma)/dlog(E*)``, is about 2/3,
+    that to B is -1, and that to the radius about -2/3. If E* was calibrated with caps of the same radius, it
+    is proportional to the radius, and an error of the radius nearly cancels. Aymard et al., Science 383, 200
+    (2024), doi:10.1126/science.adk4234, supplementary text "Model parameter values".
 
     Parameters
     ----------
     law : MeasuredLaw
         With friction forces; points below `load_min` are not used.
     surface : Surface
-        The surface, as designed or as measured, with E* and the area ratio B of its friction; if it has no
-        friction, B is that of the law.
+        The designed or measured surface, with E* and the area ratio B of its friction; if it has no friction,
+        the law provides B.
     load_min : float
         Smallest load that is used [N].
     model : Model, optional
@@ -76,9 +76,9 @@ def shear_strength(
     covariance : array_like, (p, p), optional
         Covariance of the `parameters`, in mm, MPa and 1; default: no errors.
     parameters : sequence of str
-        Names of its rows: of ``radius`` (the mean one; all radii change by the same factor),
-        ``composite_modulus`` and ``area_ratio``; default: the last two. Those of
-        `metafem.calibration.joint_covariance` may be given; ``shear_strength`` is left out.
+        Names of its rows: ``radius`` (the mean one; all radii change by the same factor),
+        ``composite_modulus`` and ``area_ratio``; default: the last two. The names of
+        `metafem.calibration.joint_covariance` are accepted; ``shear_strength`` is ignored.
 
     Returns
     -------
@@ -87,8 +87,8 @@ def shear_strength(
     Raises
     ------
     InvalidInput
-        If the model says that an asperity is not in contact at `load_min`, for fewer than two points above
-        it, for a law without friction forces, and if no area ratio is known.
+        If an asperity is not in contact at `load_min` under the model, for fewer than two points above it,
+        for a law without friction forces, and if no area ratio is known.
 
     Examples
     --------
@@ -124,7 +124,7 @@ def shear_strength(
     load, force, load_sd = law.load[used], law.friction_force[used], law.load_sd[used]
     area, slope = _areas(surface, solver, load)
     errors, force_sd = law.errors, law.friction_force_sd[used]
-    # default standard deviations are those of the fitted force, which is not noisy
+    # default standard deviations follow from the fitted force, which is not noisy
     follows = np.allclose(force_sd, errors.of_friction_force(force), rtol=1e-9)
     deviation = (
         lambda _: slope * load_sd,
@@ -141,7 +141,7 @@ def shear_strength(
     residual = (force - factor * area) / np.sqrt(square)
     strength = factor / friction.area_ratio
     measured = float(variance) / friction.area_ratio**2
-    # relative changes of sigma: those of the areas at these loads, weighted as in the fit, and of B
+    # relative changes of sigma: changes of the areas at these loads, weighted as in the fit, and of B
     weight = area / square / (area**2 / square).sum()
     modulus = surface.material.composite_modulus
     change = {
@@ -204,7 +204,7 @@ def _areas(surface: Surface, model: Model, load: FloatArray) -> tuple[FloatArray
 
 
 def _refuse_open(surface: Surface, model: Model, load: float) -> None:
-    """Refuse a load at which an asperity is not in contact, and name the one at which all are."""
+    """Refuse a load at which an asperity is not in contact, and state a load at which all are."""
     opened = _open(surface, model, load)
     if not opened:
         return
@@ -219,7 +219,7 @@ def _refuse_open(surface: Surface, model: Model, load: float) -> None:
 
 
 def _all_touch(surface: Surface, model: Model, load: float) -> tuple[Given, ...]:
-    """Return from which load on all asperities are in contact; nothing if the model finds none."""
+    """Return the smallest load at which all asperities are in contact; () if the model finds none."""
     low, high = load, load
     try:
         for _ in range(DOUBLINGS):
@@ -261,11 +261,11 @@ class StrengthFit(Value):
     area : ndarray, (k,)
         Predicted contact area before shear [mm^2].
     area_sd, friction_force_sd : ndarray, (k,)
-        Standard deviations of the area by the errors of the loads, and of the friction forces.
+        Standard deviations of the area from the errors of the loads, and of the friction forces.
     residual : ndarray, (k,)
         Residuals over their standard deviations [-].
     verdict : Verdict
-        Whether the friction forces are in proportion to the predicted areas.
+        Whether the friction forces are proportional to the predicted areas.
     area_ratio : float
         The area ratio B that was used [-].
     friction : metafem.Friction

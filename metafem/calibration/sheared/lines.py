@@ -25,7 +25,7 @@ from metafem.notes import Note, information
 # Names of the quantities of a point.
 NAMES = ("area_before", "area_sheared", "friction_force")
 
-# Excess of B over 1, in standard deviations, above which there is a note: one normal error in a hundred is
+# Excess of B over 1, in standard deviations, above which a note is added: one normal error in a hundred is
 # larger.
 ABOVE_ONE = 2.33
 
@@ -53,25 +53,24 @@ def shear(
     unknown of the fit: A0, B A0 and sigma B A0 were measured with independent errors, whose standard
     deviations follow from the fitted values. The sheared area belongs to both lines, which makes B and sigma
     correlated (about -0.3 with the default errors). Separate fits of the two lines have nearly the same
-    values and errors, but they do not find this covariance, and from their errors that of sigma B
-    would be too large. Aymard et al., Science 383, 200 (2024),
-    doi:10.1126/science.adk4234, Fig. 2, C and D.
+    values and errors, but not this covariance, and the error of sigma B that follows from them is too large.
+    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. 2, C and D.
 
     The static friction force and the area at the same instant, or the sliding ones, may be used.
 
     Parameters
     ----------
     area_before, area_sheared : array_like, (k,) or (k, n)
-        Contact areas A0 before shear and Af at the friction force [mm^2], positive: totals, or those of n
-        contacts, which are added. nan where one was not measured.
+        Contact areas A0 before shear and Af at the friction force [mm^2], positive: totals, or areas of n
+        contacts, which are added; nan where one was not measured.
     friction_force : array_like, (k,)
         Total friction forces F [N] of these contacts; nan where one was not measured.
     errors : MeasurementErrors
-        Standard deviations. Those of a total area are the same for any number of contacts.
+        Standard deviations. The error of a total area is the same for any number of contacts.
     test : sequence, (k,), optional
         Label of the test of each point; default: one test.
     bootstrap : Bootstrap, optional
-        Also fit to points that are drawn again from those of each test; default: none.
+        Also fit points resampled from those of each test; default: none.
 
     Returns
     -------
@@ -119,7 +118,7 @@ def _points(*quantities: ArrayLike) -> FloatArray:
 
 
 def _refuse_contradiction(found: ShearCalibration) -> None:
-    """Refuse a strength that is not positive, and lines that the points reject by a negative slope."""
+    """Refuse a strength that is not positive, and points with a significantly negative slope."""
     if found.shear_strength <= 0.0:
         raise InvalidInput(
             f"friction_force is not positive on the whole: sigma = {found.shear_strength:.4g} MPa; forces "
@@ -140,7 +139,7 @@ def _refuse_contradiction(found: ShearCalibration) -> None:
 
 
 def _notes(found: ShearCalibration, compared: Heterogeneity | None) -> Iterator[Note]:
-    """Return notes on lines and tests that do not fit, and on points that lack a quantity."""
+    """Return notes on lines and tests that do not fit, and on points with a missing quantity."""
     for line, verdict in zip(LINES, (found.area_verdict, found.friction_verdict), strict=True):
         if not verdict.law_fits or verdict["largest"].noticed:
             valid = "the stated uncertainties hold only for a law that fits, without outliers"

@@ -1,4 +1,4 @@
-"""Quantities in proportion to each other, all of them measured with errors that grow with the quantity."""
+"""Proportional quantities, all measured with errors that grow with the quantity."""
 
 from __future__ import annotations
 
@@ -70,11 +70,11 @@ def proportional(
 
 
 def _first(y: FloatArray, known: NDArray[np.bool_]) -> FloatArray:
-    """Return the ratios of the sums, each over the points at which both quantities were measured."""
+    """Return the ratios of the sums over the points at which both quantities were measured."""
     count = y.shape[-2]
     factor = np.ones(y.shape[:-1])
     for j in range(1, count):
-        # from the first quantity, or from the one before where no point has both
+        # from the first quantity, or from the previous one if no point has both
         both = known[..., j, :] & known[..., 0, :]
         before = known[..., j, :] & known[..., j - 1, :]
         direct = both.any(-1)

@@ -1,4 +1,4 @@
-"""Records of shear tests: static friction, sliding friction and the contact areas that belong to them."""
+"""Records of shear tests: static friction, sliding friction and the corresponding contact areas."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from metafem.notes import Note, counted, information
 # Distances after the peak over which the paper averages the sliding friction (page 313 of its text) [mm].
 SLIDING = (0.1, 0.2)
 
-# Largest share of the peak force at which an area counts as that before shear: areas fall with the square of
-# the force by 10 to 15 % at the peak (Fig. 2A of the paper), so by 0.2 % at a tenth of it.
+# Largest share of the peak force at which an area counts as measured before shear: areas fall with the square
+# of the force by 10 to 15 % at the peak (Fig. 2A of the paper), so by 0.2 % at a tenth of it.
 UNSHEARED = 0.1
 
 # Smallest excess of a peak over the sliding friction, in standard deviations of the noise: the largest of
@@ -32,7 +32,7 @@ ROUNDING = 1e-12
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ShearRecord(Value):
-    """What the record of one shear test says about static and sliding friction.
+    """Static and sliding friction from the record of one shear test.
 
     Attributes
     ----------
@@ -46,8 +46,8 @@ class ShearRecord(Value):
     sliding_range : (float, float)
         Distances after the peak between which sliding friction is averaged [mm].
     area_before, static_area, sliding_area : float or None
-        Contact area before shear, at the peak, and its mean over the sliding range [mm^2]; None if there are
-        no areas.
+        Contact area before shear, at the peak, and its mean over the sliding range [mm^2]; None without
+        areas.
     displacement, friction_force : ndarray, (m,)
         The record [mm], [N].
     area : ndarray, (m,), or None
@@ -90,13 +90,13 @@ def shear_record(
     *,
     sliding_range: tuple[float, float] = SLIDING,
 ) -> ShearRecord:
-    """Return static and sliding friction of the record of a shear test, and the contact areas at both.
+    """Return static and sliding friction from the record of a shear test, and the contact areas at both.
 
     The static friction force is the largest one, and the sliding one the mean of the record over a range of
-    distances after it. The areas are those at the same displacements: interpolated between the two frames
-    around the peak, and the mean of the frames in the range. The area before shear is that of the first
-    frame. Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text "Mechanical
-    testing" and "Applying the design strategy to the sliding friction force".
+    distances after it. The areas belong to the same displacements: one is interpolated between the two frames
+    around the peak, the other is the mean of the frames in the range. The area before shear is that of the
+    first frame. Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text
+    "Mechanical testing" and "Applying the design strategy to the sliding friction force".
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def shear_record(
     friction_force : array_like, (m,)
         Tangential force [N], positive where it resists sliding.
     area : array_like, (m,) or (m, n), optional
-        Contact area at the same instants [mm^2], of n contacts that are added; nan between the frames.
+        Contact area at the same instants [mm^2]; n columns are added; nan between the frames.
     sliding_range : (float, float)
         Distances after the peak [mm]; default: (0.1, 0.2), those of the paper.
 
@@ -209,7 +209,7 @@ def _refuse_without_peak(x: FloatArray, force: FloatArray, peak: int) -> None:
 
 
 def _noise(x: FloatArray, force: FloatArray) -> float:
-    """Return the standard deviation about the best straight line; 0 of two points."""
+    """Return the standard deviation about the best straight line; 0 for two points."""
     apart = x - x.mean()
     square = float(apart @ apart)
     slope = float(apart @ force) / square if square > 0.0 else 0.0
@@ -253,7 +253,7 @@ def _areas(
                 f"{x[around[0]]:.4g} and {x[around[1]]:.4g} mm; the peak is at {x[peak]:.4g} mm"
             )
         )
-    # interpolation in time: entries are equally far apart in time, and displacements may repeat
+    # interpolation in time: entries are equidistant in time, and displacements may repeat
     static = float(np.interp(peak, frames, area[frames]))
     return float(area[frames[0]]), static, float(area[moving].mean())
 

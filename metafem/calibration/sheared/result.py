@@ -1,4 +1,4 @@
-"""Area ratio and shear strength of a material pair, as they were measured."""
+"""Measured area ratio and shear strength of a material pair."""
 
 from __future__ import annotations
 
@@ -32,22 +32,22 @@ class ShearCalibration(Value):
     area_ratio, shear_strength : float
         B [-] and sigma [MPa].
     covariance : ndarray, (2, 2)
-        Covariance of B and sigma, in this order. They share the sheared area, so they are correlated.
+        Covariance of B and sigma, in this order. Both depend on the sheared area, so they are correlated.
     area_before, area_sheared, friction_force : ndarray, (k,)
         Measured points [mm^2], [mm^2] and [N]; nan where one was not measured.
     area_fitted : ndarray, (k,)
         Fitted area before shear [mm^2].
     area_residual, friction_residual : ndarray, (k,)
         Distances of the points from the lines ``Af = B A0`` and ``F = sigma Af`` over their standard
-        deviations [-]; nan where the point is not one of the line's.
+        deviations [-]; nan where the point is not on this line.
     area_verdict, friction_verdict : Verdict
         Whether each line fits.
     errors : MeasurementErrors
         The standard deviations of the points.
     tests : tuple of SingleTest
-        B and sigma of each test, where there are several; nan where the test did not measure one.
+        B and sigma of each test, if there are several; nan if the test does not determine one.
     heterogeneity : Heterogeneity or None
-        Whether the tests agree; None of a single test.
+        Whether the tests agree; None for a single test.
     bootstrap : ndarray, (n, 2), or None
         B and sigma of resampled points.
     notes : tuple of Note

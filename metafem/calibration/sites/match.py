@@ -29,18 +29,18 @@ from metafem.calibration.sites.search import (
 from metafem.errors import InvalidInput
 from metafem.notes import Note, information
 
-# The sides from which a contact is seen, and whether x is then mirrored.
+# The sides from which contacts are viewed, and whether x is then mirrored.
 SIDES = {"glass": False, "block": True}
 
 # Smallest number of contacts: shift, rotation and scale have four unknowns, and three contacts six
 # coordinates.
 FEWEST = 3
 
-# Smallest fraction of the contacts that lie on sites. Of those of a lattice with two thirds or half of the
-# pitch, at most 0.45 do.
+# Smallest fraction of the contacts that lie on sites. For a lattice with two thirds or half of the pitch, the
+# fraction is at most 0.45.
 ON_SITES = 0.6
 
-# Largest rotation and change of scale that are searched for.
+# Largest rotation and change of scale in the search.
 TURN, STRETCH = math.radians(5.0), 0.1
 
 
@@ -60,18 +60,18 @@ def match_sites(
 
     Pairs of contacts are compared with pairs of sites. Each similarity that maps one to the other is rated by
     the number of contacts near sites, and the best ones are refined by least squares. Open contacts, regions
-    that are no contacts and a part of the design that lies outside the frame are admitted.
+    that are not contacts and sites outside the frame are allowed.
 
     Parameters
     ----------
     centre : array_like, (n, 2)
         Centres of the contacts in the image [mm], x to the right and y upwards; at least 3.
     site_position : array_like, (m, 2)
-        Sites of the design [mm] as in `heights.csv`, which are seen from above the asperities; any
-        arrangement of at least 3.
+        Sites of the design [mm] as in `heights.csv`, viewed from above the asperities; any arrangement of at
+        least 3.
     viewed_from : {"glass", "block"}
-        "glass": the camera looks through the glass on the summits, as heights.csv shows them. "block": it
-        looks through the base of the block, and the image is mirrored against heights.csv, x -> -x, like
+        "glass": the view is through the glass onto the summits, as in heights.csv. "block": the view is
+        through the base of the block, and the image is mirrored relative to heights.csv, x -> -x, like
         mould.csv. A mirror in the optics or in the camera's software exchanges the two. Default: "glass".
     rotation : float
         Rotation of the design in the image, anticlockwise [rad], if it is known roughly; default: 0.
@@ -81,8 +81,8 @@ def match_sites(
         Largest relative error of the pixel size [-]; default: 0.1.
     area, expected_area : array_like, (n,) and (m,)
         Measured areas of the contacts and those that the design's law predicts at their sites [mm^2], up to a
-        common factor. They decide where several shifts match equally many contacts, and tell if another
-        viewing side or a quarter turn is much more likely; default: None.
+        common factor. They decide if several shifts match equally many contacts, and show if another viewing
+        side or a quarter turn is much more likely; default: None.
     frame : array_like, (2,)
         Width and height of the image [mm]. Sites outside it count neither as open nor as in contact when
         areas are compared; default: all sites are in the image.
@@ -94,14 +94,15 @@ def match_sites(
     Raises
     ------
     InvalidInput
-        For fewer than 3 contacts, and for those of another lattice: fewer than 60 % of them lie on sites.
+        For fewer than 3 contacts, and if fewer than 60 % of them lie on sites: they belong to another
+        lattice.
 
     Notes
     -----
     A square lattice with its outer row open looks like a smaller lattice in two places, and
     ``SiteMatch.ambiguous`` says so unless the areas decide. Without areas, the design's middle is then placed
-    as near as possible to the middle of the frame or of the contacts. Positions do not show
-    a mirrored square lattice, nor one turned by 90°.
+    as near as possible to the middle of the frame or of the contacts. Positions do not reveal whether a
+    square lattice is mirrored or turned by 90°.
 
     Examples
     --------
@@ -156,7 +157,7 @@ def viewing_side(viewed_from: Any) -> bool:
 
 @dataclass(frozen=True)
 class _Scene:
-    """The contacts in an image, the sites of a design as seen from one side, and what else is known."""
+    """The contacts in an image, the sites of a design viewed from one side, and further known data."""
 
     points: ComplexArray
     sites: FloatArray
@@ -170,7 +171,7 @@ class _Scene:
         return Lattice(complex_points(self.sites, self.mirrored))
 
     def poses(self) -> list[Pose]:
-        """Return the poses that match most contacts, all of them equally many, the most likely first."""
+        """Return the poses that match the largest number of contacts, the most likely first."""
         found = search.searched(self.points, self.lattice, self.bounds)
         if not found:
             return []
@@ -207,7 +208,7 @@ class _Scene:
         return log_likelihood(*self.areas, pose.site, seen)
 
     def match(self, poses: list[Pose]) -> SiteMatch:
-        """Return the first of the poses, which match equally many contacts."""
+        """Return the match of the first of several poses that match equally many contacts."""
         best, similarity = poses[0], poses[0].similarity
         matched = best.site >= 0
         away = self.points[matched] - similarity.image(self.lattice.sites[best.site[matched]])
@@ -266,7 +267,7 @@ class _Scene:
         )
 
     def another_lattice(self, poses: list[Pose]) -> str:
-        """Return the error about contacts that are not on sites."""
+        """Return the error for contacts that are not on sites."""
         lattice, count = self.lattice, len(self.points)
         own = Lattice(self.points).spacing
         apart = f"neighbours are {own:.3g} mm apart in the image and {lattice.spacing:.3g} mm in the design"
@@ -296,7 +297,7 @@ class _Scene:
 class SiteMatch(Value):
     """The sites of the contacts in an image.
 
-    A site x of the design is seen at ``scale R(rotation) M x + shift``, with the rotation matrix R and
+    A site x of the design appears at ``scale R(rotation) M x + shift``, with the rotation matrix R and
     M = diag(-1, 1) if the image is mirrored, else 1.
 
     Attributes
@@ -304,13 +305,13 @@ class SiteMatch(Value):
     site : ndarray of int, (n,)
         Index of the site of each contact in ``site_position``; -1 where a region lies on no site.
     shift : ndarray, (2,)
-        Position at which the design's origin is seen [mm].
+        Position of the design's origin in the image [mm].
     rotation : float
         Anticlockwise rotation of the design in the image [rad].
     scale : float
         Lengths in the image over those in the design [-].
     mirrored : bool
-        Whether the design is seen mirrored, x -> -x, as through the block.
+        Whether the image is mirrored, x -> -x, as through the block.
     residual : float
         Root mean square of the distances of the matched contacts from their sites [mm].
     ambiguous : bool
@@ -336,19 +337,19 @@ class SiteMatch(Value):
     notes: tuple[Note, ...] = ()
 
     def to_image(self, position: ArrayLike) -> FloatArray:
-        """Return where points of the design (m, 2) are seen in the image [mm]."""
+        """Return the positions in the image of points of the design (m, 2) [mm]."""
         factor = self.scale * np.exp(1j * self.rotation)
         points = complex_points(np.asarray(position, dtype=np.float64), self.mirrored)
         return real_points(factor * points) + self.shift
 
     def to_design(self, position: ArrayLike) -> FloatArray:
-        """Return the points of the design that are seen at points of the image (m, 2) [mm]."""
+        """Return the positions in the design of points of the image (m, 2) [mm]."""
         factor = self.scale * np.exp(1j * self.rotation)
         points = complex_points(np.asarray(position, dtype=np.float64) - self.shift) / factor
         return real_points(-points.conj() if self.mirrored else points)
 
 
-# Odds at which one of two placements is preferred; with equal prior probabilities the other one has 1 %.
+# Odds at which one of two placements is preferred: with equal prior probabilities the other one has 1 %.
 ODDS = 100.0
 
 
@@ -356,7 +357,7 @@ def log_likelihood(area: FloatArray, expected: FloatArray, site: IntArray, seen:
     """Return the log-likelihood of areas (k,) at sites (k,) under the expected ones (n,), up to a constant.
 
     The areas are those of the law times one unknown factor, for an error of modulus or load, with normal
-    errors of one unknown standard deviation. That of a site that is `seen` (n,) without a contact is 0.
+    errors of one unknown standard deviation. A site that is `seen` (n,) without a contact has the area 0.
     """
     measured = np.zeros(len(expected))
     measured[site[site >= 0]] = area[site >= 0]
@@ -370,5 +371,5 @@ def log_likelihood(area: FloatArray, expected: FloatArray, site: IntArray, seen:
 
 
 def decides(likely: float, other: float) -> bool:
-    """Whether a log-likelihood exceeds another clearly."""
+    """Whether a log-likelihood clearly exceeds another one."""
     return likely - other >= math.log(ODDS)

@@ -1,4 +1,4 @@
-"""Contacts of an image at sites whose places are known from another image of a stack."""
+"""Contacts of an image at sites with positions known from another image of a stack."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ from metafem.calibration.sites.search import (
     real_points,
 )
 
-# Number of regions from which the shift is guessed; at least one of them is assumed to be a contact.
+# Number of regions used to guess the shift; at least one of them is assumed to be a contact.
 GUESSES = 8
 
 # A shift by more than HALF of the distance between neighbouring sites is used only if it matches clearly more
-# regions than a shorter one: at least MORE of them, and this part of all. A full square lattice of 8 x 8
-# loses 1/8 of them by a wrong shift of one pitch.
+# regions than a shorter one: at least MORE of them, and this part of all. On a full square lattice of 8 x 8,
+# a wrong shift by one pitch loses 1/8 of them.
 HALF, MORE, PART = 0.5, 3, 0.1
 
-# Longest certain shift: a longer one is nearly as long as the shift to the next site, 0.6.
+# Longest unambiguous shift: a longer one is nearly as long as the shift to the next site, 0.6.
 CERTAIN = 0.4
 
 # Largest distance of a region at the edge of the frame from its site, in its semi-axes: for half a circle it
@@ -48,9 +48,9 @@ class Placed(Value):
     Attributes
     ----------
     position : ndarray, (m, 2)
-        Where the sites are seen [mm].
+        Positions of the sites in the image [mm].
     site : ndarray of int, (n,)
-        Site of each contact of the image that could be measured; -1 for others and for those of no site.
+        Site of each contact of the image that could be measured; -1 for others and for those without a site.
     outside : ndarray of bool, (m,)
         Whether a site is outside the frame.
     spoilt : tuple
@@ -60,7 +60,7 @@ class Placed(Value):
     unclear : bool
         Whether another shift, by a distance between sites, matches about as many regions or more.
     shift : complex
-        By how much the sites are moved against the other image [mm], x + i y.
+        Displacement of the sites relative to the other image [mm], x + i y.
     """
 
     position: FloatArray
@@ -89,10 +89,10 @@ def placed(
 ) -> Placed:
     """Return the sites in an image, from their positions in another one of the same sample (m, 2).
 
-    Between two images the sample may move. The shortest shift is meant, unless a longer one matches clearly
-    more regions; those at the edge and merged ones count too. `names` are those of the sites in remarks, and
-    `reach` (m,) the errors of positions that are known badly [mm]; default: 0.
-    With `before`, the shift is that of the same image with more sites.
+    Between two images the sample may move. The shortest shift is assumed, unless a longer one matches clearly
+    more regions; regions at the edge and merged ones count too. `names` are the names of the sites in
+    remarks, and `reach` (m,) are the errors of uncertain positions [mm]; default: 0. With `before`, the shift
+    of the same image with more sites is used.
     """
     own = np.zeros(len(position)) if reach is None else reach
     whole = np.flatnonzero(areas.complete)
@@ -132,7 +132,7 @@ def placed(
 
 
 def _drifted(areas: ContactAreas, lattice: Lattice, own: FloatArray) -> tuple[Pose, bool]:
-    """Return the shift, with the sites of the complete contacts, and whether another one may be meant."""
+    """Return the shift, the sites of the complete contacts, and whether another shift is possible."""
     still = Similarity(1.0, 0.0)
     points = complex_points(areas.centre[areas.complete])
     if not points.size:
@@ -159,7 +159,7 @@ def _drifted(areas: ContactAreas, lattice: Lattice, own: FloatArray) -> tuple[Po
 
 
 def _votes(areas: ContactAreas, pose: Pose, lattice: Lattice, own: FloatArray) -> int:
-    """Return the number of regions at sites, with those that are at the edge or merged."""
+    """Return the number of regions at sites, including those at the edge and merged ones."""
     where = real_points(pose.similarity.image(lattice.sites))
     taken = set(pose.site[pose.site >= 0].tolist())
     count = len(taken)

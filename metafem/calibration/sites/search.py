@@ -18,19 +18,19 @@ IntArray = NDArray[np.intp]
 # neighbouring sites. Images of two sites are at least 0.9 apart, so that a contact is near only one.
 REACH = 0.2
 
-# The same at the end, in medians of all distances: about 7 standard deviations of normal errors, whose median
-# is 1.18 of them. The smallest bound admits errors of the centres of a few pixels.
+# The same at the end, in medians of all distances: about 7 standard deviations of normal errors (the median
+# is 1.18 of them). The smallest bound allows errors of the centres of a few pixels.
 MEDIANS, LEAST_REACH = 6.0, 0.02
 
 # Largest distance of two contacts that are compared with pairs of sites. Longer pairs have smaller errors of
-# direction, but open contacts spoil more of them.
+# direction, but open contacts invalidate more of them.
 LONGEST = 6.0
 
 # Number of pairs that are compared, of contacts that rate a similarity, and of similarities that are refined.
-# Where a fifth of the regions are no contacts, a third of the pairs are spoilt.
+# If a fifth of the regions are not contacts, a third of the pairs are useless.
 PAIRS, RATING, REFINED = 30, 40, 24
 
-# Ranges of rotation and scale in the search over the stated ones, for the errors of short pairs.
+# Factors on the stated ranges of rotation and scale in the search, for the errors of short pairs.
 SLACK = 1.2
 
 
@@ -49,7 +49,7 @@ class Pose:
 
 @dataclass(frozen=True)
 class Lattice:
-    """The sites of a design as seen in the image, in any arrangement."""
+    """The sites of a design as they appear in the image, in any arrangement."""
 
     sites: ComplexArray
 
@@ -71,7 +71,7 @@ class Lattice:
         return distance.reshape(points.shape), site.reshape(points.shape)
 
     def pairs(self) -> tuple[IntArray, IntArray]:
-        """Return first and second sites of the pairs, in both orders, that are compared."""
+        """Return first and second sites of the compared pairs, in both orders."""
         first, second = near_pairs(self.tree, 1.2 * LONGEST * self.spacing)
         return np.concatenate([first, second]), np.concatenate([second, first])
 
@@ -91,7 +91,7 @@ class Bounds:
 
 
 def reach_of(distance: FloatArray | None, lattice: Lattice) -> float:
-    """Return how far from its site a contact may be [mm], from the distances of all; None: not yet known."""
+    """Return the largest distance of a contact from its site [mm]; `distance` None: not yet known."""
     if distance is None:
         return REACH * lattice.spacing
     return min(
@@ -107,7 +107,7 @@ def near_pairs(tree: Any, reach: float) -> tuple[IntArray, IntArray]:
 
 
 def searched(points: ComplexArray, lattice: Lattice, bounds: Bounds) -> list[Pose]:
-    """Return the poses that the search finds, the one that matches most contacts first."""
+    """Return the poses that the search finds, sorted by the number of matched contacts."""
     factor, shift = _candidates(points, lattice, bounds)
     if not factor.size:
         return []
@@ -151,7 +151,7 @@ def _candidates(points: ComplexArray, lattice: Lattice, bounds: Bounds) -> tuple
 
 
 def rating(points: ComplexArray, lattice: Lattice, factor: ComplexArray, shift: ComplexArray) -> FloatArray:
-    """Return how many contacts are near sites, each weighted by its distance, for each similarity."""
+    """Return for each similarity the number of contacts near sites, each weighted by its distance."""
     some = points[np.unique(np.linspace(0, len(points) - 1, RATING).astype(int))]
     reach = reach_of(None, lattice)
     distance, _ = lattice.nearest((some - shift[:, None]) / factor[:, None], reach)
@@ -161,7 +161,7 @@ def rating(points: ComplexArray, lattice: Lattice, factor: ComplexArray, shift: 
 def _ordered(
     points: ComplexArray, lattice: Lattice, similarities: list[Similarity], bounds: Bounds
 ) -> list[Pose]:
-    """Return the different poses to which the similarities are refined, in order of what they match."""
+    """Return the different poses to which the similarities are refined, sorted by their matches."""
     found: dict[bytes, Pose] = {}
     for similarity in similarities:
         pose = _refined(points, lattice, similarity)
@@ -173,7 +173,7 @@ def _ordered(
 def _refined(points: ComplexArray, lattice: Lattice, similarity: Similarity) -> Pose | None:
     """Return the pose with the least squares of the distances of its matched contacts."""
     reach, before = reach_of(None, lattice), None
-    for _ in range(20):  # ends after three or four
+    for _ in range(20):  # converges after three or four
         site, distance = assigned(points, lattice, similarity, reach)
         matched = site >= 0
         if np.count_nonzero(matched) < 2:
@@ -189,7 +189,7 @@ def _refined(points: ComplexArray, lattice: Lattice, similarity: Similarity) -> 
 def assigned(
     points: ComplexArray, lattice: Lattice, similarity: Similarity, reach: float
 ) -> tuple[IntArray, FloatArray]:
-    """Return the site of each contact, -1 if none, and its distance; the nearer of two contacts has it."""
+    """Return the site of each contact, -1 if none, and its distance; of two contacts the nearer is used."""
     distance, nearest = lattice.nearest(similarity.sites(points), reach)
     site = np.full(len(points), -1, dtype=np.intp)
     order = np.argsort(distance, kind="stable")
@@ -215,7 +215,7 @@ class Similarity:
         return self.factor * sites + self.shift
 
     def sites(self, points: ComplexArray) -> ComplexArray:
-        """Return the points of the design whose images are given."""
+        """Return the points of the design from their images."""
         return (points - self.shift) / self.factor
 
 
@@ -231,7 +231,7 @@ def real_points(points: ComplexArray) -> FloatArray:
 
 
 def fitted(points: ComplexArray, sites: ComplexArray) -> Similarity:
-    """Return the similarity with the least squares of ``points - image(sites)``; two pairs are enough."""
+    """Return the similarity that minimises the squares of ``points - image(sites)``; two pairs are enough."""
     middle, origin = points.mean(), sites.mean()
     away = sites - origin
     factor = np.vdot(away, points - middle) / np.vdot(away, away).real

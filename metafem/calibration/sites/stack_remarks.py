@@ -16,7 +16,7 @@ from metafem.notes import Note
 def remarks_of(
     image: str, where: str, areas: ContactAreas, found: Placed | None, names: list[str]
 ) -> tuple[list[str], list[tuple[int, str]]]:
-    """Return what is to be said of an image, and of its sites by their indices."""
+    """Return the remarks on an image, and on its sites by their indices."""
     if found is None:
         texts = [str(note) for note in areas.notes] or ["could not be measured"]
         return [f"{image}: {where}{text}" for text in texts], []
@@ -50,7 +50,7 @@ def remarks_of(
 
 
 def not_numbered(areas: ContactAreas, known: NDArray[np.bool_]) -> tuple[str, ...]:
-    """Return what the image that numbers the contacts shows besides the known ones (n,)."""
+    """Return a remark on unnumbered contacts in the image that numbers the known ones (n,)."""
     left = ~known & (areas.edge | areas.merged)
     if not left.any():
         return ()
@@ -60,7 +60,7 @@ def not_numbered(areas: ContactAreas, known: NDArray[np.bool_]) -> tuple[str, ..
 
 
 def unclear_notes(image: Sequence[str], found: Sequence[Placed | None], kind: str) -> tuple[Note, ...]:
-    """Return warnings of the images whose contacts, or sites, may be others."""
+    """Return warnings on images in which the contacts or sites may be confused."""
     return tuple(
         Note(f"{name}: {_unclear(kind)}")
         for name, one in zip(image, found, strict=True)

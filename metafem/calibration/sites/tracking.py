@@ -21,8 +21,7 @@ from metafem.calibration.sites.stack_remarks import not_numbered, remarks_of, un
 from metafem.errors import InvalidInput
 from metafem.notes import Note
 
-# Number of images that are matched to the sites, one after the other, until one succeeds: those with most
-# contacts.
+# Largest number of images, those with the most contacts, that are matched to the sites until one succeeds.
 TRIED = 3
 
 
@@ -38,13 +37,12 @@ def track_contacts(
 ) -> TrackedContacts:
     """Find the same contacts in all images of one sample, and list their areas.
 
-    The image with most contacts is matched to the sites of the design, as `match_sites` does; if loads are
-    given, it is one with a load. In the others, the same sites are looked for where that image shows them,
-    after a shift that matches most contacts. Without sites, the contacts of the image with most contacts take
-    their place, with those at its edge that another image shows whole. The shortest shift is taken unless a
-    longer one matches clearly more contacts; a warning names images where this is not clear. A site without a
-    contact is open: its area is 0. One outside the frame, at its edge or merged with another has the area nan
-    and a remark.
+    `match_sites` matches the image with the most contacts to the sites of the design; if loads are given, it
+    is an image with a load. In the other images, the same sites are found after the shift that matches the
+    most contacts. Without sites, the contacts of that image serve as sites, including those at its edge that
+    are complete in another image. The shortest shift is used unless a longer one matches clearly more
+    contacts; a warning names images where this is not clear. A site without a contact is open: its area is 0.
+    A site outside the frame, at its edge or with a merged contact has the area nan and a remark.
 
     Parameters
     ----------
@@ -59,7 +57,7 @@ def track_contacts(
     sheared : sequence of ContactAreas or None, (k,), optional
         Contacts of the images at the peak of the friction force; default: none.
     sites : DesignSites, optional
-        Sites of the design, and how they are seen; default: contacts are numbered.
+        Sites of the design and their view; default: contacts are numbered.
 
     Returns
     -------
@@ -68,7 +66,8 @@ def track_contacts(
     Raises
     ------
     InvalidInput
-        If no image shows a contact, or the images with most contacts do not match the sites; names the image.
+        If no image shows a contact, or the images with the most contacts do not match the sites; the error
+        names the image.
 
     Examples
     --------
@@ -93,7 +92,7 @@ def track_contacts(
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DesignSites(Value):
-    """The m sites of a design, and how they are seen in images.
+    """The m sites of a design and their view in images.
 
     Parameters
     ----------
@@ -112,7 +111,7 @@ class DesignSites(Value):
     Raises
     ------
     InvalidInput
-        For numbers that are not different, one for each site.
+        If the numbers are not different, or not one for each site.
 
     Examples
     --------
@@ -172,9 +171,9 @@ class _Stack:
         return cls(found, others, names, tests, *forces)
 
     def fullest(self) -> list[int]:
-        """Return the images, those with most contacts that can be measured first.
+        """Return the images, sorted by the number of measurable contacts, the largest first.
 
-        If some have a load, those without one come last: they may show something else.
+        If some have a load, images without one come last: they may not show the test.
         """
         complete = [np.count_nonzero(one.complete) for one in self.areas]
         total = [one.area[one.complete].sum() for one in self.areas]
@@ -275,7 +274,7 @@ class _Stack:
         names: list[str],
         own: Mapping[int, tuple[str, ...]],
     ) -> tuple[str, ...]:
-        """Return the remarks in order of the images, with those that an image has of its `own`."""
+        """Return the remarks in order of the images, including the `own` ones of each image."""
         remarks: list[str] = []
         for i, image in enumerate(self.image):
             remarks += [f"{image}: {text}" for text in own.get(i, ())]
@@ -331,13 +330,13 @@ class _Stack:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TrackedContacts(Value):
-    """The contacts of a stack of images, and where they are seen.
+    """The contacts of a stack of images, and their positions in each.
 
     Attributes
     ----------
     table : ContactTable
     reference : int
-        Index of the image with most contacts, whose contacts were matched or, without sites, numbered.
+        Index of the image with the most contacts; these were matched or, without sites, numbered.
     match : SiteMatch or None
         Match of that image; None without sites.
     placed, placed_sheared : tuple, (k,)

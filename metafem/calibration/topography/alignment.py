@@ -1,4 +1,4 @@
-"""Which site of a design each summit of a map is, in any orientation of the part, and notes on it."""
+"""Matching of the summits of a map to the sites of a design, in any orientation of the part."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from metafem.errors import InvalidInput
 from metafem.notes import Note, information
 from metafem.surface import Surface
 
-# Largest angle between the axes of the map and those of the part, after quarter turns.
+# Largest angle between the axes of the map and of the part, after quarter turns.
 TURN = math.radians(20.0)
 
-# Ratio of the misfits of the heights above which they decide between two orientations of a part.
+# Ratio of the misfits of the heights above which the heights decide between two orientations of a part.
 DECIDED = 1.5
 
 
@@ -29,9 +29,9 @@ DECIDED = 1.5
 class Alignment:
     """Sites of summits (m,), -1 where there is none; positions in the design's frame (m, 2) [mm].
 
-    `rotation` is the angle of the part on the map, anticlockwise [rad], and `scale` that of distances on the
-    map. If not `decided`, another placement of the part fits the heights nearly as well. `misfit` is the
-    standard deviation of the height errors [mm].
+    `rotation` is the angle of the part on the map, anticlockwise [rad], and `scale` the scale of distances on
+    the map. If `decided` is false, another placement of the part fits the heights nearly as well. `misfit` is
+    the standard deviation of the height errors [mm].
     """
 
     site: NDArray[np.intp]
@@ -51,8 +51,8 @@ class Alignment:
 def aligned(centre: FloatArray, height: FloatArray, design: Surface, mirrored: bool | None) -> Alignment:
     """Match summits (m, 2) with heights (m,) to the sites of a design.
 
-    All quarter turns are compared, with the map as it is or mirrored (None: both), and the one remains in
-    which most summits have a site. Where several remain, the heights decide.
+    All quarter turns are compared, with the map as it is or mirrored (None: both). The orientation in which
+    most summits have a site is used. If there are several, the heights decide.
     """
     if min(len(centre), design.count) < FEWEST:
         return _few(centre, height, design)
@@ -70,13 +70,13 @@ def aligned(centre: FloatArray, height: FloatArray, design: Surface, mirrored: b
     best = min(found, key=lambda each: each.misfit)
     near = [each for each in found if each.misfit <= DECIDED * best.misfit]
     others = any((each.site != best.site).any() for each in near)
-    return replace(near[0], decided=False) if others else best  # the first: as the map lies
+    return replace(near[0], decided=False) if others else best  # the first: as the map is
 
 
 def _placed(
     centre: FloatArray, height: FloatArray, design: Surface, mirrored: bool, rotation: float
 ) -> Alignment:
-    """Match summits in one view, then place them by the rigid motion of least squares."""
+    """Match summits in one view, then move them by the least-squares rigid motion."""
     side = "block" if mirrored else "glass"
     view = partial(match_sites, viewed_from=side, rotation=rotation, rotation_range=TURN)
     match = view(centre, design.position)
@@ -91,7 +91,7 @@ def _placed(
 
 
 def _rigid(points: FloatArray, have: FloatArray, wanted: FloatArray) -> tuple[FloatArray, float]:
-    """Return points under the rigid motion that brings some of them nearest to others, and its angle."""
+    """Return points after the least-squares rigid motion of some of them to others, and its angle."""
     one, other = have - have.mean(axis=0), wanted - wanted.mean(axis=0)
     cross = one.T @ other
     angle = math.atan2(cross[0, 1] - cross[1, 0], cross[0, 0] + cross[1, 1])
@@ -100,7 +100,7 @@ def _rigid(points: FloatArray, have: FloatArray, wanted: FloatArray) -> tuple[Fl
 
 
 def _few(centre: FloatArray, height: FloatArray, design: Surface) -> Alignment:
-    """Match one or two summits to as many sites, as the map lies; the order of x and y decides."""
+    """Match one or two summits to as many sites without rotation; the order of x and y decides."""
     if len(centre) != design.count:
         raise InvalidInput(
             f"the map shows {len(centre)} caps and the design has "
@@ -115,14 +115,15 @@ def _few(centre: FloatArray, height: FloatArray, design: Surface) -> Alignment:
     return Alignment(site, position, 0.0, False, 1.0, misfit)
 
 
-# Largest relative error of distances on the map that is not noted; microscopes are calibrated to this.
+# Largest relative error of distances on the map without a note: the calibration of microscopes.
 SCALE = 2e-3
 
-# A standard deviation of the height errors above this part of that of the designed heights and this part of
-# their mean is noted: errors of making are a few percent, those of another part as large as its heights.
+# A note is added if the standard deviation of the height errors exceeds these fractions of the standard
+# deviation and of the mean of the designed heights: manufacturing errors are a few percent; for another part
+# they are as large as its heights.
 FOREIGN, FOREIGN_MEAN = 0.5, 0.05
 
-# Largest number of places of a kind that are named one by one.
+# Largest number of places of a kind that are listed individually.
 NAMED = 5
 
 UNDECIDED = "the heights do not show how the part was turned, mirrored or shifted; the map is used as it is"
@@ -131,7 +132,7 @@ UNDECIDED = "the heights do not show how the part was turned, mirrored or shifte
 def placement_notes(
     design: Surface, centre: FloatArray, place: Alignment, missing: IntArray, other: list[tuple[float, float]]
 ) -> Iterator[Note]:
-    """Return what has no site, what is missing, and how the part was turned, mirrored or scaled."""
+    """Return notes on unmatched summits, missing asperities, and rotation, mirroring or scale of the part."""
     apart = [on_map(*each) for each in centre[place.site < 0].tolist()]
     yield from _named(
         "cap", apart, "on the map has no site in the design", "on the map have no site in the design"
@@ -165,7 +166,7 @@ def placement_notes(
 
 
 def _named(what: str, places: list[str], one: str, many: str) -> Iterator[Note]:
-    """Return a note for each of a few places, and the number of the others."""
+    """Return notes on a few places, and one on the number of the others."""
     yield from (Note(f"the {what} at {place} {one}") for place in places[:NAMED])
     if len(places) > NAMED:
         yield Note(f"{len(places) - NAMED} other {what}s {many}")

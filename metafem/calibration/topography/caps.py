@@ -15,11 +15,11 @@ from metafem.calibration.topography.correlation import correlation, summed
 from metafem.calibration.topography.levelled import OUTLIER, SD_OF_MEDIAN, Levelling
 from metafem.progress import each
 
-# Lowest share of a cap's height, which is left out: tool and microscope round the foot.
+# Lowest share of a cap's height, which is left out because tool and microscope round the foot.
 FOOT = 0.1
 
-# Rounds of fits, and of those in which the circle of the pixels follows the fit. Four suffice from a start
-# that is wrong by a tenth of the radius; with fixed pixels the rest converges quadratically.
+# Steps of a fit, and number of those in which the circle of pixels is updated. Four suffice if the initial
+# guess is wrong by a tenth of the radius; with fixed pixels the other steps converge quadratically.
 ROUNDS, FOLLOWED = 20, 6
 
 # Last change of the height in a converged fit, over the standard error of the height for white noise with the
@@ -32,7 +32,7 @@ FEWEST = 20
 # Number of cells across a cap in which residuals are summed for their correlation.
 ACROSS = 48
 
-# Least standard deviation of the distances over the radius: the resolution of single precision.
+# Smallest standard deviation of the distances over the radius: the resolution of single precision.
 RESOLUTION = float(np.finfo(np.float32).eps)
 
 # Number of pixels around an outlier that are left out as well.
@@ -44,7 +44,7 @@ class Cap:
     """A sphere on a map: centre x, y, height of the summit above the base plane, and radius [mm].
 
     `sd` is the standard deviation of the pixels' distances from the sphere, `used` their number and `reach`
-    the radius of the circle in which they lie [mm]; `cause` says why a fit failed.
+    the radius of the circle that contains them [mm]; `cause` is the reason why a fit failed.
     """
 
     x: float
@@ -84,9 +84,9 @@ def fitted_caps(
     """Fit a sphere to each cap; return the caps and the covariance of (x, y, height, radius), (n, 4, 4).
 
     The squares of the distances from the sphere, per area of the sphere, are minimised: roughness varies
-    along the surface, so that equal areas of it have equal information. A pixel therefore counts with the
-    cosine of its slope times the square of its vertical residual. Residuals above 4.5 robust standard
-    deviations are excluded, with their neighbours.
+    along the surface, so that equal areas of it have equal information. The weight of the square of a pixel's
+    vertical residual is therefore the cosine of the slope. Residuals above 4.5 robust standard deviations are
+    excluded, with their neighbours.
     """
     widest = max(cap.part(steepest) for cap in starts)
     side = max(1, round(2.0 * widest / ACROSS / max(height_map.pixel)))
@@ -152,7 +152,7 @@ def _fitted(
 def _outliers(
     z: FloatArray, known: NDArray[np.bool_], x: FloatArray, y: FloatArray, cap: Cap
 ) -> NDArray[np.bool_]:
-    """Return the pixels too far from a sphere and their neighbours."""
+    """Return the pixels that are too far from a sphere, and their neighbours."""
     square = (x - cap.x) ** 2 + (y - cap.y) ** 2
     root = np.sqrt(np.maximum(cap.radius**2 - square, 0.0))
     distance = (z - (cap.height - cap.radius + root)) * root / cap.radius
@@ -180,7 +180,7 @@ def pooled(value: FloatArray, covariance: FloatArray) -> tuple[FloatArray, Float
     """Return (x, y, height, radius) of caps (n, 4) and their covariance (n, 4, 4) under one common radius.
 
     The radius is the mean weighted by the inverse variances. The others follow by their regression on it:
-    ``v - C_vR / C_RR (R_i - R)``, and lose the variance that they owe to the error of their own radius.
+    ``v - C_vR / C_RR (R_i - R)``, and their variance no longer includes the error of the single radius.
     """
     variance = covariance[:, 3, 3]
     common = float((value[:, 3] / variance).sum() / (1.0 / variance).sum())

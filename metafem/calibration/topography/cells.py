@@ -1,4 +1,4 @@
-"""A height map in large square cells: their mean heights, for the base plane and for finding summits."""
+"""Mean heights of a map in large square cells, for the base plane and for the search for summits."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from metafem._validate import FloatArray
 from metafem.progress import each
 
-# Pixels that are read at once: a band of rows of a large map, 32 MB in double precision.
+# Number of pixels read at once: a band of rows of a large map, 32 MB in double precision.
 AT_ONCE = 2**22
 
 # A cell is used if at least this part of its pixels was measured.
@@ -22,8 +22,8 @@ MEASURED = 0.1
 class HeightMap:
     """Heights [mm] on pixels of a width and a height [mm], (rows, columns), nan where not measured.
 
-    y is upwards, and the first row is on top. The lower left corner of the map is the origin. `sign` is -1
-    for the map of a mould.
+    y points upwards, and the first row is on top. The lower left corner of the map is the origin. `sign` is
+    -1 for the map of a mould.
     """
 
     values: NDArray[np.floating]
@@ -53,7 +53,7 @@ class HeightMap:
         return slice(int(top), int(bottom)), slice(int(left), int(right))
 
     def heights(self, rows: slice, columns: slice) -> FloatArray:
-        """Return a window in double precision; what is not finite was not measured."""
+        """Return a window in double precision; values that are not finite were not measured."""
         found = np.asarray(self.sign * self.values[rows, columns].astype(np.float64))
         found[~np.isfinite(found)] = np.nan
         return found

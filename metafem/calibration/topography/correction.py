@@ -1,4 +1,4 @@
-"""Heights for the next part, from the systematic errors of this one."""
+"""Corrected heights of the next part, from the systematic errors of this one."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ SIGNIFICANT = 0.01
 # Smallest number of asperities of a regression, and of asperities in excess of the terms.
 FEWEST, SPARE = 3, 2
 
-# A deviation of the mean radius is noted above this number of its standard errors, and if it exceeds this
-# part of the radius, the resolution of single precision.
+# A deviation of the mean radius is noted if it exceeds this number of its standard errors and this fraction
+# of the radius, the resolution of single precision.
 NOTED, RESOLUTION = 3.0, 1e-6
 
 # Smallest divisor, in place of a norm of 0.
@@ -45,7 +45,7 @@ class Correction(Value):
     """Systematic errors of the heights of a part, and the heights to make next.
 
     The height errors of the part are ``e = offset + scale (h - h0) + tilt_x x + tilt_y y + bow_xx x^2 +
-    bow_xy x y + bow_yy y^2`` and a random rest, with the designed height h, its mean h0, and x, y from the
+    bow_xy x y + bow_yy y^2`` and a random error, with the designed height h, its mean h0, and x, y from the
     mean position. Only groups of terms that are significant at 1 % by an F test are used.
 
     Attributes
@@ -58,19 +58,19 @@ class Correction(Value):
     value, value_sd : ndarray, (number of terms,)
         Their values and standard deviations.
     random_sd : float
-        Standard deviation of the random errors of making [mm], without those of the measurement. They
+        Standard deviation of the random manufacturing errors [mm], without those of the measurement. They
         cannot be corrected.
     error, spread : float
         Root mean square of the height errors of this part, and their standard deviation [mm]: a common
         offset changes no friction law.
     expected_error, expected_spread : float
-        The same of the next part [mm], if it has the same systematic errors: the random errors, and what
-        the uncertainty of the terms adds.
+        The same for the next part [mm], if it has the same systematic errors: the random errors, and the
+        effect of the uncertainty of the terms.
     systematic : ndarray
         The systematic error of each asperity of the design [mm].
     design : Design or None
-        The design with the corrected heights, for `metafem.save`; its law remains that of the designed
-        heights, which the next part is expected to have. None if a Surface was corrected.
+        The design with the corrected heights, for `metafem.save`; its law is that of the designed heights,
+        which the next part is expected to have. None if a Surface was corrected.
     notes : tuple of Note
 
     Examples
@@ -104,16 +104,16 @@ class Correction(Value):
 
 
 def corrected_heights(design: Surface | Design, made: MadeSurface) -> Correction:
-    """Return the heights with which the next part comes out as designed.
+    """Return the heights to order so that the next part has the designed heights.
 
-    A height h' that is ordered becomes ``h' + e(h')``; the corrected height is the one for which this is the
+    An ordered height h' becomes ``h' + e(h')``; the corrected height is the h' for which this equals the
     designed height. The errors are regressed on the designed heights and the positions (see `Correction`);
-    groups of terms are dropped one by one, the least significant first, until all others are significant.
+    the least significant groups of terms are removed one after the other until all others are significant.
 
     Parameters
     ----------
     design : Surface or Design
-        What was made; its asperities are those of `made.design`.
+        The design of the part; its asperities are those of `made.design`.
     made : MadeSurface
         The measured part.
 
@@ -157,7 +157,7 @@ def corrected_heights(design: Surface | Design, made: MadeSurface) -> Correction
     # the corrected height h' solves h' + e(h') = h
     surface = wanted.replaced(height=wanted.height - systematic / (1.0 + significant.get("scale", 0.0)))
     random = max(fit.variance - float((made.height_sd**2).mean()), 0.0)
-    # the errors of p terms add p / n of the variance, and that of the offset is common to all heights
+    # the errors of p terms add p / n of the variance; the error of the offset is common to all heights
     terms = len(significant)
     around = terms - ("offset" in significant)
     return Correction(
@@ -186,7 +186,7 @@ class _Fit:
 
 
 def _terms(surface: Surface, site: IntArray) -> dict[str, FloatArray]:
-    """Return the terms at all asperities; except for the offset their mean over the measured ones is 0."""
+    """Return the terms at all asperities; except the offset, they have zero mean over the measured ones."""
     x, y = (surface.position - surface.position[site].mean(axis=0)).T
     terms = {
         "scale": surface.height,
@@ -201,10 +201,10 @@ def _terms(surface: Surface, site: IntArray) -> dict[str, FloatArray]:
 
 
 def _significant(every: dict[str, FloatArray], site: IntArray, error: FloatArray) -> _Fit:
-    """Drop the least significant group of terms until all are significant."""
+    """Remove the least significant group of terms until all are significant."""
     groups: list[str] = []
     left_out: list[str] = []
-    for group in GROUPS:  # those that the asperities determine, with three degrees of freedom to spare
+    for group in GROUPS:  # groups that the asperities determine, with three degrees of freedom left
         matrix = _matrix(every, [*groups, group], site)
         full = (
             np.linalg.matrix_rank(matrix / np.maximum(np.linalg.norm(matrix, axis=0), _TINY))
@@ -252,7 +252,7 @@ def _notes(made: MadeSurface, surface: Surface, left_out: tuple[str, ...]) -> It
     designed = float(made.design.radius[made.site].mean())
     weight = made.radius_sd**-2 if made.radius_sd.all() else np.ones(len(made.site))
     off = float((weight * made.radius_error).sum() / weight.sum())
-    # caps with one common radius do not scatter, and have its error
+    # caps with one common radius do not scatter, and have the error of that radius
     spread = float(made.radius_error.std() / math.sqrt(len(made.site)))
     if np.ptp(made.surface.radius) == 0.0:
         spread = max(spread, float(made.radius_sd.min()))

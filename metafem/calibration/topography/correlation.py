@@ -13,13 +13,13 @@ from metafem._validate import FloatArray
 def correlation(sums: Sequence[FloatArray], weights: Sequence[FloatArray], parameters: int) -> FloatArray:
     """Return the common correlation of residuals on several grids, each after a fit of some parameters.
 
-    It is the covariance over the lag in cells, (2 reach + 1, 2 reach + 1), over the variance of residuals,
-    and exceeds 1 at the lag 0: the fit reduces the variance of its residuals. Its sum is the number of cells
-    that count as one independent value.
+    It is the covariance as a function of the lag in cells, (2 reach + 1, 2 reach + 1), divided by the
+    variance of the residuals. It exceeds 1 at the lag 0: the fit reduces the variance of its residuals. Its
+    sum is the number of cells that count as one independent value.
 
     `sums` holds the sum of the residuals in each cell, `weights` their number. The covariance is summed up to
-    the first ring of lags at which it vanishes. The fit subtracts ``parameters S / N`` from the covariance at
-    each lag, S the sum over all lags and N the number of cells; this is added again.
+    the first ring of lags at which it vanishes. The fit reduces the covariance at each lag by
+    ``parameters S / N``, with the sum S over all lags and the number N of cells; this is added back.
     """
     reach = max(1, min(max(each.shape) for each in weights) // 2)
     total, pairs = np.zeros((2 * reach + 1,) * 2), np.zeros((2 * reach + 1,) * 2)

@@ -1,4 +1,4 @@
-"""The base plane of a height map: tilt and bow, found where no asperity stands."""
+"""The base plane of a height map: tilt and bow, fitted between the asperities."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from metafem.errors import InvalidInput
 # Standard deviation of a normal variable over the median of its absolute value.
 SD_OF_MEDIAN = 1.4826
 
-# Distance of outliers from the base plane or from a sphere, in standard deviations. One value of a normal
-# variable in 150,000 is farther away.
+# Distance of outliers from the base plane or from a sphere, in standard deviations. One value in 150,000 of a
+# normal variable is farther away.
 OUTLIER = 4.5
 
-# Steps of the reweighting: on 40 % of cells on caps it needs 15.
+# Steps of the reweighting: with 40 % of the cells on caps it needs 15.
 STEPS = 50
 
 # Smallest number of cells of the base plane, five for each of six unknowns.
@@ -86,9 +86,9 @@ def levelled(
     """Fit the base plane to the means of cells.
 
     Without `caps` the plane is fitted to all cells, from below: least absolute deviations, then least squares
-    over the cells that lie at most 4.5 robust standard deviations above it; the deviations below it give that
-    standard deviation. With `caps`, the cells on summits, the rest is fitted and outliers on both sides are
-    excluded.
+    over the cells that lie at most 4.5 robust standard deviations above it; the deviations below it determine
+    that standard deviation. With `caps`, the cells on summits, the other cells are fitted and outliers on
+    both sides are excluded.
     """
     rows, columns = height_map.values.shape
     centre = 0.5 * np.array(height_map.pixel) * np.array([columns, rows])

@@ -21,13 +21,13 @@ from metafem.notes import Note
 from metafem.progress import doing
 from metafem.surface import Surface
 
-# Cells across the smallest cap of the design, in which summits are searched.
+# Number of cells across the smallest cap of the design, for the search for summits.
 ACROSS = 10
 
-# Summits are searched above this part of the lowest height of the design.
+# Summits are searched above this fraction of the lowest height of the design.
 LOWEST = 0.25
 
-# Caps lower than this part of their radius look like roughness [-]: 5 um for the paper's radius.
+# Caps lower than this fraction of their radius look like roughness [-]: 5 um for the paper's radius.
 FLATTEST = 0.01
 
 # A map needs at least this many pixels along each axis.
@@ -36,7 +36,7 @@ FEWEST = 16
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MadeSurface(Value):
-    """A surface as it was made and measured, with its design.
+    """A measured surface, with its design.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class MadeSurface(Value):
     design : Surface
         The designed surface.
     site : ndarray of int, (n,)
-        Asperity of the design that each made one is.
+        Asperity of the design for each measured one.
     height_sd, radius_sd, position_sd : ndarray, (n,)
         Standard deviations [mm]; that of the position is along each axis.
     levelling : Levelling
@@ -130,14 +130,14 @@ def measured_surface(
     """Measure the heights, radii and positions of the asperities on a map of heights.
 
     The base plane (tilt and bow) is fitted between the caps, and a sphere ``z = h - R + sqrt(R^2 - rho^2)``
-    to each cap: to its upper nine tenths as far as its slope is below `steepest`. The largest part of the cap
-    has the most information: for roughness of the standard deviation s with the covariance
-    ``s^2 exp(-r^2/l^2)``, white noise on a circle of radius a gives the standard errors ``2 s l/a`` of the
-    height, ``4 sqrt(3) s l R^2/a^3`` of the radius and ``2 s l R/a^2`` of each coordinate, to first order in
-    a/R and l/a. No unbiased estimate is better by more than terms of the order l/a. Caps of 0.05 to 0.27 mm
-    with R = 0.526 mm and an arithmetic roughness of 1.2 um have height errors of 0.1 um (root mean square) up
-    to l = 12 um, with a common radius up to l = 23 um. The standard errors
-    returned follow from the correlation of the measured residuals.
+    to the upper nine tenths of each cap where its slope is below `steepest`. The largest possible part of the
+    cap is used because it has the most information: for roughness of the standard deviation s with the
+    covariance ``s^2 exp(-r^2/l^2)``, white noise on a circle of radius a gives the standard errors
+    ``2 s l/a`` of the height, ``4 sqrt(3) s l R^2/a^3`` of the radius and ``2 s l R/a^2`` of each coordinate,
+    to first order in a/R and l/a. No unbiased estimate is better by more than terms of the order l/a. Caps of
+    0.05 to 0.27 mm with R = 0.526 mm and an arithmetic roughness of 1.2 um have height errors of 0.1 um (root
+    mean square) up to l = 12 um, with a common radius up to l = 23 um. The standard errors returned follow
+    from the correlation of the measured residuals.
 
     Parameters
     ----------
@@ -146,21 +146,20 @@ def measured_surface(
     pixel_size : float or (float, float)
         Distance of the centres of two pixels [mm], or those along x and y.
     design_surface : Surface
-        The designed surface, for the sites and for what is a cap.
+        The designed surface, for the sites and the size of caps.
     bow : bool
         Whether to subtract a second-order surface, not only a plane; default: True. The bow of the part
-        itself is then subtracted as well: a block that is glued to glass is flat, one that lies free may not
-        be.
+        itself is then subtracted as well: a block glued to glass is flat, a free block may not be.
     steepest : float
         Largest slope of a cap that is used [-], positive; default: 1, 45 degrees.
     common_radius : bool
-        Whether all caps have one radius, as those made with one tool; default: False. The errors of the
+        Whether all caps have one radius, for example if one tool made them; default: False. The errors of the
         heights are then halved.
     mould : bool
         Whether the map shows the mould, whose holes are the caps; default: False.
     mirrored : bool, optional
-        Whether the map is a mirror image of the part; default: whichever fits the heights better. The map
-        of a mould is one.
+        Whether the map is a mirror image of the part, as the map of a mould is; default: whichever fits the
+        heights better.
 
     Returns
     -------
@@ -274,7 +273,7 @@ def _height_map(values: ArrayLike, pixel_size: float | tuple[float, float], moul
 
 
 def _lowest(design: Surface) -> float:
-    """Return the least height of the caps that can be measured [mm]."""
+    """Return the smallest height of a cap that can be measured [mm]."""
     measurable = design.height > FLATTEST * design.radius
     if not measurable.any():
         raise InvalidInput(f"design_surface has no summit above {FLATTEST:g} of its radius")

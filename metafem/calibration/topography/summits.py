@@ -1,4 +1,4 @@
-"""Where caps stand on a height map, and first guesses of their spheres."""
+"""Positions of caps on a height map, and initial guesses of their spheres."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from metafem.calibration.topography.levelled import Levelling
 # A cap rises at least this many robust standard deviations of the cells' means above the base plane.
 ABOVE = 6.0
 
-# Fewest cells of a cap, twice the number of unknowns; smaller hills are dust.
+# Smallest number of cells of a cap, twice the number of unknowns; smaller hills are dust.
 FEWEST = 8
 
 # Largest ratio of the radii of a cap and of the design.
@@ -29,7 +29,7 @@ def hills(
 ) -> tuple[NDArray[np.bool_], list[Cap], list[tuple[float, float]]]:
     """Return cells on the hills of a map with a margin, guesses of caps, and centres [mm] of other hills.
 
-    `lowest` is the least height of a cap, `radius` that of the design [mm].
+    `lowest` is the smallest height of a cap, `radius` the radius of the design [mm].
     """
     x, y = np.meshgrid(found.x, found.y)
     above = found.mean - levelling.base(x, y)

@@ -78,7 +78,7 @@ def compare(
         comparisons = [mf.calibration.compare(law, design, **pair.errors(law)) for law in laws]
         dataset = measured(comparisons, design.law.model)
         why = explained(mf.calibration.explain(laws[0], design, priors)) if explain else None
-        # all results together: a stopped run leaves none that its repetition would refuse to replace
+        # all results together: a stopped run leaves no file that a repeated run would refuse to replace
         mf.files.write_study(dataset, path, force=force, still=still)
         if why is not None and explained_path is not None:
             mf.files.write_study(why, explained_path, force=force, still=still)

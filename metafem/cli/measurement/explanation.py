@@ -1,4 +1,4 @@
-"""The options of `metafem compare --explain`, and what it prints."""
+"""The options and the output of `metafem compare --explain`."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ explain_options = with_options(
 
 
 def given_priors(options: dict[str, Any], explain: bool) -> mf.calibration.Priors | None:
-    """Return the expected errors of the options, which it removes; None without any."""
+    """Remove the expected errors from the options and return them; None without any."""
     texts = {name: options.pop(name) for name in EXPECTED}
     texts = {name: text for name, text in texts.items() if text is not None}
     if texts and not explain:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from metafem.files import CalibrationData
     from metafem.surface import Surface
 
-# The options of the standard deviations: member of MeasurementErrors, unit, and what is printed in help.
+# The options of the standard deviations: member of MeasurementErrors, unit, and help text.
 ERRORS = {
     "load_error": ("load", "N", "5 mN", "of a load"),
     "boundary_error": ("boundary", "mm", "1.4 um", "of the boundary of a contact"),
@@ -32,7 +32,7 @@ ERRORS = {
     "friction_relative_error": ("friction_relative", "%", "1 %", "of a friction force in proportion to it"),
 }
 
-# The dimensions of a sample, with what is printed in help.
+# The dimensions of a sample, with their help texts.
 LENGTHS = {
     "radius": ("526 um", "Radius of the caps, such as {}; needed for E*."),
     "radius_sd": ("5 um", "Its standard deviation, such as {}. Default: 0."),
@@ -129,7 +129,7 @@ def _surface(measured: CalibrationData, options: Mapping[str, Any], radius: floa
             raise InvalidInput(f"{option_name(given[0])} needs --model, such as --model layer")
         return None
     ratio = 0.5 if options["poisson_ratio"] is None else options["poisson_ratio"]
-    material = mf.Material(1.0, ratio)  # the modulus is what is fitted
+    material = mf.Material(1.0, ratio)  # the modulus is fitted
     thickness, width, length = (
         None
         if options[name] is None
@@ -147,7 +147,7 @@ def _surface(measured: CalibrationData, options: Mapping[str, Any], radius: floa
         )
     extent = np.ptp(surface.position, axis=0) + 2.0 * radius
     if thickness is not None:
-        # the layer has no sides: the caps fit on this block
+        # the layer has no sides: this block is large enough for the caps
         sides = extent if width is None or length is None else (width, length)
         surface = surface.replaced(block=mf.Block(float(sides[0]), float(sides[1]), thickness))
     if options["model"] in ("layer", "block") and surface.block is None:
@@ -197,7 +197,7 @@ def fitted_strength(
     contact: ContactCalibration | None,
     shear: ShearCalibration | None,
 ) -> StrengthFit | None:
-    """Return sigma of a part in full contact, with E* and B of the other tables, or of its folder."""
+    """Return sigma of a part in full contact, with E* and B from the other tables or from its folder."""
     given = {
         name: options[name] for name in ("full_contact", "part", "load_min") if options[name] is not None
     }

@@ -1,4 +1,4 @@
-"""The images of a sample, measured and followed, and what is printed of them."""
+"""The images of a sample: measurement, tracking of contacts, and printed tables."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ SCALE = 0.01
 
 @dataclass(frozen=True)
 class Series:
-    """Images with their forces, and what was found in them."""
+    """Images with their forces and contacts."""
 
     series: Sequence[Shot]
     areas: Sequence[ContactAreas]
@@ -67,7 +67,7 @@ class Series:
         ]
 
     def rows(self) -> list[dict[str, Any]]:
-        """Return the numbers of each image; areas are those of the contacts that could be measured."""
+        """Return the numbers of each image; areas are of the contacts that could be measured."""
         table = self.tracked.table
         rows = []
         for i, name in enumerate(table.image):
@@ -95,7 +95,7 @@ class Series:
         return rows
 
     def sentences(self) -> list[str]:
-        """Return where the contacts were found."""
+        """Return sentences on the positions of the contacts."""
         table, match = self.tracked.table, self.tracked.match
         name = table.image[self.tracked.reference]
         count = len(table.site)
@@ -141,13 +141,13 @@ def measured_series(
     rotation: float,
     options: dict[str, Any],
 ) -> Series:
-    """Measure the images, with one threshold before and after shear, and follow the contacts."""
+    """Measure the images, with one threshold before and after shear, and track the contacts."""
     before = [shot.image for shot in series]
     after = [i for i, shot in enumerate(series) if shot.sheared is not None]
     files = [*before, *(shot.sheared for shot in series if shot.sheared is not None)]
     load = np.array([shot.load for shot in series])
     known = np.isfinite(load)
-    # images without a load are not the one at the largest; without any load the last one is
+    # an image without a load does not have the largest load; without any loads the last image has it
     order = np.where(known, load, load[known].min() - 1.0) if known.any() else np.arange(float(len(load)))
     images = mf.files.Images(files)
     names = Names({f"images[{i}]": file.name for i, file in enumerate(files)})
@@ -189,7 +189,7 @@ def measured_series(
                 "do, with --sites DIR, the result folder of the design, and --forces"
             )
         )
-    # warnings of the match stand beside what was matched
+    # warnings on the match follow the sentence on it
     of_match = sorted(tracked.notes, key=lambda note: not note.warns)
     first = [note for note in of_match if note.warns]
     return Series(series, areas, sheared, tracked, pixel, (*first, *more, *of_match[len(first) :]))
@@ -201,7 +201,7 @@ def _notes(
     tracked: TrackedContacts,
     pixel: float,
 ) -> list[Note]:
-    """Return what is to be known of all images."""
+    """Return the notes on all images."""
     from metafem.calibration.contact_table import listed
 
     notes = []
@@ -232,7 +232,7 @@ def _notes(
 
 
 def _named(areas: ContactAreas, files: Names, own: int) -> ContactAreas:
-    """Return the contacts of an image with notes that name other images as files, and not its own."""
+    """Return the contacts of an image, with notes that name other images by their files."""
     names = Names({f"images[{own}]": "this image"})
     return replace(areas, notes=tuple(note.named(files.under(names)) for note in areas.notes))
 
@@ -251,7 +251,7 @@ def _sites(source: Path | None, load: Any) -> tuple[mf.files.Sites | None, Any]:
     with doing("predicting the areas"):
         for i, force in enumerate(load.tolist()):
             if force > 0.0:
-                # single contacts are enough: the areas are compared up to a common factor
+                # independent contacts suffice: the areas are compared up to a common factor
                 expected[i] = mf.equilibrium(design.surface, mf.Independent(), load=force).asperity_area
     return mf.files.Sites(design.surface.position, np.asarray(design.sites)), expected
 

@@ -18,7 +18,7 @@ from metafem.progress import doing
 if TYPE_CHECKING:
     from metafem.cli.measurement.image_series import Series
 
-# Most remarks that are printed; all of them are in the table.
+# Largest number of printed remarks; the table has all of them.
 PRINTED = 20
 
 
@@ -131,7 +131,7 @@ def images(
 
 
 def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> Series:
-    """Measure the images and follow their contacts."""
+    """Measure the images and track their contacts."""
     given = (
         None if options["pixel"] is None else mf.files.quantity("--pixel", options["pixel"], "mm", "5.3 um")
     )
@@ -149,7 +149,7 @@ def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> Series:
 
 
 def _drawn(found: Series, name: str | None) -> tuple[int, Any, bool]:
-    """Return index and file of the image that is drawn, and whether it is a sheared one."""
+    """Return index and file of the drawn image, and whether it is a sheared one."""
     if name is None:
         index = found.tracked.reference
         return index, found.series[index].image, False
@@ -162,7 +162,7 @@ def _drawn(found: Series, name: str | None) -> tuple[int, Any, bool]:
 
 
 def _print(found: Series, files: list[Path]) -> None:
-    """Print a line for each image, where the contacts are, and what could not be measured."""
+    """Print a line for each image, the positions of the contacts, and remarks."""
     console = terminal()
     columns, rows = found.lines()
     print_table(console, columns, rows)

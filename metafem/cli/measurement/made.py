@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from metafem.inversion import Design
     from metafem.prediction import FrictionLaw
 
-# Asperities with the largest height errors that are printed, and loads of the two laws.
+# Number of printed asperities, those with the largest height errors, and of loads of the two laws.
 WORST, LOADS = 5, 5
 
-# The terms of the systematic error as they are printed: unit, and how many of it are one of the package's.
+# The printed terms of the systematic error: unit, and its number in one unit of the package.
 TERMS = {
     "offset": ("um", 1e3),
     "scale": ("% of the height above or below the mean of {mean:.4g} um", 1e2),
@@ -32,7 +32,7 @@ TERMS = {
 
 UM = 1e3
 
-# Digits of a mean: those of the positions are 0 up to rounding, by the alignment.
+# Digits of a mean: by the alignment, the means of the positions are 0 up to rounding.
 DIGITS = 6
 
 
@@ -95,7 +95,7 @@ def print_made(design: Design, made: MadeSurface, correction: Correction | None,
 
 
 def _print_correction(console: Console, correction: Correction, mean: float) -> None:
-    """Print the errors; `mean` is that of the designed heights [um], about which the scale is."""
+    """Print the errors; `mean` is the mean designed height [um], the reference of the scale."""
     for name, value, sd in zip(
         correction.terms, correction.value.tolist(), correction.value_sd.tolist(), strict=True
     ):
@@ -130,7 +130,7 @@ def _change(one: float, other: float) -> str:
 
 
 def _changes(designed: FrictionLaw, made: FrictionLaw) -> Any:
-    """Return the relative changes of A0 where the design has contacts."""
+    """Return the relative changes of A0 at loads with contacts in the design."""
     touching = designed.area > 0.0
     return made.area[touching] / designed.area[touching] - 1.0
 

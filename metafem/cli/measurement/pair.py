@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     from metafem.files import CalibratedParameters
     from metafem.surface import Friction, Material, Surface
 
-# Parameters of the part whose errors shift all points together: unit and example of each.
+# Parameters of the part with errors that shift all points together: unit and example of each.
 PARAMETERS = {
     "composite_modulus": ("MPa", "0.04MPa"),
     "shear_strength": ("MPa", "0.006MPa"),
     "area_ratio": ("1", "0.01"),
 }
 
-# The options of the material pair, with what they stand for and their default.
+# The options of the material pair, with their meaning and default.
 DESIGNED = "that of the calibration or of the design"
 PAIR = {
     "composite_modulus": ('E* of the part, such as "1.36 MPa"', DESIGNED),
@@ -71,7 +71,7 @@ class Pair:
     covariance: FloatArray
 
     def errors(self, law: MeasuredLaw) -> dict[str, Any]:
-        """Return the arguments of `compare` for a law: without a Friction its areas depend on E* alone."""
+        """Return the arguments of `compare` for a law: without a Friction its areas depend only on E*."""
         kept = [
             i
             for i, name in enumerate(self.parameters)
@@ -103,7 +103,7 @@ def pair_of(surface: Surface, given: Mapping[str, Any], deviations: Mapping[str,
             raise InvalidInput(
                 f"--sd {twice[0]} and --calibration both give the error of {twice[0]}; keep one"
             )
-        # a value that an option replaces has no error of the calibration
+        # a value from an option does not have the error of the calibration
         used = [i for i, name in enumerate(found.parameters) if name in PARAMETERS and given[name] is None]
         both = np.zeros((len(used) + len(names),) * 2)
         both[: len(used), : len(used)] = found.covariance[np.ix_(used, used)]
@@ -113,7 +113,7 @@ def pair_of(surface: Surface, given: Mapping[str, Any], deviations: Mapping[str,
 
 
 def measured_laws(pair: Pair, table: Path, sliding: Path | None, sites: IntArray) -> list[MeasuredLaw]:
-    """Return the static law of a table, and the sliding one of another; `sites` are the design's."""
+    """Return the static law of a table, and the sliding law of another one; `sites` are the design's."""
     laws = [mf.files.read_measured_law(table, pair.material, pair.static, label="static", sites=sites)]
     if sliding is not None:
         laws.append(

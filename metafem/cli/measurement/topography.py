@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from metafem.inversion import Design
 
 
-# The options of arguments that errors name.
+# The options of arguments in error messages.
 ARGUMENTS = Names(
     {
         "pixel_size": "--pixel",
@@ -129,7 +129,7 @@ def _measured(stored: Any, file: Path, design: Design, **options: bool) -> MadeS
 
 
 def _correction(design: Design, made: MadeSurface, wanted: Path | None) -> Correction | None:
-    """Return the correction; None if there are too few asperities for one and none is asked for."""
+    """Return the correction; None if there are too few asperities and it is not requested."""
     try:
         return mf.calibration.corrected_heights(design, made)
     except InvalidInput:

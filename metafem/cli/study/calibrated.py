@@ -16,7 +16,7 @@ from metafem.progress import message
 if TYPE_CHECKING:
     from metafem.surface import Surface
 
-# Standard deviations between a value of the design and the calibrated one above which both are told.
+# Difference of a design value from the calibrated one, in standard deviations, above which both are printed.
 APART = 2.0
 
 

@@ -1,4 +1,4 @@
-"""The group of all studies, and what their commands share."""
+"""The group of all studies, and the common parts of their commands."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def study() -> None:
 def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
     """Return the command of a study, from the function that computes it for a design and the options.
 
-    The command is called as the study. It writes the dataset into the folder and prints its summary.
+    The command has the name of the study. It writes the dataset into the folder and prints its summary.
     """
     name = compute.__name__
 
@@ -43,7 +43,7 @@ def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
     @functools.wraps(compute)
     def command(folder: Path, force: bool, as_json: bool, **options: Any) -> None:
 
-        if options.get("calibration") is not None:  # a wrong file is told before a finished study
+        if options.get("calibration") is not None:  # a wrong file is reported before the study runs
             mf.files.read_parameters(options["calibration"])
         path = mf.files.study_path(folder, name, force)
         still = mf.files.same_design(folder)
@@ -63,7 +63,7 @@ def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
 
 
 def _first_texts(options: Mapping[str, Any]) -> dict[str, str | None]:
-    """Return the text of each option, None without one; of several the first, whose unit errors repeat."""
+    """Return the text of each option, None without one; of several the first: errors use its unit."""
     texts: dict[str, str | None] = {}
     for name, value in options.items():
         first = next(iter(value), None) if isinstance(value, tuple) else value

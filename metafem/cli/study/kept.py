@@ -1,4 +1,4 @@
-"""Finished batches of a stopped study, from which the same command continues."""
+"""Finished batches of a stopped study; the same command continues from them."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from metafem._caches import remove
 from metafem.cli.signals import report_stop
 from metafem.progress import message
 
-# Options that change no number.
+# Options without effect on the results.
 PLACES = ("workers", "scheduler")
 
 
 @contextmanager
 def kept_batches(name: str, folder: Path, options: Mapping[str, Any]) -> Iterator[Path | None]:
-    """Yield where the body can keep the batches of a study, None without a cache; remove them at its end.
+    """Yield the folder for the batches of a study, None without a cache; remove it at the end.
 
     The folder is the same for every run with the same design and options. It stays if the body is stopped or
     fails after the first batch.

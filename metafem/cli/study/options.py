@@ -1,4 +1,4 @@
-"""Options that several studies share, and the arguments that they stand for."""
+"""Common options of several studies, and their arguments."""
 
 from __future__ import annotations
 
@@ -50,13 +50,13 @@ def option_name(name: str) -> str:
 
 
 def error(name: str, text: str | None) -> float:
-    """Return an error of the made surface in mm or radians, 0 if the option is not given."""
+    """Return an error of the made surface in mm or radians, 0 without the option."""
     unit, example, _ = ERRORS[name]
     return 0.0 if text is None else mf.files.quantity(option_name(name), text, unit, example)
 
 
 def errors(name: str, texts: Sequence[str]) -> list[float]:
-    """Return those of an option that is repeated, or that holds several separated by commas."""
+    """Return the errors of a repeated option, or of an option with several separated by commas."""
     return [error(name, part) for text in texts for part in text.split(",")]
 
 
@@ -85,7 +85,7 @@ def law_arguments(design: Design, options: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def draw_options(drawn: str, error: str) -> Options:
-    """Return the options of what is drawn, and of the error that ends it."""
+    """Return the options of the number of draws and of the wanted error."""
     return with_options(
         click.option("--draws", type=click.IntRange(min=2), help=f"Number of {drawn}. Default: 10000."),
         click.option(

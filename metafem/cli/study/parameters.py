@@ -183,7 +183,7 @@ def given_deviations(
 def _of_composite_modulus(
     found: dict[str, float], names: Names, material: Material
 ) -> tuple[dict[str, float], Names]:
-    """Return the deviations with that of E* in place of that of E, which errors still name."""
+    """Return the deviations with E* in place of E; errors still name E."""
     if "composite_modulus" in found:
         raise InvalidInput("--sd young_modulus and --sd composite_modulus give one error twice; keep one")
     ratio = material.composite_modulus / material.young_modulus

@@ -69,7 +69,7 @@ def manufacturing(design: Design, **options: Any) -> Dataset:
 
 
 def _steps(angles: Sequence[float]) -> list[FloatArray]:
-    """Return equal steps up to each angle from the one before, as small as those of one angle."""
+    """Return equal steps from each angle to the next, as small as those of a single angle."""
     from metafem.studies.misalignment import STEPS
 
     step = angles[-1] / STEPS * (1.0 + 1e-9)  # the rounding of a quotient
@@ -113,7 +113,7 @@ def misalignment(design: Design, **options: Any) -> Dataset:
     """
     angles = errors("angle", options["angle"] or (ANGLE,))
     increasing = all(low < high for low, high in itertools.pairwise([0.0, *angles]))
-    parts = _steps(angles) if increasing else [np.array(angles)]  # which the study refuses
+    parts = _steps(angles) if increasing else [np.array(angles)]  # the study refuses it
     found = mf.studies.misalignment(
         design.surface,
         np.concatenate(parts) if len(angles) > 1 else angles[0],
@@ -122,5 +122,5 @@ def misalignment(design: Design, **options: Any) -> Dataset:
         **law_arguments(design, options),
         **run_arguments(options),
     )
-    # of one angle, all steps are kept for the figure
+    # for one angle, the figure needs all steps
     return found if len(angles) == 1 else found.isel(angle=np.cumsum([len(part) for part in parts]) - 1)

@@ -96,5 +96,5 @@ def _ratio(shear: ShearCalibration | None, full: StrengthFit | None) -> str:
 
 
 def _keys(section: Mapping[str, Any]) -> list[str]:
-    """Return the keys of a section; a text or a number in JSON is one in TOML."""
+    """Return the keys of a section; texts and numbers of JSON are valid in TOML."""
     return [f"{name} = {json.dumps(value, ensure_ascii=False)}" for name, value in section.items()]

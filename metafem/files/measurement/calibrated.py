@@ -35,7 +35,7 @@ BLANK = b" \t\r\n\xef\xbb\xbf"
 UNITS = {"radius": "mm", "composite_modulus": "MPa", "area_ratio": "1", "shear_strength": "MPa"}
 
 
-# What is written of the record of a pull, with the units in the names of keys.
+# Quantities written of the record of a pull, with the units in the names of keys.
 OF_RECORD = {
     "static_force": "N",
     "sliding_force": "N",
@@ -69,7 +69,7 @@ def calibration_data(
 ) -> dict[str, Any]:
     """Return the results for JSON, with names, values and covariance of the parameters.
 
-    `strength` has the parameters of the others; its shear strength is the one that is stated.
+    `strength` includes the parameters of the others; its shear strength is stated.
     """
     found = [each for each in (contact, shear) if each is not None] if strength is None else [strength]
     names, covariance = joint_covariance(*found)
@@ -77,7 +77,7 @@ def calibration_data(
     data: dict[str, Any] = {"kind": KIND, "files": list(sources)}
     if contact is not None:
         modulus, without_sd = contact.modulus_without_adhesion
-        # that of the sections of a specification, which are without adhesion where the best w is 0
+        # E* of the sections of a specification: they have no adhesion if the best w is 0
         used = modulus if contact.adhesion_energy <= 0.0 else contact.composite_modulus
         values |= {"radius": contact.radius, "composite_modulus": used}
         sd = math.sqrt(contact.root_covariance[0, 0])
@@ -126,7 +126,7 @@ def calibration_data(
 def read_parameters(path: str | Path) -> CalibratedParameters:
     """Return parameters, values and covariance of a file that ``metafem calibrate`` wrote as JSON."""
     label = file_label(path)
-    # any other file than one of JSON is no damaged calibration
+    # a file that is not JSON is not a damaged calibration
     data = read_record(path) if read_bytes(path, RECORD).lstrip(BLANK).startswith(b"{") else None
     if not isinstance(data, dict) or data.get("kind") != KIND:
         raise InvalidInput(
@@ -175,7 +175,7 @@ def _tests(tests: Sequence[SingleTest], *names: str) -> list[dict[str, Any]]:
 
 
 def _known(value: float) -> float | None:
-    """Return a number, None where it was not determined."""
+    """Return a number, None if it was not determined."""
     return None if math.isnan(value) else float(value)
 
 

@@ -1,4 +1,4 @@
-"""The table contacts.csv: one line for each image and contact, written and read to the bit."""
+"""The table contacts.csv: one line for each image and contact, written and read bit for bit."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ HEADER = (
 
 COLUMNS = Columns(HEADER, ("image,load,contact,x,y,area,area_error",), "contact")
 
-# Most characters of a text.
+# Largest number of characters of a text.
 MOST = 10**4
 
 # Columns of areas, and those of their errors.
@@ -52,7 +52,7 @@ def contacts_table(table: ContactTable) -> str:
 
 
 def read_contacts(path: str | Path) -> ContactTable:
-    """Return the contact areas of a table that `contacts_table` wrote, or of one with its columns.
+    """Return the contact areas of a table that `contacts_table` wrote, or of one with the same columns.
 
     Each image has the same contacts. The columns of the test, of the friction force, of the sites, of the
     sheared areas and of the remarks may be absent, and lengths, areas and forces may be in other units.
@@ -194,7 +194,7 @@ class _Rows:
 
 
 def _cell(value: object) -> str:
-    """Return an entry: numbers in the shortest form that is read to the bit, texts quoted where needed."""
+    """Return an entry: numbers in the shortest form that is read bit for bit, texts quoted if needed."""
     if isinstance(value, float):
         return "" if np.isnan(value) else repr(float(value) + 0.0)  # no -0.0
     text = printable(str(value).strip(), MOST)

@@ -24,7 +24,7 @@ def refuse_figure(path: Path, force: bool) -> None:
 
 
 def write_figure(path: Path, figure: Figure, title: str, *, force: bool = False) -> None:
-    """Write a figure in the format that the name of the file says."""
+    """Write a figure in the format of the file's extension."""
     refuse_figure(path, force)
     mark = MARKS["figure"].decode()
     if path.suffix.lower() == ".svg":

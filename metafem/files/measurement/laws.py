@@ -47,7 +47,7 @@ def read_measured_law(
     friction : Friction, optional
         Needed for friction forces without areas.
     errors : MeasurementErrors
-        Standard deviations where the table has none; default: those of the paper.
+        Standard deviations if the table has none; default: those of the paper.
     label : str
         Name of the law; default: "static".
     sites : ndarray of int, (n,), optional
@@ -62,7 +62,7 @@ def read_measured_law(
     ------
     InvalidInput
         For a missing column, a column without a unit or with one of another dimension, an entry that is not a
-        number, and for points that are no friction law; names the line and the column.
+        number, and for points that are not a friction law; the error states line and column.
 
     Examples
     --------

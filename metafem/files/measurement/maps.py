@@ -22,13 +22,13 @@ FORMATS = ".x3p, .sur, .plux, .npy, .xyz and others that SurfaceTopography reads
 # Units of heights that an option names; both micro signs are read.
 UNITS = ("m", "mm", "um", "µm", "μm", "micron", "nm")
 
-# Rows that are converted at once, of a large map.
+# Number of rows of a large map that are converted at once.
 AT_ONCE = 256
 
-# Points of a list must lie on a grid to this part of its pixel: the rounding of their coordinates.
+# Points of a list must lie on a grid to this fraction of a pixel: the rounding of their coordinates.
 ON_GRID = 0.1
 
-# A list of points must not have more pixels than this many for each point; the others are holes.
+# Largest number of pixels per point of a list; pixels without a point are holes.
 SPARSE = 10
 
 # The warning of SurfaceTopography's import where no mpi4py is installed.
@@ -62,8 +62,8 @@ def read_height_map(path: str | Path, pixel: str | None = None, height_unit: str
     Raises
     ------
     InvalidInput
-        For a file that cannot be read or holds no map; if the pixel or the unit is missing, or given although
-        the file states it.
+        For a file that cannot be read or holds no map; if the pixel or the unit is missing, or is given
+        although the file states it.
     """
     name, kind = file_label(path), Path(path).suffix.lower()
     refuse_unreadable(path)
@@ -154,7 +154,7 @@ def _first_line(path: str | Path, name: str) -> str:
 def _grid(values: NDArray[Any], axis: str, name: str) -> tuple[NDArray[np.intp], float]:
     """Return the places of coordinates on an equidistant grid, and its step."""
     steps = np.diff(np.unique(values))
-    steps = steps[steps > 1e-6 * np.ptp(values)]  # a coordinate may differ in its last digits
+    steps = steps[steps > 1e-6 * np.ptp(values)]  # coordinates may differ in their last digits
     if not steps.size:
         raise InvalidInput(f"{name}: all points have the same {axis}; a map has rows and columns")
     number = np.rint(np.ptp(values) / np.median(steps))
@@ -186,7 +186,7 @@ def _instrument(path: str | Path, name: str, width: float | None, size: float | 
             heights = channel.topography(**options).heights()
     except (InvalidInput, MemoryError):
         raise
-    except Exception as error:  # the readers raise whatever a damaged file leads to
+    except Exception as error:  # for damaged files the readers raise any exception
         kind = type(error).__name__
         raise InvalidInput(
             f"{name} cannot be read as a height map ({FORMATS}): {kind}: {printable(str(error), 200)}"

@@ -1,4 +1,4 @@
-"""Measured values with their errors, as they are published."""
+"""Measured values with their errors, in the form of publications."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 
 def rounded(value: float, sd: float, digits: int = 2) -> str:
-    """Return a value with so many digits that its standard deviation has `digits` of them.
+    """Return a value with the digits for which its standard deviation has `digits` of them.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Points of compression and shear tests from tables, and those of several tables together."""
+"""Points of compression and shear tests from one table or several."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from metafem.notes import Note, information
 class Compression:
     """Loads (k,) [N], areas (k,) or (k, n) [mm^2], labels of the tests, and the place of each point.
 
-    `contacts` is their number, if a table has single ones.
+    `contacts` is the number of contacts, if a table has single ones.
     """
 
     load: FloatArray
@@ -37,7 +37,7 @@ class Shear:
 
 
 def pooled_compression(parts: list[Compression]) -> tuple[Compression | None, list[Note]]:
-    """Return all points; totals where a table has no single contacts."""
+    """Return all points, as totals if a table has no single contacts."""
     if not parts:
         return None, []
     areas, notes = [part.area for part in parts], []

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from metafem.calibration import ContactTable
 
-# Between the remarks of one line. Remarks of an image stand in its first line, those of the table in the
+# Separator of the remarks in one line. Remarks on an image are in its first line, those on the table in the
 # first line of all.
 BETWEEN, OF_IMAGE, OF_TABLE = " | ", "image: ", "table: "
 
@@ -42,7 +42,7 @@ def remarks_of_cells(table: ContactTable, cells: Mapping[tuple[int, int], str]) 
 
 
 def _parted(remark: str, starts: Mapping[str, object]) -> tuple[str, str]:
-    """Return the part of a remark that names image and contact, which may be empty, and the rest."""
+    """Return the part of a remark with image and contact (may be empty), and the other part."""
     at = remark.find(": ")
     while at >= 0:
         if remark[: at + 2] in starts:

@@ -26,7 +26,7 @@ class Sites:
 def read_sites(path: str | Path) -> Sites:
     """Return the sites of a table with the columns x and y with their units, and optionally site.
 
-    Without the column site they are numbered from 0. A table of a mould, which is mirrored, is refused.
+    Without the column site they are numbered from 0. The table of a mould is refused: it is mirrored.
     """
     table = read_table(path, COLUMNS.example)
     if any(title.startswith("depth_") for title in table.header):

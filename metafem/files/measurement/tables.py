@@ -25,7 +25,7 @@ SINGLE = re.compile(r"area_\d{1,4}", re.ASCII)
 
 COLUMNS = Columns(
     "test,load_mN,area_mm2,area_before_mm2,area_sheared_mm2,friction_force_mN,displacement_um",
-    (),  # which are needed together follows from those that are there
+    (),  # the columns that are present determine which others are needed
     "measured point",
     "load_mN,area_mm2 of a compression test, area_before_mm2,area_sheared_mm2,friction_force_mN of a shear "
     "test, or displacement_um,friction_force_mN,area_mm2 of the record of one pull (or in other units)",
@@ -35,11 +35,11 @@ COLUMNS = Columns(
 
 @dataclass(eq=False)
 class CalibrationData:
-    """What tables hold, pooled.
+    """Pooled data of tables.
 
     `records` holds the records of pulls by the name of their file, `boundary` the error of the contacts'
-    boundary [mm] that the tables of images state, for all areas or not at all, and `position` the centres of
-    the contacts (n, 2) [mm] of the first of these tables. `notes` tell what is left out.
+    boundary [mm] from the tables of images (for all areas or not at all), and `position` the centres of the
+    contacts (n, 2) [mm] of the first of these tables. `notes` state what is left out.
     """
 
     compression: Compression | None = None
@@ -64,8 +64,8 @@ def read_calibration(
         CSV files whose first line names the columns as quantity_unit. A compression test has ``load`` and
         ``area`` (the total) or ``area_1``, ``area_2`` ... of single contacts. A shear test has
         ``area_before`` (or ``area``), ``area_sheared`` and ``friction_force``; entries may be empty, and a
-        column ``load`` may stand beside them. A record of one pull has ``displacement``, ``friction_force``
-        and ``area``, which is empty between the frames. Tables of ``metafem images`` are read too. A column
+        column ``load`` may be present. A record of one pull has ``displacement``, ``friction_force`` and
+        ``area``, which is empty between the frames. Tables of ``metafem images`` are read too. A column
         ``test`` holds labels of tests; without it each table is a test, and all records together are one.
     sliding : bool
         Whether records yield sliding instead of static friction.
@@ -82,7 +82,7 @@ def read_calibration(
     stems = [path.stem for path in files]
     for path in files:
         table = read_table(path, "load_mN,area_mm2")
-        # files of one name in several folders are several tests
+        # files with the same name in several folders are several tests
         label = path.stem if stems.count(path.stem) == 1 else str(path.with_suffix(""))
         if is_of_contacts(table):
             contacts = contacts_of(table)
@@ -117,7 +117,7 @@ def read_calibration(
 def _points(entries: Entries, label: str) -> list[Compression | Shear]:
     """Return the points of a compression test, of a shear test, or of both."""
     file, columns = entries.table.name, entries.columns.keys() - {"test"}
-    sheared = "area_sheared" in columns  # beside which an entry may be empty
+    sheared = "area_sheared" in columns  # with it, an entry may be empty
     values = {name: entries.numbers(name, empty=sheared) for name in columns}
     single = sorted((name for name in values if SINGLE.fullmatch(name)), key=lambda name: int(name[5:]))
     if single and "area" in values:
@@ -204,7 +204,7 @@ def _of_contacts(
 
 
 def _boundary(contacts: ContactTable) -> float | None:
-    """Return the rms error of the boundary [mm] of which the errors of the areas follow."""
+    """Return the rms error of the boundary [mm] that causes the errors of the areas."""
     known = np.isfinite(contacts.area) & (contacts.area > 0.0)
     if not known.any():
         return None
@@ -215,7 +215,7 @@ def _boundary(contacts: ContactTable) -> float | None:
 def of_files(error: InvalidInput, names: list[str]) -> InvalidInput:
     """Return an error that names the files it belongs to."""
     text = str(error)
-    # an option is not part of a file, and a place names its file
+    # an option is not part of a file, and a place already names its file
     if text.startswith("--") or any(name in text for name in names):
         return error
     return InvalidInput(f"{', '.join(names)}: {text}")

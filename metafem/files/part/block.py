@@ -20,15 +20,15 @@ _BOX = np.array(
 )
 _CORNERS = 8
 
-# Rounding of positions of some 10 mm to the 24 bits of an STL file, relative.
+# Relative rounding error of positions of about 10 mm in the 24 bits of an STL file.
 _SINGLE = float(np.finfo(np.float32).eps)
 
 
 def block_mesh(surface: Surface, block: Block, chord_error: float, shape: CapShape = SPHERES) -> Mesh:
     """Mesh the part: caps of a shape on the block, the base plane at z = 0.
 
-    The caps have base circles that neither overlap nor leave the block. The chord error is the largest depth
-    of a face below its cap [mm].
+    The base circles of the caps must not overlap or leave the block. The chord error is the largest depth of
+    a face below its cap [mm].
 
     Examples
     --------
@@ -57,7 +57,7 @@ def mould_mesh(
     tallest = float(surface.height.max())
     vertices = part.vertices.copy()
     vertices[4:_CORNERS, 2] = block.thickness + tallest
-    # summits point down, and what was inside is outside
+    # summits point down, and inside and outside are exchanged
     mesh = Mesh(mirrored(vertices) * (1.0, 1.0, -1.0), part.faces[:, ::-1])
     plate = block.width * block.length * (block.thickness + tallest)
     _certify(mesh, "mould", surface, plate, -1.0, chord_error, shape)
@@ -67,7 +67,7 @@ def mould_mesh(
 def triangle_count(
     height: FloatArray, radius: FloatArray, chord_error: float, shape: CapShape = SPHERES
 ) -> int:
-    """Return the number of faces of a part or its mould, without making them.
+    """Return the number of faces of a part or its mould, without computing them.
 
     A plane of V vertices with n holes has ``V + 2 n - 2`` triangles.
     """
@@ -103,8 +103,8 @@ def _welded(surface: Surface, block: Block, chord_error: float, shape: CapShape)
 def _plane(points: FloatArray, owner: IntArray) -> IntArray:
     """Triangulate a plane between rims; `owner` (n,) is the number of the rim of each point.
 
-    It is the Delaunay triangulation without the triangles that have all corners on one rim. No other points
-    are within the circle of a rim, so that its polygon is a union of Delaunay triangles.
+    It is the Delaunay triangulation without the triangles that have all corners on one rim. There are no
+    other points within the circle of a rim, so that its polygon is a union of Delaunay triangles.
     """
     from scipy.spatial import Delaunay
 

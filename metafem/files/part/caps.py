@@ -1,4 +1,4 @@
-"""Alignment asperities, and checks that the caps can be made."""
+"""Alignment asperities, and checks that caps can be manufactured."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from metafem.contact.cap_geometry import SPHERES, CapShape
 from metafem.errors import InvalidInput
 from metafem.surface import Block, Surface
 
-# Digits of a length that a message proposes.
+# Digits of a length proposed in a message.
 DIGITS = 3
 
-# What to do about alignment asperities that cannot be made.
+# Advice on alignment asperities that cannot be made.
 LEAVE_OUT = "leave out part.alignment_height: the part then has no alignment asperities"
 
 
@@ -55,9 +55,9 @@ def with_alignment(
 ) -> Surface:
     """Return the asperities of a part and, after them, four alignment asperities of a height [mm], if any.
 
-    Their radius is the smallest in use with which a cap can be so high, for spheres one that is not below
-    their height: the part needs no further tool, and no other of its tools makes narrower caps of that
-    height. Raise InvalidInput if the height does not exceed the tallest summit, or exceeds that of all caps.
+    Their radius is the smallest one in use with which a cap can have this height (for spheres, at least the
+    height): the part needs no further tool, and none of its tools makes narrower caps of that height. Raise
+    InvalidInput if the height does not exceed the tallest summit, or exceeds that of all caps.
     """
     if height is None:
         return surface
@@ -89,7 +89,7 @@ def with_alignment(
 def refuse_impossible(surface: Surface, block: Block, asperities: int, shape: CapShape = SPHERES) -> None:
     """Raise InvalidInput for heights that caps cannot have, and for caps that overlap or leave the block.
 
-    Those after the first `asperities` are for alignment.
+    Caps after the first `asperities` are for alignment.
     """
     from scipy.spatial import KDTree
 
@@ -99,7 +99,7 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int, shape: Ca
         return f"asperity {i} {where}" if i < asperities else f"alignment asperity {i - asperities} {where}"
 
     def refused(words: str, remedy: str, key: str, *rows: int, highest: float | None = None) -> InvalidInput:
-        """Return the error of asperities; one that concerns the alignment names its key first."""
+        """Return the error of asperities; for alignment asperities it begins with their key."""
         if max(rows) < asperities:
             return CannotBeMade(f"{words}; {remedy}", key, highest)
         why = f"cannot be made: {words}; {LEAVE_OUT}. Or {remedy}"

@@ -37,7 +37,7 @@ xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">
 """
 _3MF_FOOT = '</triangles>\n</mesh></object></resources>\n<build><item objectid="1"/></build>\n</model>\n'
 
-# The date of all members of an archive: the same mesh makes the same file.
+# The date of all members of an archive: equal meshes have equal files.
 _NO_DATE = (1980, 1, 1, 0, 0, 0)
 
 

@@ -31,10 +31,10 @@ _FAR, _ARROW, _TEXT = 10.0, 2.5, 3.5
 # Sheets are at least as wide as their notes [mm].
 _NARROWEST = 190.0
 
-# Largest number of holes that are marked by their numbers in mould.csv.
+# Largest number of holes labelled with their numbers in mould.csv.
 _MOST_NUMBERED = 144
 
-# Line styles of the tools: colour and dashes. More tools have one style.
+# Line styles of the tools: colour and dashes. If there are more tools, all have one style.
 _TOOLS = (
     ("#1b6f8a", ""),
     ("#c8553d", "1.5 .8"),
@@ -50,7 +50,8 @@ _SAME = 1e-9
 def mould_drawing(surface: Surface, asperities: int, block: Block, contact: Contact = PARABOLOID) -> str:
     """Return the drawing of the holes of a mould, seen from its open face.
 
-    The caps of the surface after the first `asperities` are for alignment. Their shape is that of the law.
+    The caps of the surface after the first `asperities` are for alignment. Their shape is that of the contact
+    law.
     """
     position = mirrored(surface.position)
     scale = next((s for s in _SCALES if s * max(block.width, block.length) <= _PLAN), _SCALES[-1])
@@ -80,7 +81,7 @@ def mould_drawing(surface: Surface, asperities: int, block: Block, contact: Cont
     lines += ["</g>", '<g text-anchor="middle" fill="#333">']
     if surface.count <= _MOST_NUMBERED:
         size = min(_TEXT, 0.9 * float(rim.min()))
-        shift = np.where(np.arange(surface.count) < asperities, 0.0, rim + 0.5 * size)  # beside a cross
+        shift = np.where(np.arange(surface.count) < asperities, 0.0, rim + 0.5 * size)  # next to a cross
         lines += [
             f'<text x="{x[i] + shift[i]:.6g}" y="{y[i] + 0.35 * size - shift[i]:.6g}" '
             f'font-size="{size:.3g}">{i + 1}</text>'

@@ -1,4 +1,4 @@
-"""The files of a part: caps, fineness and size."""
+"""The files of a part: caps, chord error and size."""
 
 from __future__ import annotations
 
@@ -78,13 +78,13 @@ class PartOptions:
 class Part:
     """A part that can be made."""
 
-    surface: Surface  # its asperities and, last, its alignment asperities
+    surface: Surface  # its asperities, followed by its alignment asperities
     asperities: int  # number of asperities without those for alignment
     block: Block
     chord_error: float  # [mm]
     coarsened: bool  # whether the chord error was increased for the size of the files
     formats: tuple[str, ...]
-    contact: Contact  # whose shape the caps have
+    contact: Contact  # law with the shape of the caps
 
     @cached_property
     def triangles(self) -> int:
@@ -95,7 +95,7 @@ class Part:
 
     @property
     def caps(self) -> str:
-        """What the caps are, in words."""
+        """Description of the caps."""
         return "spheres" if self.contact.shape() is SPHERES else "caps"
 
     def record(self) -> dict[str, Any]:
@@ -138,7 +138,7 @@ class Part:
 def planned(
     surface: Surface, template: Surface, options: PartOptions, contact: Contact = PARABOLOID
 ) -> Part | None:
-    """Return the part of a surface, or None where it has no block; its caps have the shape of a contact law.
+    """Return the part of a surface, or None without a block; its caps have the shape of a contact law.
 
     Raises
     ------

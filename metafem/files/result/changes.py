@@ -1,4 +1,4 @@
-"""What was changed in a result folder since metafem wrote it, and the law of changed heights."""
+"""Changes in a result folder since metafem wrote it, and the law of changed heights."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from metafem.notes import Note
 
 RECORD = "design.json"
 
-# Relative difference of a law from that of its heights up to which they agree. Sums in another order and the
-# last step of an iteration change areas by 1e-12, and heights that a table rounds by a hundredth of this.
+# Largest relative difference of a law from that of its heights if they agree. Another order of summation and
+# the last step of an iteration change areas by 1e-12; rounded heights of a table by a hundredth of this.
 SAME = 1e-6
 
-# Relative difference of a height from its limits that is rounding.
+# Relative difference of a height from its limits that counts as rounding.
 ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
 class FolderNote(Note):
-    """A note on a folder that was changed; it is not saved with the design in another one."""
+    """A note on a changed folder; it is not saved with the design in another folder."""
 
 
 def compared(design: Design, folder: Path) -> tuple[Design, tuple[Note, ...]]:
-    """Return a loaded design, with the law of its heights if its record was changed, and what was changed.
+    """Return a loaded design, with the law of its heights if its record was changed, and notes on changes.
 
-    A record without a list of files beside it, as in a copy of a folder without its hidden files, is compared
-    with the law of its heights, except under models without gradients, whose laws take minutes.
+    A record without a list of files, for example in a copy of a folder without hidden files, is compared with
+    the law of its heights; models without gradients are excepted, because their laws take minutes.
     """
     known = written(folder) if (folder / MANIFEST).is_file() else {}
     changed = sorted(
@@ -57,7 +57,7 @@ def compared(design: Design, folder: Path) -> tuple[Design, tuple[Note, ...]]:
 
 
 def _recomputed(design: Design, path: Path, changed: bool) -> tuple[Design, list[Note]]:
-    """Return the design with the law of its heights if that differs from the stated one, and notes on it."""
+    """Return the design with the law of its heights if it differs from the stated one, and notes on it."""
     name = file_label(path)
     words = f"{name} was changed since metafem wrote it" if changed else f"{name} does not fit together"
     try:
@@ -92,11 +92,11 @@ def _same_law(design: Design, again: Design) -> bool:
 
 
 def _other_target(design: Design) -> str:
-    """Return in words that the heights were designed for other lines than those of the target, or ""."""
+    """Return a sentence if the heights were designed for other lines than those of the target, or ""."""
     target, made = design.target, [branch for branch, _ in design.fits]
     wanted: ArrayLike = [(slope, *ends) for slope, ends in target.branches]
     found: ArrayLike = [(branch.slope, *branch.load_range) for branch in made]
-    if not target.branches:  # only the slopes are given, and the loads between them
+    if not target.branches:  # the target states only the slopes and the loads between them
         starts = [0.0, *(branch.load_range[1] for branch in made)]
         wanted = target.lines
         found = [(branch.slope, start) for branch, start in zip(made, starts, strict=False)]

@@ -49,13 +49,13 @@ def save(
     The files are ``design.json`` (all data for `load`, and versions), ``heights.csv``, ``law.csv``,
     ``mould.csv`` and ``surface.vtu``; with a specification, ``spec.toml`` and the table of its target law;
     with a block, the solids ``block.stl`` and ``mould.stl`` and the drawing ``mould.svg``. The folder appears
-    when all of them are written. A hidden file ``.metafem-files`` lists them with their sha256, for `force`.
+    when all files are written. A hidden file ``.metafem-files`` lists them with their sha256, for `force`.
 
     Parameters
     ----------
     design : Design
     folder : str or Path
-        Does not exist yet or is empty; its parent exists.
+        A new or empty folder; its parent exists.
     specification : Specification, optional
         The specification of the design; default: None.
     part : PartOptions, optional
@@ -64,8 +64,8 @@ def save(
         Names and texts of further files, for example ``{"report.html": metafem.report.page(design)}``;
         default: none.
     force : bool
-        Whether to replace an existing result folder. One with a file that metafem did not write, or that was
-        changed since, is refused. Default: False.
+        Whether to replace an existing result folder. A folder with changed files or files that metafem did
+        not write is refused. Default: False.
 
     Raises
     ------
@@ -142,10 +142,10 @@ def result_tables(design: Design, part: PartOptions) -> dict[str, str]:
 
 
 def load(folder: str | Path) -> Design:
-    """Read the design of a result folder; it is equal to the saved one to the bit.
+    """Read the design of a result folder; it equals the saved one bit for bit.
 
-    Files that were changed since are named in notes of the design. ``design.json`` counts: other files are
-    not read. If it was changed itself, law, misfit and status are those of its heights, computed anew.
+    Notes of the design name the files that were changed since. Only ``design.json`` is read. If it was
+    changed itself, law, misfit and status are recomputed from its heights.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def load(folder: str | Path) -> Design:
     Raises
     ------
     InvalidInput
-        If the folder holds no ``design.json``, or one that is damaged or not of this version.
+        If the folder has no ``design.json``, or if the file is damaged or of another version.
 
     Examples
     --------
@@ -175,7 +175,7 @@ def load(folder: str | Path) -> Design:
 
 
 def load_compared(folder: str | Path) -> tuple[Design, tuple[Note, ...]]:
-    """Return the design of `load`, and the notes on what was changed in the folder since it was written."""
+    """Return the design of `load`, and notes on changes in the folder since it was written."""
     path, record = read_result(folder)
     try:
         design = from_record(record.get("design"), "design")
@@ -265,6 +265,6 @@ def versions() -> dict[str, str]:
     for name in ("metafem", "numpy", "scipy", "numba", "meshio"):
         try:
             found[name] = version(name)
-        except PackageNotFoundError:  # run from its sources
+        except PackageNotFoundError:  # metafem runs from its sources
             found[name] = "not installed"
     return found

@@ -34,7 +34,7 @@ def fits(value: Any, hint: Any) -> bool:
 
 
 def with_whole_keys(value: Any, hint: Any) -> Any:
-    """Return a mapping with whole numbers as keys where the hint has them; keys of JSON are texts."""
+    """Return a mapping with whole numbers as keys if the hint has them; keys of JSON are texts."""
     origin, parts = _parts_of(hint)
     whole = origin is not None and parts[:1] == (int,) and issubclass(origin, Mapping)
     if not whole or not isinstance(value, Mapping):

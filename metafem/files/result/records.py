@@ -1,4 +1,4 @@
-"""The package's frozen values as plain dicts, for JSON, and back to the bit."""
+"""The package's frozen values as plain dicts, for JSON, and back without loss."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ TYPES: Mapping[str, type] = {
 MAKERS: Mapping[str, Callable[..., Any]] = {
     "TabulatedContact": lambda table, material: TabulatedContact(*table, material=material)
 }
-# Types whose modules are imported when a record holds one.
+# Types with modules that are imported when a record contains the type.
 LATE: Mapping[str, str] = {"Block3D": "metafem.fe"}
 ARRAYS = ("float64", "int64")
 
@@ -74,8 +74,8 @@ def to_record(value: Any) -> Any:
 def from_record(record: Any, name: str = "record") -> Any:
     """Return the value of a record; raises InvalidInput for one that `to_record` did not write.
 
-    Members are compared with the annotations of their class and checked by its constructor; errors name the
-    record `name` and a member of it ``name.member``.
+    Members are compared with the annotations of their class and checked by its constructor; in errors the
+    record is `name` and a member of it ``name.member``.
     """
     if isinstance(record, list):
         return tuple(from_record(member, f"{name}[{i}]") for i, member in enumerate(record))
@@ -100,7 +100,7 @@ def from_record(record: Any, name: str = "record") -> Any:
 
 
 def _made(kind: Any, record: dict[str, Any], name: str) -> Any:
-    """Return the value of a class; its members are checked by annotations and constructor."""
+    """Return the value of a class; its annotations and constructor check the members."""
     title = kind.__name__
     given, known = record.keys() - {"type"}, {field.name for field in fields(kind)}
     if given != known:

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 
 def study_path(folder: str | Path, name: str, force: bool) -> Path:
-    """Return where a study of a result folder goes; raises InvalidInput if `write_study` would refuse it."""
-    read_result(folder)  # raises an error if it is none
+    """Return the path of a study of a result folder; raises InvalidInput if `write_study` would refuse it."""
+    read_result(folder)  # raises an error if it is not a result folder
     path = Path(folder) / f"{name}.nc"
     refuse_existing(path, force, fixed=True)
     return path

@@ -1,4 +1,4 @@
-"""Tables of a result folder as CSV; design.json holds the same numbers to the bit."""
+"""Tables of a result folder as CSV; design.json holds the exact numbers."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ COLUMNS = Columns(
 # The first line of a table of heights.
 HEIGHTS = ("site", "x_mm", "y_mm", "height_mm", "radius_mm")
 
-# Digits of a number in a table: without the rounding of sums in the sixteenth.
+# Digits of a number in a table: the rounding of sums in the sixteenth digit is not shown.
 DIGITS = 13
 
 
@@ -54,10 +54,11 @@ def mould_table(design: Design, part: Surface | None = None) -> str:
     """Return the table of the holes of the mould, one for each summit, of kind asperity or alignment.
 
     Holes are numbered as in ``mould.svg``, sites as in ``heights.csv``. The depth of a hole below the face of
-    the mould is the height of its summit, the radius of the tool that of the summit. The mould is seen from
+    the mould is the height of its summit, the radius of the tool that of the summit. The mould is viewed from
     its open face, as on the milling machine: x is mirrored.
 
-    `part` holds the asperities of the design and, after them, those of the alignment; default: none of these.
+    `part` holds the asperities of the design and, after them, those for alignment; default: none for
+    alignment.
     """
     holes = part or design.surface
     holes = holes.replaced(position=mirrored(holes.position))
@@ -84,7 +85,7 @@ def read_surface(
         CSV whose first line names its columns as quantity_unit: x, y, height and radius in any order
         and any unit of length, as ``x_mm,y_mm,height_um``. Other columns are not read, which
         `metafem.progress` reports; lines that begin with ``#`` are skipped. In a table separated by
-        semicolons or tabulators commas are decimals.
+        semicolons or tabs, commas are decimal.
     material : Material
     radius : float, optional
         Radius [mm] of all summits, for a table without such a column.
@@ -99,7 +100,7 @@ def read_surface(
     ------
     InvalidInput
         If the file cannot be read, is empty or lacks a column, for an entry that is not a finite number, and
-        for a surface that cannot be; names the line and the column.
+        for an impossible surface; the error states line and column.
 
     Examples
     --------
@@ -134,7 +135,7 @@ def _columns(surface: Surface) -> list[list[float]]:
 
 
 def csv(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Return a table as text, whose numbers have at most `DIGITS` digits."""
+    """Return a table as text; its numbers have at most `DIGITS` digits."""
     lines = [",".join(header), *(",".join(_entry(value) for value in row) for row in rows)]
     return "\n".join(lines) + "\n"
 

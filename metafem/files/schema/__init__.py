@@ -1,1 +1,1 @@
-"""The JSON schema of specifications, by which editors complete keys and mark errors."""
+"""The JSON schema of specifications, for completion and error marks in editors."""

@@ -13,11 +13,10 @@ from metafem.files.schema.keys import given, refused, section
 from metafem.files.schema.manual import remark
 from metafem.files.specification.forms import section_forms, whole_schema
 
-# The name by which the demos' specifications refer to the schema, in the folder of the specification.
+# Name of the schema in the specifications of the demos, relative to their folder.
 SCHEMA_FILE = "metafem.schema.json"
 
-# Draft 7 of JSON Schema is what the language servers of TOML read, and its first keys are those by which the
-# file is recognised.
+# Language servers of TOML read draft 7 of JSON Schema; its first keys identify the file.
 FIRST = {
     "$schema": "http://json-schema.org/draft-07/schema#",
     "title": "Specification of metafem",
@@ -28,7 +27,7 @@ MEANING = (
     "The usual units are listed here; metafem reads others too."
 )
 
-# Radii are given once: that of the lattice, or those to choose from.
+# Radii are stated once: the radius of the lattice, or the radii to choose from.
 ONE_RADIUS = {
     "if": given("radii"),
     "then": {"properties": {"lattice": refused(["radius"])}, "additionalProperties": True},
@@ -70,14 +69,14 @@ def schema_text() -> str:
 
 
 def write_schema(path: Path, force: bool = False) -> None:
-    """Write the schema into a file that does not hold it; with `force` a schema of metafem is replaced."""
+    """Write the schema unless the file already holds it; with `force` a schema of metafem is replaced."""
     if path.is_file() and path.read_bytes() == schema_text().encode("utf-8"):
         return
     write_text(path, schema_text(), force=force, kind="schema")
 
 
 def place_schema(folder: Path) -> str | None:
-    """Write the schema beside a specification, and return a remark if another file is in its place."""
+    """Write the schema next to a specification, and return a remark if another file is in its place."""
     path = folder / SCHEMA_FILE
     try:
         write_schema(path)

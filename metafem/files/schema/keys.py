@@ -13,8 +13,8 @@ from metafem.files.specification.forms import KeyForm, Schema, SectionForm, as_t
 def section(form: SectionForm, description: str) -> Schema:
     """Return the schema of a section.
 
-    All keys of all kinds stand in it once, so that an editor completes them and marks a single wrong key;
-    what one kind needs and excludes follows as a condition.
+    It contains all keys of all kinds once, so that an editor completes them and marks a single wrong key;
+    conditions state which keys a kind requires and excludes.
     """
     found: dict[str, list[KeyForm]] = {}
     for keys in form.keys.values():
@@ -42,7 +42,7 @@ def section(form: SectionForm, description: str) -> Schema:
 
 
 def given(*names: str) -> Schema:
-    """Return the schema that needs keys; that others are allowed is what some editors want stated."""
+    """Return the schema that requires keys; it states that others are allowed, as some editors need it."""
     return {"required": list(names), "additionalProperties": True}
 
 
@@ -61,7 +61,7 @@ def _needed(keys: Sequence[KeyForm], kind: str = "", fewest: int = 0) -> Schema:
 
 
 def _choice(keys: Sequence[KeyForm], kind: str) -> Schema:
-    """Return the condition that one of a section's choices of keys is given: the first, if none is begun."""
+    """Return the condition that one choice of a section's keys is present: the first one if no key is."""
     choices: dict[int, list[str]] = {}
     for key in keys:
         if key.choice is not None:

@@ -22,7 +22,7 @@ HEAD = """\
 # Column of the comments, past most examples.
 COLUMN = 48
 
-# First words of a meaning where one key, or one pair of keys, of several is required.
+# First words of a meaning if one key, or one pair of keys, of several is required.
 CHOICES = ("either: ", "or: ", "with it: ")
 
 

@@ -135,7 +135,7 @@ class Sections(Section):
         return parts, problems
 
     def _radius(self, problems: list[InvalidInput]) -> tuple[float, str]:
-        """Return the radius of the template and its key, which is "" if there is a problem with it."""
+        """Return the radius of the template and its key; the key is "" if there is a problem."""
         one = self.lattice.radius
         source, values = "lattice.radius", [one or 0.0]
         if self.radii is not None:
@@ -190,7 +190,7 @@ class Sections(Section):
 
 
 def _of_the_part(error: InvalidInput, limits: Limits, block: Block | None) -> InvalidInput:
-    """Return why no part can have summits of the largest height, with the key to change."""
+    """Return the reason why no part can have summits of the largest height, with the key to change."""
     if error.key:
         return error
     key, highest = getattr(error, "remedy", "limits.max_height"), getattr(error, "highest", None)

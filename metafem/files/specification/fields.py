@@ -12,7 +12,7 @@ from pydantic_core.core_schema import CoreSchema, no_info_before_validator_funct
 from metafem.errors import InvalidInput
 from metafem.files.units import USUAL, converted, pattern
 
-# Sets of keys of which one is given.
+# Sets of keys; one set must be present.
 Choices = tuple[tuple[str, ...], ...]
 
 
@@ -60,12 +60,12 @@ def measured(unit: str, example: str | None = None) -> Quantity:
 
 
 def says(meaning: str, example: Any = None) -> Any:
-    """State the meaning of a key and a valid value; errors and `metafem spec` print both."""
+    """Return the meaning of a key and a valid value; errors and `metafem spec` print both."""
     return Field(description=meaning, examples=None if example is None else [example])
 
 
 def one_of(names: Iterable[str]) -> Any:
-    """State the names that a text can have, for the JSON schema."""
+    """Return the allowed values of a text, for the JSON schema."""
     return Field(json_schema_extra={"enum": list(names)})
 
 

@@ -1,4 +1,4 @@
-"""Sections and keys of a specification as data, from the JSON schema of the definitions that read them."""
+"""Sections and keys of a specification as data, from the JSON schema of their definitions."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 Schema = dict[str, Any]
 
-# What values without a unit are, by their types in a JSON schema.
+# Kinds of values without a unit, by their types in a JSON schema.
 PLAIN = {"number": "number", "integer": "integer", "boolean": "truth", "string": "text"}
 
 
@@ -27,11 +27,11 @@ class KeyForm:
         A valid value, as TOML has it.
     optional : bool
     default : object
-        Of an optional key; None for none.
+        Default of an optional key; None if there is none.
     schema : dict
         JSON schema of the value; the usual units of a quantity are its "x-units".
     choice : int or None
-        Number of the choice to which the key belongs: of a section's choices one is given.
+        Number of the choice to which the key belongs: one choice of a section must be present.
     """
 
     section: str
@@ -46,7 +46,7 @@ class KeyForm:
 
     @property
     def needed(self) -> bool:
-        """Whether a specification that follows the first choice of keys has this one."""
+        """Whether a specification with the first choice of keys has this key."""
         return not self.optional or self.choice == 0
 
     @property
@@ -61,7 +61,7 @@ class KeyForm:
 
     @property
     def value(self) -> str:
-        """What the value is, or each of a list: quantity, number, integer, truth, text or section."""
+        """Kind of the value, or of each one in a list: quantity, number, integer, truth, text or section."""
         if sections_of(self.schema):
             return "section"
         return "quantity" if self.units else PLAIN[self._single["type"]]
@@ -95,7 +95,7 @@ class SectionForm:
     meaning : str
     optional : bool
     kinds : mapping of str to str
-        What each kind is, in a sentence; empty for a section without kinds.
+        Description of each kind in a sentence; empty for a section without kinds.
     keys : mapping of str to tuple of KeyForm
         Keys of each kind in the order of the manual, of "" for a section without kinds.
     fewest : int
@@ -137,7 +137,7 @@ def section_forms() -> tuple[SectionForm, ...]:
 
 
 def all_keys() -> tuple[KeyForm, ...]:
-    """Return every key of a specification, but those of sections within a section."""
+    """Return every key of a specification except those of nested sections."""
     forms = (form for form in section_forms() if "." not in form.name)
     return tuple(key for form in forms for keys in form.keys.values() for key in keys)
 
@@ -154,7 +154,7 @@ def sections_of(schema: Schema) -> dict[str, Schema]:
 
 
 def not_null(schema: Schema) -> Schema:
-    """Return the schema of an optional value where it is given."""
+    """Return the schema of an optional value without null."""
     null = {"type": "null"}
     if null not in schema.get("anyOf", ()):
         return schema

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from metafem.models import Model
 
 # Cell of the named resolved model [mm]: at least eight cells per contact radius at the source paper's
-# lightest loads, fifty in its largest contact.
+# smallest loads, fifty in its largest contact.
 RESOLVED_CELL = 0.008
 
 # Tolerance of A0(P) of the named automatic model: a third of the smallest effect of interaction on the source
@@ -23,7 +23,7 @@ RESOLVED_CELL = 0.008
 AUTOMATIC_TOLERANCE = 1e-3
 
 
-# The models are imported when they are made, so that the command knows their names at once.
+# The models are imported when they are used, so that the command knows their names without delay.
 MODELS: Mapping[str, Callable[[], Model]] = {
     "independent": lambda: mf.Independent(),
     "mean-field": lambda: mf.MeanField(),

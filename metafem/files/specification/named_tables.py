@@ -1,4 +1,4 @@
-"""Tables that a specification names."""
+"""Tables named in a specification."""
 
 from __future__ import annotations
 
@@ -43,22 +43,22 @@ FILE_KEY = re.compile(
     r"""(\bfile["']?[ \t]*=[ \t]*)(\"{3}.*?\"{3}|'{3}.*?'{3}|"(?:[^"\\\n]|\\.)*"|'[^'\n]*')""", re.DOTALL
 )
 
-# What separates folders on any system, and drives from files.
+# Separators of folders, and of drives and files, on any system.
 SEPARATORS = re.compile(r"[/\\:]")
 
 # A valid line.
 EXAMPLE = 'file = "wanted.csv"'
 
-# Longest name of a table [bytes]: file systems allow 255, and that of its copy may begin with "wanted-".
+# Longest name of a table [bytes]: file systems allow 255, and the name of its copy may begin with "wanted-".
 LONGEST = 240
 
 
-# Returns the content of the table that a key names, and its name in errors.
+# Returns the content of the table named in a key, and its name in errors.
 Source = Callable[[str, str], tuple[str, bytes]]
 
 
 def in_folder(folder: Path) -> Source:
-    """Return the source of tables that are files, named from a folder."""
+    """Return the source of tables that are files, with names relative to a folder."""
     return lambda _, name: (file_label(folder / name), read_bytes(folder / name, TABLE))
 
 
@@ -78,10 +78,10 @@ def among(tables: Mapping[str, bytes]) -> Source:
 
 
 def with_tables(text: str, table: dict[str, Any], source: Source) -> tuple[dict[str, Any], dict[str, bytes]]:
-    """Return a specification whose keys `file` are replaced by the columns of their tables; the kept files.
+    """Return a specification with the columns of tables in place of keys `file`, and the files to store.
 
-    The first line of a table names its columns as quantity_unit. The result folder keeps the specification as
-    spec.toml and the tables, so that the design can be repeated from them.
+    The first line of a table names its columns as quantity_unit. The result folder contains the specification
+    as spec.toml and the tables, so that the design can be repeated.
     """
     kept: dict[str, bytes] = {}
     for place in PLACES:
@@ -99,7 +99,7 @@ def with_tables(text: str, table: dict[str, Any], source: Source) -> tuple[dict[
 
 
 def with_columns(label: str, section: dict[str, Any], source: Source) -> tuple[dict[str, Any], bytes]:
-    """Return a section whose key `file` is replaced by the columns of its table, and the file's bytes."""
+    """Return a section with the columns of its table in place of the key `file`, and the file's bytes."""
     key, name, columns = f"{label}.file", section["file"], COLUMNS[section["kind"]]
     if not isinstance(name, str):
         raise InvalidInput("must be a text", key=key, value=shown(name), example=EXAMPLE)
@@ -118,7 +118,7 @@ def with_columns(label: str, section: dict[str, Any], source: Source) -> tuple[d
 
 
 def _refuse_no_file(key: str, name: str) -> None:
-    """Refuse a name of a table that is not that of a file on every system."""
+    """Refuse a name of a table that is not a valid name of a file on every system."""
     last = SEPARATORS.split(name)[-1]
     wrong = ""
     if last.strip(" .") == "":
@@ -146,16 +146,16 @@ def _copy_name(name: str, taken: Collection[str]) -> str:
 
 
 def _naming_copy(text: str, place: tuple[str, ...], section: dict[str, Any], copy: str) -> str:
-    """Return the text of a specification that names the copy of a table, with a comment that says so."""
+    """Return the text of a specification with the name of a table's copy, and a comment on it."""
     name = section["file"]
     wanted = _replaced(tomllib.loads(text.removeprefix("\ufeff")), place, {**section, "file": copy})
     newline = "\r\n" if "\r\n" in text else "\n"
     comment = f"# The design read {json.dumps(name, ensure_ascii=False)}; {copy} is a copy of it.{newline}"
     for found in FILE_KEY.finditer(text):
         line = text.rfind("\n", 0, found.start()) + 1
-        value = json.dumps(copy, ensure_ascii=False)  # a text in JSON is one in TOML
+        value = json.dumps(copy, ensure_ascii=False)  # a text of JSON is valid in TOML
         new = f"{text[:line]}{comment}{text[line : found.start(2)]}{value}{text[found.end(2) :]}"
-        with suppress(tomllib.TOMLDecodeError):  # it stood in a text or a comment
+        with suppress(tomllib.TOMLDecodeError):  # it was in a text or a comment
             if tomllib.loads(new.removeprefix("\ufeff")) == wanted:
                 return new
     words = f'cannot be renamed to its copy; write file = "{name}" on a line of its own'
@@ -163,7 +163,7 @@ def _naming_copy(text: str, place: tuple[str, ...], section: dict[str, Any], cop
 
 
 def measured_pairs(path: str | Path) -> tuple[list[float], list[float]]:
-    """Return the loads and friction forces [N] of a table, whose loads increase."""
+    """Return the loads and friction forces [N] of a table with increasing loads."""
     samples = samples_of(file_label(path), read_bytes(path, TABLE))
     if "load" not in samples or "friction_force" not in samples:
         raise InvalidInput(f"{printable(str(path))} must hold forces; name its columns {TARGET.example}")

@@ -19,14 +19,14 @@ from metafem.models.model import contact_of, with_contact
 
 
 def chosen_model(model: Model, name: str | None, contact: str | None) -> Model:
-    """Return the model of the options ``--model`` and ``--contact``; what is not given is that of `model`."""
+    """Return the model of the options ``--model`` and ``--contact``; their defaults are those of `model`."""
     law = contact_of(model) if contact is None else contact_named(contact)
     return with_contact(model, law) if name is None else model_named(name, law)
 
 
 @cache
 def contacts() -> dict[str, tuple[KeyForm, ...]]:
-    """Return the kinds of contact laws with the keys whose values stand in words: all but lists."""
+    """Return the kinds of contact laws with the keys that can be stated in words: all but lists."""
     form = next(form for form in section_forms() if form.name == "contact")
     return {kind: tuple(key for key in keys if not key.listed) for kind, keys in form.keys.items()}
 
@@ -64,7 +64,7 @@ def contact_named(text: str) -> Contact:
 
 
 def form(kind: str) -> str:
-    """Return the words of a kind of law; values that may be left out are in brackets.
+    """Return the words of a kind of law; optional values are in brackets.
 
     Examples
     --------
@@ -79,7 +79,7 @@ def form(kind: str) -> str:
 
 
 def section_named(words: list[str]) -> dict[str, Any]:
-    """Return the section of a specification that words stand for."""
+    """Return the section of a specification from words."""
     kind, rest = " ".join(words[:1]), words[1:]
     if kind not in contacts():
         raise InvalidInput(f'contact law "{printable(kind, 60)}" is unknown{suggestion(kind, contacts())}')
@@ -94,7 +94,7 @@ def section_named(words: list[str]) -> dict[str, Any]:
             section[name], rest = section_named(rest), []
         elif name == "file":
             section[name], rest = " ".join(rest), []
-        else:  # a quantity, whose unit may be a word of its own
+        else:  # a quantity; its unit may be a separate word
             apart = isinstance(_number(rest[0]), float)
             section[name], rest = " ".join(rest[: 1 + apart]), rest[1 + apart :]
     if rest:

@@ -58,7 +58,7 @@ def problem(detail: Any) -> InvalidInput:
 
 
 def _located(place: tuple[Any, ...]) -> tuple[list[Any], Schema, dict[str, Schema]]:
-    """Return the keys of a location, the section in which the last one stands, and the sections behind it.
+    """Return the keys of a location, the section of the last key, and the sections of its value.
 
     pydantic includes the kind of a section in the location.
     """

@@ -39,7 +39,7 @@ __all__ = ["Specification", "parsed", "read_spec", "toml_table"]
 # The default tables of a specification's text.
 NO_TABLES: Mapping[str, bytes] = {}
 
-# What beginners most often write.
+# Common mistakes of beginners.
 REMEDY = 'a value with a unit stands in quotes, such as "1.5 mm", and decimals have a point'
 
 # The parser's time grows with the square of the parts of a dotted key; a specification needs two parts.
@@ -62,23 +62,23 @@ class Specification:
     layout : Layout or None
         Objectives of the assignment of heights to sites.
     radii : RadiusRange, tuple of float or None
-        Radii to choose from [mm]; the radius of the template is then not used.
+        Radii to choose from [mm]; they replace the radius of the template.
     robust : Tolerances or None
         Errors of the made surface under which the expected misfit is minimised.
     pinned : mapping of int to float or None
-        Given heights above the base plane [mm] by site, None for a site that stays empty.
+        Prescribed heights above the base plane [mm] by site, None for a site that stays empty.
     mixed : bool
         Whether each asperity may have its own radius.
     part : PartOptions
         Alignment asperities, chord error and file formats of the part.
     hardness : float or None
-        H [MPa], with which the design is that of `design_for_hardness`.
+        H [MPa]; `design_for_hardness` then makes the design.
     text : str
         The file's text.
     sha256 : str
         Hexadecimal hash of the file's bytes.
     files : mapping of str to bytes
-        Files kept in the result folder: ``spec.toml``, and the table that it names.
+        Files to store in the result folder: ``spec.toml``, and the table that it names.
     """
 
     target: Target
@@ -100,8 +100,8 @@ class Specification:
     def design(self, model: Model | None = None, *, draft: bool = False) -> Design:
         """Design the target of the file; default model: that of the file.
 
-        With a hardness the contacts stay elastic, or a note states that they do not: `design_for_hardness`. A
-        draft leaves out the hardness, robustness and most of the search.
+        With a hardness, `design_for_hardness` keeps the contacts elastic, or a note states that they are not.
+        A draft omits the hardness, robustness and most of the search.
         """
         chosen = self.model if model is None else model
         remedy = "add [block] with width, length and thickness"
@@ -181,7 +181,7 @@ def read_spec(path: str | Path) -> Specification:
     (LinearLaw(slope=6.87, load_range=None), 0.12)
     """
     raw = read_bytes(path, SPECIFICATION, "no such file; `metafem demo linear` writes one to start from")
-    decoded(path, raw)  # refuses other encodings, with the line
+    decoded(path, raw)  # other encodings are refused, with the line
     return _specification(file_label(path), raw, in_folder(Path(path).parent))
 
 
@@ -228,7 +228,7 @@ def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec
 
 
 def _specification(name: str, raw: bytes, source: Source) -> Specification:
-    """Return the specification of a file's name in errors, its bytes in UTF-8, and its tables."""
+    """Return the specification from the file's name in errors, its bytes in UTF-8, and its tables."""
     text = raw.decode("utf-8")
     table = toml_table(text, name)
     try:
@@ -276,7 +276,7 @@ def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:
         table = tomllib.loads(text)
     except RecursionError:
         raise _refused(name, deep) from None
-    except ValueError as error:  # among them numbers of thousands of digits
+    except ValueError as error:  # including numbers with thousands of digits
         end = f"at line {len(text.splitlines())}, the end of the file"
         cause = printable(str(error).replace("at end of document", end))
         raise _refused(name, f"not valid TOML: {cause}; {REMEDY}") from None

@@ -49,11 +49,11 @@ def _crossover(given: Any) -> list[GivenLoad]:
 
 Load = Annotated[Any, Quantity(given_load, ("mm^2", "N"))]
 
-# Read as a whole, so that an error names the entry and not each alternative.
+# Validated as a whole, so that an error names the entry instead of each alternative.
 Crossover = Annotated[Any, Quantity(_crossover, ("mm^2", "N"), pairs=True)]
 
 
-# Targets that take points, and the keys of the points.
+# Targets from points, and the keys of the points.
 Kind = type[OperatingPoints] | type[SampledLaw]
 CURVE_KEYS = ("rescaled_load", "load", "rescaled_friction", "friction_force")
 
@@ -61,7 +61,7 @@ CURVE_KEYS = ("rescaled_load", "load", "rescaled_friction", "friction_force")
 class CurveSection(Section):
     """Points of a law: rescaled values, or forces."""
 
-    # keys that are given together
+    # keys that must be stated together
     pairs: ClassVar[tuple[tuple[str, ...], ...]] = (
         ("rescaled_load", "rescaled_friction"),
         ("load", "friction_force"),
@@ -88,7 +88,7 @@ class CurveSection(Section):
         """Return the target of a class of points."""
         if self.load is None:
             return kind(self.rescaled_load or [], self.rescaled_friction or [], **more)
-        if self.friction_force is None:  # areas that were measured at loads in newtons
+        if self.friction_force is None:  # areas measured at loads in newtons
             modulus = material.composite_modulus
             load = np.array(self.load) / modulus
             return kind(load, self.rescaled_friction or [], **more, wording=Wording(modulus))
@@ -160,7 +160,7 @@ class StraightSection(Section):
     """Slopes or friction coefficients, over rescaled loads or loads in newtons."""
 
     def told_in(self, material: Material, loads: list[GivenLoad]) -> Wording:
-        """Return the units of slopes over these loads in messages."""
+        """Return the units of slopes over these loads, for messages."""
         return Wording(material.composite_modulus) if any(load.unit == "N" for load in loads) else RESCALED
 
     def pair(self, material: Material, friction: Friction | None, key: str) -> tuple[Material, Friction]:

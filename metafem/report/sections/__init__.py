@@ -1,1 +1,1 @@
-"""Sections of the report that are made of the studies of a design."""
+"""Sections of the report on the studies of a design."""

@@ -1,4 +1,4 @@
-"""The report's section on how exact the part must be, from the studies of the design."""
+"""The report's section on the required accuracy of the part, from the studies of the design."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class Question(NamedTuple):
-    """A question, the command whose study answers it, and its figure, if any, with title and caption."""
+    """A question, the command of its study, and its figure, if any, with title and caption."""
 
     text: str
     command: str
@@ -60,7 +60,8 @@ QUESTIONS: Mapping[str, Question] = {
     ),
 }
 
-# Figs. S2 and S3 of the source (doi:10.1126/science.adk4234) show slopes without the loads of their fits.
+# Figs. S2 and S3 of the source (doi:10.1126/science.adk4234) show slopes but do not state the loads of their
+# fits.
 SOURCE = (
     "The default, 25 to 100 % of the load at which the plane reaches the lowest asperity, is the choice of "
     "metafem; the source paper does not print its range."
@@ -81,7 +82,7 @@ def exactness_section(studies: Mapping[str, Dataset]) -> dict[str, Any]:
 
 
 def _fitted(studies: Mapping[str, Dataset]) -> str:
-    """Return over which loads the slopes are fitted."""
+    """Return the range of loads of the fitted slopes, as a sentence."""
     # comparisons of models fit no slope and state an empty range
     stated = [study.attrs.get("load_range", ()) for study in studies.values()]
     ranges = {tuple(map(float, each)) for each in stated if len(each)}

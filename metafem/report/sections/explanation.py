@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from xarray import Dataset
 
-# Margins around the errors, whose names stand on the left, and around the heights [inch].
+# Margins around the errors, with their names on the left, and around the heights [inch].
 WIDE, NARROW = (1.3, 0.2, 0.6, 0.4), (0.9, 0.2, 0.6, 0.2)
 
 ERRORS = "Errors of the whole part that explain its law, over the standard deviations expected before."
@@ -24,7 +24,7 @@ HEIGHTS = "Errors of single heights that explain the law, with their standard de
 
 
 def explanation_section(studies: Mapping[str, Dataset]) -> dict[str, Any] | None:
-    """Return sentences, table and figures of the explanation; None if the law was not explained."""
+    """Return sentences, table and figures of the explanation; None without an explanation."""
     if "explained" not in studies:
         return None
     study = studies["explained"]

@@ -1,4 +1,4 @@
-"""The report's section on the measured law: its points beside the design, and their agreement."""
+"""The report's section on the measured law: comparison of its points with the design."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def measured_figure(design: Design, study: Dataset) -> Figure:
     ax.set_ylim(0.0, ROOM * max(float(study["rescaled_friction"].max()), float(shown)))
     for each in (ax, below):
         each.spines[["top", "right"]].set_visible(False)
-    # above the axes: measured points may lie in any of their corners
+    # above the axes: measured points may lie in any corner
     handles, labels = ax.get_legend_handles_labels()
     rows = -(-len(labels) // 2)
     figure.subplots_adjust(top=1.0 - (MARGIN + ROW * rows) / HEIGHT)
@@ -84,13 +84,13 @@ def measured_figure(design: Design, study: Dataset) -> Figure:
 
 
 def _bars(study: Dataset) -> str:
-    """Return which errors of parameters the standard deviations contain."""
+    """Return the parameters with errors that the standard deviations include."""
     names = {"composite_modulus": "E*", "shear_strength": "σ", "area_ratio": "B"}
     found = [names[name] for name in str(study.attrs["parameters"]).split()]
     return f", which include the errors of {' and '.join(found)}" if found else ""
 
 
 def _crossovers(study: Dataset, label: str) -> NDArray[np.intp]:
-    """Return which features are the crossover of a law."""
+    """Return which features are crossovers."""
     crossover = np.char.startswith(study["feature"].values.astype(str), "crossover")
     return np.flatnonzero(crossover & (study["of_law_feature"].values.astype(str) == label))

@@ -1,1 +1,1 @@
-"""Random numbers of the studies, and what is estimated from them."""
+"""Random numbers of the studies, and estimates from them."""

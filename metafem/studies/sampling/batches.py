@@ -1,4 +1,4 @@
-"""Runs of many independent batches, whose numbers do not depend on where they are computed."""
+"""Runs of many independent batches, with results that do not depend on where they are computed."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from metafem.studies.sampling.store import Result, Store
 
 @dataclass(frozen=True)
 class Execution:
-    """Where the draws of a study are computed, and where finished batches of them are kept.
+    """Where the draws of a study are computed, and where finished batches are stored.
 
-    No number depends on it: the random numbers of a batch follow from the seed and its own number. On
-    processors of different kinds the last bits of the areas may differ.
+    The results do not depend on it: the random numbers of a batch follow from the seed and the number of the
+    batch. On different processors the last bits of the areas may differ.
 
     Parameters
     ----------
@@ -30,13 +30,13 @@ class Execution:
         Address of a Dask scheduler, such as ``"tcp://10.0.0.1:8786"``, in place of processes; needs the
         extra ``cluster``.
     folder : str or Path, optional
-        A new or empty folder in which finished batches are kept. The same call with the same folder goes on
-        where a stopped run ended; a folder with another run is refused. Default: nothing is kept.
+        A new or empty folder in which finished batches are stored. The same call with the same folder
+        continues a stopped run; a folder with another run is refused. Default: nothing is stored.
 
     Raises
     ------
     InvalidInput
-        For fewer than one worker, and for workers together with a scheduler. When a study runs: for a
+        For fewer than one worker, and for workers together with a scheduler. When a study runs, for a
         scheduler that does not answer within 10 s, and a folder that cannot be used.
 
     Examples
@@ -63,9 +63,9 @@ class Execution:
 
 @contextmanager
 def opened(execution: Execution | None, study: str, inputs: str) -> Iterator[Run]:
-    """Open a run; its value computes batches of a task and yields their results in the order of the numbers.
+    """Open a run; its value computes batches of a task and yields their results in order of their numbers.
 
-    inputs: hash of all that the results depend on. Ctrl-C says where the finished batches are.
+    inputs: hash of everything the results depend on. Ctrl-C reports where the finished batches are.
     """
     chosen = Execution() if execution is None else execution
     check.instance("execution", chosen, Execution, "a metafem.studies.Execution")
@@ -83,7 +83,7 @@ def opened(execution: Execution | None, study: str, inputs: str) -> Iterator[Run
 
 
 def _results(store: Store | None, compute: Run, task: Task, numbers: Sequence[int]) -> Iterator[Result]:
-    """Yield results in order: those that are kept are read, the others are computed and kept."""
+    """Yield results in order: stored ones are read, the others are computed and stored."""
     stored = set() if store is None else set(filter(store.holds, numbers))
     missing = [number for number in numbers if number not in stored]
     fresh, start, done = compute(task, missing), time.monotonic(), 0
@@ -98,7 +98,7 @@ def _results(store: Store | None, compute: Run, task: Task, numbers: Sequence[in
     for number in each("batch", numbers, detail=rate):
         result = store.read(number) if store is not None and number in stored else None
         if result is None:
-            # one that is kept and cannot be read is computed here
+            # a stored batch that cannot be read is computed here
             result = task(number) if number in stored else next(fresh)
             done += number not in stored
             if store is not None:

@@ -1,4 +1,4 @@
-"""What the datasets of all studies of errors share: units, names and provenance."""
+"""Units, names and provenance of the datasets of all studies of errors."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from metafem.studies.sampling.store import own_version
 if TYPE_CHECKING:
     import xarray as xr
 
-# Probabilities of the quantiles that studies state.
+# Probabilities of the quantiles in the results.
 QUANTILES = (0.05, 0.5, 0.95)
 
-# Units and names of what the studies describe, and of their other variables and coordinates.
+# Units and names of the studied quantities, and of the other variables and coordinates.
 QUANTITIES: Mapping[str, tuple[str, str]] = {
     "slope": ("1", "slope of the law"),
     "area": ("mm2", "real contact area"),
@@ -49,7 +49,7 @@ QUANTITIES: Mapping[str, tuple[str, str]] = {
     "quantile": ("1", "probability below the quantile"),
 }
 
-# What is estimated of a quantity, by the end of the variable's name.
+# Statistic of a quantity, by the end of the variable's name.
 STATISTICS: Mapping[str, str] = {
     "mean": "mean",
     "sd": "standard deviation",
@@ -59,7 +59,7 @@ STATISTICS: Mapping[str, str] = {
     "error": "standard sampling error",
 }
 
-# Statistics that are shares of the variance, whatever the quantity.
+# Statistics that are shares of the variance, for any quantity.
 SHARES = ("first_order", "total")
 
 
@@ -92,7 +92,7 @@ Variables = dict[str, tuple[tuple[str, ...], Any]]
 def with_error(
     name: str, axes: tuple[str, ...], estimate: Sequence[Any], nominal: Any = 1.0, origin: float = 0.0
 ) -> Variables:
-    """Return an estimate and its sampling error, of the value over the nominal one, less `origin`."""
+    """Return an estimate and its sampling error, from the value over the nominal one, minus `origin`."""
     value, error = estimate
     return {name: (axes, nominal * (origin + value)), f"{name}_error": (axes, nominal * error)}
 
@@ -102,7 +102,7 @@ def of_law(
 ) -> Variables:
     """Return the moments of the slope and of the areas, the quantities (l, q), over a dimension of levels.
 
-    Without a dimension they are those of the only level.
+    Without a dimension there is only one level.
     """
     variables: Variables = {}
     for name, part, axes in (("slope", 0, ()), ("area", slice(1, None), ("rescaled_load",))):
@@ -130,8 +130,9 @@ def dataset(
 ) -> xr.Dataset:
     """Return the dataset of a study; each variable is (dimensions, values).
 
-    `inputs` is the hash of all that the numbers depend on, `draws` the largest number of draws of any point;
-    a study of several models has no `model`, and one without random numbers neither seed nor draws.
+    `inputs` is the hash of everything the numbers depend on, `draws` the largest number of draws at any
+    point; a study of several models has no `model`, and a study without random numbers has no seed and no
+    draws.
     """
     import xarray as xr
 

@@ -1,4 +1,4 @@
-"""Draws of made surfaces: sums of their slopes and areas, batch by batch, until the errors are small."""
+"""Draws of made surfaces: sums of their slopes and areas over batches, until the errors are small."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from metafem.studies.sampling.schedulers import Run
 from metafem.studies.sampling.slope import Slope
 from metafem.surface import Surface
 
-# Points of a batch where the number of draws follows from the wanted error: 16 of them are then few draws.
+# Points of a batch if the number of draws follows from the wanted error: 16 batches are then few draws.
 ROUND_POINTS = 16
 
-# Batches that are added before the errors are looked at again.
+# Number of batches added before the errors are computed again.
 ROUND_BATCHES = 8
 
 
@@ -42,11 +42,11 @@ class SlopeDraws:
     size: int
     draws: int  # the last batch of plain draws may be smaller
     plain: bool
-    active: tuple[bool, ...]  # levels that are drawn; the others have no draws
+    active: tuple[bool, ...]  # levels with draws
     first: int = 0  # number of the first batch
 
     def at(self, tolerances: Tolerances, first: int) -> SlopeDraws:
-        """Return the batches of the same points at another level, with numbers of their own."""
+        """Return the batches of the same points at another level, with their own numbers."""
         return replace(self, tolerances=(tolerances,), active=(True,), first=first)
 
     @cached_property
@@ -63,7 +63,7 @@ class SlopeDraws:
         points = unit_points(self.seed, local, size, max(dimensions), plain=self.plain)
         levels = []
         for level, tolerances in enumerate(self.tolerances):
-            # heights come first and are left out where they have no errors
+            # heights come first and are left out if they have no errors
             unit = points[:, points.shape[1] - dimensions[level] :]
             difference, response = np.zeros((2, size if self.active[level] else 0, len(self.nominal)))
             if self.active[level] and dimensions[level] > 0:
@@ -90,10 +90,10 @@ def linear_response(model: Model, surface: Surface, slope: Slope) -> tuple[Float
 
 
 def _gradient(model: Model, surface: Surface, load: FloatArray) -> FloatArray:
-    """Return dA0/dh (k, n) [mm]; any finite one is a valid control variate, zero is none."""
+    """Return dA0/dh (k, n) [mm]; any finite one is a control variate, zero has no effect."""
     try:
         found = model.gradient_model.sensitivity(surface, load).gradient
-    except (MetafemError, np.linalg.LinAlgError):  # resolved contacts have solutions where order 3 has none
+    except (MetafemError, np.linalg.LinAlgError):  # resolved contacts may have a solution if order 3 has none
         return np.zeros((len(load), surface.count))
     return np.where(np.isfinite(found).all(axis=1, keepdims=True), found, 0.0)
 

@@ -15,8 +15,8 @@ from metafem._given import Given, shown
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 
-# A positive input is at least this number of standard deviations away from zero: a coordinate of a Sobol
-# point of 30 bits is at least 2^-31, of which the inverse normal distribution is -6.2.
+# A positive input is at least this number of standard deviations above zero: a coordinate of a Sobol point of
+# 30 bits is at least 2^-31, and the inverse normal distribution there is -6.2.
 WIDEST = 7.0
 
 # Rounding of a covariance matrix, in units of the standard deviations.
@@ -50,10 +50,10 @@ class Inputs:
         mean: Mapping[str, float | FloatArray],
         missing: Mapping[str, str] = MappingProxyType({}),
     ) -> Inputs:
-        """Return the inputs of standard deviations by name, or of names and their covariance matrix.
+        """Return the inputs from standard deviations by name, or from names and their covariance matrix.
 
-        mean: the values of all inputs that can be named; an array holds values of any size, each of which may
-        have its own deviation, and a number is positive. missing: what other inputs need.
+        mean: the values of all inputs that can be named; an array has values of any size, each with a common
+        or its own deviation, and a number is positive. missing: the requirement of the other inputs.
         """
         given = isinstance(parameters, Mapping)
         if given != (covariance is None):
@@ -154,6 +154,6 @@ def _groups(correlation: FloatArray) -> tuple[tuple[int, ...], ...]:
     np.fill_diagonal(linked, True)
     for _ in range(len(linked)):
         linked = (linked[:, :, None] & linked[None, :, :]).any(axis=1)
-    # each input belongs to the group of the first one that it is linked with
+    # each input belongs to the group of the first input that it is linked with
     first = linked.argmax(axis=1).tolist()
     return tuple(tuple(i for i, k in enumerate(first) if k == group) for group in dict.fromkeys(first))

@@ -1,4 +1,4 @@
-"""Draws of the law of a surface whose parameters have errors, batch by batch.
+"""Draws of the law of a surface with errors of its parameters, in batches.
 
 The areas at the drawn loads and radii are interpolated between laws of the model.
 """
@@ -24,8 +24,8 @@ from metafem.surface import Surface
 # extrapolated.
 FARTHEST = 5.0
 
-# Loads at which the difference from independent asperities is computed; under a layer the error of A0 is
-# then below 0.5 % at the entry of a contact, and 1e-6 elsewhere. Loads of the table.
+# Number of loads at which the difference from independent asperities is computed; on a layer the error of A0
+# is then below 0.5 % where a contact closes, and 1e-6 elsewhere. Number of loads of the table.
 COMPUTED, TABULATED = 400, 4000
 
 # Factors of the radii at which the model is solved lie this number of standard deviations apart.
@@ -37,8 +37,9 @@ class Response:
     """A0 over the load P/E* and the factor s of the radii, by interpolation.
 
     For independent Hertz contacts ``A0(P/E*, s) = s A0(P/E* / sqrt(s), 1)`` is exact; for power caps rho^n
-    with s^m in place of sqrt(s) and m = 1 - 1/n, ``s^(2 m)`` in place of s. The difference of the model is
-    interpolated between ``COMPUTED`` loads and by a parabola in s. Other laws are treated like Hertz's.
+    with s^m in place of sqrt(s) and m = 1 - 1/n, ``s^(2 m)`` in place of s. The difference between the model
+    and this law is interpolated between ``COMPUTED`` loads and by a parabola in s. Other laws are treated
+    like Hertz's.
     """
 
     power: float  # n
@@ -51,7 +52,7 @@ class Response:
     def reaching(
         surface: Surface, model: Model, inputs: Inputs, load: FloatArray, fit: Slope | None
     ) -> Response:
-        """Return the response up to the largest load that is likely, with the loads (k,) [N] and a fit."""
+        """Return the response up to the largest likely load, with the loads (k,) [N] and a fit."""
         sd = {name: float(values.max()) for name, values in zip(inputs.names, inputs.sd, strict=True)}
         modulus = surface.material.composite_modulus
         lowest = modulus - FARTHEST * sd.get("composite_modulus", 0.0)
@@ -126,7 +127,7 @@ class LawDraws:
         return (*names, "slope") if self.fit is not None else tuple(names)
 
     def __call__(self, batch: int) -> dict[str, np.ndarray]:
-        """Return the means over one batch, from which all estimates are made."""
+        """Return the means over one batch for all estimates."""
         unit = exchanged(self.seed, batch, self.inputs.groups, self.points)
         return {"means": batch_means(self.law(unit), self.nominal)}
 
@@ -156,7 +157,7 @@ class LawDraws:
             area = self.response.area(self.fit.load * material.composite_modulus / modulus, factor)
             # no product of matrices: its last bits depend on the number of threads
             found["slope"] = np.einsum("...k,k->...", area, self.fit.weight)[..., None]
-        # quantities on which no drawn parameter acts are the same for all points
+        # quantities that depend on no drawn parameter are the same for all points
         parts = [
             np.broadcast_to(found[name], (*unit.shape[:-1], found[name].shape[-1])) for name in self.outputs
         ]

@@ -1,9 +1,9 @@
 """Means, deviations and quantiles from sums over batches, with their sampling errors.
 
-Of each quantity y the sums hold ``u = y/nominal - 1`` and its linear response c, which is known: its mean is
-0 and its variance V. With x = c/sqrt(V), the four numbers ``z = (u, u^2, x, x^2 - 1)`` of each draw give the
-mean and the second moment of u by regression on the last two, whose means are known to be zero (control
-variates). Errors come from the scatter of the batches' means, which are independent.
+For each quantity y the sums contain ``u = y/nominal - 1`` and its linear response c, with mean 0 and a known
+variance V. With x = c/sqrt(V), each draw has the four numbers ``z = (u, u^2, x, x^2 - 1)``. The mean and the
+second moment of u follow by regression on the last two, which have mean zero (control variates). Errors come
+from the scatter of the batches' means, which are independent.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 
-# Fewer draws than this give no regression coefficients: the sample means are used.
+# With fewer draws the sample means are used, without regression.
 FEWEST_REGRESSED = 100
 
 # Bins of the histogram of a slope m: equal steps of asinh((m/nominal - 1)/FINEST), up to 30 times the nominal
@@ -36,8 +36,8 @@ class Sums:
 
     `first` (l, q, 4) and `second` (l, q, 4, 4) are the sums over draws of z and of its products,
     `between_first` and `between_second` those over batches of the means of z. `count` and `failed` (l,) are
-    the draws with and without a solution, `batches` (l,) the batches with a solution, `histogram` (l, BINS)
-    the numbers of slopes in each bin.
+    the numbers of draws with and without a solution, `batches` (l,) of batches with a solution, `histogram`
+    (l, BINS) of slopes in each bin.
     """
 
     count: IntArray
@@ -53,7 +53,7 @@ class Sums:
     def of(difference: FloatArray, response: FloatArray) -> dict[str, np.ndarray]:
         """Return the sums of one batch at one level, from u (m, q) and x (m, q); rows with nan have failed.
 
-        The histogram is that of the first quantity, the slope.
+        The histogram is of the first quantity, the slope.
         """
         solved = np.isfinite(difference).all(axis=1)
         u, x = difference[solved], response[solved]
@@ -70,7 +70,7 @@ class Sums:
 
     @staticmethod
     def of_batch(batch: dict[str, np.ndarray]) -> Sums:
-        """Return the sums of one batch from those of its levels, stacked."""
+        """Return the sums of one batch, stacked from the sums of its levels."""
         count = batch["count"]
         mean = batch["first"] / np.maximum(count, 1)[:, None, None]
         products = mean[..., :, None] * mean[..., None, :]
@@ -85,7 +85,7 @@ class Sums:
 
 @dataclass(frozen=True, eq=False)
 class Moments:
-    """Moments of y/nominal - 1, (l, q), and for each the plain draws of equal error over draws used."""
+    """Moments of y/nominal - 1, (l, q), and for each the plain draws of equal error per draw used."""
 
     mean: Estimate
     sd: Estimate
@@ -111,7 +111,7 @@ def moments(sums: Sums, *, plain: bool = False) -> Moments:
     keep = _adjustment(within, np.zeros_like(sums.count) if plain else sums.count)
     shift, square = np.moveaxis((keep @ mean[..., None])[..., 0], -1, 0)
     scatter = keep @ between @ np.swapaxes(keep, -1, -2) / independent[:, None, None, None]
-    # the square of the mean exceeds that of the exact mean by its sampling variance
+    # the square of the mean exceeds the square of the exact mean by the sampling variance
     sd = np.sqrt(np.maximum(square - shift**2 + scatter[..., 0, 0], 0.0))
     of_draws = within[..., :2, :2] / count[..., None]  # of the means of as many plain draws
     rate = np.stack([-shift, np.full_like(shift, 0.5)], axis=-1)
@@ -130,7 +130,7 @@ def moments(sums: Sums, *, plain: bool = False) -> Moments:
 
 
 def _adjustment(within: FloatArray, count: IntArray) -> FloatArray:
-    """Return the matrices (l, q, 2, 4) that take z to u and u^2 less their regressions on the controls."""
+    """Return the matrices (l, q, 2, 4) that map z to u and u^2 minus their regressions on the controls."""
     keep = np.zeros((*within.shape[:2], 2, 4))
     keep[..., 0, 0] = keep[..., 1, 1] = 1.0
     controls = within[..., 2:, 2:]

@@ -1,4 +1,4 @@
-"""Points of the unit cube, batch by batch: each batch depends on the seed and its own number alone."""
+"""Points of the unit cube in batches: each batch depends only on the seed and its number."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from metafem.errors import InvalidInput
 # Bits of the coordinates of Sobol points; the default of scipy.
 BITS = 30
 
-# Most dimensions of scipy's Sobol points; beyond, the points are plain random ones.
+# Largest dimension of scipy's Sobol points; above it, points are plain random ones.
 MOST_DIMENSIONS = 21_201
 
-# Number of batches that the errors need: with fewer, Student's factor of 68 % exceeds 1.04.
+# Smallest number of batches for the errors: with fewer, Student's 68 % factor exceeds 1.04.
 FEWEST_BATCHES = 16
 
 # Largest number of points of one batch, and of their coordinates, which take 8 MiB: the points of 64
 # asperities, which larger nets would make more accurate, take 2 MiB.
 MOST_POINTS, MOST_NUMBERS = 4096, 2**20
 
-# Most draws where a wanted error decides their number.
+# Largest number of draws if it follows from a wanted error.
 MOST_DRAWS = 10**6
 
 
 @dataclass(frozen=True)
 class Draws:
-    """How many draws a study makes.
+    """Number of draws of a study.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class Draws:
         At least 2, rounded up to whole batches; default: 10,000.
     error : float, optional
         Wanted sampling error [-], in place of a number: draws are added until it is reached, at most a
-        million. Which error it is, each study states.
+        million. Each study states which error it is.
     plain : bool
         Use plain random numbers without control variates, for comparison; default: False.
 
@@ -65,12 +65,12 @@ class Draws:
 
     @staticmethod
     def of(draws: int | Draws) -> Draws:
-        """Return the draws of an argument that may be their number."""
+        """Return the draws from an argument that may be a number."""
         return draws if isinstance(draws, Draws) else Draws(draws)
 
 
 def entropy(rng: Any) -> int:
-    """Return the random seed of a run: a whole number itself, or one that a generator draws."""
+    """Return the random seed of a run: a whole number itself, or one drawn by a generator."""
     random = check.generator(rng)
     if isinstance(rng, (int, np.integer)):
         return int(rng)

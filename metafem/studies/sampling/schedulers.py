@@ -16,13 +16,13 @@ Task = Callable[[int], Result]
 # Computes batches, and yields their results in the order of the numbers.
 Run = Callable[[Task, Sequence[int]], Iterator[Result]]
 
-# A batch that ends its worker this often is given up.
+# Number of times a batch may end its worker before it is abandoned.
 MOST_DEATHS = 3
 
-# Batches that a cluster holds at a time; their results are small.
+# Largest number of batches on a cluster at a time; their results are small.
 AHEAD = 256
 
-# Seconds within which a scheduler must answer; one that runs takes milliseconds.
+# Seconds within which a scheduler must answer; a running one takes milliseconds.
 PATIENCE = 4
 
 
@@ -73,7 +73,7 @@ def cluster(address: str) -> Iterator[Run]:
     instead = "leave scheduler out and use {.name} on this machine"
     given: dict[str, Any] = {"key": "scheduler", "value": repr(address)}
     try:
-        # a client of an address that cannot be used ends with errors of its own
+        # a client with an unusable address ends with its own errors
         resolve_address(address)
         client: Any = Client(address, timeout=PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, ValueError, TypeError) as error:
@@ -109,7 +109,7 @@ def cluster(address: str) -> Iterator[Run]:
 
 
 def _require_same_version(client: Any, address: str) -> None:
-    """Refuse workers with another version of metafem, which may have other numbers, or without it."""
+    """Refuse workers without metafem or with another version, which may compute other numbers."""
     try:
         found = set(client.run(own_version).values())
     except ImportError as error:

@@ -47,8 +47,8 @@ class Slope:
         """Return the slope of a surface's law over a range of rescaled loads [mm^2].
 
         Default: 25 to 100 % of the load at which the plane reaches the lowest summit, with independent
-        asperities of the model's contact law. Raise InvalidInput if the range is not increasing, or if it is
-        not given and all summits have one height.
+        asperities of the model's contact law. Raise InvalidInput if the range is not increasing, or if there
+        is none and all summits have one height.
         """
         if load_range is None:
             depth = float(np.ptp(surface.height))

@@ -23,7 +23,7 @@ class SobolIndices(NamedTuple):
     ----------
     mean, sd : Estimate of (k,)
     first_order : Estimate of (g, k)
-        Share of the variance that a group explains alone.
+        Share of the variance explained by a group by itself.
     total : Estimate of (g, k)
         Share of the variance that would remain if all other inputs were known.
     """
@@ -35,7 +35,7 @@ class SobolIndices(NamedTuple):
 
 
 class Plan(NamedTuple):
-    """Batches and points that make at least a wanted number of draws.
+    """Batches and points for at least a wanted number of draws.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Plan(NamedTuple):
 
 
 def plan(draws: int, groups: int) -> Plan:
-    """Return the batches of at least `draws` draws, of which each point makes ``2 + 2 groups``.
+    """Return the batches for at least `draws` draws; each point has ``2 + 2 groups`` of them.
 
     Examples
     --------
@@ -69,7 +69,7 @@ def plan(draws: int, groups: int) -> Plan:
 def exchanged(seed: int, batch: int, groups: Sequence[Sequence[int]], points: int) -> FloatArray:
     """Return the points of one batch in the unit cube, (2 + 2 g, points, d).
 
-    The first two are halves A and B of the points of one scrambled Sobol sequence. Then follow, for each
+    The first two are halves A and B of the points of one scrambled Sobol sequence. The others are, for each
     group of columns, A with the group's columns of B, and B with those of A.
     """
     dimensions = sum(map(len, groups))
@@ -85,12 +85,12 @@ def exchanged(seed: int, batch: int, groups: Sequence[Sequence[int]], points: in
 
 
 def batch_means(values: FloatArray, centre: FloatArray) -> FloatArray:
-    """Return the means over one batch of which the estimates are made, (2 + 3 g, k).
+    """Return the means over one batch for the estimates, (2 + 3 g, k).
 
-    They are the mean of the function and of its square, less the values `centre` (k,) near its mean, and for
-    each group with the values a, b, a' (A with the group's columns of B) and b': ``2 (b' - b) (a - a')``,
-    ``(a - a')^2 + (b - b')^2`` and ``(a - b)^2 + (a' - b')^2``, whose expectations are 4 V S, 4 V T and 4 V
-    with the variance V and the indices S and T.
+    They are the means of the function minus `centre` (k,), values near its mean, and of its square. For each
+    group with the values a, b, a' (A with the group's columns of B) and b', they are the means of
+    ``2 (b' - b) (a - a')``, ``(a - a')^2 + (b - b')^2`` and ``(a - b)^2 + (a' - b')^2``, with the
+    expectations 4 V S, 4 V T and 4 V, the variance V and the indices S and T.
 
     values: (2 + 2 g, points, k), at the points of `exchanged`.
     """
@@ -107,8 +107,8 @@ def estimated(means: FloatArray, centre: FloatArray) -> SobolIndices:
     """Return the estimates of the means of independent batches, (m, 2 + 3 g, k).
 
     Each is a function of the means over all batches. The jackknife over the batches removes the first order
-    of its bias and gives its error, with the factor of Student's distribution of m - 1 degrees of freedom, so
-    that intervals of one error on each side hold the value with the probability of 68 %.
+    of its bias and gives its error, with the factor of Student's distribution with m - 1 degrees of freedom,
+    so that intervals of one error on each side contain the value with the probability of 68 %.
     """
     groups = (means.shape[1] - 2) // 3
 
@@ -128,12 +128,12 @@ def estimated(means: FloatArray, centre: FloatArray) -> SobolIndices:
 
 
 def jackknife(statistic: Callable[[FloatArray], FloatArray], means: FloatArray) -> Estimate:
-    """Return the estimate of a statistic of means, from those of m independent batches on the first axis."""
+    """Return the estimate of a statistic of means, from m independent batches along the first axis."""
     m = len(means)
     total = means.sum(axis=0)
     without = statistic((total - means) / (m - 1))
     values = m * statistic(total / m) - (m - 1) * without
-    # half of a two-sided interval with the probability of one standard deviation of a normal distribution
+    # half of the two-sided interval with the probability of one normal standard deviation
     student = float(stdtrit(m - 1, ndtr(1.0)))
     return Estimate(values.mean(axis=0), student * values.std(axis=0, ddof=1) / np.sqrt(m))
 
@@ -148,7 +148,7 @@ def sobol_indices(
 
     First-order and total indices are ratios of mean products of differences, Azzini, Mara and Rosati,
     Environ. Model. Softw. 144, 105167 (2021), doi:10.1016/j.envsoft.2021.105167. They do not change if a
-    constant is added to the function, and are exact if it depends on one group alone.
+    constant is added to the function, and are exact if it depends on one group only.
 
     Parameters
     ----------

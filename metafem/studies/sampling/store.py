@@ -1,4 +1,4 @@
-"""Finished batches of a run, kept in a folder under the hash of all that their numbers depend on."""
+"""Finished batches of a run, stored in a folder under the hash of everything they depend on."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from metafem.progress import message
 
 Result = dict[str, np.ndarray]
 
-# The file that names the run of a folder.
+# The file that identifies the run of a folder.
 RECORD = "run.json"
 
 
@@ -28,7 +28,7 @@ def own_version() -> str:
     """Return the version of metafem."""
     try:
         return version("metafem")
-    except PackageNotFoundError:  # run from its sources
+    except PackageNotFoundError:  # metafem runs from its sources
         return "not installed"
 
 
@@ -59,7 +59,7 @@ def _add(total: Any, value: Any) -> None:
         total.update(str(len(value)).encode())
         for member in value:
             _add(total, member)
-    else:  # numbers and texts, and models of a user, whose repr states their values
+    else:  # numbers and texts, and a user's models: their repr states the values
         total.update(repr(value).encode())
 
 
@@ -104,7 +104,7 @@ class Store:
             return None
 
     def write(self, batch: int, result: Result) -> None:
-        """Keep a batch. When the disk is full, those before stay and no further ones are kept."""
+        """Store a batch. When the disk is full, earlier ones stay and no further ones are stored."""
         if self.full:
             return
         arrays: dict[str, Any] = dict(result)
@@ -134,7 +134,7 @@ def _write(path: Path, write: Any) -> None:
 
 
 def _other_run(folder: Path, found: Any, record: Mapping[str, str]) -> str:
-    """Say in what the run of a folder differs."""
+    """State how the run of a folder differs."""
     kept = found if isinstance(found, dict) else {}
     names = [name for name in ("study", "metafem", "inputs") if kept.get(name) != record[name]]
     what = {

@@ -1,4 +1,4 @@
-"""Laws of a tilted surface, and mean and deviation of the slope where the angle is uniform around zero."""
+"""Laws of a tilted surface, and mean and deviation of the slope for a uniform angle around zero."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from metafem.studies.sampling.schedulers import Run
 from metafem.studies.sampling.slope import Slope
 from metafem.surface import STEEPEST, Surface
 
-# Steps up to an angle in the search for the largest one, which ends with it among the last three quarters of
-# them, where its error is below 1e-3; and the most searches: each finds it in steps 1/200 as large, or is
-# followed by one up to twice the angle.
+# Steps up to an angle in the search for the largest one. The search ends if the angle is among the last three
+# quarters of the steps, where its error is below 1e-3. Largest number of searches: the next one has steps
+# 1/200 as large, or goes up to twice the angle.
 SEARCH_STEPS, SEARCHES = 400, 12
 
 # Shuffled placements of one batch: 2,001 angles and 20 loads of 64 independent asperities take a quarter of a
@@ -28,7 +28,7 @@ AT_ONCE = 10
 # Heights that are solved at once: 32 MiB.
 MOST_HEIGHTS = 2**22
 
-# Neighbouring angles on each side whose errors count, too.
+# Number of neighbouring angles on each side that are included in the error.
 NEIGHBOURS = 2
 
 
@@ -79,7 +79,7 @@ class Tilts:
         }
 
     def _law(self, order: IntArray) -> tuple[FloatArray, int]:
-        """Return A0 (a, k) with interpolated values where there is no solution, and the number of these."""
+        """Return A0 (a, k), interpolated where there is no solution, and the number of interpolated laws."""
         area = self._areas(order)
         solved = np.isfinite(area).all(axis=1)
         if solved.sum() < 2:
@@ -108,7 +108,7 @@ def both_signs(angle: FloatArray) -> FloatArray:
 
 
 def largest_angle(compute: Run, task: Tilts) -> Largest:
-    """Return the least angle with which the slope as made scatters by `ALLOWED`, and its error [rad]."""
+    """Return the smallest angle at which the slope as made scatters by `ALLOWED`, and its error [rad]."""
     surface = task.surface
     width = float(np.ptp(surface.position @ task.direction))
     end = min(STEEPEST, math.atan2(float(surface.radius.mean()), width))
@@ -142,7 +142,7 @@ def within(angle: FloatArray, value: FloatArray) -> tuple[Estimate, Estimate]:
     fine = _uniform(angle, value)
     coarse = tuple(np.empty_like(part) for part in fine)
     for odd in (0, 1):
-        # every second angle, among them 0 (odd = 0) or not
+        # every second angle, with 0 (odd = 0) or without
         some = slice((middle - odd) % 2, None, 2)
         for whole, part in zip(coarse, _uniform(angle[some], value[..., some]), strict=True):
             whole[..., 1 - odd :: 2] = part
@@ -153,7 +153,7 @@ def within(angle: FloatArray, value: FloatArray) -> tuple[Estimate, Estimate]:
 
 
 def _largest_nearby(change: FloatArray) -> FloatArray:
-    """Return the largest value at an angle and its neighbours: a change may cross zero at a single angle."""
+    """Return the largest value at an angle and its neighbours: a change may be zero at a single angle."""
     padded = np.pad(change, [(0, 0)] * (change.ndim - 1) + [(NEIGHBOURS, NEIGHBOURS)], mode="edge")
     nearby = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEIGHBOURS + 1, axis=-1)
     return np.asarray(nearby.max(axis=-1))
@@ -161,7 +161,7 @@ def _largest_nearby(change: FloatArray) -> FloatArray:
 
 def _uniform(angle: FloatArray, value: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return mean and standard deviation over [-angle, angle] of values that are linear between angles."""
-    centre = value[..., [len(angle) // 2]]  # the digits of small deviations
+    centre = value[..., [len(angle) // 2]]  # preserves the digits of small deviations
     left, right = value[..., :-1] - centre, value[..., 1:] - centre
     width = np.diff(angle)
     count = len(angle) // 2
@@ -169,7 +169,7 @@ def _uniform(angle: FloatArray, value: FloatArray) -> tuple[FloatArray, FloatArr
     for integral in (width * (left + right) / 2.0, width * (left**2 + left * right + right**2) / 3.0):
         both = (integral + integral[..., ::-1])[..., -count:]
         if len(width) % 2:
-            both[..., 0] /= 2.0  # the interval across 0 is its own mirror image
+            both[..., 0] /= 2.0  # the interval across 0 is symmetric
         moments.append(np.cumsum(both, axis=-1) / (2.0 * angle[-count:]))
     mean, square = moments
     return mean + centre, np.sqrt(np.maximum(square - mean**2, 0.0))

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 # Loads of the columns, as fractions of the largest load.
 SHOWN_LOADS = (0.1, 0.4, 1.0)
 
-# Meaning of the last columns of the interaction's table.
+# Meaning of the last columns of the table of interaction.
 RANDOM = (
     "random: the asperities assigned to the sites at random, at every fifth load; centred: the tallest in "
     "the centre; rms: root mean square change of A0 over the loads"

@@ -1,4 +1,4 @@
-"""Whether the part shows the law, and which errors explain it: summaries of measured laws."""
+"""Summaries of measured laws: agreement with the design, and errors that explain the difference."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 # The probability below which a law is rejected.
 LIMIT = percent(REJECTED)
 
-# Columns of the table of points, and of that of features.
+# Columns of the tables of points and of features.
 POINTS = ("law", "P [N]", "P/E* [mm²]", "measured [mm²]", "±", "design [mm²]", "deviation", "in s.d.")
 FEATURES = ("law", "feature", "measured", "±", "design", "deviation", "in s.d.", "target", "from target")
 
@@ -102,7 +102,7 @@ def _relative(value: float, reference: float) -> str:
 
 
 def explained_summary(study: Dataset) -> Summary:
-    """Return the errors with their shares of the misfit, the largest first, and what they say."""
+    """Return the errors with their shares of the misfit, the largest first, and a sentence."""
     rows: list[tuple[str, ...]] = []
     for group in study["group"].values.tolist():
         last = (

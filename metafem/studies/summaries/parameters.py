@@ -1,4 +1,4 @@
-"""Which input matters most: the summary of uncertainty."""
+"""The summary of uncertainty: the input with the largest share."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ WORDS = {
     "area_ratio": "the area ratio B",
 }
 
-# Quantities of a study, the most telling first, and their words.
+# Quantities of a study, the most informative first, and their words.
 QUANTITIES = {
     "deviation": "the difference between measured and predicted friction",
     "friction_force": "the friction force",
@@ -61,7 +61,7 @@ def uncertainty_summary(study: Dataset) -> Summary:
 
 
 def main_quantity(study: Dataset) -> str:
-    """Return the quantity that the study is about."""
+    """Return the main quantity of the study."""
     return next(name for name in QUANTITIES if f"{name}_sd" in study)
 
 

@@ -1,4 +1,4 @@
-"""How exact the part must be: summaries of manufacturing, misalignment and combined."""
+"""Required accuracy of the part: summaries of manufacturing, misalignment and combined."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 # The largest errors are stated with this number of standard errors on both sides.
 ERRORS = 2.0
 
-# Largest number of rows of a table; of more levels or angles some are left out.
+# Largest number of rows of a table; if there are more levels or angles, some are left out.
 MOST_ROWS = 12
 
 
@@ -111,7 +111,7 @@ def combined_summary(study: Dataset) -> Summary:
         uncertain = f"{float(one['factor_error']) * given:.1g}{unit}" if math.isfinite(factor) else ""
         rows.append((words, f"{given:.3g}{unit}", largest, uncertain))
     low, middle, high = (percent(float(value)) for value in study["misfit_quantile"].values)
-    exact = percent(round(float(study["nominal_misfit"]), 6))  # 0 for a misfit of rounding
+    exact = percent(round(float(study["nominal_misfit"]), 6))  # 0 for a misfit from rounding
     spread = information(
         f"misfit {exact} without errors; median of the surfaces {middle}, 90 % of them from {low} to {high}"
     )
@@ -139,7 +139,7 @@ def _without_limit(factor: float) -> str:
 def answered(
     study: Dataset, errors: str, written: Callable[[float], str], kind: str = "", more: str = ""
 ) -> str:
-    """Return with which errors the slope scatters as little as allowed, and what the largest studied do."""
+    """Return the errors at which the slope scatters as allowed, and the effect of the largest ones."""
     (name,) = map(str, study["slope_mean"].dims)
     last = study.isel({name: -1})
     mean, sd = (float(last[f"slope_{moment}"] / last["nominal_slope"]) for moment in ("mean", "sd"))
@@ -152,7 +152,7 @@ def answered(
 
 
 def _limit(study: Dataset, name: str, errors: str, written: Callable[[float], str], kind: str) -> str:
-    """Return with which errors the slope scatters as little as allowed, as the study has solved for them."""
+    """Return the errors at which the slope scatters as allowed, as computed by the study."""
     if f"largest_{name}" not in study:  # a study of an earlier version
         return ""
     value, error = float(study[f"largest_{name}"]), ERRORS * float(study[f"largest_{name}_error"])

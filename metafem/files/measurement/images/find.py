@@ -22,7 +22,7 @@ from metafem.files.measurement.images.pages import Damaged, Page
 from metafem.files.reading import file_label
 from metafem.progress import message
 
-# The formats that are read, by the end of a file's name, and others that hold images.
+# Formats that are read, by the end of a file's name, and other image formats.
 FORMATS = {".tif": tiff, ".tiff": tiff, ".png": png}
 OTHERS = {".jpg", ".jpeg", ".bmp", ".gif", ".webp", ".avi", ".mp4", ".czi", ".nd2", ".lif", ".raw", ".jp2"}
 
@@ -34,8 +34,8 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 class ImageFile:
     """One image: a file, or a page of one.
 
-    `name` is that of the file, with the number of the page from 1 if it has several, as ``stack.tif:3``.
-    `page` says what the file states of the image; `broken` why there is none.
+    `name` is the name of the file, with the number of the page from 1 if it has several, as ``stack.tif:3``.
+    `page` holds the data of the image in the file; `broken` is the reason why there is no image.
     """
 
     name: str
@@ -45,9 +45,9 @@ class ImageFile:
 
 
 class Images(Sequence[NDArray[Any]]):
-    """The grey values of images (rows, columns), each read from its file when it is asked for.
+    """The grey values of images (rows, columns), each read from its file on access.
 
-    `coloured` holds the names of those that were in colour: their luminance stands for the grey values.
+    `coloured` holds the names of images in colour: the grey values are their luminance.
     """
 
     def __init__(self, files: Sequence[ImageFile]) -> None:
@@ -81,7 +81,7 @@ def find_images(sources: Iterable[str | Path]) -> list[ImageFile]:
         once.setdefault(path.absolute(), path)
     files = [image for path in once.values() for image in _pages(path)]
     count = Counter(image.name for image in files)
-    # files of one name from several folders are named with these
+    # files of one name from several folders are named with their folders
     return [
         replace(image, name=str(image.path.parent / image.name)) if count[image.name] > 1 else image
         for image in files
@@ -103,7 +103,7 @@ def read_image(image: ImageFile) -> tuple[NDArray[Any], bool]:
 
 
 def natural(name: str) -> list[tuple[int, str]]:
-    """Return a key that sorts names with numbers as a person does: a2 before a10."""
+    """Return a key that sorts names with numbers in natural order: a2 before a10."""
     parts = re.split(r"(\d+)", name.casefold())
     return [(int(part), "") if i % 2 else (-1, part) for i, part in enumerate(parts)]
 
@@ -116,7 +116,7 @@ def _grey(values: NDArray[Any]) -> tuple[NDArray[Any], bool]:
     if (colours == colours[..., :1]).all():
         return np.ascontiguousarray(colours[..., 0]), False
     grey = colours @ LUMINANCE
-    # integers remain such, so that saturated ones are found
+    # integers remain integers, so that saturated ones are found
     return (np.rint(grey) if values.dtype.kind in "ui" else grey).astype(values.dtype), True
 
 
@@ -140,7 +140,7 @@ def _in_folder(folder: Path) -> list[Path]:
 
 
 def _is_drawing(path: Path) -> bool:
-    """Whether a file is a figure that metafem wrote, such as that of an earlier measurement."""
+    """Whether a file is a figure that metafem wrote, for example in an earlier measurement."""
     with suppress(OSError):
         return is_of_kind(path, "figure")
     return False
@@ -161,7 +161,7 @@ def _checked(path: Path) -> Path:
 
 
 def _pages(path: Path) -> list[ImageFile]:
-    """Return the images of a file; what follows a damaged part of a stack is one that is broken."""
+    """Return the images of a file; everything after a damaged part of a stack is one broken image."""
     try:
         pages, damage = FORMATS[path.suffix.lower()].pages(path)
     except Damaged as error:

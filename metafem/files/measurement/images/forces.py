@@ -21,7 +21,7 @@ COLUMNS = Columns(
     "image,load_mN (or in another unit), optionally with friction_force_mN, sheared_image and test",
 )
 
-# Images that a note names.
+# Number of images named in a note.
 NAMED = 5
 
 
@@ -37,12 +37,12 @@ class Shot:
 
 
 def shots(images: Sequence[ImageFile], forces: str | Path | None = None) -> tuple[list[Shot], list[Note]]:
-    """Return the images with their forces, in the order of the images, and warnings of what is left out.
+    """Return the images with their forces, in the order of the images, and warnings on what is left out.
 
     `forces` is a table with the columns ``image`` and ``load`` with its unit, as ``load_mN``, and optionally
     ``friction_force`` with its unit, ``sheared_image`` and ``test``. An image is named by its file, a page of
     a stack as ``stack.tif:3``. A line whose image does not exist is left out, as is a sheared image. Raise
-    InvalidInput, which names line and column, for what cannot be read and if no line is left.
+    InvalidInput with line and column for entries that cannot be read, and if no line is left.
     """
     if forces is None:
         return [Shot(image) for image in images], []
@@ -97,7 +97,7 @@ def _leads(image: ImageFile, found: dict[str, Shot], used: dict[str, int]) -> bo
 
 
 def _absent(name: str, names: dict[str, ImageFile]) -> str:
-    """Return that a name in the table is not that of an image."""
+    """Return the text that a name in the table is not that of an image."""
     pages = list(dict.fromkeys(image.name for image in names.values() if image.name.startswith(f"{name}:")))
     near = get_close_matches(name, list(names), 1)
     hint = f"; did you mean {printable(near[0], 60)}?" if near else ""
@@ -107,7 +107,7 @@ def _absent(name: str, names: dict[str, ImageFile]) -> str:
 
 
 def _misspelt(entries: Entries) -> list[Note]:
-    """Return warnings of columns that are not read and have nearly the name of one that is lacking."""
+    """Return warnings on unread columns with nearly the name of a missing one."""
     known = {*COLUMNS.units, *COLUMNS.plain}
     lacking = [COLUMNS.title(name) for name in sorted(known - entries.columns.keys())]
     near = ((title, get_close_matches(title, lacking, 1)) for title in entries.unread)

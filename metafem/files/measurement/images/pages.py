@@ -1,15 +1,15 @@
-"""What a file states of one of its images."""
+"""Data of one image in a file."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-# Pixels of the largest image that is read: one of 1e8 takes 2 GiB while it is measured.
+# Largest number of pixels of an image that is read: 1e8 pixels take 2 GiB during the measurement.
 MOST_PIXELS = 10**8
 
 
 class Damaged(Exception):
-    """An image that cannot be read; the text says why and follows its name."""
+    """An image that cannot be read; the text states the reason and follows its name."""
 
 
 @dataclass(frozen=True)
@@ -25,8 +25,8 @@ class Resolution:
 class Page:
     """An image in a file: its number from 1 and, if stated, the size of its pixels.
 
-    `refused` says why it is not read. `index` is its place in the file, where reduced copies of other images
-    count too.
+    `refused` is the reason why it is not read. `index` is its place in the file, including reduced copies of
+    other images.
     """
 
     number: int
@@ -38,7 +38,7 @@ class Page:
 
 
 def too_large(rows: int, columns: int) -> str:
-    """Return why an image is not read, if it is too large."""
+    """Return the reason if an image is too large to be read."""
     if rows * columns <= MOST_PIXELS:
         return ""
     return f"has {columns} x {rows} pixels; at most {MOST_PIXELS:.0e} are read, crop it"

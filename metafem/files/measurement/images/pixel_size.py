@@ -11,22 +11,22 @@ from metafem.files.measurement.images.find import ImageFile
 from metafem.files.measurement.images.pages import Page, Resolution
 from metafem.notes import Note, information
 
-# Resolutions that programs write where none is known [per inch], and how exactly PNG stores them.
+# Default resolutions of programs [per inch], and the accuracy with which PNG stores them.
 DEFAULTS, STORED = (72.0, 96.0, 100.0, 150.0, 200.0, 300.0, 600.0), 0.05
 MILLIMETRES_PER_INCH = 25.4
 
-# Relative difference of two stated sizes: above the first they differ, above the second areas do by 1 %.
+# Relative differences of two stated sizes: above the first they differ; at the second, areas differ by 1 %.
 SAME, NEAR = 1e-3, 5e-3
 
 EXAMPLE = 'add the size of a pixel in the plane of the contacts, for example --pixel "5.3 um"'
 
 
 def pixel_size(images: Sequence[ImageFile], given: float | None = None) -> tuple[float, list[Note]]:
-    """Return the side of a pixel [mm] and notes on where it is from.
+    """Return the side of a pixel [mm] and notes on its source.
 
-    It is the given one, or the one that all files state. Resolutions of 72 per inch and other round numbers
-    that programs write by default are no statement. Raise InvalidInput if the size is neither given nor
-    stated, or if two images or the two directions differ.
+    It is the given size, or the size that all files state. Resolutions of 72 per inch and other round default
+    values of programs do not count. Raise InvalidInput if the size is neither given nor stated, or if two
+    images or the two directions differ.
     """
     whole = [(image.name, image.page) for image in images if image.page is not None]
     if not whole:
@@ -78,7 +78,7 @@ def _of_files(
 
 
 def _default(resolution: Resolution) -> bool:
-    """Whether a resolution is one that programs write without knowing it."""
+    """Whether a resolution is a default value of programs."""
     per_inch = MILLIMETRES_PER_INCH / resolution.x
     return "per inch" in resolution.source and any(abs(per_inch - value) < STORED for value in DEFAULTS)
 

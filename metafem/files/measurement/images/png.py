@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from metafem.files.measurement.images.pages import Damaged, Page, Resolution, too_large
 
-# Modes of pictures whose values are grey levels, and those that are converted to colours or grey levels.
+# Modes of images with grey levels, and modes that are converted to colours or grey levels.
 GREY = {"L", "I", "F", "I;16", "I;16B", "I;16L", "I;16N"}
 CONVERTED = {"P": "RGB", "PA": "RGB", "RGBA": "RGB", "RGBX": "RGB", "LA": "L", "La": "L", "RGB": "RGB"}
 
@@ -44,7 +44,7 @@ def values(image: Any, page: Page) -> NDArray[Any]:
 
 
 def refused(mode: str, rows: int, columns: int) -> str:
-    """Return why an image of a mode is not read."""
+    """Return the reason why an image of a mode is not read."""
     if mode in GREY or mode in CONVERTED:
         return too_large(rows, columns)
     kind = "black and white" if mode == "1" else f"of the kind {mode}"
@@ -53,7 +53,7 @@ def refused(mode: str, rows: int, columns: int) -> str:
 
 @contextmanager
 def opened(path: Path) -> Iterator[Any]:
-    """Open an image; raise Damaged if it, or what is read of it, is no image or incomplete."""
+    """Open an image; raise Damaged if it is not an image, or if it or the part read is incomplete."""
     from PIL import Image
 
     try:
@@ -68,7 +68,7 @@ def opened(path: Path) -> Iterator[Any]:
 
 
 def _plain(error: BaseException) -> str:
-    """Return what is wrong with a file, without its name."""
+    """Return the problem with a file, without its name."""
     if isinstance(error, OSError) and error.strerror:
         return error.strerror
     text = str(error)

@@ -27,12 +27,12 @@ READ = (WHITE_IS_ZERO, 1, 2, PALETTE)
 # Units of the tag ResolutionUnit [mm].
 RESOLUTION_UNIT = {2: 25.4, 3: 10.0}
 
-# What damaged files make tifffile raise.
+# Exceptions of tifffile for damaged files.
 FAULTS = (OSError, ValueError, RuntimeError, LookupError, TypeError, struct.error, zlib.error, MemoryError)
 
 
 def pages(path: Path) -> tuple[list[Page], str]:
-    """Return the images of a file, and what is wrong behind the last one that can be read."""
+    """Return the images of a file, and the problem after the last one that can be read."""
     with _opened(path) as (file, complaints):
         found = [(index, page) for index, page in enumerate(file.pages) if not page.is_reduced]
         if not found:
@@ -72,7 +72,7 @@ def read(path: Path, page: Page) -> NDArray[Any]:
         photometric, axes = int(first.photometric), first.axes
         palette = first.colormap if photometric == PALETTE else None
     if values is None:
-        # compressed in a way that tifffile alone does not read
+        # a compression that tifffile does not read by itself
         with png.opened(path) as image:
             return png.values(image, page)
     if palette is not None:
@@ -123,7 +123,7 @@ def _plain(error: BaseException) -> str:
 
 
 def _refused(page: Any, size: int, number: int) -> str:
-    """Return why a page is not read; `number` counts images that follow each other without tags."""
+    """Return the reason why a page is not read; `number` counts consecutive images without tags."""
     if page.axes not in ("YX", "YXS", "SYX"):
         return f"has the axes {page.axes}; save pictures of rows and columns"
     if page.dtype is None or page.dtype.kind not in "uif":
@@ -140,7 +140,7 @@ def _refused(page: Any, size: int, number: int) -> str:
 
 
 def _joined(file: Any, path: Path) -> int:
-    """Return the number of images of a stack that has the tags of the first alone, else 0."""
+    """Return the number of images of a stack with tags of the first image only, otherwise 0."""
     page = file.pages[0]
     if len(file.pages) > 1 or not file.series or not page.is_contiguous or page.axes != "YX":
         return 0
@@ -185,7 +185,7 @@ def _ratio(value: Any) -> float:
 
 
 def _millimetres(name: str) -> float | None:
-    """Return the size of a unit of length [mm], None if it is none, such as "pixel"."""
+    """Return the size of a unit of length [mm], None for other units, such as "pixel"."""
     plain = name.strip().strip("\x00").replace("\\u00B5", "µ")
     try:
         return float(factor({"micron": "um", "microns": "um", "inches": "inch"}.get(plain, plain), "mm"))
