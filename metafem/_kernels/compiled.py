@@ -1,8 +1,8 @@
 """Compilation of kernels, stored on disk outside the package.
 
-Numba's own cache lies in the package, identifies a function by its source alone, and writes two files that
-two processes can mix up. Here each compiled function is one file, which is complete or absent, in a folder
-whose name is a hash of everything on which its machine code depends.
+Numba's own cache lies in the package, identifies a function only by its source, and writes two files that
+concurrent processes can mix up. Here each compiled function is one file, either complete or absent. The name
+of its folder is a hash of everything on which the machine code depends.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ DIGEST = 32
 
 
 def compiled(function, *, any_order=False):
-    """Compile a kernel for each signature of its calls, once for this installation.
+    """Compile a kernel for each signature of its calls, once per installation.
 
-    any_order: sums may be added in any order, which vector instructions need; the last bits then depend on
-    the processor.
+    any_order: allow sums in any order, as vector instructions need; the last bits then depend on the
+    processor.
     """
     fast = {"reassoc"} if any_order else False
     options: Any = {"nogil": True, "no_cfunc_wrapper": True, "fastmath": fast}
@@ -49,7 +49,7 @@ def compiled(function, *, any_order=False):
     return dispatcher
 
 
-# A kernel that becomes a part of its only caller, in less time than it takes to compile and link both.
+# For a kernel inlined into its only caller, which takes less time than compiling and linking both.
 inlined = njit(inline="always")
 
 
@@ -78,7 +78,7 @@ def folder() -> Path:
 
 
 class _Kept(NullCache):
-    """The compiled signatures of one function on disk. What cannot be read or written is compiled again."""
+    """The compiled signatures of one function on disk; unreadable or unwritable files are compiled again."""
 
     def __init__(self, function):
         self._name = f"{function.__module__}.{function.__qualname__}"
@@ -123,7 +123,7 @@ class _Kept(NullCache):
 
 @lru_cache
 def _used(path: Path) -> None:
-    """Set the date of the folder of kernels, so that the least recently used ones are removed first."""
+    """Update the date of the kernels' folder, so that the least recently used folders are removed first."""
     with suppress(OSError):
         os.utime(path)
 

@@ -1,7 +1,7 @@
-"""Curves of interacting contacts; each equilibrium is predicted from those before.
+"""Curves of interacting contacts; each equilibrium is predicted from the previous ones.
 
 Each z is nearly linear in the approach x, and exactly linear without interaction. The prediction is the cubic
-through the last two equilibria and their tangents.
+through the last two equilibria with their tangents.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from metafem._kernels.contact import hertz, tabulated
 from metafem._kernels.coupling import State, copy, empty_state, quadratic_form
 from metafem._kernels.interacting import TOLERANCE, Scratch, empty_scratch, rates, refresh, settle
 
-# Residual of the tangent; the stiffness is stationary there and has twice the digits.
+# Residual of the tangent; the stiffness is stationary there and has twice as many correct digits.
 TANGENT = 1e-4
 
-# The cubic is used up to this distance ahead, in units of its length.
+# Largest distance ahead at which the cubic is used, in units of its length.
 REACH = 3.0
 
-# Newton steps for the approach of a prediction after that along the tangent; after two its error is below
-# that of the cubic.
+# Newton steps for the approach of a prediction, after the step along the tangent; after two their error is
+# below that of the cubic.
 PREDICTOR_STEPS = 2
 
 
@@ -48,7 +48,7 @@ class Results(NamedTuple):
     stiffness: np.ndarray  # dP/dx [mm]
     residual: np.ndarray
     radius: np.ndarray  # of the largest contact [mm]
-    steps: np.ndarray  # Newton steps, those from rejected starts included
+    steps: np.ndarray  # Newton steps, including those from rejected starts
 
 
 def empty_memory(count: int) -> Memory:
@@ -68,7 +68,7 @@ def empty_workspace(count: int, order: int) -> tuple[State, Memory, Scratch]:
 
 @compiled
 def uniform_approach(gap, law, load):
-    """Return the approach [mm] at which independent asperities carry `load`, to a few percent."""
+    """Return the approach [mm] at which independent asperities carry `load`, within a few percent."""
     radius, which, scale, data = law
     x = math.inf
     for i in range(gap.size):  # a single asperity needs a larger approach: the smallest is an upper bound
@@ -96,7 +96,7 @@ def uniform_approach(gap, law, load):
             low = x
         else:
             high = x
-        # of a convex load Newton's method cannot overshoot from the right; a plastic one is concave
+        # for a convex load Newton's method cannot overshoot from the right; a plastic load is concave
         x = x - (p - load) / slope if slope > 0.0 else low
         if not low < x < high:
             x = 0.5 * (low + high)
@@ -127,7 +127,7 @@ def extrapolate(memory, points, width, ahead, law, z):
 
 @compiled
 def predict(memory, points, width, ahead, target, law, z):
-    """Fill z for an approach `ahead` of the last, which a target load > 0 corrects; return the distance."""
+    """Fill z at a distance `ahead`, corrected for a target load > 0; return the distance."""
     if points > 1:
         for i in range(z.size):
             chord = (memory.last[i] - memory.before[i]) / width
@@ -175,7 +175,7 @@ def tangent(field, order, self_term, state, count, points, memory, scratch):
 
 @inlined
 def independent_start(gap, law, control, by_load, z):
-    """Fill z with that of independent asperities, and return its approach."""
+    """Fill z of independent asperities, and return the approach."""
     start = uniform_approach(gap, law, control) if by_load else control
     for i in range(z.size):
         z[i] = start - gap[i]
@@ -184,7 +184,7 @@ def independent_start(gap, law, control, by_load, z):
 
 @compiled
 def curves(field, order, law, self_term, gap, control, by_load, results, state, memory, scratch, all_z):
-    """Fill the results (m, k) of m surfaces, and z (k, n) of the last where `all_z` has room.
+    """Fill the results (m, k) of m surfaces, and z (k, n) of the last surface unless `all_z` is empty.
 
     self_term, gap and the arrays of the law are (m, n), control (k,) holds increasing loads or approaches.
     """
@@ -245,7 +245,7 @@ def curves(field, order, law, self_term, gap, control, by_load, results, state, 
 
 @compiled
 def areas(state, count):
-    """Return the area of all contacts [mm^2], and the radius of the largest [mm]."""
+    """Return the total area of the contacts [mm^2], and the largest contact radius [mm]."""
     area = largest = 0.0
     for k in range(count):
         square = state.square[state.closed[k]]

@@ -6,12 +6,12 @@ Order 3 is the gradient of one complementary energy of the loads,
 
 with the extra curvature k_i = 1/2 sum_j p_j lap_i G_ij, the slope g_i = sum_j p_j grad_i G_ij, and the
 energy w of the contact law, whose derivatives by p and k are the indentation d and half the second moment M
-of the pressure. The latter is the finite size of the sources, M_j/4, and T = 2/3 a^3 is the moment of a
-tilted contact: the three corrections belong together, and the Jacobian is symmetric. For Hertz's law
+of the pressure. M represents the finite size of the sources, M_j/4, and T = 2/3 a^3 is the moment of a
+tilted contact. The three corrections derive from one energy, so the Jacobian is symmetric. For Hertz's law
 w = 3/5 p d, M/4 = p a^2/10, T = 1/2 p R, and the contact is shifted by -R g.
 
-The unknown of a contact is its nominal indentation z, at which the law without extra curvature carries p.
-Where z < 0 the asperity is open, with the gap -z. `contact.tabulated` evaluates laws other than Hertz's.
+The unknown of a contact is its nominal indentation z, at which the law without extra curvature has the load
+p. If z < 0 the asperity is open, with the gap -z. `contact.tabulated` evaluates laws other than Hertz's.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from metafem._kernels.vectors import add
 class Coupling(NamedTuple):
     """Influence of the asperities on each other, (n, n), row j for the source j, zero diagonals allowed.
 
-    The plain matrices hold derivatives at the source, those marked `at` derivatives at the asperity
-    that is displaced; for order 1 all but `influence` may be empty.
+    Matrices marked `at` hold derivatives at the displaced asperity, the others derivatives at the source; for
+    order 1 all except `influence` may be empty.
     """
 
     influence: np.ndarray
@@ -60,7 +60,7 @@ class State(NamedTuple):
     slope_x: np.ndarray
     slope_y: np.ndarray
     curvature: np.ndarray  # sum of p lap G [1/mm], twice k
-    outside: np.ndarray  # 1 where the law or its sharpness is beyond its range
+    outside: np.ndarray  # 1 where the law or the sharpness is out of range
     part: np.ndarray  # scratch
     other: np.ndarray  # scratch
     closed: np.ndarray  # indices of the asperities in contact
@@ -73,7 +73,7 @@ def empty_state(count: int) -> State:
 
 @compiled
 def copy(source, target):
-    """Copy an array (n,); assignment to a slice takes seconds to compile."""
+    """Copy an array (n,); slice assignment would take seconds to compile."""
     for i in range(target.size):
         target[i] = source[i]
 
@@ -100,7 +100,7 @@ def add_rows(matrix, closed, count, weight, out):
 
 @compiled
 def press(law, order, state):
-    """Fill what follows from z without the neighbours; return the number of contacts."""
+    """Fill the quantities that depend on z only; return the number of contacts."""
     radius, which, scale, data = law
     plain = data.size == 0
     count = 0
@@ -142,7 +142,7 @@ def press(law, order, state):
 
 @compiled
 def sharpen(law, state, count):
-    """Fill what changes by the curvature of the neighbours' field."""
+    """Fill the quantities that change with the curvature of the neighbours' field."""
     radius, which, scale, data = law
     plain = data.size == 0
     for k in range(count):
@@ -179,7 +179,7 @@ def widen(law, state, count):
 
 @compiled
 def respond(field, order, law, self_term, state):
-    """Fill the state that follows from its z; return the number of contacts."""
+    """Fill the state from its z; return the number of contacts."""
     load, closed, u = state.load, state.closed, state.displacement
     n = load.size
     count = press(law, order, state)
@@ -211,9 +211,9 @@ def respond(field, order, law, self_term, state):
 
 @compiled
 def assemble(field, state, count, matrix):
-    """Fill the rows of contacts of dF/dp, without the diagonal of the law and `self_term`.
+    """Fill the rows of dF/dp for the contacts, without the diagonal of the law and `self_term`.
 
-    Terms that are squares of the order-3 corrections are left out; the residual contains them.
+    Terms quadratic in the order-3 corrections are left out; the residual contains them.
     """
     tilt_x, tilt_y, third = state.part, state.other, state.square
     n = third.size
@@ -238,7 +238,7 @@ def assemble(field, state, count, matrix):
 
 @compiled
 def quadratic_form(field, order, self_term, state, count, y, out, rate):
-    """Return y.(d2W/dp2) y with every term; y vanishes on open asperities. out, rate: scratch."""
+    """Return y.(d2W/dp2) y with all terms; y is zero on open asperities. out, rate: scratch."""
     closed = state.closed
     out[:] = 0.0
     add_rows(field.influence, closed, count, y, out)
@@ -296,8 +296,8 @@ def energy(order, law, gap, approach, state, count):
 def measure(order, gap, approach, target, state, count):
     """Return the residual of the equations, and the load.
 
-    The residual is the largest |d + u - e| of a contact or overlap of an open asperity, over the largest d,
-    and the relative error of the load if `target` is positive.
+    The residual is the largest |d + u - e| of a contact or overlap of an open asperity, over the largest d;
+    if `target` is positive, it includes the relative error of the load.
     """
     worst = largest = load = rest = 0.0
     for i in range(gap.size):

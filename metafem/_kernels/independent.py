@@ -15,7 +15,7 @@ from metafem._kernels.compiled import compiled
 from metafem._kernels.contact import hertz
 from metafem._kernels.vectors import add
 
-# From the right, Newton's method reduces the distance by two thirds at first and then converges
+# From the right, Newton's method first reduces the distance by two thirds per step and then converges
 # quadratically; 200 steps are enough for any double.
 MAX_STEPS = 200
 
@@ -23,7 +23,7 @@ MAX_STEPS = 200
 MAX_REFINEMENTS = 3
 ROUNDING = 4.0 * np.finfo(np.float64).eps
 
-# Relative error of the load before the last step of `areas`; that after it is the square.
+# Relative error of the load before the last step of `areas`; the step squares it.
 SETTLED = 1e-8
 
 
@@ -61,15 +61,15 @@ def sums(gap, root_radius, base, depth):
 
 @compiled
 def approach_at_load(gap, root_radius, load, below):
-    """Return the approach [mm] at a load; at the approach `below`, such as 0, the load is smaller."""
+    """Return the approach [mm] at a load; `below` is a lower bound of it, such as 0."""
     if load <= 0.0:
         return 0.0
-    # upper bracket: the tallest asperity alone
+    # upper bracket: contact of the tallest asperity only
     above = hertz.indentation_at_load(root_radius[0] ** 2, load)
     x = above
     if below > 0.0:
         p, s = load_and_slope(gap, root_radius, below)
-        # the tangent of a convex function is below it: this step ends on the right of the root
+        # the tangent of a convex function lies below it: this step ends on the right of the root
         x = min(above, below + (load - p) / s)
     for _ in range(MAX_STEPS):
         p, s = load_and_slope(gap, root_radius, x)
@@ -88,7 +88,7 @@ def approach_at_load(gap, root_radius, load, below):
 def refine(gap, root_radius, load, approach):
     """Split an approach into the gap of the last contact and its indentation, and solve for the latter.
 
-    Where all indentations are far smaller than the gaps, the approach loses their digits.
+    If all indentations are far smaller than the gaps, they cannot be computed accurately from the approach.
     """
     if approach <= 0.0:
         return 0.0, approach
@@ -144,14 +144,14 @@ def quick_sums(gap, root_radius, count, base, depth):
 
 @compiled
 def areas(gap, root_radius, load, area):
-    """Fill the areas (m, k) of `curves` alone, in a fifth of its time; nan without a solution."""
+    """Fill only the areas (m, k) of `curves`, in a fifth of its time; nan without a solution."""
     for i in range(gap.shape[0]):
         x = slope = 0.0
         for j in range(load.size):
             area[i, j] = math.nan if load[j] > 0.0 else 0.0
             if load[j] <= 0.0:
                 continue
-            # bounds from above, as in approach_at_load: the tallest asperity alone, or the tangent
+            # upper bounds, as in approach_at_load: contact of the tallest asperity only, or the tangent
             above = hertz.indentation_at_load(root_radius[i, 0] ** 2, load[j])
             start = above
             if slope > 0.0:
@@ -159,7 +159,7 @@ def areas(gap, root_radius, load, area):
                 # a power law through the last equilibrium, with its slope, is closer
                 start = min(above, x * (load[j] / load[j - 1]) ** (load[j - 1] / (x * slope)))
             x = start
-            count = np.searchsorted(gap[i], above)  # no other one touches at a smaller approach
+            count = np.searchsorted(gap[i], above)  # no others touch at a smaller approach
             for _ in range(MAX_STEPS):
                 # the unknown is that of `refine`: the indentation of the shallowest contact
                 last = np.searchsorted(gap[i, :count], x)
@@ -168,10 +168,10 @@ def areas(gap, root_radius, load, area):
                 step = (load[j] - carried) / slope
                 new = min(x + step, above)
                 same = new > base and (last == count or new <= gap[i, last])
-                # where a contact just touches, rounding may put it on either side
+                # rounding decides whether a contact that just touches is open or closed
                 settled = same or abs(step) <= ROUNDING * x
                 if new == x or (settled and abs(carried - load[j]) <= SETTLED * load[j]):
-                    area[i, j] = total + rate * step  # exact between new contacts
+                    area[i, j] = total + rate * step  # exact unless a contact is added
                     x += step
                     break
                 x = new

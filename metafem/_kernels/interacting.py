@@ -12,7 +12,7 @@ from metafem._kernels.compiled import compiled, inlined
 from metafem._kernels.coupling import assemble, copy, energy, measure, respond, widen
 from metafem._kernels.vectors import factorise, substitute
 
-# Largest residual of a solution, and the goal of Newton's method, smaller to allow for rounding.
+# Largest residual of a solution, and the goal of Newton's method, which is smaller to allow for rounding.
 TOLERANCE = 1e-12
 GOAL = 3e-13
 
@@ -25,7 +25,7 @@ INNER = 1e-5
 # Largest number of halvings of a step: smaller steps change the energy by less than rounding.
 MAX_CUTS = 30
 
-# If the energy is not convex (contacts that overlap, one of which opens in the end), the law's compliance is
+# If the energy is not convex (overlapping contacts, one of which finally opens), the compliance of the law is
 # multiplied by this factor, at most this many times, until the step decreases the energy.
 SOFTER = 4.0
 MOST_SOFTENINGS = 20
@@ -33,7 +33,7 @@ MOST_SOFTENINGS = 20
 # Smallest fraction of the predicted decrease of the energy (Armijo).
 ARMIJO = 1e-4
 
-# Largest number of approaches that bracket a load at which Newton's method stalls; each halves the bracket.
+# Largest number of bisections of the approach for a load at which Newton's method stalls.
 MAX_BRACKET = 100
 
 
@@ -41,7 +41,7 @@ class Scratch(NamedTuple):
     """Work space of one thread."""
 
     matrix: np.ndarray  # (n, n)
-    ready: np.ndarray  # rows of it that are filled, (n,)
+    ready: np.ndarray  # rows of the matrix that are filled, (n,)
     work: np.ndarray  # (4, n)
     loads: np.ndarray  # step of the loads (n,)
     step: np.ndarray  # step of z
@@ -80,7 +80,7 @@ def refresh(field, order, self_term, state, count, scratch, always):
 
 @compiled
 def rates(state, count, shift, scratch, out):
-    """Fill the change of z on all rows for the last solution of loads and approach."""
+    """Fill the change of z of all asperities for the last solution of loads and approach."""
     for i in range(out.size):
         out[i] = scratch.work[0, i] + shift
     for k in range(count):
@@ -102,7 +102,7 @@ def newton(field, order, law, self_term, gap, approach, target, state, scratch):
     for _ in range(MAX_STEPS):
         if residual <= GOAL:
             break
-        if count == 0:  # nothing to linearise: close all asperities that overlap
+        if count == 0:  # no contact to linearise: close all asperities that overlap
             for i in range(gap.size):
                 state.z[i] = x - gap[i]
             count = respond(field, order, law, self_term, state)
@@ -129,7 +129,7 @@ def newton(field, order, law, self_term, gap, approach, target, state, scratch):
         x, count, load, new, full = line_search(
             field, order, law, self_term, gap, x, shift, target, residual, count, state, scratch
         )
-        # a matrix is reused if it gains two digits per step
+        # a matrix is reused while each step gains two digits
         always = not full or new > 1e-2 * residual
         stalled = new > 0.5 * residual and (new <= TOLERANCE or (free and not full))
         residual = new
@@ -144,11 +144,11 @@ def newton(field, order, law, self_term, gap, approach, target, state, scratch):
 
 @inlined
 def downhill(self_term, matrix, state, count, leave, scratch):
-    """Solve for a step at a given approach with softer contacts, such that the matrix is positive."""
+    """Solve for a step at a given approach, with softer contacts that make the matrix positive definite."""
     raised = 1.0
     shift, good = 0.0, False
     for k in range(count):
-        if scratch.diagonal[state.closed[k]] <= 0.0:  # on a thin layer: no minimum either
+        if scratch.diagonal[state.closed[k]] <= 0.0:  # on a thin layer: no minimum exists
             return shift, good
     for _ in range(MOST_SOFTENINGS):
         raised *= SOFTER
@@ -169,7 +169,7 @@ def downhill(self_term, matrix, state, count, leave, scratch):
 
 @inlined
 def line_search(field, order, law, self_term, gap, approach, shift, target, residual, count, state, scratch):
-    """Move z along the step until the energy, or the residual, falls enough; a full step is tried first.
+    """Move z along the step until the energy or the residual decreases enough, starting with a full step.
 
     Return the approach, the number of contacts, the load, the residual, and whether the step is full. At a
     given load the residual is used, because the path does not satisfy the constraint of the energy.
@@ -203,8 +203,8 @@ def line_search(field, order, law, self_term, gap, approach, shift, target, resi
 def settle(field, order, law, self_term, gap, approach, target, state, scratch):
     """Solve by Newton's method at a given load or, if the target is 0, at the approach.
 
-    If it stalls at a load, equilibria at given approaches bracket the load, which increases with the
-    approach; at a given approach the energy is convex. Bisection ends close enough for Newton's method.
+    If it stalls at a load, equilibria at given approaches bracket the load: it increases with the approach,
+    and at a given approach the energy is convex. Bisection ends close enough for Newton's method.
     """
     copy(state.z, scratch.safe)
     low, high = 0.0, math.inf
@@ -234,8 +234,8 @@ def settle(field, order, law, self_term, gap, approach, target, state, scratch):
 def area_gradients(field, order, law, self_term, indentation, state, matrix, scratch, gradient):
     """Fill dA0/dh (k, n) for equilibria of indentations (k, n); return the number of solved rows.
 
-    `models.interacting.sensitivity` states the equations. It ends at the first equilibrium whose system is
-    not positive. matrix: (n, n), scratch: (6, n).
+    See `models.interacting.sensitivity` for the equations. It stops at the first equilibrium whose system is
+    not positive definite. matrix: (n, n), scratch: (6, n).
     """
     by_area, by_approach = scratch[3], scratch[4]
     for row in range(indentation.shape[0]):

@@ -12,8 +12,8 @@ import numpy as np
 
 from metafem._kernels.compiled import compiled
 
-# g is analytic in |Im s| < 2, so that on pieces of half-width 1/16 the error falls by 64 per degree: 64^-10 =
-# 1e-18.
+# g is analytic in |Im s| < 2: on pieces of half-width 1/16 the error decreases by a factor of 64 per degree,
+# to 64^-10 = 1e-18.
 WIDTH = 0.125
 DEGREE = 9
 

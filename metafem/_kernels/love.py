@@ -14,7 +14,7 @@ import numpy as np
 from metafem._kernels.compiled import compiled
 
 # The closed form is a second difference of terms of size r: it loses (r/cell)^2 units in the last
-# place, so that it is used up to this distance only. Beyond, five Gauss points per side have an error of
+# place and is used only up to this distance. Beyond it, five Gauss points per side have an error of
 # about (4 r)^-10 < 1e-15, without cancellation.
 CLOSED_FORM_DISTANCE = 8.0
 
@@ -28,7 +28,7 @@ WEIGHTS = 0.5 * _WEIGHTS
 def asinh_difference(b, a, s):
     """Return asinh(b/s) - asinh(a/s) for b >= a and s >= 0, without cancellation."""
     if s == 0.0 and a <= 0.0 <= b:
-        return 0.0  # only ever multiplied by s
+        return 0.0  # the result is always multiplied by s
     ra = math.hypot(a, s)
     rb = math.hypot(b, s)
     if a >= 0.0:

@@ -12,7 +12,7 @@ import numpy as np
 
 from metafem._kernels.compiled import compiled
 
-# Width of the window, and its shape for a grid twice as fine as the field needs: 1e-11 (same source).
+# Width of the window, and its shape parameter for a twofold oversampled grid: error 1e-11 (same source).
 POINTS = 13
 SHAPE = 2.30 * POINTS
 
@@ -49,7 +49,7 @@ def spread(position, source, grid):
 
 @compiled
 def gather(position, grid, out):
-    """Fill the sums (n,) of the grid under the windows at positions (n, 2)."""
+    """Fill the sums (n,) of the grid weighted by the windows at positions (n, 2)."""
     wy, wx = np.empty(POINTS), np.empty(POINTS)
     for i in range(out.size):
         row, column = weights(position[i, 0], wy), weights(position[i, 1], wx)

@@ -3,8 +3,8 @@
 Solves ``A y - x 1 = b`` and ``sum y = total`` for the loads y of the contacts and the approach x:
 conjugate gradients preconditioned by the diagonal and the constraint
 (Gould, Hribar and Nocedal, SIAM J. Sci. Comput. 23, 1376 (2001), doi:10.1137/S1064827598345667). The
-stiff long waves that only shift the approach are projected out. Without the constraint x = 0. The set of
-contacts is fixed; `models.boundary_elements.quadratic_program` also determines it.
+stiff long waves that only shift the approach are projected out. Without the constraint, x = 0. The set of
+contacts is fixed; `models.boundary_elements.quadratic_program` also determines the set.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ MAX_STEPS = 400
 
 @compiled
 def solve(matrix, diagonal, closed, count, free, total, rhs, tolerance, warm, y, work):
-    """Fill y; return the approach, and whether the matrix was positive in all directions of search.
+    """Fill y; return the approach, and whether the matrix was positive in all search directions.
 
-    matrix: rows of contacts of A, to whose diagonal `diagonal` (n,) is added. warm: y is an initial
-    guess that fulfils the constraint. work: (4, n), whose first row returns the residual
-    ``rhs - A y`` on every row, open ones too; the contacts' part of it plus x is within `tolerance`.
+    matrix: rows of A for the contacts, with `diagonal` (n,) added to the diagonal. warm: y is an initial
+    guess that satisfies the constraint. work: (4, n); its first row returns the residual
+    ``rhs - A y`` on every row, including open ones; on the contacts, it plus x is within `tolerance`.
     """
     n = diagonal.size
     residual, inverse, direction, image = work[0], work[1], work[2], work[3]

@@ -1,4 +1,4 @@
-"""Sum over pairs of contacts by which the error of order 3 is estimated."""
+"""Sum over pairs of contacts for estimating the error of order 3."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 
 from metafem._kernels.compiled import compiled
 
-# Where contact i is small, the error of the displacement by contact j changes the area of i by a fraction of
-# that of j: for paraboloids .014 A_j R_i/R_j (a_j/r)^5 is the first term that order 3 leaves out of Hertz's
-# displacement. The change of A0 was up to .037 of such a sum in a thousand random scenes; times
+# For a small contact i, the error of the displacement by contact j changes the area of i by a fraction of the
+# area of j. For paraboloids this is .014 A_j R_i/R_j (a_j/r)^5, the first term of Hertz's displacement that
+# order 3 leaves out. The change of A0 was up to .037 of such a sum in a thousand random scenes; times
 # `truncation.PAIRS` this is .05.
 SMALL = 0.2
 
@@ -19,9 +19,9 @@ SMALL = 0.2
 def pair_sum(position, response, source, area):
     """Return the sum of w_ij (a_j/r)^5 r_i/s_j over the contact area, infinite where contacts overlap.
 
-    With the weight ``w_ij = max(A_i, SMALL A_j)``, at least the effect on a contact that is small.
-    position: (n, 2) [mm]; response, source: (n,), radii r and s of the paraboloids whose areas respond as
-    the contacts' to a displacement, and which have their loads [mm]; area: (n,) [mm^2], 0 where it is open.
+    The weight is ``w_ij = max(A_i, SMALL A_j)``, at least the effect on a small contact.
+    position: (n, 2) [mm]; response, source: (n,), radii r and s [mm] of the paraboloids with the same change
+    of area by a displacement and with the same load; area: (n,) [mm^2], 0 if open.
     """
     contact_radius = np.sqrt(area / math.pi)
     total = weighted = 0.0

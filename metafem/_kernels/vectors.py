@@ -1,4 +1,4 @@
-"""Vectors and small linear systems in one thread; a threaded BLAS may wait for cores that are in use."""
+"""Vectors and small linear systems in one thread; a threaded BLAS may wait for busy cores."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ from metafem.contact.law import Contact, Values, material_of
 from metafem.errors import InvalidInput
 from metafem.material import Material
 
-# Twice the width of the first bracket of an indentation, in its logarithm.
+# Twice the width of the first bracket of an indentation, in the logarithm.
 WIDTH = 1.0
 
 
@@ -35,8 +35,8 @@ class JKR(Contact):
     ``a^3 = 3 R/(4 E*) [P + 3 pi w R + sqrt(6 pi w R P + (3 pi w R)^2)]``. Under a given load the contact
     breaks at `pull_off_radius`; the load there is ``-3/2 pi w R`` for a paraboloid. Under a given indentation
     it stays closed down to a smaller radius, where ``c = 1/2 s/a``. Lengths in mm. Valid for soft, large
-    contacts with adhesion of short range (Tabor parameter above about 5), and for profiles whose
-    ``c sqrt(a)`` increases. Johnson, Kendall and Roberts, Proc. R. Soc. A 324, 301 (1971),
+    contacts with short-range adhesion (Tabor parameter above about 5), and for profiles with increasing
+    ``c sqrt(a)``. Johnson, Kendall and Roberts, Proc. R. Soc. A 324, 301 (1971),
     doi:10.1098/rspa.1971.0141; other profiles: Popov and Hess (2015), doi:10.1007/978-3-642-53876-6.
 
     Parameters
@@ -44,7 +44,7 @@ class JKR(Contact):
     adhesion_energy : float
         w [N/mm], at least 0; 9 mJ/m^2 is 9e-6 N/mm.
     cap : Contact
-        Elastic law without adhesion: `Hertz()`, the default, `SphericalCap()`, `PowerCap(...)` or
+        Elastic law without adhesion: `Hertz()` (default), `SphericalCap()`, `PowerCap(...)` or
         `AxisymmetricCap(...)`.
     material : Material, optional
         Material of the surface; a model sets it by `for_material`.
@@ -109,7 +109,7 @@ class JKR(Contact):
         return self.cap.profile_slope(contact_radius, radius, curvature)
 
     def largest_indentation(self, radius: Values) -> FloatArray:
-        """Largest indentation [mm] that the law describes; infinite where there is none."""
+        """Largest valid indentation [mm] of the law; infinite if there is no limit."""
         most = np.asarray(self.cap.largest_indentation(radius), dtype=np.float64)
         finite = np.isfinite(most)
         if not finite.any():
@@ -120,7 +120,7 @@ class JKR(Contact):
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius a [mm] of the stable branch on loading; 0 where d is negative: an open contact.
 
-        At d = 0 the contact has jumped in. On unloading, a contact stays closed down to a negative
+        At d = 0 the asperity has jumped into contact. On unloading, it stays closed down to a negative
         indentation; the models find its radius by following the branch.
         """
         given = (np.asarray(value, dtype=np.float64) for value in (indentation, radius, curvature))
@@ -191,7 +191,7 @@ class JKR(Contact):
         return self._radius_where(excess, radius, curvature)
 
     def _rates(self, contact_radius: Values, radius: Values, curvature: Values) -> tuple[FloatArray, ...]:
-        """Return a [mm], c and s/a [-]; where a contact is open 1 and 0 for the last two."""
+        """Return a [mm], c [-] and s/a [-]; for open contacts c = 1 and s/a = 0."""
         a = np.asarray(contact_radius, dtype=np.float64)
         with np.errstate(invalid="ignore", divide="ignore"):
             slope = np.where(a > 0.0, self.profile_slope(a, radius, curvature), 1.0)
@@ -203,7 +203,7 @@ class JKR(Contact):
     ) -> FloatArray:
         """Return the contact radius at which excess(a, z, radius, curvature, depth) is 0, to rounding.
 
-        z is the cap's own indentation at a. The excess increases with the logarithm of z, nearly linearly.
+        z is the indentation of the cap at a. The excess increases nearly linearly with the logarithm of z.
         """
         given = np.broadcast_arrays(*(np.asarray(v, dtype=np.float64) for v in (radius, curvature, depth)))
         top = np.log(np.asarray(self.cap.largest_indentation(given[0]), dtype=np.float64))
@@ -224,7 +224,7 @@ class JKR(Contact):
 
 
 def of_sizes(law: JKR, kind: str, radius: FloatArray) -> FloatArray:
-    """Return a contact radius (n,) [mm] of summits of radii (n,), computed once for each size of them.
+    """Return contact radii (n,) [mm] of summits of radii (n,), computed once for each distinct radius.
 
     kind: "entry", "break", "pull_off" or "zero_load", as in the names of the law's methods.
     """
@@ -234,5 +234,5 @@ def of_sizes(law: JKR, kind: str, radius: FloatArray) -> FloatArray:
 
 @lru_cache(maxsize=64)
 def _of_sizes(law: JKR, kind: str, sizes: tuple[float, ...]) -> FloatArray:
-    """Return the radii for the many heights of a design; each search takes a millisecond."""
+    """As `of_sizes`, cached: a search takes a millisecond, and a design repeats it for many heights."""
     return np.asarray(getattr(law, f"{kind}_radius")(np.array(sizes)))

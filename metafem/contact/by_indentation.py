@@ -1,4 +1,4 @@
-"""Contact laws that are known as load and area over the indentation, and the functions that state them."""
+"""Contact laws given as load and area over the indentation, and the functions that represent them."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from metafem._validate import FloatArray, IntArray
 from metafem.contact.law import Contact, Values
 from metafem.errors import InvalidInput
 
-# Relative excess of an indentation over the largest that is taken for rounding.
+# Relative excess over the largest indentation that is treated as rounding.
 ROUNDING = 1e-12
 
-# Newton's method and bisection in one panel; the cubics of contact laws need 3 to 6. After a step below
-# SETTLED the next one, its square, is below rounding.
+# Maximum number of steps of Newton's method and bisection in one panel; the cubics of contact laws need 3 to
+# 6. After a step below SETTLED the next one, its square, is below rounding.
 MOST_STEPS, SETTLED = 60, 1e-9
 
 
 class LawByIndentation(Contact):
-    """A law of load P/E* and area A over the indentation d of one contact; it interacts by order 1.
+    """A law given as load P/E* and area A over the indentation d; it is coupled by order 1.
 
     The contact radius is ``sqrt(A/pi)``. The curvature by other contacts is ignored: it is a term of
-    order 3. The pressure is not known; its second moment is 2/5 P a^2 with Hertz's pressure and 1/2 P a^2
-    with a uniform one, between which elastic-plastic contacts lie. `second_moment` is the larger.
+    order 3. The pressure is not known. Its second moment is 2/5 P a^2 for Hertz's pressure and 1/2 P a^2
+    for a uniform one; elastic-plastic contacts lie between them. `second_moment` is the larger.
     """
 
     largest_order: ClassVar[int] = 1
@@ -87,7 +87,7 @@ class LawByIndentation(Contact):
 
 
 def _closed(contact_radius: Values, radius: Values) -> tuple[FloatArray, FloatArray, np.ndarray]:
-    """Return contact radii [mm], R/1000 for open contacts, summit radii [mm], and which are closed."""
+    """Return contact radii [mm] (R/1000 if open), summit radii [mm], and whether each contact is closed."""
     given = (np.asarray(value, dtype=np.float64) for value in (contact_radius, radius))
     a, size = np.broadcast_arrays(*given)
     closed = a > 0.0
@@ -95,10 +95,10 @@ def _closed(contact_radius: Values, radius: Values) -> tuple[FloatArray, FloatAr
 
 
 class LogCubic(NamedTuple):
-    """An increasing function y(x) of x > 0, continuous with its slope.
+    """An increasing function y(x) of x > 0 with a continuous slope.
 
-    ln y is a cubic of ln x in each panel and a straight line, a power of x, outside the panels. A panel whose
-    ends lie on a straight line of their slopes is that line: powers are exact.
+    ln y is a cubic of ln x in each panel, and a straight line (a power of x) outside the panels. Powers are
+    reproduced exactly.
     """
 
     x: FloatArray  # (m,), ln x at the ends of the panels, increasing
@@ -107,7 +107,7 @@ class LogCubic(NamedTuple):
 
     @classmethod
     def powers(cls, parts: list[tuple[float, float]], blends: list[tuple[float, float]]) -> LogCubic:
-        """Return the function ``c x^n`` of parts (c, n), joined by cubics over blends (from, to)."""
+        """Return power laws ``c x^n`` from parts (c, n), joined by cubics over blends (from, to)."""
         ends = np.log(np.array(blends))
         scale = np.log([c for c, _ in parts])
         power = np.array([n for _, n in parts])
@@ -145,16 +145,16 @@ class LogCubic(NamedTuple):
         return np.exp(self.x[panel] + width * t)
 
     def _panel(self, ends: FloatArray, values: FloatArray) -> IntArray:
-        """Return the panels of values, the first or the last one for values outside."""
+        """Return the panel index of each value; the first or the last one for values outside."""
         return np.clip(np.searchsorted(ends, values, side="right") - 1, 0, len(ends) - 2).astype(np.int64)
 
     def _in_panel(self, panel: IntArray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return ln y and its slope at t in panels, from 0 to 1; outside on straight lines."""
+        """Return ln y and its slope at t from 0 to 1 in panels; outside, by straight lines."""
         width = self.x[panel + 1] - self.x[panel]
         left, right = self.slope[panel], self.slope[panel + 1]
         mean = (self.y[panel + 1] - self.y[panel]) / width
         s = np.clip(t, 0.0, 1.0)
-        # Hermite's cubic as the straight line of the left slope and two corrections, which vanish for a line
+        # the Hermite cubic as a straight line of the left slope plus two corrections that vanish for a line
         square, cube = 3.0 * mean - 2.0 * left - right, left + right - 2.0 * mean
         y = self.y[panel] + width * s * (left + s * (square + s * cube))
         slope = left + s * (2.0 * square + 3.0 * s * cube)

@@ -32,8 +32,8 @@ COEFFICIENTS = (
 FIT_ERROR = 3e-4
 
 # Terms of the fit to finite elements that do not depend on the contact radius: coefficients of theta^2,
-# theta^3, ... Terms that grow with the contact radius belong to the contact law and are left out; there small
-# strain errs as much to one side as finite strain does to the other.
+# theta^3, ... Terms that grow with the contact radius belong to the contact law and are left out; for them
+# the deviations at small strain and at finite strain have equal size and opposite sign.
 LIGHT = {i: c for c, (i, j) in zip(COEFFICIENTS, POWERS, strict=True) if j == 0}
 
 
@@ -49,7 +49,7 @@ def pedestal_compliance(height: ArrayLike, radius: ArrayLike, contact_radius: Ar
     height, radius : array_like
         h and R of the cap [mm], 0.05 <= h/R <= 0.6.
     contact_radius : array_like
-        a [mm], up to 0.6 of the radius of the cap's foot; default: 0, the limit of light loads.
+        a [mm], up to 0.6 of the foot radius of the cap; default: 0, the limit of light loads.
 
     Returns
     -------
@@ -82,8 +82,8 @@ def pedestal_influence(height: FloatArray, radius: FloatArray) -> tuple[FloatArr
     """Displacement of summits by their own caps, per unit of P/E* [1/mm], and its derivative by the height.
 
     ``c_p/pi`` of `metafem.contact.pedestal_compliance` in the limit of light loads. It vanishes in
-    proportion to the height, so that caps lower than the table's lowest row follow the fit, and summits
-    at or below the base plane have no pedestal. Summits taller than its last row keep that row's value.
+    proportion to the height, so the fit also applies below the lowest row of the table; summits
+    at or below the base plane have no pedestal. Summits above the last row get the value of that row.
 
     Examples
     --------

@@ -15,11 +15,11 @@ from metafem.errors import InvalidInput
 
 Values = FloatArray | float
 
-# Distance of neighbours on a ring of a mesh: 60 degrees in a ring of six points, an arc of pi/3 spacings.
+# Distance of neighbours on a ring of a mesh: 60 degrees on the ring of six points, an arc of pi/3 spacings.
 RING_ARC = math.pi / 3.0
 
-# Points along a meridian from which its length and curvature are computed, and ring spacings at which the
-# chord error is.
+# Number of points along a meridian for its length and curvature, and number of ring spacings at which the
+# chord error is computed.
 POINTS, SPACINGS = 4097, 129
 
 # Nodes of the quadrature of a cap's volume: 1e-7 for tables, rounding for smooth profiles.
@@ -48,7 +48,7 @@ class Spheres:
         return foot_radius(height, radius)
 
     def depth_at(self, distance: FloatArray, radius: float) -> FloatArray:
-        """Depth below the summit [mm], of the equator beyond it."""
+        """Depth below the summit [mm]; beyond the equator, the depth of the equator."""
         return np.asarray(radius - np.sqrt(np.maximum(radius**2 - distance**2, 0.0)))
 
     def volume(self, height: FloatArray, radius: FloatArray) -> FloatArray:
@@ -60,7 +60,7 @@ class Spheres:
         return np.asarray(2.0 * math.pi * radius * height)
 
     def ring_count(self, height: FloatArray, radius: FloatArray, chord_error: float) -> FloatArray:
-        """Number of rings of a mesh that keep its triangles within the chord error [mm] of the spheres.
+        """Number of rings for which the triangles of a mesh are within the chord error [mm] of the spheres.
 
         The rings of 6, 12, 18, ... points are at equal distances along the meridian.
         Neighbouring rings are at most D apart along a meridian and pi/3 D along a ring, so no triangle has a
@@ -88,7 +88,7 @@ SPHERES = Spheres()
 
 
 class _Meridian(NamedTuple):
-    """A meridian from the summit down; all lengths over the scale of the profile."""
+    """A meridian from the summit down; all lengths divided by the scale of the profile."""
 
     across: FloatArray  # (POINTS,), distance from the axis
     along: FloatArray  # (POINTS,), length from the summit
@@ -98,10 +98,10 @@ class _Meridian(NamedTuple):
 
 @dataclass(frozen=True)
 class ProfileCaps:
-    """Caps with any increasing profile f(rho) from the summit down; as `Spheres`.
+    """Caps with any increasing profile f(rho) from the summit down; same methods as `Spheres`.
 
     `profile` returns depths at distances for the scale 1. If `scaled`, lengths scale with R; otherwise all
-    caps have this one profile. It ends at `extent` [mm], if there is one.
+    caps have the same profile. It ends at `extent` [mm], if that is given.
     """
 
     profile: Callable[[FloatArray], FloatArray]
@@ -134,12 +134,12 @@ class ProfileCaps:
         return np.asarray(math.pi * foot[:, 0] * ((rho * inside) @ weight))
 
     def largest_area(self, height: FloatArray, radius: FloatArray) -> FloatArray:
-        """Area of a cap, or more: that of its foot and of a cylinder around it [mm^2]."""
+        """Upper bound of the area of a cap: its foot and a cylinder around it [mm^2]."""
         foot = self.foot_radius(height, radius)
         return np.asarray(math.pi * foot * (foot + 2.0 * height))
 
     def ring_count(self, height: FloatArray, radius: FloatArray, chord_error: float) -> FloatArray:
-        """Number of rings that keep triangles within the chord error [mm] of the caps."""
+        """Number of rings for which the triangles are within the chord error [mm] of the caps."""
         scale = self._scale(radius)
         line, foot = self._meridian(height / scale)
         wanted = np.log(chord_error / scale)
@@ -164,7 +164,7 @@ class ProfileCaps:
         return np.asarray(radius) if self.scaled else np.ones_like(radius)
 
     def _foot(self, height: FloatArray) -> FloatArray:
-        """Distance at which the depth is the height, to rounding; all over the scale."""
+        """Distance at which the depth is the height, to rounding; all divided by the scale."""
         most = float(self.profile(np.array(self.extent))) if math.isfinite(self.extent) else math.inf
         if (height > most).any():
             raise InvalidInput(
@@ -182,7 +182,7 @@ class ProfileCaps:
         return np.asarray(found.x)
 
     def _meridian(self, height: FloatArray) -> tuple[_Meridian, FloatArray]:
-        """Return the meridian down to the foot of the tallest cap, and all feet; all over the scale.
+        """Return the meridian down to the foot of the tallest cap, and all feet; all divided by the scale.
 
         A triangle lies within ``D^2/8 (k1 + (pi/3)^2 k2)`` of the cap, with the curvatures k1 along the
         meridian and k2 across it. Where the curvature at the summit is infinite, rings of the spacing D begin

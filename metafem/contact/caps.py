@@ -16,17 +16,17 @@ from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import SPHERES, CapShape, ProfileCaps, sphere_profile
 from metafem.contact.law import Contact, Values
 
-# Largest exponent of a power cap: a nearly flat punch. Beyond, (a/R)^n underflows for small contacts.
+# Largest exponent of a power cap: a nearly flat punch. Above it, (a/R)^n underflows for small contacts.
 STEEPEST = 32.0
 
-# Newton's method in the logarithm reaches rounding in 4 to 8 steps; a step is halved at most this often more.
+# Newton's method in the logarithm reaches rounding in 4 to 8 steps; this limit also allows for halved steps.
 MAX_STEPS = 60
 
-# Below this a/R the closed forms of the sphere cancel, and series with this number of terms are used; what is
-# left out is about 0.3^40 of the sum.
+# Below this a/R the closed forms of the sphere suffer from cancellation, and series with this number of terms
+# are used; the remainder is about 0.3^40 of the sum.
 SERIES_LIMIT, SERIES_TERMS = 0.3, 20
 
-# Distance over R from which the profile of a sphere is continued by its tangents, so that it stays finite.
+# Distance over R beyond which the profile of a sphere continues along its tangent, so that it stays finite.
 STEEP = 0.999
 
 
@@ -46,7 +46,7 @@ class ElasticCap(Contact):
     def depth_at(self, distance: Values, radius: Values) -> FloatArray:
         """Depth f of the cap below its summit at a distance rho from the axis [mm].
 
-        Beyond the end of a cap it is continued by the tangent: resolved contacts have cells there.
+        Beyond the end of a cap the profile continues along its tangent: resolved contacts have cells there.
         """
 
     @abstractmethod
@@ -67,7 +67,7 @@ class ElasticCap(Contact):
 
     @abstractmethod
     def _closed_radius(self, depth: FloatArray, radius: FloatArray, curvature: FloatArray) -> FloatArray:
-        """Contact radius [mm] of contacts that are indented, depth > 0 [mm]."""
+        """Contact radius [mm] of closed contacts, depth > 0 [mm]."""
 
     def shape(self) -> CapShape:
         """Shape of the caps of a part."""
@@ -76,7 +76,7 @@ class ElasticCap(Contact):
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius a [mm]: the root of D(a) + k a^2 = d, to rounding; 0 where the contact is open.
 
-        The sharpened profile must increase, which holds for k >= 0.
+        D(a) + k a^2 must increase with a, which holds for k >= 0.
         """
         given = (np.asarray(value, dtype=np.float64) for value in (indentation, radius, curvature))
         d, size, extra = np.broadcast_arrays(*given)
@@ -114,11 +114,11 @@ class ElasticCap(Contact):
 
 @dataclass(frozen=True)
 class PowerCap(ElasticCap):
-    """Frictionless, non-adhesive elastic contact of a cap whose profile is a power and a rigid plane.
+    """Frictionless, non-adhesive elastic contact of a rigid plane and a cap with a power-law profile.
 
     ``f(rho) = c R (rho/R)^n``. With the contact radius a, ``d = c R K (a/R)^n``, where
     ``K = sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2)``, ``A = pi a^2``, ``P/E* = 2 n/(n + 1) a d``, and the
-    second moment of the pressure is ``2 (n + 1)/(3 (n + 3)) P a^2``. An extra curvature k adds those of a
+    second moment of the pressure is ``2 (n + 1)/(3 (n + 3)) P a^2``. An extra curvature k adds the terms of a
     paraboloid. Lengths in mm, P/E* in mm^2. Small strain: valid where the profile is flat, f' << 1; R only
     scales the profile. ``PowerCap(2, 0.5)`` is `Hertz`, ``PowerCap(1, c)`` a cone. Galin (1946) and Sneddon,
     Int. J. Eng. Sci. 3, 47 (1965), doi:10.1016/0020-7225(65)90019-4.
@@ -180,7 +180,7 @@ class PowerCap(ElasticCap):
         alone = radius * (depth / (self._factor() * radius)) ** (1.0 / self.exponent)
         if not curvature.any():
             return alone
-        # either part alone gives a larger radius than both; a flattened cap starts from its own
+        # either part by itself gives a larger radius than both; a flattened cap starts from its own
         with np.errstate(divide="ignore", invalid="ignore"):
             start = np.where(curvature > 0.0, np.minimum(alone, np.sqrt(depth / curvature)), alone)
 
@@ -197,9 +197,9 @@ class SphericalCap(ElasticCap):
 
     ``f(rho) = R - sqrt(R^2 - rho^2)`` in place of Hertz's paraboloid. With the contact radius a < R and
     ``L = ln((R + a)/(R - a))/2``, ``d = a L``, ``A = pi a^2``, ``P/E* = (a^2 + R^2) L - a R``, and the second
-    moment of the pressure over E* is ``((a^4 + 3 R^4) L - a^3 R - 3 a R^3)/3``. An extra curvature adds those
-    of a paraboloid. Lengths in mm, P/E* in mm^2. Small strain: at large a/R the load exceeds that of a soft
-    sphere, which Hertz's law with a fitted modulus describes better; at a/R = 0.5 the two differ by about a
+    moment of the pressure over E* is ``((a^4 + 3 R^4) L - a^3 R - 3 a R^3)/3``. An extra curvature adds the
+    terms of a paraboloid. Lengths in mm, P/E* in mm^2. Small strain: at large a/R the load exceeds that of a
+    soft sphere; Hertz's law with a fitted modulus is then closer. At a/R = 0.5 the two differ by about a
     tenth. Sneddon, Int. J. Eng. Sci. 3, 47 (1965), doi:10.1016/0020-7225(65)90019-4.
 
     Examples
@@ -217,7 +217,7 @@ class SphericalCap(ElasticCap):
     def depth_at(self, distance: Values, radius: Values) -> FloatArray:
         """Depth R - sqrt(R^2 - rho^2) of the sphere below its summit at a distance from the axis [mm].
 
-        From 0.999 R on, where the slope is 22, it is continued by its tangent.
+        Beyond 0.999 R, where the slope is 22, the profile continues along its tangent.
         """
         rho, size = np.asarray(distance, dtype=np.float64), np.asarray(radius, dtype=np.float64)
         inside = np.minimum(rho, STEEP * size)
@@ -268,9 +268,9 @@ def _polynomial(coefficient: FloatArray, x: FloatArray) -> FloatArray:
 def root(
     parts: Callable[[FloatArray], tuple[FloatArray, FloatArray]], target: FloatArray, start: FloatArray
 ) -> FloatArray:
-    """Return x > 0 at which the first of parts(x) is the target; the second is its derivative by log x.
+    """Return x > 0 at which the first value of parts(x) is the target; the second is d/d log x of it.
 
-    Newton's method in log x and in the logarithm of the values, in which powers are straight lines. A step
+    Newton's method in log x and the logarithm of the values, so that power laws are straight lines. A step
     is at most one decade, and a step without progress ends the search.
     """
     x = start

@@ -78,5 +78,5 @@ class Hertz(Contact):
         return np.asarray((0.75 * np.asarray(load) / np.sqrt(radius)) ** (2.0 / 3.0))
 
 
-# The law of contacts of every model that takes no other.
+# The default contact law of every model.
 PARABOLOID = Hertz()

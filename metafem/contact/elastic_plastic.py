@@ -21,11 +21,11 @@ from metafem.notes import Note, information
 # Yield strength over E* of the softest metal in the finite elements of both sources: E/Y = 1000, nu = 0.3.
 LEAST_STRAIN = 9e-4
 
-# The blend after first yield ends at this multiple of the indentation at which it begins: the largest slope
-# of ln P is then that of Hertz's law.
+# End of the blend after first yield, over the indentation at which it begins: the largest slope of ln P is
+# then that of Hertz's law.
 AFTER_YIELD = 2.0
 
-# Indentations of a blend at which its size is evaluated, and decimals of the size: the rest is rounding.
+# Number of indentations at which the size of a blend is evaluated, and its decimals: the rest is rounding.
 SAMPLES, DIGITS = 201, 9
 
 # Nodes of the quadrature of the work between two ends of blends.
@@ -33,7 +33,7 @@ NODES = 40
 
 
 class Blend(NamedTuple):
-    """A cubic that closes the jump of published formulas, and by how much it changes them."""
+    """A cubic that closes a jump of the published formulas, and the relative changes that it makes."""
 
     start: float  # w/w_c
     end: float  # w/w_c
@@ -42,9 +42,9 @@ class Blend(NamedTuple):
 
 
 class ElasticPlastic(LawByIndentation):
-    """A law in the indentation w over that at yield, w_c, with loads over P_c and areas over A_c of Hertz.
+    """A law for w/w_c, P/P_c and A/A_c, where w_c, P_c and A_c are Hertz's values at first yield.
 
-    A law belongs to a material, which a model sets by `for_material`.
+    A law needs a material, which a model sets by `for_material`.
     """
 
     similar: ClassVar[bool] = True
@@ -107,7 +107,7 @@ class ElasticPlastic(LawByIndentation):
         return tuple(found)
 
     def notes(self, indentation: FloatArray, radius: FloatArray) -> tuple[Note, ...]:
-        """Return how many contacts are plastic, and the sizes of the blends that they reach."""
+        """Return notes on the number of plastic contacts, and on the sizes of the blends that they reach."""
         w = np.asarray(indentation) / self.yield_indentation(radius)
         plastic = int((w > 1.0).sum())
         if not plastic:
@@ -145,9 +145,9 @@ class ElasticPlastic(LawByIndentation):
         ``w_r = w_m (1 - w*^-0.28) (1 - w*^-0.69)``, the load ``P_m ((w - w_r)/(w_m - w_r))^n`` with
         ``n = 1.5 w*^-0.0331`` and the area ``A_m ((w - w_r)/(w_m - w_r))^m`` with ``m = w*^-0.12``. Etsion,
         Kligerman and Kadin, Int. J. Solids Struct. 42, 3716 (2005), doi:10.1016/j.ijsolstr.2004.12.006, for
-        w* up to 170 and Kogut and Etsion's law. Jackson and Green's law uses them with its own w_c, where
-        the same material yields. The formulas were not compared with the printed paper. n is raised where a
-        contact would otherwise return more energy than its loading took, by less than 0.1 %, for w* < 1.1.
+        w* up to 170 and Kogut and Etsion's law. Jackson and Green's law uses them with its own w_c for
+        the same material. The formulas were not compared with the printed paper. For w* < 1.1, n is raised by
+        less than 0.1 % where unloading would otherwise return more energy than loading stored.
         """
         w = np.asarray(indentation) / self.yield_indentation(radius)
         flattened = w > 1.0

@@ -1,4 +1,4 @@
-"""Elastic unloading and second loading of asperities that a load has flattened."""
+"""Elastic unloading and reloading of asperities flattened by an earlier load."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from metafem.notes import Note, information
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FlattenedContact(Value, LawByIndentation):
-    """Law of each asperity of a surface that an earlier load has flattened.
+    """Law of each asperity of a surface flattened by an earlier load.
 
     The indentation e is counted from the lowered summit. Up to the earlier indentation, ``e <= depth``, the
     contact is elastic: ``P = load_before (e/depth)^load_exponent`` and
-    ``A = area_before (e/depth)^area_exponent``. Beyond, the first loading continues: the original law at the
-    indentation ``e + residual``. An asperity that has not yielded has depth 0.
+    ``A = area_before (e/depth)^area_exponent``. Beyond it, the original law continues at the indentation
+    ``e + residual``. An asperity that has not yielded has depth 0.
     `Contact.unloaded` returns this law; all arrays are (n,).
 
     Attributes
@@ -32,7 +32,7 @@ class FlattenedContact(Value, LawByIndentation):
     residual : ndarray
         Loss of height [mm].
     depth : ndarray
-        Earlier indentation less the loss of height [mm].
+        Earlier indentation minus the loss of height [mm].
     load_before, area_before : ndarray
         P/E* and A at the earlier indentation [mm^2].
     load_exponent, area_exponent : ndarray
@@ -76,7 +76,7 @@ class FlattenedContact(Value, LawByIndentation):
         return np.asarray(self.law.largest_indentation(radius) - self.residual)
 
     def notes(self, indentation: FloatArray, radius: FloatArray) -> tuple[Note, ...]:
-        """Return how many summits are flattened, and what the original law notes of the deepest contacts."""
+        """Return notes on the number of flattened summits, followed by those of the original law."""
         flat = int((self.depth > 0.0).sum())
         elastic = (np.asarray(indentation) <= self.depth) & (self.depth > 0.0)
         if not flat:
@@ -111,7 +111,7 @@ class FlattenedContact(Value, LawByIndentation):
         return _chosen(elastic, (area, area * self.area_exponent / depth), later)
 
     def _share(self, depth: FloatArray) -> tuple[np.ndarray, FloatArray]:
-        """Return where the contact is elastic, and e/depth there."""
+        """Return whether each contact is elastic, and e/depth for those that are."""
         elastic = depth < self.depth
         return elastic, np.where(elastic, depth / np.where(elastic, self.depth, 1.0), 1.0)
 

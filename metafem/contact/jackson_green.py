@@ -19,8 +19,8 @@ from metafem.notes import Note
 # Hertz's law holds up to this multiple of the indentation at yield.
 HERTZIAN = 1.9
 
-# Largest yield strength over E* for the exponent B, which grows with it and has doubled there: three times
-# the largest of the source's finite elements. Far above, B would be that of no material.
+# Largest yield strength over E* for the exponent B, which has doubled there: three times the largest value in
+# the finite elements of the source. Far above it, B would not describe any material.
 LARGEST_STRAIN = 0.03
 
 
@@ -44,7 +44,7 @@ class JacksonGreen(ElasticPlastic):
     ===============================  ====  ====  ====  ====  ====  ====
 
     `blends` evaluates this for a material, and the notes of a state name it. The law couples by order 1.
-    Valid for S_y/E* from 0.0009 to 0.03, above which B is that of 0.03, and for contacts narrower than R.
+    Valid for S_y/E* from 0.0009 to 0.03 (above it, B of 0.03 is used), and for contacts narrower than R.
     Jackson and Green, J. Tribol. 127, 343 (2005), doi:10.1115/1.1866166.
 
     Parameters
@@ -114,7 +114,7 @@ class JacksonGreen(ElasticPlastic):
 
     def _formula(self, w: FloatArray) -> tuple[FloatArray, FloatArray]:
         """P/P_c over w/w_c > 1.9, and d ln P/d ln w."""
-        power = 1.0 + self._exponent  # of w in (a/R)^2
+        power = 1.0 + self._exponent  # exponent of w in (a/R)^2
         wide = (self._yield * w * (w / HERTZIAN) ** self._exponent) ** -0.35
         hardness = -2.84 * np.expm1(-0.82 * wide)
         harder = -2.84 * np.exp(-0.82 * wide) * 0.82 * 0.35 * power * wide

@@ -16,11 +16,11 @@ from metafem.contact.elastic_plastic import AFTER_YIELD, ElasticPlastic
 from metafem.contact.law import material_of
 from metafem.material import Material
 
-# Hardness over yield strength, with which Kogut and Etsion write their formulas.
+# Hardness over yield strength in the formulas of Kogut and Etsion.
 HARDNESS_RATIO = 2.8
 
-# The other blends reach from the break over this number to the break times this number. With wider ones the
-# load changes more, with narrower ones the slope of ln P exceeds 1.5 by more.
+# The other blends extend from the break divided by this number to the break times this number. Wider blends
+# change the load more; with narrower ones the slope of ln P exceeds 1.5 by more.
 AROUND = 1.25
 
 
@@ -29,7 +29,7 @@ class KogutEtsion(ElasticPlastic):
     """Elastic-plastic contact of a sphere and a rigid plane by Kogut and Etsion, frictionless.
 
     With ``K = 0.454 + 0.41 nu`` the material yields at the indentation ``w_c = (pi K H/(2 E*))^2 R``. Up to
-    there the contact is Hertz's, with P_c and A_c at w_c. With w* = w/w_c, ``P = 1.03 P_c w*^1.425`` and
+    w_c the contact is Hertz's, with P_c and A_c at w_c. With w* = w/w_c, ``P = 1.03 P_c w*^1.425`` and
     ``A = 0.93 A_c w*^1.136`` up to w* = 6, ``1.40 P_c w*^1.263`` and ``0.94 A_c w*^1.146`` up to 110, then
     the contact is fully plastic, ``P = H A`` and ``A = 2 pi R w``.
 
@@ -43,7 +43,7 @@ class KogutEtsion(ElasticPlastic):
     third change of P, %  15.8  12.1  8.6   5.1   1.8   4.2
     ====================  ====  ====  ====  ====  ====  ====
 
-    `blends` evaluates the changes for a material, and the notes of a state name those that it reaches. P and
+    `blends` evaluates the changes for a material, and the notes of a state list those that apply. P and
     A increase with w for all nu. The law couples by order 1. Valid for H/E* >= 0.0025 and contacts narrower
     than R. Kogut and Etsion, J. Appl. Mech. 69, 657 (2002), doi:10.1115/1.1490373.
 

@@ -33,11 +33,11 @@ class Contact(Protocol):
     ----------
     largest_order : int
         3 for a frictionless elastic contact, whose load, second moment and indentation follow from one
-        profile; 1 for a law known only as load and area over the indentation, which couples by point loads.
+        profile; 1 for a law given only as load and area over the indentation, which couples by point loads.
     similar : bool
-        Whether the law with all lengths over R is the same for all radii.
+        Whether the law is the same for all radii if all lengths are divided by R.
     adhesive : bool
-        Whether contacts attract: the load is negative for some contact radii, and contacts jump.
+        Whether contacts adhere: the load is negative for some contact radii, and contacts jump.
     plastic : bool
         Whether contacts stay flattened after unloading.
     individual : bool
@@ -53,7 +53,7 @@ class Contact(Protocol):
 
     @property
     def scales_with_stress(self) -> bool:
-        """Whether P/E* depends on E*, as with an energy or a stress, and not on the indentation alone."""
+        """Whether P/E* depends on E* (through an energy or a stress) as well as on the indentation."""
         return self.adhesive or self.largest_order == 1
 
     @property
@@ -72,11 +72,11 @@ class Contact(Protocol):
 
     @property
     def count(self) -> int | None:
-        """Number of asperities of an individual law; None for a law of any number."""
+        """Number of asperities of an individual law; None for a law that applies to any number."""
         return None
 
     def one(self, i: int) -> Contact:
-        """Return the law of asperity i; the law itself if it is that of all."""
+        """Return the law of asperity i; the law itself if all asperities share it."""
         return self
 
     def breaks(self, radius: float) -> FloatArray:
@@ -88,13 +88,13 @@ class Contact(Protocol):
         return np.full(np.shape(radius), math.inf)[()]
 
     def notes(self, indentation: FloatArray, radius: FloatArray) -> tuple[Note, ...]:
-        """Return notes on what the law neglects or changes at indentations (n,) [mm]."""
+        """Return notes on approximations of the law at indentations (n,) [mm]."""
         return ()
 
     def unloaded(self, indentation: FloatArray, radius: FloatArray) -> tuple[Contact, FloatArray]:
         """Return the law after the largest indentations (n,) [mm], and the loss of height (n,) [mm].
 
-        The law returned is that of the lowered summits. An elastic law returns itself.
+        The returned law is that of the lowered summits. An elastic law returns itself.
         """
         return self, np.zeros(np.shape(indentation))
 
@@ -163,7 +163,7 @@ def contacts(law: Contact, indentation: FloatArray, radius: FloatArray) -> Conta
     """Return the undisturbed contacts at indentations [mm]; a negative one is an open contact."""
     a = law.contact_radius(indentation, radius)
     stiffness = law.stiffness(a, radius)
-    # to first order in the rounding of a: near the equator of a sphere the load alone loses its digits
+    # correct to first order in the rounding of a: near the equator of a sphere `load` loses digits
     missing = np.where(a > 0.0, indentation - law.indentation(a, radius), 0.0)
     return Contacts(law.load(a, radius) + stiffness * missing, law.area(a), stiffness, a)
 
@@ -173,7 +173,7 @@ def area_change(
 ) -> FloatArray:
     """Relative change of the area at a given load by a slope g of the field, for contact radii a > 0.
 
-    ``-2 (a D''/D' - 1) (g/D')^2``: zero for paraboloids, which only move, and ``-2 (n - 2) (g/D')^2`` for
+    ``-2 (a D''/D' - 1) (g/D')^2``: zero for paraboloids, which only shift, and ``-2 (n - 2) (g/D')^2`` for
     powers n. It follows from the energy of an adhesive contact under a slope, with the moment
     ``4/3 a^3 - 2 a/D' sqrt(8 pi w a^3)``, as the derivative of the energy by w is the area. Resolved contacts
     on a slope agree within 1 % for powers 1.5 to 4 and for the sphere up to g/D' = 0.05.

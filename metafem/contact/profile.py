@@ -23,22 +23,22 @@ from metafem.errors import InvalidInput
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator
 
-# Panels of contact radii, in each of which the integral of D is a polynomial of this degree. With two panels
-# to an octave a power has the error 12^-15, and a sphere up to a/R = 0.7 5e-14; derivatives lose more digits
-# with more panels or a higher degree.
+# Number of panels of contact radii, and degree of the polynomial for the integral of D in each. With two
+# panels per octave the error is 12^-15 for a power, and 5e-14 for a sphere up to a/R = 0.7; derivatives lose
+# more digits with more panels or a higher degree.
 DEGREE, PER_OCTAVE, OCTAVES = 14, 2, 40
 
-# Nodes of the quadrature over a profile. The variable is the cube root of the angle, in which fractional
-# powers at the summit are smooth.
+# Nodes of the quadrature over a profile. The variable is the cube root of the angle, which makes fractional
+# powers at the summit smooth.
 NODES = 96
 
-# Largest polynomial coefficient of the last two degrees relative to the first, of a profile that is smooth.
+# Largest ratio of the last two polynomial coefficients to the first for a smooth profile.
 SMOOTH = 1e-10
 
 # Step of the tangent at the end of a profile, relative to the extent.
 TANGENT = 1e-6
 
-# Relative excess of an indentation over the largest that is taken for rounding.
+# Relative excess over the largest indentation that is treated as rounding.
 ROUNDING = 1e-12
 
 
@@ -60,12 +60,12 @@ class AxisymmetricCap(Value, ElasticCap):
 
     With ``F(a) = int_0^a f(sqrt(a^2 - w^2)) dw`` and D = F', ``d = D(a)``, ``A = pi a^2``,
     ``P/E* = 2 (a D - F)``, and the second moment of the pressure over E* is
-    ``4/3 (a^3 D - 3 a^2 F + 6 int_0^a s F ds)``. An extra curvature adds those of a paraboloid. F is computed
-    once, by quadrature, and interpolated: a function within 1e-12 in d and P. Between the points of a table f
-    is a monotone cubic in rho^2: 30 points of a sphere up to a/R = 0.66 give d within 6e-5, 100 points within
-    3e-6. Lengths in mm, P/E* in mm^2. Small strain: valid where the profile is flat, f' << 1. All asperities
-    have this one profile, whatever their radius R. Popov and Hess, Method of Dimensionality Reduction in
-    Contact Mechanics and Friction (2015), doi:10.1007/978-3-642-53876-6.
+    ``4/3 (a^3 D - 3 a^2 F + 6 int_0^a s F ds)``. An extra curvature adds the terms of a paraboloid. F is
+    computed once, by quadrature, and interpolated; for a function the error of d and P is within 1e-12.
+    Between the points of a table f is a monotone cubic in rho^2: 30 points of a sphere up to a/R = 0.66 give
+    d within 6e-5, 100 points within 3e-6. Lengths in mm, P/E* in mm^2. Small strain: valid where the profile
+    is flat, f' << 1. All asperities have this profile for any R. Popov and Hess, Method of Dimensionality
+    Reduction in Contact Mechanics and Friction (2015), doi:10.1007/978-3-642-53876-6.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ class AxisymmetricCap(Value, ElasticCap):
         Depth f [mm] below the summit over the distance rho [mm] from the axis: a smooth function of arrays,
         or rho and f in a table that begins with (0, 0). Both must increase.
     extent : float, optional
-        Distance up to which a function is used, the largest contact radius [mm]. It must be given with a
+        Distance up to which a function is used [mm], the largest contact radius. It is required with a
         function; for a table it is the last rho.
 
     Raises
@@ -130,7 +130,7 @@ class AxisymmetricCap(Value, ElasticCap):
     def depth_at(self, distance: Values, radius: Values) -> FloatArray:
         """Depth f of the cap below its summit at a distance from the axis [mm], for any radius.
 
-        Beyond the extent it is continued by the tangent.
+        Beyond the extent the profile continues along its tangent.
         """
         rho, extent = np.asarray(distance, dtype=np.float64), self._panels.edge[-1]
         before = (1.0 - TANGENT) * extent
@@ -154,7 +154,7 @@ class AxisymmetricCap(Value, ElasticCap):
 
     @cached_property
     def _panels(self) -> Panels:
-        """The interpolated integral of D, at first use."""
+        """The interpolated integral of D, computed at first use."""
         if callable(self.profile):
             edge = np.float64(self.extent) * 2.0 ** (-np.arange(PER_OCTAVE * OCTAVES, -1, -1) / PER_OCTAVE)
         else:
@@ -202,7 +202,7 @@ class AxisymmetricCap(Value, ElasticCap):
                 )
             return np.asarray(a * (depth @ (1.5 * np.pi * node**2 * weight * sine)))
         square = self.profile[0] ** 2
-        # a polynomial of degree 6 in w between the points of the table, for which 4 nodes are exact
+        # between the points of the table, a polynomial of degree 6 in w: 4 nodes are exact
         node, weight = np.polynomial.legendre.leggauss(4)
         w = np.sqrt(np.maximum(a[..., None] ** 2 - square, 0.0))
         half, middle = 0.5 * (w[..., :-1] - w[..., 1:]), 0.5 * (w[..., :-1] + w[..., 1:])
@@ -232,7 +232,7 @@ class AxisymmetricCap(Value, ElasticCap):
         value = chebyshev.chebval(
             (2.0 * inside - low - high) / (high - low), getattr(found, name)[:, panel], tensor=False
         )
-        # below the first panel all are powers
+        # below the first panel all functions are powers
         order = {"value": 0.0, "slope": -1.0, "bend": -2.0, "moment": 2.0}[name]
         with np.errstate(divide="ignore"):
             return np.asarray(value * (size / inside) ** (found.power + order))

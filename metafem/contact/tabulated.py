@@ -19,24 +19,24 @@ from metafem.contact.law import Values, material_of
 from metafem.errors import InvalidInput
 from metafem.material import Material
 
-# Fewest points of a table without its origin: the slope of a cubic needs three.
+# Minimum number of points of a table, without its origin: the slope of a cubic needs three.
 FEWEST = 3
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
 class TabulatedContact(Value, LawByIndentation):
-    """Contact of one asperity and a rigid plane by a table, measured or computed.
+    """Contact of one asperity and a rigid plane from a measured or computed table.
 
     The logarithms of load and area are monotone cubics of the logarithm of the indentation (PCHIP): load and
     area increase and have continuous slopes, and powers are exact. Below the first point both are powers
-    through the first two points. All asperities have this one law, whatever their radius R, for loading and
+    through the first two points. All asperities have this law for any radius R, for loading and
     unloading. The law couples by order 1. Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 300 (1984),
     doi:10.1137/0905021.
 
     Parameters
     ----------
     indentation : array_like, (m,)
-        Indentation d [mm], increasing and positive; a first point of zeros is left out.
+        Indentation d [mm], increasing and positive; a first point of zeros is omitted.
     load : array_like, (m,)
         Load P [N] of one asperity, increasing and positive.
     area : array_like, (m,)
@@ -47,7 +47,7 @@ class TabulatedContact(Value, LawByIndentation):
     Raises
     ------
     InvalidInput
-        For a table that does not increase, has less than 3 points or three lengths, and for indentations
+        For a table that does not increase, has fewer than 3 points or unequal lengths, and for indentations
         beyond its last.
 
     Examples

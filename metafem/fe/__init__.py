@@ -2,5 +2,5 @@
 
 import lazy_loader
 
-# As in metafem: scikit-fem is imported by what needs it.
+# As in metafem: scikit-fem is imported only where needed.
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,4 +1,4 @@
-"""Sparse symmetric systems: a fast factorisation whose result is checked, and a second one with pivoting."""
+"""Sparse symmetric systems: a fast, checked factorisation, and a second one with pivoting if needed."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from scipy.sparse.linalg import splu
 
 from metafem._validate import FloatArray
 
-# Largest scaled residual that refinement can leave when the factors are sound: a good factorisation
-# ends near 1e-15, one that met a small pivot orders of magnitude above.
+# Largest scaled residual after refinement with accurate factors: a good factorisation ends near 1e-15, one
+# with a small pivot orders of magnitude higher.
 RESIDUAL = 1e-10
 
 # Threshold for mixed elements whose pressures have not been eliminated: their diagonal is zero at nu = 0.5.
 THRESHOLD = 1e-3
 
-# Refinement steps: each gains the digits that the factors have; sound ones need one.
+# Refinement steps: each gains as many digits as the factors have; accurate factors need one step.
 STEPS = 3
 
 
@@ -46,8 +46,8 @@ def solve(matrix: Any, right: FloatArray, threshold: float = 0.0) -> Solved:
     """Solve a sparse symmetric system for all columns of `right`, (n, k).
 
     Rows and columns are scaled by the roots of the diagonal, or of their largest entry where it is zero.
-    Where the elements' bubbles have been eliminated before, definite displacements are left over definite
-    pressures of the other sign: a quasi-definite matrix, which needs no pivoting in any order (Vanderbei,
+    After elimination of the bubbles, the displacement and pressure blocks are definite with opposite
+    signs: a quasi-definite matrix, which needs no pivoting in any order (Vanderbei,
     SIAM J. Optim. 5, 100 (1995), doi:10.1137/0805005). With a `threshold` a diagonal pivot is used only if
     it exceeds that fraction of the largest entry of its column. If the residual is not small, the system is
     factorised again with full partial pivoting, and the solution with the smaller residual is returned.

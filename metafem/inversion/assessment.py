@@ -1,4 +1,4 @@
-"""Difference of a law from the target, and the status that follows from it."""
+"""Difference of a law from the target, and the resulting status."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ EXACT = 1e-9
 # Misfit at which a search for an exact design ends: a hundredth of that tolerance.
 POINT_GOAL = 1e-11
 
-# A law of any shape counts as reached within this rms: manufacturing errors change the law by as much.
+# A law of any shape counts as reached within this rms: manufacturing errors have a similar effect.
 REACHED = 0.01
 
 # A straight branch with few asperities misses its target beyond this misfit. Aymard et al. count 10 % on the
 # crossover load, the largest difference in their comparisons, as a success.
 MISSED = 0.1
 
-# The law of a design ends at this multiple of the last load of the target, and has this many loads.
+# Last load of a design's law over the last load of the target, and number of loads.
 LAW_END, LAW_POINTS = 1.1, 100
 
 # Digits of a number in double precision.
@@ -54,7 +54,7 @@ class DesignStatus(Enum):
     REFINED = "refined: the heights were adjusted until the law met the target within 1 %"
     APPROXIMATE = "approximate: the heights follow a density whose law has the target's slopes at large loads"
     ROBUST = "robust: the made surface has the least expected misfit; the exact heights miss by more than 1 %"
-    # in results of earlier versions alone
+    # only in results of earlier versions
     UNCORRECTED = "uncorrected: designed for independent asperities; this model's law has the misfit"
     MISSED = (
         "missed: the misfit is above 1 % (and the errors of the samples), or above 10 % for the heights of a "
@@ -64,7 +64,7 @@ class DesignStatus(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Assessment:
-    """The law of a candidate under the model of its problem, and what follows from it."""
+    """The law of a candidate under the model of its problem, and derived quantities."""
 
     law: FrictionLaw
     fits: Fits
@@ -75,7 +75,7 @@ class Assessment:
 
 @doing("computing the law of the heights")
 def assess(problem: Problem, candidate: Candidate, surface: Surface) -> Assessment:
-    """Return the assessment of a candidate; one curve holds the loads of the law, the target and the fits."""
+    """Return the assessment of a candidate, from one curve at the loads of the law, target and fits."""
     target_law, branches, last = candidate.target_law, candidate.branches, problem.target.last_load
     if last is None:
         grid = default_loads(surface, problem.model)
@@ -101,9 +101,9 @@ def assess(problem: Problem, candidate: Candidate, surface: Surface) -> Assessme
 
 
 def reassessed(design: Design) -> Design:
-    """Return a design with the law of its heights, and with the misfit and status that follow from it.
+    """Return a design with the law, misfit and status recomputed from its heights.
 
-    Notes and parameters of the inversion that are not those of changed heights are left out.
+    Notes and parameters of the inversion that do not apply to changed heights are omitted.
     """
     surface, status = design.surface, design.status
     candidate = Candidate(
@@ -131,9 +131,9 @@ def reassessed(design: Design) -> Design:
 
 
 def empty_sites_words(design: Design) -> str:
-    """Return why sites without an asperity stay empty, where the law is met.
+    """Return the reason why some sites are empty although the law is met.
 
-    Without adhesion the area of one contact is a concave function of its load, so a further contact adds to
+    Without adhesion the area of one contact is a concave function of its load, so a further contact increases
     A0 at a given load.
     """
     filled = design.surface.count + sum(height is None for height in design.pinned.values())
@@ -164,7 +164,7 @@ def model_misfit(candidate: Candidate, surface: Surface, model: Model) -> float:
 
 
 def _united(loads: list[FloatArray]) -> tuple[FloatArray, list[IntArray]]:
-    """Return all loads once, increasing, and the rows of each list in them."""
+    """Return the sorted union of the loads, and the indices of each list in it."""
     united = np.unique(np.concatenate(loads))
     return united, [np.searchsorted(united, part) for part in loads]
 
@@ -174,7 +174,7 @@ def misfits(
 ) -> FloatArray:
     """Return the largest relative difference (m, k) of each law from the target or of a fitted slope, (m,).
 
-    Where laws are compared pointwise, the deviation of a law is its largest at any load, which bounds the
+    If laws are compared pointwise, the deviation of a law is the largest at any load, which bounds the
     slopes. Otherwise it is the root mean square. slopes: (m, b), fitted to each branch.
     """
     if law.pointwise:
@@ -191,9 +191,9 @@ def _misfit(candidate: Candidate, area: FloatArray, slopes: list[float]) -> floa
 
 
 def misfit_text(misfit: float, digits: int = 2) -> str:
-    """Return a misfit in percent, or that it is within the tolerance of exact designs.
+    """Return a misfit in percent, or a statement that it is within the tolerance of exact designs.
 
-    It has as many digits as its side of a limit needs: a misfit of 1.003 % is not "1 %".
+    It has enough digits to show on which side of a limit it is: a misfit of 1.003 % is not "1 %".
     """
     if misfit <= EXACT:
         return "below 1e-9"
@@ -202,12 +202,12 @@ def misfit_text(misfit: float, digits: int = 2) -> str:
 
 
 def _above(misfit: float) -> list[bool]:
-    """Return which of the limits of a status a misfit exceeds."""
+    """Return whether a misfit exceeds each of the limits of a status."""
     return [misfit > limit for limit in (REACHED, MISSED)]
 
 
 def misfit_meaning(pointwise: bool, density: bool, fits: Fits, misfit: float) -> str:
-    """Return in words which of these deviations the misfit is."""
+    """Return the definition of the misfit in words."""
     if pointwise:
         return "largest difference from the target"
     if fits and misfit <= max(abs(fit.slope / branch.slope - 1.0) for branch, fit in fits):
@@ -230,5 +230,5 @@ def status_of(candidate: Candidate, misfit: float) -> DesignStatus:
 
 
 def largest_misfit(law: TargetLaw, density: bool = False) -> float:
-    """Return the largest misfit that counts as reached: the errors of the target itself are allowed."""
+    """Return the largest misfit that counts as reached, including the errors of the target itself."""
     return MISSED if density else REACHED + law.noise

@@ -1,19 +1,19 @@
 """Bounds on the friction of every surface of N independent asperities of one contact law.
 
-Which bounds hold is decided by the law of one contact, P(A) and its derivatives by the indentation d:
+The law of one contact, P(A) and its derivatives by the indentation d, determines which bounds hold:
 
-1. *P is convex in A* (elastic caps with a convex D(a), as dP/dA = D'/pi: powers from the cone on, the
+1. *P is convex in A* (elastic caps with a convex D(a), as dP/dA = D'/pi: powers of at least 1, the
    sphere). The area of a contact is then a concave function A1(P), and by Jensen's inequality
    ``A1(p) <= A0 <= N A1(p/N)``: a given load p = P/E* has the least area on one contact and the largest on N
-   equal ones. If lengths over R are the same for all radii, A1(P) increases with R: the bounds are those of
-   the least and the largest radius.
+   equal ones. If the law scales with R, A1(P) increases with R: the bounds are those of the smallest and the
+   largest radius.
 2. *P is log-concave in d as well* (elastic caps: dP/dd = 2 a, and P/a increases). By Chebyshev's sum
-   inequality the local exponent ``d ln A0/d ln p`` of asperities of one radius is then at least the least
-   one of a single contact up to that load; for a power cap rho^n that is 2/(n + 1). Asperities that come
-   into contact raise it.
+   inequality the local exponent ``d ln A0/d ln p`` of asperities of one radius is then at least the smallest
+   exponent of a single contact up to that load; for a power cap rho^n that is 2/(n + 1). New contacts raise
+   it.
 3. *Power caps of several radii.* The exponent is ``2/(n + 1) <x^(n-1)> <x^(1-n)>`` with x = a/R and the
-   means by R^2 x^2 and R x. It is least for two kinds of contact, large caps with a/R = x and small ones with
-   a/R = s^2 x: by Jensen's inequality for the contacts of each radius, and because the least value is at the
+   means weighted by R^2 x^2 and R x. It is least for two kinds of contact, large caps with a/R = x and small
+   ones with a/R = s^2 x: by Jensen's inequality for the contacts of each radius, and as the minimum is at the
    extreme radii. With k^2 = R1/R2 and ``1/(k s)^3`` small caps for each large one it is
    ``2/(n + 1) ((k s^n + s^(1-n))/(1 + k s))^2``, least at the root s > 1 of
    ``(n - 1) k^2 s^(2n) + n k s^(2n-1) - n k s - (n - 1)``.
@@ -24,8 +24,8 @@ Which bounds hold is decided by the law of one contact, P(A) and its derivatives
    moves by d1(p) - d1(q) at the most, as the stiffness 2 a is a subadditive function of the load, and no
    area grows by more than that of a new contact.
 
-A law that is not a power is examined at CONTACTS indentations up to the largest load. With adhesion a contact
-has an area at zero load, and no bound is used.
+Laws other than power laws are checked at CONTACTS indentations up to the largest load. With adhesion a
+contact has an area at zero load, and no bound is used.
 """
 
 from __future__ import annotations
@@ -44,13 +44,13 @@ from metafem.inversion.limits import Limits
 from metafem.inversion.radii import Radii
 from metafem.models import Independent
 
-# A value this close to a bound counts as the bound: rounding must not refuse values taken from a surface.
+# A value this close to a bound counts as equal: values computed from a surface must not fail by rounding.
 ROUNDING = 1e-9
 
-# Indentations at which a law is examined, evenly spaced in the logarithm over this range below the largest.
+# Number of indentations at which a law is checked, evenly spaced in the logarithm, and their relative range.
 CONTACTS, SHALLOWEST = 400, 1e-12
 
-# Doublings of a load in the search for the end of a line.
+# Maximum number of load doublings in the search for the end of a line.
 MOST_DOUBLINGS = 60
 
 # Smallest and largest indentation over R in searches for the contact of a given pressure.
@@ -59,9 +59,9 @@ LEAST_DEPTH, MOST_DEPTH = 1e-12, 1e2
 
 @dataclass(frozen=True)
 class Bounds:
-    """Proven bounds of independent asperities of a law, with `count` at most, up to a load `last` [mm^2].
+    """Proven bounds for at most `count` independent asperities of a law, up to a load `last` [mm^2].
 
-    Where nothing is proven they are 0 and infinite.
+    If no bound is proven, they are 0 and infinite.
     """
 
     law: Contact
@@ -75,7 +75,7 @@ class Bounds:
         return 2.0 / (1.0 + (self.law.power or math.inf))
 
     def region(self, load: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Friction of one asperity and of N equal ones at rescaled loads, (k,) [mm^2]."""
+        """Friction of one asperity and of N equal asperities at rescaled loads, (k,) [mm^2]."""
         equal = self.count * at_load(self.law.without_adhesion, load / self.count, self.radii.high)[1]
         return at_load(self.law.without_adhesion, load, self.radii.low)[1], equal
 
@@ -126,7 +126,7 @@ class Bounds:
         return math.log(high[1] / low[0]) / math.log(load_range[1] / load_range[0])
 
     def steepest(self, load: float, friction: float, margin: float = 0.0) -> float:
-        """Largest slope dA0/d(P/E*) of a law through a point, with a margin of the highest friction."""
+        """Largest slope dA0/d(P/E*) of a law through a point, with a margin on the highest friction."""
         n = self.law.power
         if n is None or n > 2.0 or not self.convex:
             return math.inf
@@ -134,7 +134,7 @@ class Bounds:
         return float(self.least_power * (highest / friction) ** n * highest / load)
 
     def highest_after(self, load: FloatArray, friction: FloatArray) -> FloatArray:
-        """Highest friction at each of increasing loads (k,) after the friction at the smaller ones [mm^2]."""
+        """Highest friction [mm^2] at each of increasing loads (k,), given the friction at smaller loads."""
         n = self.law.power
         if not self.convex:
             return np.full(len(load), math.inf)
@@ -158,7 +158,7 @@ class Bounds:
         return self.count * most
 
     def start_of_line(self, slope: float) -> float:
-        """Load below which one asperity has more friction than a line through the origin [mm^2]."""
+        """Load [mm^2] below which one asperity has more friction than a line through the origin."""
         if not self.convex:
             return 0.0
         return load_at_pressure(self.law, 1.0 / slope, self.radii.low)
@@ -199,7 +199,7 @@ class Bounds:
 def at_load(law: Contact, load: FloatArray, radius: float) -> tuple[FloatArray, FloatArray]:
     """Return indentation [mm] and friction [mm^2] of one asperity at rescaled loads, (k,).
 
-    Beyond the largest load that the law describes they are those at that load.
+    Above the largest load of the law, they are the values at that load.
     """
     n = law.power
     if n is None:
@@ -214,7 +214,7 @@ def at_load(law: Contact, load: FloatArray, radius: float) -> tuple[FloatArray, 
 
 
 def relative_depth(radii: Radii, power: float = 2.0) -> float:
-    """Return s of the two kinds of contact of power caps: a/R of the small ones is s^2 times the other."""
+    """Return s for two kinds of contact of power caps: a/R of the small ones is s^2 times the other."""
     if radii.single:
         return 1.0
     n, k = power, math.sqrt(radii.low / radii.high)
@@ -228,9 +228,9 @@ def relative_depth(radii: Radii, power: float = 2.0) -> float:
 
 
 def depth_at_pressure(law: Contact, pressure: float, radius: float, *, tangent: bool = False) -> float:
-    """Return the indentation [mm] at which P/A of one contact has a value, or with `tangent` dP/dA.
+    """Return the indentation [mm] at which P/A, or with `tangent` dP/dA, of one contact has a value.
 
-    The value over E* [-] is that of a quotient that increases; 0 or the largest indentation beyond its range.
+    The value is over E* [-], and the quotient increases; beyond its range, 0 or the largest indentation.
     """
 
     def excess(logarithm: float) -> float:
@@ -258,5 +258,5 @@ def load_at_pressure(law: Contact, pressure: float, radius: float, *, tangent: b
 
 
 def _rises(values: FloatArray) -> bool:
-    """Whether values do not fall, up to rounding."""
+    """Whether values do not decrease, up to rounding."""
     return bool((np.diff(values) >= -ROUNDING * np.abs(values[1:])).all())

@@ -1,4 +1,4 @@
-"""Heights that may solve a problem, and the law with which they are compared."""
+"""Candidate heights of a problem, and the law with which they are compared."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Parameter = float | int | FloatArray | IntArray
 # Number of loads at which the slope of a straight branch is fitted.
 BRANCH_POINTS = 76
 
-# Parameters of operating points that do not hold for moved heights.
+# Parameters of operating points that are not valid for moved heights.
 LEVELS = ("counts", "levels", "adjustment_heights", "level_radii", "adjustment_radii")
 
 
@@ -42,17 +42,17 @@ class Branch:
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """Heights above the base plane (n,) [mm] with their radii, and what a design says of them.
+    """Heights above the base plane (n,) [mm] with their radii, and data for the design.
 
     A strategy returns the heights of independent asperities, tallest first and without `sites`. The later
     steps of a design assign them to sites of the template and may move them.
 
     The law of the heights is compared with `target_law`, that of the target or of a height density.
-    `stepped` heights are already on the levels of the limits, `moved` ones differ from those of independent
-    asperities; `unrounded` is the misfit before heights were rounded to steps. `lowest_level` [mm] is given
-    for points that are to be met exactly: below it asperities can be added that another model needs.
+    `stepped` heights are already on the levels of the limits; `moved` heights differ from those of
+    independent asperities; `unrounded` is the misfit before heights were rounded to steps. `lowest_level`
+    [mm] is set for points that must be met exactly: asperities for another model can be added below it.
     `sites` (n,) are those of the template, increasing. `robust` heights have a smaller expected misfit than
-    others that reach the target. `held` (k,) are sites whose heights are given and stay; `unpinned` is the
+    others that reach the target. `held` (k,) are sites with given, fixed heights; `unpinned` is the
     misfit without them.
     """
 
@@ -74,7 +74,7 @@ class Candidate:
 
     @property
     def held_rows(self) -> IntArray:
-        """Indices of the heights that stay, (k,)."""
+        """Indices of the fixed heights, (k,)."""
         return np.searchsorted(self.sites, self.held)
 
     def surface(self, template: Surface) -> Surface:
@@ -83,13 +83,13 @@ class Candidate:
         return template.replaced(position=position, height=self.height, radius=self.radius)
 
     def placed(self, sites: IntArray, foot: float) -> Candidate:
-        """Return the heights on sites in any order (n,), none below the foot [mm] by rounding."""
+        """Return the heights on sites in any order (n,), clipped at the foot [mm] against rounding."""
         order = np.argsort(sites)
         height = np.maximum(self.height[order], foot)
         return replace(self, sites=sites[order], height=height, radius=self.radius[order])
 
     def with_heights(self, height: FloatArray) -> Candidate:
-        """Return the candidate with heights moved on their sites; levels are then no longer parameters."""
+        """Return the candidate with changed heights on the same sites, without levels as parameters."""
         parameters = dict(self.parameters)
         if self.lowest_level is not None:
             rest = {name: value for name, value in parameters.items() if name not in LEVELS}

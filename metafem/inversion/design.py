@@ -32,10 +32,10 @@ from metafem.prediction.perturbation import Tolerances
 from metafem.progress import doing, each
 from metafem.surface import Surface
 
-# If more radii of a range than this are in use, only the least and the largest are stated.
+# If more radii of a range than this are in use, only the smallest and the largest are stated.
 MOST_LISTED = 8
 
-# Radii of a range that are tried between the best one's neighbours.
+# Number of radii of a range that are tried between the neighbours of the best one.
 NEXT_RADII = 4
 
 
@@ -51,48 +51,47 @@ def design(
     common_radius: bool = False,
     robust: Tolerances | None = None,
 ) -> Design:
-    """Find heights, and radii where there is a choice, whose friction law is the target.
+    """Find heights, and radii if several are allowed, whose friction law is the target.
 
     Parameters
     ----------
     target : OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw or MultilinearLaw
-        Linear and bilinear laws with a load range are met as lines through the origin. Without a load range
-        the heights follow a density whose law has the target slopes and its own intercept.
+        Linear and bilinear laws with a load range are lines through the origin. Without a load range
+        the heights follow a density whose law has the target slopes but its own intercept.
     template : Surface
         Sites, common radius, material, friction and block. Its heights are used only for the default of
-        `limits`, and its radii only where `radii` is not given.
+        `limits`, and its radii only if `radii` is not given.
     model : Model, optional
-        Model under which the law is to meet the target; default: ``Independent()``. Under a model with
+        Model under which the law must meet the target; default: ``Independent()``. Under a model with
         interaction the heights of the independent inversion are refined by the Levenberg–Marquardt method
-        with exact sensitivities. The contact law is that of the model: bounds and heights of independent
-        asperities are its own. Adhesive asperities start from the heights without adhesion, and no bound is
-        used for them.
+        with exact sensitivities. Bounds and heights of independent asperities use the contact law of the
+        model. Adhesive asperities start from the heights without adhesion, and no bound is used for them.
     limits : Limits, optional
         Manufacturing limits; default: heights up to the tallest of the template. With a `height_step` all
         heights are on its levels, and the loss is stated in a note and in the parameters ``step_levels``
         [mm], ``step_counts`` and ``step_loss`` [-]. For a linear law of independent asperities the numbers
-        on the levels are the integers nearest to those of the density. With `pinned` the other heights are
-        adjusted to the given ones, see Notes.
+        of asperities per level are the integers nearest to those of the density. With `pinned` the other
+        heights are adjusted to the given ones, see Notes.
     rng : int or numpy Generator
         Seed of the random assignment of heights to sites, and of the random restarts of the search.
     layout : Layout, optional
-        Aim of the assignment of heights to sites, by `arrange` under the model and before any refinement.
+        Objective for assigning heights to sites, by `arrange` under the model and before any refinement.
         Its misfits are the parameters ``layout_before`` and ``layout_after`` [-]. Default: a random
         assignment.
     radii : RadiusRange or sequence of float, optional
-        Radii that each asperity may have [mm]: any of a range, or a list of tool radii. One radius for all
-        is used where it reaches the target. Otherwise radii are mixed: linear and bilinear laws assign two
+        Allowed radii of each asperity [mm]: any of a range, or a list of tool radii. One radius for all
+        is used if it reaches the target. Otherwise radii are mixed: linear and bilinear laws assign two
         radii to the heights of one density, whose law is that of the single radius ``R = (<R>/<sqrt R>)^2``;
         for operating points each level can have a different radius; for laws of any shape heights and radii
         are searched together. The radii are found for independent asperities; under another model only the
         heights are refined. With several radii the local exponent of a law can be below 2/3, and its slope
         can be larger. Default: the common radius of the template.
     common_radius : bool
-        Whether all asperities have the one of the `radii` that has the least misfit. All radii of a list are
-        tried, and up to 11 of a range, without the layout and without `robust`.
+        Whether all asperities have the same radius, the one of `radii` with the least misfit. All radii of a
+        list are tried, and up to 11 of a range, without the layout and without `robust`.
     robust : Tolerances, optional
-        Errors of the made surface and of its alignment under which the expected squared misfit is minimised,
-        see Notes. Default: None; the misfit of the exact heights is minimised.
+        Errors of the manufactured surface and of its alignment, for which the expected squared misfit is
+        minimised, see Notes. Default: None; the misfit of the exact heights is minimised.
 
     Returns
     -------
@@ -102,13 +101,13 @@ def design(
         With `common_radius` they hold ``radius`` [mm] and, for all radii that can reach the target,
         ``tried_radii`` [mm] and ``radius_misfits`` [-]; a note lists the radii that cannot, with the reason.
         With a template that has a friction, they also hold the bounds of the friction coefficients of linear
-        laws with each of the ``tried_radii`` alone, ``lowest_coefficients`` and, where `limits.height_sd` is
-        given, ``highest_coefficients`` and ``reachable_coefficients`` of mixtures.
-        With `robust`, they hold the root of the expected squared misfit of the made surface,
+        laws with each single one of the ``tried_radii``, ``lowest_coefficients`` and, if `limits.height_sd`
+        is given, ``highest_coefficients`` and ``reachable_coefficients`` of mixtures.
+        With `robust`, they hold the root of the expected squared misfit of the manufactured surface,
         ``expected_misfit`` [-], and that of the design without `robust`, ``plain_expected_misfit`` [-]; the
         fraction by which the square is smaller, ``robust_gain`` [-], with its standard error
-        ``robust_gain_error`` [-]; and ``irreducible_share`` [-], the share of the square that is the linear
-        response to errors of single heights and radii, which no heights with this law remove. Where the gain
+        ``robust_gain_error`` [-]; and ``irreducible_share`` [-], the share of the square due to the linear
+        response to errors of single heights and radii, which no heights with this law can remove. If the gain
         is below three standard errors, the design is the one without `robust`, and a note says so.
 
     Raises
@@ -124,17 +123,17 @@ def design(
     Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, equations S1 to S8.
 
     With `robust`, ``E |r(h + D)|^2`` is minimised, where r are the relative differences of the law from the
-    target, h the heights and D their errors. It is the mean over fixed errors with both signs, whose mean
-    squares are exact in every direction, and is lowered by the Levenberg–Marquardt method with exact
-    sensitivities. If the tolerances have an angle, asperities are exchanged between sites, too, which lowers
-    the response to tilts. The heights of more than 128 asperities are not changed. Under a model without
-    sensitivities the expectations are those of its `gradient_model`. The misfit of the exact heights
-    increases in general.
+    target, h the heights and D their errors. The expectation is a mean over fixed errors with both signs,
+    whose mean squares are exact in every direction. It is minimised by the Levenberg–Marquardt method with
+    exact sensitivities. If the tolerances have an angle, asperities are also exchanged between sites to
+    lower the response to tilts. The heights of more than 128 asperities are not changed. Under a model
+    without sensitivities the expectations are those of its `gradient_model`. In general, the misfit of the
+    exact heights increases.
 
-    With `limits.pinned`, the heights and their layout are first found without the given ones. These then
+    With `limits.pinned`, the heights and their layout are first found without the given heights. These then
     replace the nearest heights, with their radii, and need not be on a height step. The others are adjusted
-    by the Levenberg–Marquardt method, each between the foot and the largest height, and stay where the misfit
-    rises by less than a tenth. A note states the misfits with and without the given heights.
+    by the Levenberg–Marquardt method, each between the foot and the largest height, unless the misfit rises
+    by less than a tenth. A note states the misfits with and without the given heights.
 
     Examples
     --------
@@ -192,7 +191,7 @@ def design(
     found = assess(problem, candidate, surface)
 
     def notes() -> tuple[Note, ...]:
-        """Return all notes; for a line that is missed, the part of it that is reached is searched."""
+        """Return all notes, including the achievable part of a line that is missed."""
         later = (*design_notes(problem, candidate, surface, found), *found.law.notes)
         return tuple(dict.fromkeys((*candidate.notes, *later)))
 
@@ -244,7 +243,7 @@ def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
                 refused[radius] = reason
 
     def rank(radius: float) -> tuple[float, float]:
-        """Return the misfit and the radius; the misfits of exact designs are rounding, and count as equal."""
+        """Return the misfit and the radius; misfits of exact designs are rounding and count as equal."""
         return max(found[radius].misfit, EXACT), radius
 
     attempt(choice.tried)
@@ -284,7 +283,7 @@ def _radii_in_use(problem: Problem, surface: Surface) -> dict[str, Parameter]:
 
 
 def _coefficients(problem: Problem, radii: FloatArray) -> dict[str, Parameter]:
-    """Return bounds of the friction coefficients of linear laws with each radius alone."""
+    """Return bounds of the friction coefficients of linear laws for each single radius."""
     if problem.template.friction is None:
         return {}
     template, limits, law = problem.template, problem.limits, problem.contact

@@ -1,4 +1,4 @@
-"""Notes on a design that matter for making the part."""
+"""Notes on a design that matter for manufacturing."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from metafem.surface import Surface
 # Heights should be larger than the height errors by at least this factor.
 HEIGHT_TO_ERROR = 10.0
 
-# The heights count as restricted by max_height if they use all of their range but this fraction.
+# The heights count as restricted by max_height if they leave less than this fraction of the range unused.
 ALL_OF_IT = 1e-6
 
 
@@ -68,7 +68,7 @@ def _missed(problem: Problem, candidate: Candidate) -> bool:
 
 
 def _pins(count: int, unpinned: float, found: Assessment) -> Note:
-    """State the misfit with and without the given heights."""
+    """Return a note on the misfit with and without the given heights."""
     many = "the height of 1 site" if count == 1 else f"the heights of {count} sites"
     after, before = (misfit_text(misfit) for misfit in (found.misfit, unpinned))
     words = f"with {many} given the misfit is {after}; without, it is {before}"
@@ -89,7 +89,7 @@ def step_note(limits: Limits, before: float, after: float) -> Note:
 
 
 def _density(problem: Problem, found: Assessment) -> Note:
-    """State the misfit of the density's heights, and that load_range makes the target a line."""
+    """Return a note on the misfit of the density's heights, and on load_range for a line as target."""
     name, misfit = problem.target.wording.name(len(found.fits)), found.misfit
     meaning = misfit_meaning(False, True, found.fits, misfit)
     return Note(
@@ -101,7 +101,7 @@ def _density(problem: Problem, found: Assessment) -> Note:
 
 
 def _line(problem: Problem, held: bool) -> Note:
-    """State over which loads the line can be met, and what else to change; `held` by max_height or not."""
+    """Return a note on loads at which the line can be met, and other remedies; `held`: by max_height."""
     target: Any = problem.target
     wording, found = target.wording, reached_line(target, problem)
     if found is None or found.load_range is None:

@@ -1,4 +1,4 @@
-"""Designs whose contacts stay elastic where they can, by the plasticity index."""
+"""Designs with elastic contacts where possible, judged by the plasticity index."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ def design_for_hardness(
 ) -> Design:
     """Design a surface as `design` does, with an elastic law if the contacts stay elastic.
 
-    With the plasticity index ``psi = E*/H sqrt(s/R)`` of the designed surface, where s is the standard
-    deviation of its heights, the first of these cases that applies is used:
+    The plasticity index of the designed surface is ``psi = E*/H sqrt(s/R)``, where s is the standard
+    deviation of its heights. The first of these cases that applies is used:
 
     1. psi < 0.6: the design under the elastic law of the model.
     2. psi < 0.6 with one of the `radii` for all asperities: the one with the least misfit.
@@ -47,7 +47,7 @@ def design_for_hardness(
     hardness : float
         H of the softer material [MPa], positive.
     target, template, model, radii, common_radius
-        As in `design`. Under a model with a plastic law this law is kept.
+        As in `design`. A plastic law of the model remains in use.
     others
         Further arguments of `design`: limits, rng, layout and robust.
 
@@ -56,12 +56,12 @@ def design_for_hardness(
     Design
         Its parameters also hold ``plasticity_index`` [-] of its surface and, unless all heights are equal,
         ``largest_modulus_ratio``, the E*/H [-] at which the index of that surface is 0.6. Its first note
-        states which was taken.
+        states which case was used.
 
     Raises
     ------
     Infeasible
-        As `design`; also where the target is reached by elastic contacts only that would not stay elastic.
+        As in `design`; also if the target is reachable only with elastic contacts that would become plastic.
     InvalidInput
         For arguments outside their range or of the wrong kind.
 
@@ -129,7 +129,7 @@ def design_for_hardness(
 
 
 def _noted(found: Design, hardness: float, note: Note) -> Design:
-    """Return a design with its plasticity index and a note before the others."""
+    """Return a design with its plasticity index and a first note."""
     rough = roughness(found.surface)
     index = found.surface.material.composite_modulus / hardness * rough
     parameters = {**found.parameters, "plasticity_index": index}

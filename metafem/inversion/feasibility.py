@@ -1,4 +1,4 @@
-"""Targets that break a bound, and what surfaces of independent asperities can reach."""
+"""Targets that violate a bound, and the range that surfaces of independent asperities can reach."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from metafem.surface import Surface
 if TYPE_CHECKING:
     from metafem.inversion.problem import Problem
 
-# The nearest target that can be reached is inside its bound by this relative distance.
+# Relative distance of the nearest reachable target inside its bound.
 INSIDE = 1e-6
 
 # Limit of mostly elastic contact by Greenwood and Williamson.
@@ -38,9 +38,9 @@ ELASTIC_LIMIT = 0.6
 def broken_bound(
     load: FloatArray, friction: FloatArray, bounds: Bounds, margin: float
 ) -> tuple[int, str, float, FloatArray] | None:
-    """Return a bound that points (k,) break by more than a margin (relative), or None.
+    """Return a bound that points (k,) violate by more than a margin (relative), or None.
 
-    The first point beyond it, the bound in words and in mm^2, and frictions (k,) within the bounds.
+    It holds the first such point, the bound in words and in mm^2, and frictions (k,) within the bounds.
     """
     low, high = bounds.friction(load)
     exponent, slack = bounds.least_exponent, margin + ROUNDING
@@ -78,7 +78,7 @@ def broken_sample(
     margin: float,
     point: str = "sample {number} (load {load}, friction {friction})",
 ) -> Message | None:
-    """Return what is wrong with the first sample (k,) that breaks a bound by more than a margin, or None."""
+    """Return a message on the first sample (k,) that violates a bound by more than a margin, or None."""
     broken = broken_bound(load, friction, problem.bounds, margin)
     if broken is None:
         return None
@@ -99,8 +99,8 @@ def broken_sample(
 def nearest_within(load: FloatArray, friction: FloatArray, weight: FloatArray, bounds: Bounds) -> FloatArray:
     """Return frictions (k,) within the bounds with the least weighted relative differences from samples.
 
-    That F/P^b cannot fall makes it an isotonic regression; clipping it at bounds that are powers of the load
-    with the same exponent b keeps it the least.
+    As F/P^b cannot decrease, this is an isotonic regression. It remains optimal when clipped at bounds that
+    are powers of the load with the same exponent b.
     """
     if broken_bound(load, friction, bounds, 0.0) is None:
         return friction
@@ -138,21 +138,21 @@ def feasible_region(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the lowest and highest friction that any surface of independent asperities has at each load.
 
-    The lowest is that of one asperity of the least radius, for Hertz contacts ``pi R (3p/(4 sqrt R))^(2/3)``;
-    the highest is that of N equal asperities of the largest radius. Both are nan beyond the load at which,
-    with N summits of the largest height, the plane reaches the base plane. They hold for every law whose load
-    is a convex function of the area, see `metafem.inversion.bounds`; for others, for laws with adhesion, and
-    for several radii of a law that does not scale with them, they are 0 and infinite.
+    The lowest is that of one asperity of the smallest radius, for Hertz contacts
+    ``pi R (3p/(4 sqrt R))^(2/3)``; the highest is that of N equal asperities of the largest radius. Both are
+    nan above the load at which the plane reaches the base plane with N summits of the largest height. They
+    hold for every law whose load is a convex function of the area, see `metafem.inversion.bounds`. For other
+    laws, for adhesion, and for several radii of a law that does not scale with them, they are 0 and infinite.
 
     Parameters
     ----------
     template : Surface
-        Only its number N of sites is used, and its radius, one for all, where `radii` is not given.
+        Only its number N of sites is used, and its common radius if `radii` is not given.
     rescaled_load : array_like, (k,)
         P/E* [mm^2], positive.
     limits : Limits
     radii : RadiusRange or sequence of float, optional
-        Radii that each asperity may have [mm]; default: the radius of the template.
+        Allowed radii of each asperity [mm]; default: the radius of the template.
     contact : Contact
         Law of one contact; default: `Hertz()`.
 
@@ -203,16 +203,16 @@ def achievable_friction_coefficients(
     The lower bound is that of uniformly distributed heights, ``A(h_m)/P(h_m) sigma B / E*`` with area and
     load of one contact, for Hertz contacts ``3 pi/4 sqrt(R/h_m) sigma B / E*``. The
     upper bound is that of the smallest scale that can be made, ten times `limits.height_sd`; without a
-    `height_sd` it is infinite. Where each asperity may have one of several radii, the lower bound is that
-    of the least radius and the upper bound that of the largest; mixtures reach all values between.
+    `height_sd` it is infinite. If several radii are allowed, the lower bound is that of the smallest radius
+    and the upper bound that of the largest; mixtures reach all values between.
 
     Parameters
     ----------
     template : Surface
-        With a friction, and one common radius unless `radii` is given.
+        Template with a friction, and with one common radius unless `radii` is given.
     limits : Limits
     radii : RadiusRange or sequence of float, optional
-        Radii that each asperity may have [mm]; default: the radius of the template.
+        Allowed radii of each asperity [mm]; default: the radius of the template.
     contact : Contact
         Law of one contact; default: `Hertz()`. With adhesion the bounds are those of the law without it.
 
@@ -264,7 +264,7 @@ def plasticity_index(surface: Surface, hardness: float) -> float:
     """Plasticity index of a surface, ``psi = E*/H sqrt(s/R)``.
 
     Here s is the standard deviation of the heights and R the mean radius. An elastic model is suitable
-    below 0.6; above, a MetafemWarning is issued.
+    below 0.6; above it, a MetafemWarning is issued.
 
     Parameters
     ----------

@@ -1,14 +1,14 @@
-"""Height densities made of exponential pieces, and the friction laws that follow from them.
+"""Piecewise exponential height densities, and the friction laws that follow from them.
 
 The densities are functions of the height h above the foot of the distribution [mm]. With the regularised
 lower incomplete gamma function gamma(s, x) every integral is a sum of positive terms: the same values as
 equations S2 to S8 of Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, without
-cancellation. `metafem.reference.height_densities` has them as printed.
+cancellation. `metafem.reference.height_densities` contains the equations as printed.
 
 For any contact law A(d), P(d) without adhesion, an exponential density has a law that is straight except at
 its ends: ``A0`` and ``p`` are integrals of ``exp(-h/lambda)`` times A(h - delta) and P(h - delta), and both
-are proportional to ``exp(-delta/lambda)``. Of a uniform density the slope is A(h_m)/P(h_m). With a power cap
-rho^n, A grows as d^(2/n) and P as d^(1 + 1/n), and the integrals are incomplete gamma functions; with other
+are proportional to ``exp(-delta/lambda)``. For a uniform density the slope is A(h_m)/P(h_m). For a power cap
+rho^n, A grows as d^(2/n) and P as d^(1 + 1/n), and the integrals are incomplete gamma functions; for other
 laws they are computed by quadrature.
 """
 
@@ -41,7 +41,7 @@ __all__ = [
     "uniform_slope",
 ]
 
-# With a scale below this many standard deviations of the heights as made, the density is no longer
+# With a scale below this many standard deviations of the manufactured heights, the density is no longer
 # exponential: rule of thumb of Aymard et al., doi:10.1126/science.adk4234.
 FINEST_SCALE_IN_SD = 10.0
 
@@ -49,13 +49,13 @@ FINEST_SCALE_IN_SD = 10.0
 TIGHTEST = 4.0 * np.finfo(float).eps
 
 
-# Nodes of the quadrature over a piece, in each of as many intervals of the fourth root of the indentation, in
-# which fractional powers are smooth; indentations beyond this many scales carry less than rounding.
+# Number of quadrature nodes per interval of a piece, and of intervals of the fourth root of the indentation,
+# in which fractional powers are smooth. Indentations beyond the last number of scales are negligible.
 NODES, INTERVALS, DEEPEST = 24, 4, 45.0
 
 
 def slope_excess(x: ArrayLike) -> FloatArray:
-    """Return m(x) / m(0) - 1: the slope at x = h_m / lambda relative to that of a uniform density, less 1.
+    """Return m(x) / m(0) - 1: the slope at x = h_m / lambda over that of a uniform density, minus 1.
 
     ``m = sqrt(pi R / lambda) g(x)`` (eqs. S3, S4) and ``m(0) = 3 pi/4 sqrt(R/h_m)``, so the ratio is
     ``sqrt(x) (1 - e^-x) / (Gamma(5/2) gamma(3/2, x))``, where ``k(x) = gamma(3/2, x)`` (eq. S5). It grows
@@ -133,7 +133,7 @@ class Piece:
 
 
 class PiecewiseExponential:
-    """A height density made of exponential pieces of one scale."""
+    """A height density of exponential pieces with one scale."""
 
     scale: float
     max_height: float
@@ -196,7 +196,7 @@ class PiecewiseExponential:
         """Slope dA0/d(P/E*) [-] at separations below h_m [mm]; with Hertz contacts pi sqrt(R)/2 <1>/<sqrt d>.
 
         For a power cap it is ``2/(n + 1) A(1)/P(1) <d^(2/n - 1)>/<d^(1/n)>``. For other laws -dA0/d(delta) is
-        integrated by parts: A0/lambda, and A(h - delta) at the ends of each piece times the density there.
+        integrated by parts: A0/lambda, and A(h - delta) times the density at the ends of each piece.
         """
         n = law.power
         if n is None:
@@ -266,7 +266,7 @@ class TruncatedExponential(PiecewiseExponential):
         return (Piece(0.0, top, alpha),)
 
     def asymptotic_slope(self, radius: float, law: Contact = PARABOLOID) -> float:
-        """Slope m of the law for large loads [-] (eq. S3), that where the plane reaches the foot."""
+        """Slope m of the law for large loads [-] (eq. S3), where the plane reaches the foot."""
         if law.power != PARABOLOID.power:
             return float(self.slope(0.0, radius, law))
         excess = float(slope_excess(self.max_height / self.scale))
@@ -314,7 +314,7 @@ class TwoBranchExponential(PiecewiseExponential):
         check.number("weight", self.weight, above=0.0)
         if middle >= top:
             raise InvalidInput(f"crossover_height = {middle:g} must be below max_height = {top:g}")
-        if self.upper_mass > 1.0 + 1e-12:  # rounding of a weight at its limit
+        if self.upper_mass > 1.0 + 1e-12:  # allows for rounding of a weight at its limit
             raise InvalidInput(
                 f"weight = {self.weight:g} puts {self.upper_mass:.4g} of the asperities above the "
                 "crossover height; it must be small enough for at most 1"

@@ -13,7 +13,7 @@ from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 
-# Finer steps than this are below the resolution of any machine and would only cost time.
+# Steps finer than this are below the resolution of any machine and would only cost time.
 MOST_LEVELS = 100_000
 
 
@@ -27,18 +27,18 @@ class Limits:
         Largest h [mm], positive; the h_m of the exponential densities and the first level of
         operating points.
     min_height : float
-        Smallest h [mm], below max_height; where the densities begin.
+        Smallest h [mm], below max_height; the lower end of the densities.
     offset : float
         Height h_0 added to all heights [mm], not negative, so that the lowest summits can be indented
         before the plane reaches the base plane. It does not change the law.
     height_step : float, optional
-        Distance of the levels of the heights [mm], which are the middles of the steps above the foot;
-        default: any height is possible.
+        Spacing of the allowed heights [mm], which are the middles of the steps above the foot; default: any
+        height is possible.
     height_sd : float, optional
-        Standard deviation of the heights as made [mm]; a note warns of designs that are too fine for it.
+        Standard deviation of the manufactured heights [mm]; a note warns of designs that are too fine for it.
     pinned : mapping of int to float or None
         Heights [mm] above the base plane of some sites, by their numbers in the template of a design, or None
-        for a site that stays empty; default: none.
+        for a site without an asperity; default: no pinned sites.
 
     Raises
     ------

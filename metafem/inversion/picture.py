@@ -1,4 +1,4 @@
-"""Figure of the law of a design with its target."""
+"""Figure of the law of a design and its target."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from metafem.inversion.result import Design
 
-# Up to this many loads of a target are marked one by one.
+# Maximum number of loads of a target that are marked individually.
 MOST_MARKED = 10
 
 
@@ -38,7 +38,7 @@ def draw_laws(design: Design, ax: Axes, label: str = "achieved") -> None:
 
 
 def draw_target(design: Design, ax: Axes, load: FloatArray, friction: FloatArray) -> None:
-    """Draw a target: marks where its loads are few, otherwise a line for each branch.
+    """Draw a target: marks if it has few loads, otherwise a line for each branch.
 
     `load` and `friction`, (k,), are those of `design.target_law` in any units.
     """

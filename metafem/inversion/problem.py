@@ -1,4 +1,4 @@
-"""The problem of an inversion: its arguments, checked and with their defaults."""
+"""The problem of an inversion: its checked arguments with defaults."""
 
 from __future__ import annotations
 
@@ -31,27 +31,27 @@ MARGIN_LOADS = np.array([0.25, 0.5, 1.0])
 
 @dataclass(frozen=True)
 class Effort:
-    """Numbers of trials of the searches, most of which are random changes."""
+    """Numbers of trials of the searches, mostly random changes."""
 
-    # About 10 ms each; nearly all laws of real surfaces need none or a few.
+    # About 10 ms each; nearly all laws of real surfaces need few or none.
     restarts: int = 30
     # Misfits at which the random search for operating points without levels ends and a descent to rounding
-    # begins. A descent can end at a kink; the next misfit gives another initial guess.
+    # begins. A descent can end at a kink; the next misfit then gives another initial guess.
     free_goals: tuple[float, ...] = (1e-2, 1e-3, 1e-4, 1e-5, 1e-11)
-    # Under another model, whose descents cost ten times those of independent asperities.
+    # Under another model, where descents cost ten times as much as for independent asperities.
     refined_restarts: int = 3
-    # With independent asperities for the target divided by a ratio of laws, about 3 ms each.
+    # For independent asperities with the target divided by a ratio of laws, about 3 ms each.
     ratio_restarts: int = 10
-    # For each load range of a line that is tried; most ranges that are too wide use all of them.
+    # For each load range of a line that is tried; most ranges that are too wide use all trials.
     range_restarts: int = 4
-    # Random changes of the heights between given ones where they miss the target, about 5 ms each.
+    # Random changes of the other heights if a design with given heights misses the target, about 5 ms each.
     pinned_changes: int = 8
-    # Most changes of heights on steps, and the number of changes that are evaluated for each.
+    # Maximum number of changes of heights on steps, and number of candidates evaluated for each.
     step_changes: int = 60
     evaluated_steps: int = 24
 
 
-# That of a draft, for a view that changes while a handle is dragged. On the specifications of
+# Effort of a draft, for a view that changes while a handle is dragged. On the specifications of
 # `validation/benchmark/explorer.py` a design takes a half to a tenth of the time, and its misfit is at most
 # 1.7 times as large.
 DRAFT = Effort(
@@ -61,15 +61,15 @@ DRAFT = Effort(
 
 WHOLE = Effort()
 
-# That of the designs which are made now.
+# Effort of the current designs.
 EFFORT: ContextVar[Effort] = ContextVar("effort", default=WHOLE)
 
 
 @contextmanager
 def drafting() -> Iterator[None]:
-    """Let designs of the body search for a short time only.
+    """Limit designs in the body of the `with` statement to a short search.
 
-    What a draft does not reach can still be designed where the error's `by_search` is True.
+    A target that a draft does not reach may still be reachable if the error's `by_search` is True.
     """
     token = EFFORT.set(DRAFT)
     try:
@@ -80,9 +80,9 @@ def drafting() -> Iterator[None]:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A target, and all that limits the surface that is to have its law.
+    """A target, and all constraints on the surface that must have its law.
 
-    The template has the sites that do not stay empty, in the order of `pins.open`.
+    The template has the sites that may have an asperity, in the order of `pins.open`.
     """
 
     target: Target
@@ -126,7 +126,7 @@ class Problem:
         template = pins.reduced
         choice = Radii.given(radii, template)
         options = DEFAULTS if has_paraboloids(solver) else OTHER_LAWS
-        # messages state loads in N and in mm^2
+        # messages give loads in N and in mm^2
         kind: Any = target
         target = replace(kind, wording=target.wording.of_part(template.material))
         return cls(target, template, choice, solver, bounds, pins, layout, robust, options, EFFORT.get())
@@ -138,7 +138,7 @@ class Problem:
 
     @cached_property
     def independent(self) -> Independent:
-        """The model of the first heights: independent asperities of that law, without its adhesion."""
+        """The model of the first heights: independent asperities of the law without adhesion."""
         return Independent(contact=self.contact.without_adhesion)
 
     @cached_property
@@ -156,8 +156,8 @@ class Problem:
     def interaction_margin(self) -> float:
         """Return twice the largest relative change of A0 of equal heights by interaction.
 
-        The change is taken up to the last load of the target. Bounds that are proven for independent
-        asperities are enforced only beyond this margin.
+        The change is evaluated up to the last load of the target. Bounds proven for independent asperities
+        are enforced only beyond this margin.
         """
         last = self.target.last_load
         if not self.model.couples or self.count == 1 or last is None:

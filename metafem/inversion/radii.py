@@ -1,4 +1,4 @@
-"""Radii that asperities may have: one, those of a list of tools, or any of a range."""
+"""Allowed radii of asperities: one, those of a list of tools, or any of a range."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from metafem.surface import Surface
 # Default distance of the radii of a range [mm]: of the order of the tolerance of ball-end tools.
 STEP = 0.01
 
-# Decimals of a radius in mm: without the rounding of a multiple of a step.
+# Decimals of a radius in mm: removes the rounding error of a multiple of a step.
 DECIMALS = 12
 
-# Relative excess of a step over its range that is rounding.
+# Relative excess of a step over its range that is treated as rounding.
 ROUNDING = 1e-9
 
-# Number of radii of a range that are tried alone, evenly spaced in the logarithm.
+# Number of single radii of a range that are tried, evenly spaced in the logarithm.
 TRIED_RADII = 7
 
 
 @dataclass(frozen=True)
 class RadiusRange:
-    """Range of the radii that each asperity may have.
+    """Range of allowed radii of each asperity.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class RadiusRange:
         Smallest and largest radius [mm], positive and increasing.
     step : float, optional
         Radii between them are multiples of this [mm]; default: 0.01, of the order of the tolerance of
-        ball-end tools. With None any radius is possible.
+        ball-end tools. None allows any radius.
 
     Raises
     ------
@@ -65,9 +65,9 @@ class RadiusRange:
 
 @dataclass(frozen=True)
 class Radii:
-    """Radii that each asperity may have [mm]: one of the tools, increasing, or any from low to high.
+    """Allowed radii of each asperity [mm]: one of the tools, increasing, or any from low to high.
 
-    With a `step` [mm] those between low and high are multiples of it.
+    With a `step` [mm] the radii between low and high are multiples of it.
     """
 
     low: float
@@ -82,7 +82,7 @@ class Radii:
 
     @classmethod
     def given(cls, radii: RadiusRange | Sequence[float] | None, template: Surface | None = None) -> Radii:
-        """A range, a list of tools, or by default the radius that all asperities of a template share."""
+        """A range, a list of tools, or by default the common radius of a template."""
         if isinstance(radii, RadiusRange):
             return cls(radii.low, radii.high, None, radii.step)
         if radii is None and template is not None:
@@ -117,7 +117,7 @@ class Radii:
         return self.tools is None and self.step is None
 
     def tried_beside(self, best: float, count: int) -> FloatArray:
-        """Return at most `count` radii between one of those tried and its neighbours [mm]."""
+        """Return at most `count` radii between a tried radius and its neighbours [mm]."""
         tried = self.tried
         i = int(np.argmin(np.abs(tried - best)))
         low, high = tried[max(i - 1, 0)], tried[min(i + 1, len(tried) - 1)]
@@ -132,16 +132,16 @@ class Radii:
 
     @property
     def between(self) -> Radii:
-        """Any radius from the least to the largest."""
+        """Any radius from the smallest to the largest."""
         return Radii(self.low, self.high, None)
 
     @property
     def extremes(self) -> Radii:
-        """Only the least and the largest radius."""
+        """Only the smallest and the largest radius."""
         return Radii(self.low, self.high, (self.low, self.high))
 
     def nearest(self, radius: FloatArray) -> FloatArray:
-        """Return the possible radii that are nearest, by ratio, to given ones [mm]."""
+        """Return the allowed radii nearest, by ratio, to given ones [mm]."""
         if self.tools is None:
             if self.step is not None:
                 radius = np.round(self.step * np.rint(radius / self.step), DECIMALS)

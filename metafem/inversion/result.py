@@ -58,10 +58,10 @@ class Design(Value):
         Relative deviation of the law from the target [-]. For operating points and lines over a load range
         it is the largest at any load. Otherwise it is the root mean square over the loads of the target, or
         the largest deviation of a fitted slope of a straight branch if that is larger. `misfit_meaning`
-        says which it is.
+        states which definition applies.
     status : DesignStatus
     parameters : mapping
-        What the inversion solved for, read-only: ``scale`` [mm], ``weight``, ``crossover_height`` [mm],
+        Quantities found by the inversion, read-only: ``scale`` [mm], ``weight``, ``crossover_height`` [mm],
         ``counts``, ``levels`` [mm], ...
     sites : ndarray of int, (n,)
         Sites of the asperities in the template, read-only.
@@ -70,21 +70,21 @@ class Design(Value):
     fits : tuple of (Branch, BranchFit)
         Straight branches of the target, each with the fit of the law.
     radii : RadiusRange, tuple of float or None
-        Radii that each asperity could have [mm]; None for one common radius.
+        Allowed radii of each asperity [mm]; None for one common radius.
     density : PiecewiseExponential or None
         The height density behind the heights, measured from `limits.foot`.
     notes : tuple of Note
-        Limits of the design and of its model that matter for making the part.
+        Limits of the design and of its model that matter for manufacturing.
     layout : Layout or None
         The layout for which the sites were chosen.
     robust : Tolerances or None
-        The tolerances under which the expected misfit of the made surface was minimised.
+        The tolerances for which the expected misfit of the manufactured surface was minimised.
     pinned : mapping of int to float or None
-        Given heights above the base plane [mm] by site, None for a site that stays empty; read-only.
+        Given heights above the base plane [mm] by site, None for an empty site; read-only.
 
     Notes
     -----
-    Designs are equal if all their members are, arrays to the bit; ``mf.load(folder) == design`` is True.
+    Designs are equal if all their members are equal, arrays bitwise; ``mf.load(folder) == design`` is True.
 
     Examples
     --------
@@ -149,7 +149,7 @@ class Design(Value):
         return _restored, ({**members, **plain},)
 
     def _check_pinned(self) -> None:
-        """Refuse sites that were to stay empty, and heights other than the given ones."""
+        """Refuse asperities on sites pinned as empty, and heights that differ from the given ones."""
         found = dict(zip(self.sites.tolist(), self.surface.height.tolist(), strict=True))
         for site, height in self.pinned.items():
             if found.get(site) != height:
@@ -161,11 +161,11 @@ class Design(Value):
         return "\n".join([f"Design: {self.target.title}", *lines])
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows."""
+        """Return the HTML representation for notebooks."""
         return card("Design: " + self.target.title, self._facts(), partial(draw_laws, self))
 
     def _facts(self) -> dict[str, str]:
-        """Return what is printed of the design."""
+        """Return the quantities for the printed summary."""
         surface, law = self.surface, self.law
         empty = sum(height is None for height in self.pinned.values())
         pinned = {"pinned": f"{len(self.pinned) - empty} with a given height, {empty} empty"}
@@ -190,7 +190,7 @@ class Design(Value):
 
     @property
     def target_law(self) -> TargetLaw:
-        """The law with which `misfit` compares: that of the height density, or else the target."""
+        """The reference law of `misfit`: that of the height density if there is one, otherwise the target."""
         if self.density is None:
             return self.target.curve()
         branches = tuple(branch for branch, _ in self.fits)
@@ -221,13 +221,13 @@ class Design(Value):
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the achieved law with the target, rescaled.
 
-        A design with a height density is drawn with the law of the density and straight lines with the
-        slopes of the target, whose ranges are shaded.
+        For a design with a height density, the law of the density and straight lines with the
+        slopes of the target are drawn, with their ranges shaded.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Where to draw; without it in a new figure of ``matplotlib.pyplot``.
+            Axes to draw on; default: those of a new figure of ``matplotlib.pyplot``.
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""Order 3 where it is within a tolerance for a given surface and load, else resolved contacts."""
+"""Order 3 if its error is within a tolerance for a given surface and load, else resolved contacts."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from metafem.notes import Level, Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
-# Error of the area of one contact by `BoundaryElements`, in cells: 7 and a quarter for safety; and the fewest
-# cells per radius of the largest contact that are used.
+# Error of the area of one contact by `BoundaryElements`, in cells: 7, and a quarter more for safety; and the
+# minimum number of cells per radius of the largest contact.
 CELL_ERROR = 9.0
 
 # The same error where contacts merge or nearly touch, with narrow gaps between them: measured up to 11.
@@ -38,21 +38,21 @@ class Automatic(WithoutGradients):
     """`Interacting` of order 3 within a tolerance, and `BoundaryElements` beyond it.
 
     Order 3 is solved first. Its error is estimated from its own contacts: by the sum of (a/r)^5 over pairs
-    of contacts, and of (a/t)^5 on a layer; for caps that are no paraboloids also from the slopes of the
-    neighbours' fields. Where the estimate exceeds the tolerance, where contacts overlap, and where order 3
-    has no solution, the contacts are resolved by sufficiently fine cells. Along a curve the lighter loads are
-    those of order 3 if its error is within the tolerance there. Independent asperities and order 1 are not
+    of contacts, and of (a/t)^5 on a layer; for caps other than paraboloids also from the slopes of the
+    neighbours' fields. If the estimate exceeds the tolerance, contacts overlap, or order 3 has no solution,
+    the contacts are resolved by sufficiently fine cells. Along a curve, order 3 is used at the lighter
+    loads where its error is within the tolerance. Independent asperities and order 1 are not
     used: their errors are known only from order 3. Above 2000 asperities, and on substrates other than
     half-space and layer, contacts cannot be resolved; a warning then states the estimated error of order 3.
-    Contacts of laws with adhesion or plasticity cannot be resolved either: the asperity model of the largest
-    order that the law has is used. For adhesive contacts that is order 3, whose estimated error alone is
-    compared with the tolerance: a note states it, as a warning above the tolerance. For plastic contacts it
-    is order 1, whose error is not estimated, and a warning says that the tolerance is not checked.
+    Contacts of laws with adhesion or plasticity cannot be resolved either: the asperity model of the highest
+    order that the law supports is used. For adhesive contacts that is order 3. Its estimated error is
+    compared with the tolerance, and a note states it, as a warning above the tolerance. For plastic contacts
+    it is order 1, whose error is not estimated, and a warning says that the tolerance is not checked.
 
     Parameters
     ----------
     tolerance : float
-        Relative error of A0(P) against resolved contacts on the same substrate, positive. It applies to
+        Relative error of A0(P) against resolved contacts on the same substrate, positive. It governs only
         the choice; the equations are solved to the tolerance of the chosen model.
     substrate : Substrate
         Default: `HalfSpace()`.
@@ -109,7 +109,7 @@ class Automatic(WithoutGradients):
         return curve.with_notes((*curve.notes, *unused))
 
     def _unchecked(self, surface: Surface, curve: Curve) -> Note:
-        """State that nothing checks the tolerance for a law whose contacts cannot be resolved."""
+        """Return a note that the tolerance is not checked for a law whose contacts cannot be resolved."""
         order = f"order {self.gradient_model.order}"
         rest = f"contacts of {self.contact!r} cannot be resolved, so the tolerance of {self.tolerance:g} is"
         if self.gradient_model.order == 1:
@@ -122,7 +122,7 @@ class Automatic(WithoutGradients):
     def _order_3(
         self, surface: Surface, load: FloatArray | None, approach: FloatArray | None
     ) -> tuple[Curve | None, float]:
-        """Return the curve by order 3 with the estimated error of its last state, or None without one."""
+        """Return the curve by order 3 with the estimated error of its last state, or None if it fails."""
         try:
             curve = self.gradient_model.curve(surface, load, approach=approach)
         except MetafemError:
@@ -140,7 +140,7 @@ class Automatic(WithoutGradients):
         error: float,
         reason: str,
     ) -> Curve:
-        """Return resolved contacts at the last values, and order 3 below the first that needs them."""
+        """Return the curve by order 3 up to the first value that needs resolved contacts, then by those."""
 
         def control(rows: slice) -> tuple[FloatArray | None, FloatArray | None]:
             """Return loads and approaches, one of them None."""

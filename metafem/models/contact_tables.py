@@ -18,33 +18,33 @@ from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import contacts
 from metafem.errors import InvalidInput
 
-# Degree of the polynomials in a panel, and the largest coefficient of the last two degrees of one that
+# Degree of the polynomials in a panel, and the largest coefficient of the last two degrees if the panel
 # resolves the logarithm of a function: a digit above the rounding of the functions.
 DEGREE, RESOLVED = 7, 3e-14
 
-# A panel is at most this wide in a logarithm and is halved at most this often, which resolves the noise of a
-# profile's quadrature as well as numbers can.
+# Largest width of a panel in the logarithm, and maximum number of halvings: these resolve a profile's
+# quadrature down to its rounding noise.
 WIDEST, MOST_HALVINGS = 3.0, 7
 
-# Coefficients of the last two degrees that are not noise, and how often panels with larger ones are halved.
+# Threshold of noise for the last two coefficients, and number of halvings of panels with larger ones.
 # The load of a sphere grows without limit at its equator; its tables end a thousandth of R before it.
 POLE, HALVINGS_AT_A_POLE = 1e-11, 14
 
-# Smallest contact radius of a table over the scale: below it every smooth law is a power to rounding.
+# Smallest contact radius of a table over the scale: below it every smooth law is a power law to rounding.
 SMALLEST = 1e-8
 
 # Smallest indentation of a table over the scale: products of powers up to 32 stay far above underflow.
 LIGHTEST = 1e-60
 
-# Largest indentation of a table over the scale, where the law has no largest one of its own.
+# Largest indentation of a table over the scale, for laws without a largest one.
 DEEPEST = 4.0
 
 # Relative difference up to which two contact radii are the same edge of a panel, by rounding.
 SAME = 1e-9
 
-# Slope D' of the edge of a contact below which T(p), the moment of a tilted contact, is proportional to the
-# load. A flat summit would otherwise be tilted without limit as its load vanishes. The slope of the
-# neighbours' field reaches this where contacts are as wide as a fifth of their distance.
+# Slope D' at the edge of a contact below which T(p), the moment of a tilted contact, is set proportional to
+# the load. Otherwise the tilt of a flat summit would grow without limit as its load vanishes. The slope of
+# the neighbours' field reaches this value when contacts are as wide as a fifth of their distance.
 FLATTEST = 0.005
 
 # Nodes of a panel from -1 to 1 with the matrix from values there to coefficients, and the points of the
@@ -59,7 +59,7 @@ TO_POWERS = np.array(
 # Bins per panel in which the panel of a number is looked up.
 BINS = 2
 
-# Kept tables: each takes milliseconds to compute and about 30 kB.
+# Number of cached tables: each takes milliseconds to compute and about 30 kB.
 KEPT = 64
 
 
@@ -112,14 +112,14 @@ def rows_of(law: Law, rows: int | slice) -> Law:
 
 
 def deepest(law: Law) -> FloatArray:
-    """Return the largest indentations [mm] that the tables hold, of each asperity."""
+    """Return the largest indentation [mm] in the tables of each asperity."""
     if not law.data.size:
         return np.full(law.which.shape, math.inf)
     return np.asarray(law.data[law.which, kernel.DEEPEST] * law.scale)
 
 
 def _stacked(tables: list[FloatArray]) -> FloatArray:
-    """Return tables in rows, the shorter ones filled with zeros."""
+    """Return tables as rows, padded with zeros to the same length."""
     size = max(len(row) for row in tables)
     return np.stack([np.pad(row, (0, size - len(row))) for row in tables])
 
@@ -131,7 +131,7 @@ def _kept(law: Hashable, radius: float) -> FloatArray:
 
 @lru_cache(maxsize=4)
 def _of_each(law: Hashable, radius: tuple[float, ...]) -> FloatArray:
-    """Return the stacked tables of the law of each asperity; there may be thousands."""
+    """Return the stacked tables of the law of each asperity, of which there may be thousands."""
     own = cast(Contact, law)
     return _stacked([_table(own.one(i), each) for i, each in enumerate(radius)])
 

@@ -35,7 +35,7 @@ class RescaledState:
     load: FloatArray  # (n,), rescaled load of each asperity, P_i/E* [mm^2]
     area: FloatArray  # (n,), contact area of each asperity [mm^2]
     indentation: FloatArray  # (n,), indentation of each asperity [mm]; for an open one its gap, negative
-    # smallest distance between the plane and the base plane beside a summit [mm], see `ContactState`
+    # smallest distance between the plane and the base plane near a summit [mm], see `ContactState`
     base_gap: float
     model: Any  # the model that was solved
     notes: tuple[Note, ...] = ()  # approximations of this state
@@ -89,14 +89,14 @@ class Curve:
     notes: tuple[Note, ...] = ()
 
     def part(self, rows: IntArray, compute_last: Callable[[], RescaledState]) -> Curve:
-        """Return the curve at some of its loads; `compute_last` is for a last load that is another one."""
+        """Return the curve at some of its loads; `compute_last` is used unless the last is included."""
         whole = rows[-1] == len(self.load) - 1
         arrays = {name: getattr(self, name)[rows] for name in ARRAYS}
         return replace(self, **arrays, compute_last=(lambda: self.last) if whole else compute_last)
 
     @staticmethod
     def joined(parts: list[Curve]) -> Curve:
-        """Return one curve from consecutive ones."""
+        """Return consecutive curves joined into one."""
         arrays: dict[str, Any] = {
             name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS
         }
@@ -128,20 +128,20 @@ class Curve:
         return Status.CONVERGED if self.converged else Status.NOT_CONVERGED
 
     def with_notes(self, notes: tuple[Note, ...]) -> Curve:
-        """Return the curve with other notes, and with all that was computed of it."""
+        """Return the curve with other notes and the same cached results."""
         curve = object.__new__(Curve)
         curve.__dict__.update(self.__dict__, notes=notes)
         return curve
 
     def checked(self) -> Curve:
-        """Return the curve, or raise NotConverged with it."""
+        """Return the curve if it has converged; otherwise raise NotConverged with the curve attached."""
         if not self.converged:
             raise NotConverged(f"not converged: largest residual {self.residual.max():.2g}", self)
         return self
 
 
 def controlled(load: FloatArray | None, approach: FloatArray | None) -> tuple[FloatArray, bool]:
-    """Return the one of the two arrays that is given, and whether it holds loads."""
+    """Return whichever of the two arrays is not None, and whether it holds loads."""
     if (load is None) == (approach is None):
         raise InvalidInput("a curve needs either load [mm^2] or approach [mm]")
     by_load = load is not None
@@ -149,7 +149,7 @@ def controlled(load: FloatArray | None, approach: FloatArray | None) -> tuple[Fl
 
 
 def refuse_flattening(law: Contact, unloading: bool) -> None:
-    """Raise InvalidInput for the unloading of contacts that stay flattened: theirs is another law."""
+    """Raise InvalidInput for the unloading of plastic contacts, which follows a different law."""
     if unloading and type(law).unloaded is not Contact.unloaded:
         raise InvalidInput(
             f"unloading = True: the contacts of {law!r} stay flattened; use friction_law with "

@@ -23,7 +23,7 @@ from metafem.surface import Surface
 
 
 def load_equation(law: Contact, model: object = None) -> LoadEquation:
-    """Return the load equation of asperities of a law for unit E*; `model` is that of its states."""
+    """Return the load equation of asperities of a law for unit E*; `model` is stored in its states."""
     adhesive = adhesive_law(law)
     if adhesive is not None:
         return AdhesiveAsperities(model, adhesive)
@@ -47,7 +47,7 @@ class Uncoupled:
 
     @property
     def name(self) -> str:
-        """Name of the model in texts and for ``--model``, with a law other than Hertz's."""
+        """Name of the model in texts and for ``--model``; it includes a law other than Hertz's."""
         return self.title if self.contact == PARABOLOID else f"{self.title}, {self.contact!r}"
 
     @property
@@ -77,7 +77,7 @@ class Uncoupled:
     ) -> Curve:
         """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
 
-        unloading: at these while unloading from the largest; loads of adhesive contacts may be negative.
+        unloading: the values are reached by unloading from the largest; adhesive loads may be negative.
         """
         values, by_load = controlled(load, approach)
         equation = self._equation(surface)
@@ -90,7 +90,7 @@ class Uncoupled:
 
         ``A'_i - P'_i sum_j A'_j / sum_j P'_j`` with the derivatives by the indentation, for asperities in
         contact; with Hertz contacts ``pi R_i - sum_j pi R_j sqrt(R_i d_i) / sum_j sqrt(R_j d_j)``.
-        height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
+        height: summit heights (n,) [mm] that replace those of the surface; they are not checked.
         """
         heights = surface.height if height is None else height
         found = self._equation(surface).sensitivity(heights, surface.radius, load)
@@ -106,7 +106,7 @@ class Uncoupled:
     ) -> FloatArray:
         """A0 [mm^2] at increasing rescaled loads (k,) for many surfaces, (m, k); it ignores positions.
 
-        height, radius: (m, n) [mm]; None is that of the surface.
+        height, radius: (m, n) [mm]; default: those of the surface.
         """
         sizes = surface.radius if radius is None else radius
         return self._equation(surface).areas(surface, height, sizes, load)
@@ -125,7 +125,7 @@ class Independent(Uncoupled):
     Parameters
     ----------
     contact : Contact
-        Law of one contact: `Hertz()`, the default, `SphericalCap()`, `PowerCap(...)`, or any object with the
+        Law of one contact: `Hertz()` (default), `SphericalCap()`, `PowerCap(...)`, or any object with the
         methods of `metafem.contact.Contact` whose load increases with the indentation.
 
     Raises
@@ -151,7 +151,7 @@ class Independent(Uncoupled):
     def curve_of(
         self, height: FloatArray, radius: FloatArray, load: FloatArray, contact: Contact | None = None
     ) -> Curve:
-        """As `curve` at loads, for heights and radii (n,) without a surface, which takes as long to check.
+        """As `curve` at loads, for heights and radii (n,), without the cost of checking a surface.
 
         contact: the contact law for unit E*; default: that of the model.
         """

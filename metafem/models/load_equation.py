@@ -1,7 +1,7 @@
 """Load equation of asperities that do not interact, solved for each kind of contact law.
 
 ``P/E* = sum P(d_i)/E*`` with ``d_i = x - gap_i`` at the approach x. Loads are rescaled, P/E* [mm^2]. The base
-between the summits may sink in proportion to the load, which changes the approach alone.
+between the summits may sink in proportion to the load; this changes only the approach.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ from metafem.models.contact_tables import deepest, rows_of, tables
 from metafem.models.curve import Curve, RescaledState, Sensitivity, refuse_flattening, solved
 from metafem.surface import Surface
 
-# Relative error of the load. The unknown is the indentation of the shallowest contact, to keep its digits.
+# Relative error of the load. The unknown is the indentation of the shallowest contact, to avoid cancellation.
 TOLERANCE = 1e-12
 
-# With fewer points than this the solution takes less time than the start of a second thread.
+# With fewer points than this, the solution takes less time than starting a second thread.
 POINTS_PER_THREAD = 20_000
 
-# The same for laws of tables: two milliseconds.
+# The same for tabulated laws: two milliseconds.
 TABULATED_PER_THREAD = 200
 
-# The same where only areas of Hertz contacts are computed: a millisecond.
+# The same if only areas of Hertz contacts are computed: a millisecond.
 AREAS_PER_THREAD = 5_000
 
 
@@ -82,7 +82,7 @@ class LoadEquation:
             tabulated.curves(rows_of(table, rows), gap[rows], rising, *(part[rows] for part in results))
 
         run_rows(run, len(gap), results[0].size, TABULATED_PER_THREAD)
-        # beyond its tables a law is solved by itself, or refuses
+        # beyond the tables the law itself is solved, or raises an error
         beyond = ~(results[0].max(axis=1, keepdims=True) - gap <= deepest(table)).all(axis=1)
         for row in np.flatnonzero(beyond):
             size = table.radius[row]
@@ -119,7 +119,7 @@ class LoadEquation:
         base: float,
         depth: float,
     ) -> Curve:
-        """Return the curve of the first of many surfaces, with the last approach base + depth."""
+        """Return the curve of the first of many surfaces; its last approach is base + depth."""
         approach, carried, area, slope = (part[0] for part in results)
         last = partial(self._last, height, radius, base, depth)
         return Curve(approach, carried, area, slope, _error(carried, load), TOLERANCE, last)
@@ -129,7 +129,7 @@ class LoadEquation:
         return _sums(self.law, height.max() - height, radius, approach)
 
     def _last(self, height: FloatArray, radius: FloatArray, base: float, depth: float) -> RescaledState:
-        """Return the state at the approach base + depth, whose parts keep the digits of shallow contacts."""
+        """Return the state at the approach base + depth, split to avoid cancellation in shallow contacts."""
         top = float(height.max())
         indentation = depth + (base - (top - height))
         carried, area = self._pressed(indentation, radius)
@@ -171,7 +171,7 @@ class LoadEquation:
 
 
 class Paraboloids(LoadEquation):
-    """Asperities of Hertz's law, in kernels of their own."""
+    """Asperities of Hertz's law, in separate kernels."""
 
     def curve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
         """Return equilibria at increasing loads (k,) for heights and radii (n,)."""
@@ -211,16 +211,16 @@ class Paraboloids(LoadEquation):
         return results
 
     def _pressed(self, indentation: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        contact_radius = PARABOLOID.contact_radius(indentation, radius)  # in closed form, without lost digits
+        contact_radius = PARABOLOID.contact_radius(indentation, radius)  # in closed form, to full precision
         return PARABOLOID.load(contact_radius, radius), PARABOLOID.area(contact_radius)
 
     def _rates(self, indentation: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the derivatives of area and load by the indentation, the latter but for a factor."""
+        """Return the derivatives of area and load by the indentation, the latter up to a factor."""
         return math.pi * radius * (indentation > 0.0), np.sqrt(radius * np.maximum(indentation, 0.0))
 
 
 def sunk(curve: Curve, compliance: float) -> Curve:
-    """Return a curve on a base that sinks by the load times a compliance [1/mm]."""
+    """Return the curve for a base that sinks by the load times a compliance [1/mm]."""
     if compliance == 0.0:
         return curve
     return replace(
@@ -244,14 +244,14 @@ def at_fixed_load(area_rate: FloatArray, stiffness: FloatArray) -> FloatArray:
 def approach_at_load(law: Contact, gap: FloatArray, radius: FloatArray, load: FloatArray) -> FloatArray:
     """Return the approaches [mm] at loads (k,) of asperities (n,) of any law without adhesion.
 
-    gap, radius: (n,) [mm]. Raise InvalidInput for a load that the law does not reach.
+    gap, radius: (n,) [mm]. Raises InvalidInput for a load above the range of the law.
     """
     most = float((gap + law.largest_indentation(radius)).min())
 
     def excess(approach: FloatArray, load: FloatArray) -> FloatArray:
         return _sums(law, gap, radius, approach)[0] - load
 
-    # of the order of the indentation of the tallest contact alone
+    # of the order of the indentation if only the tallest asperity is in contact
     high = np.minimum(np.cbrt(load**2 / radius[gap.argmin()]), most)
     while (short := excess(high, load) < 0.0).any():
         if high[short].max() >= most:

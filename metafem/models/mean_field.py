@@ -34,7 +34,7 @@ class MeanField(Uncoupled):
     Parameters
     ----------
     contact : Contact
-        Law of one contact, any that `Independent` uses; default: `Hertz()`.
+        Law of one contact, any that `Independent` accepts; default: `Hertz()`.
 
     Examples
     --------
@@ -59,7 +59,7 @@ class MeanField(Uncoupled):
     ) -> Curve:
         """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
 
-        unloading: at these while unloading from the largest; loads of adhesive contacts may be negative.
+        unloading: the values are reached by unloading from the largest; adhesive loads may be negative.
         """
         found = super().curve(surface, load, approach=approach, unloading=unloading)
         if surface.count > 1:
@@ -74,7 +74,7 @@ class MeanField(Uncoupled):
 def nominal_area(surface: Surface) -> float:
     """Return the nominal area A of the asperities [mm^2].
 
-    The rectangle with n equal cells whose lattice has the second moments l1, l2 of the positions:
+    It is that of a rectangular lattice of n cells with the second moments l1, l2 of the positions:
     ``A^2 = (12 l1 + A/n)(12 l2 + A/n)``. It is n times the square of the pitch on every rectangular
     piece of a square lattice, and does not depend on the axes. Infinite for one asperity.
 

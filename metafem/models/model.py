@@ -1,4 +1,4 @@
-"""The protocol of all models, and what several of them share."""
+"""The protocol of all models, and the code that several of them share."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ def contact_of(model: Model) -> Contact:
 
 
 def with_contact(model: Model, contact: Contact) -> Model:
-    """Return a model with another contact law; raises InvalidInput, with its name, if it cannot use it.
+    """Return a model with another contact law; raises InvalidInput, with its name, for an unsuitable law.
 
-    A law known only as load and area over the indentation couples by order 1.
+    A law given only as load and area over the indentation is coupled by order 1.
     """
     if contact == contact_of(model):
         return model
@@ -71,7 +71,7 @@ class Model(Protocol):
 
     @property
     def gradient_model(self) -> Sensitive:
-        """Model whose sensitivities an inversion under this one uses: itself if it has sensitivities."""
+        """Model that supplies the sensitivities for an inversion: this model if it has sensitivities."""
         ...
 
     @property
@@ -95,7 +95,7 @@ class Model(Protocol):
     ) -> FloatArray:
         """A0 [mm^2] at increasing rescaled loads (k,) for many surfaces, (m, k); nan if not converged.
 
-        height, radius: (m, n) [mm]; position: (m, n, 2) [mm]; None is that of the surface.
+        height, radius: (m, n) [mm]; position: (m, n, 2) [mm]; default: those of the surface.
         """
         ...
 
@@ -108,13 +108,13 @@ class Sensitive(Model, Protocol):
     ) -> Sensitivity:
         """Law at increasing rescaled loads P/E* (k,), with dA0/dh of each height at fixed load.
 
-        height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
+        height: summit heights (n,) [mm] that replace those of the surface; they are not checked.
         """
         ...
 
 
 class WithoutGradients:
-    """A coupled model on a substrate, for whose sensitivities those of `Interacting` are used."""
+    """A coupled model on a substrate; the sensitivities of `Interacting` are used in place of its own."""
 
     couples: ClassVar[bool] = True
     title: ClassVar[str]
@@ -139,7 +139,7 @@ class WithoutGradients:
 
     @property
     def reference(self) -> Interacting:
-        """That model."""
+        """The gradient model."""
         return self.gradient_model
 
     def areas(

@@ -17,7 +17,7 @@ from metafem.models.interacting.model import DENSE_LIMIT
 from metafem.substrate import Substrate
 from metafem.surface import Surface
 
-# Relative error of A0 by order 3 per sum of (a/r)^5: on a 3 x 3 lattice resolved contacts differ by up to
+# Relative error of A0 by order 3, per sum of (a/r)^5. On a 3 x 3 lattice, resolved contacts differ by up to
 # 0.20 of the mean sum (0.066 % at 0.0034, 0.01 % at 0.0006); a quarter is added for safety.
 PAIRS = 0.25
 
@@ -26,16 +26,16 @@ PAIRS = 0.25
 # nu = 0.3; a quarter is added for safety.
 LAYER = 0.95
 
-# The effect of the slopes of the neighbours' fields on the area is known to second order. With that of the
-# pairs it is 0.8 to 1.3 of the difference from resolved contacts of powers 3 and 4 and of spheres, on 3 x 3
-# lattices and in irregular scenes with a/r from 0.2 to 0.32. A quarter is added for safety.
+# The effect of the slopes of the neighbours' fields on the area is known to second order. Together with the
+# pair sum it is 0.8 to 1.3 times the difference from resolved contacts for powers 3 and 4 and for spheres, on
+# 3 x 3 lattices and in irregular scenes with a/r from 0.2 to 0.32. A quarter is added for safety.
 SLOPES = 1.25
 
-# Largest number of asperities for which all pairs are summed, and the number of nearest neighbours that are
-# counted above: on a lattice those farther away add less than a hundredth.
+# Largest number of asperities for which all pairs are summed; above it, number of nearest neighbours that
+# are summed. On a lattice those farther away add less than a hundredth.
 ALL_PAIRS, NEIGHBOURS = 256, 24
 
-# Contact radius over R at which open contacts are evaluated in place of zero.
+# Contact radius over R that replaces zero for open contacts.
 SMALLEST = 1e-3
 
 # Contact radius over distance of neighbours up to which order 3 was compared with resolved contacts.
@@ -45,10 +45,10 @@ COMPARED = 0.32
 def truncation(surface: Surface, area: FloatArray, substrate: Substrate, law: Contact = PARABOLOID) -> float:
     """Return the relative error of A0 by order 3, estimated from the contact areas (n,) [mm^2].
 
-    The next terms of the neighbours' fields fall as (a/r)^5, and those of a layer's own as (a/t)^5; the
-    curvature by a source is p/r^3 = 4 a^3/(3 R r^3), whose effect is proportional to the R of the contact.
-    Other laws than Hertz's have radii of their own for both, and the slope of the field changes the areas of
-    their contacts by the square of the slope. Infinite where contacts overlap.
+    The next terms of the neighbours' fields fall as (a/r)^5, and the self terms of a layer as (a/t)^5. The
+    curvature by a source is p/r^3 = 4 a^3/(3 R r^3); its effect is proportional to R of the affected contact.
+    For laws other than Hertz's, equivalent radii replace both R, and the slope of the field changes the areas
+    in proportion to the square of the slope. Infinite if contacts overlap.
     """
     if not area.any():
         return 0.0
@@ -68,10 +68,10 @@ def truncation(surface: Surface, area: FloatArray, substrate: Substrate, law: Co
 
 
 def _radii(law: Contact, surface: Surface, area: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return radii [mm] of paraboloids like the contacts, (n,).
+    """Return two radii [mm] of paraboloids equivalent to each contact, (n,).
 
-    Those with the same increase of the area with the indentation, and those with the same load; the summits'
-    own for Hertz's law and for open contacts.
+    The first gives the same increase of area with indentation, the second the same load. Both are the summit
+    radius for Hertz's law and for open contacts.
     """
     radius = np.array(np.broadcast_to(surface.radius, area.shape))
     if law == PARABOLOID:
@@ -84,7 +84,7 @@ def _radii(law: Contact, surface: Surface, area: FloatArray) -> tuple[FloatArray
 
 
 def _tilt(law: Contact, surface: Surface, area: FloatArray, substrate: Substrate) -> float:
-    """Return the relative change of A0 by the slopes of the field, at most that of losing the contacts."""
+    """Return the relative change of A0 by the slopes of the field, at most that of removing the contacts."""
     closed = np.flatnonzero(area > 0.0)
     a, radius = np.sqrt(area[closed] / math.pi), np.broadcast_to(surface.radius, area.shape)[closed]
     load = np.zeros(area.shape)
@@ -124,7 +124,7 @@ def _nearest_pairs(surface: Surface, response: FloatArray, source: FloatArray, a
 
 
 def crowding(surface: Surface, area: FloatArray, law: Contact = PARABOLOID) -> tuple[int, float]:
-    """Return how many pairs of contacts overlap, and the largest contact radius over their distance.
+    """Return the number of overlapping pairs, and the largest ratio of contact radius to distance.
 
     area: (n,) [mm^2].
     """
@@ -132,7 +132,7 @@ def crowding(surface: Surface, area: FloatArray, law: Contact = PARABOLOID) -> t
     if closed.size < 2:
         return 0, 0.0
     a = np.sqrt(area / math.pi)[closed]
-    # the field of j bends i by p_j r_i/r^3, (a_j/r)^3 r_i/s_j: a sharp summit counts as a wider one
+    # the field of j changes the curvature of i by p_j r_i/r^3, (a_j/r)^3 r_i/s_j: sharp j count as wider
     response, source = (radii[closed] for radii in _radii(law.for_material(surface.material), surface, area))
     blunt, sharp = np.cbrt(response), a / np.cbrt(source)
     # pairs beyond this distance neither overlap nor exceed the ratio

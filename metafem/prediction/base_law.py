@@ -1,4 +1,4 @@
-"""What predicted and measured friction laws have in common: coefficient, fits, tables and drawings."""
+"""Common base of predicted and measured friction laws: coefficient, fits, tables and figures."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class BaseLaw(Value):
 
     @abstractmethod
     def _about(self) -> Mapping[str, str]:
-        """Return what a table says about the law."""
+        """Return the metadata of the law for a table."""
 
     @abstractmethod
     def _draw(self, ax: Axes, forces: bool, label: str | None) -> None:

@@ -12,7 +12,7 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.surface import Friction, Material
 
-# Share of Student's distribution below the upper end of a two-sided 68 % interval.
+# Probability below the upper end of a two-sided 68 % interval of Student's distribution.
 UPPER = 0.84
 
 
@@ -69,7 +69,7 @@ def fit_branch(
     low, high = load_range
     if high <= low:
         raise InvalidInput(f"load_range = ({low:g}, {high:g}) must increase")
-    chosen = (load >= low) & (load <= high) & ~np.isnan(area)  # of a measured law, some are unknown
+    chosen = (load >= low) & (load <= high) & ~np.isnan(area)  # areas of a measured law may be unknown
     count = int(chosen.sum())
     if count < 3 or np.ptp(load[chosen]) == 0.0:
         raise InvalidInput(

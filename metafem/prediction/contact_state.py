@@ -34,7 +34,7 @@ class ContactState(Value):
     separation : float
         Distance of the plane from the undeformed base plane [mm].
     approach : float
-        Tallest summit minus separation [mm]; keeps its digits at light loads.
+        Tallest summit minus separation [mm]; accurate also at light loads.
     stiffness : float
         Normal contact stiffness, dP per decrease of the separation [N/mm], not negative.
     asperity_load, asperity_area : ndarray, (n,)
@@ -45,21 +45,21 @@ class ContactState(Value):
     model : object
         The model that was solved.
     base_gap : float
-        Smallest distance left between the plane and the base plane beside a summit [mm], see below.
+        Smallest distance between the plane and the base plane near a summit [mm], see Notes.
     notes : tuple of Note
-        Approximations of the solution with their bounds, and estimates of what the model neglects.
+        Approximations of the solution with their bounds, and estimates of neglected effects.
     field : ContactField
         Pressure, gap and displacement on the cells of `BoundaryElements`; InvalidInput is raised for any
         other model.
 
     Notes
     -----
-    The base between the summits is displaced with them. A load on asperity j displaces the whole surface, and
-    the base beside asperity i as much as its summit: by u_i, the sum over the other asperities and over the
-    regular self term of the block. The gap beside asperity i is then ``separation + u_i``; for an asperity in
-    contact that is ``h_i - d_i``, its height minus its indentation. The base gap is the smallest of these.
+    The base between the summits is displaced with them. A load on asperity j displaces the whole surface. The
+    summit i and the base near it have the same displacement u_i, the sum over the other asperities and the
+    regular self term of the block. The gap near asperity i is then ``separation + u_i``; for an asperity in
+    contact this is ``h_i - d_i``, its height minus its indentation. The base gap is the smallest of these.
     For independent asperities it is the separation; the mean field adds the uniform displacement.
-    The Hertzian displacement around the contact itself, and that of the foot of its cap, are not included;
+    The Hertzian displacement around the contact and the displacement of the foot of its cap are not included;
     both increase the gap. The base outside the array is not displaced: a plane that extends far beyond the
     array touches it there at zero separation.
 
@@ -106,7 +106,7 @@ class ContactState(Value):
         )
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows."""
+        """Return the HTML representation for notebooks."""
         loads = self.asperity_load[self.asperity_area > 0.0]
 
         def distribution(ax: Axes) -> None:
@@ -117,7 +117,7 @@ class ContactState(Value):
         return card.card("Contact state", self._facts(), draw if shown else None)
 
     def _facts(self) -> dict[str, str]:
-        """Return what is printed of the state."""
+        """Return the quantities for the printed summary."""
         closed = int(np.count_nonzero(self.asperity_area > 0.0))
         return {
             "load": f"{self.load:.4g} N",

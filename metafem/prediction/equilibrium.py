@@ -45,7 +45,7 @@ def equilibrium(
     Raises
     ------
     InvalidInput
-        If none or several of load, approach and separation are given, or a value cannot be used.
+        Unless exactly one of load, approach and separation is given, or if its value is out of range.
     NotConverged
         If the residual exceeds the model's tolerance; the state is attached.
 

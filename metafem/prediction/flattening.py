@@ -1,4 +1,4 @@
-"""Surfaces that an earlier load has flattened."""
+"""Surfaces flattened by an earlier load."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from metafem.surface import Surface
 
 
 def flattened(surface: Surface, model: Model | None = None, *, load: float) -> tuple[Surface, Model]:
-    """Return the surface that a load has flattened permanently, and the model with the law of its contacts.
+    """Return the surface after permanent flattening by a load, and the model with the law of its contacts.
 
-    Each asperity is indented by the load under the model. Its summit stays lower by the residual height loss
-    of the contact law, and its contact is elastic up to the earlier indentation; beyond, the first loading
-    continues. At loads up to the earlier one, the law of the surface and model returned is that of the
-    unloading, and that of the second loading. It holds for the asperities of this surface in their order; the
+    Each asperity is indented by the load under the model. Its summit remains lower by the residual height
+    loss of the contact law. Its contact is elastic up to the earlier indentation; then the first loading
+    continues. At loads up to the earlier one, the returned surface and model give the law of unloading, which
+    is also that of reloading. It holds for the asperities of this surface in their order; the
     tables of a thousand asperities take 20 s. With an elastic law, surface and model are returned unchanged.
 
     Parameters
@@ -35,14 +35,14 @@ def flattened(surface: Surface, model: Model | None = None, *, load: float) -> t
     Returns
     -------
     surface : Surface
-        With the heights after unloading.
+        The surface with the heights after unloading.
     model : Model
-        With the contact law of each asperity.
+        The model with the contact law of each asperity.
 
     Raises
     ------
     InvalidInput
-        If the load cannot be used.
+        If the load is out of range.
     NotConverged
         If the residual exceeds the model's tolerance.
 
@@ -72,7 +72,7 @@ def unloading_curve(
 ) -> tuple[Surface, Model, Curve]:
     """Return the surface after the largest of loads [mm^2] or approaches [mm], its model, and its states.
 
-    Contacts without adhesion. The approaches, given and returned, are those of the surface before.
+    For contacts without adhesion. All approaches refer to the surface before flattening.
     """
     first = model.curve(
         surface,

@@ -27,8 +27,8 @@ GRID_INDENTATION = 0.04
 # The default grid ends at this fraction of the tallest height, before the plane reaches the base plane.
 CLEAR = 0.999
 
-# Part of the largest indentation of a contact law that the default grid uses: the rest is for rounding, and
-# for interacting asperities, whose contacts differ in their sinking.
+# Fraction of the largest indentation of a contact law that the default grid uses. The rest allows for
+# rounding and for the different displacements of interacting asperities.
 WITHIN = 0.98
 
 
@@ -42,9 +42,9 @@ def friction_law(
 ) -> FrictionLaw:
     """Predict the friction law of a surface.
 
-    Adhesive contacts jump in and break at different loads: with `unloading` the states are those of
+    Adhesive contacts jump into contact and break at different loads: with `unloading` the states are those of
     unloading. Under a given load every state is stable, and the notes state the jumps. Plastic contacts are
-    flattened by the largest load; on unloading they are elastic, and a second loading up to that load has
+    flattened by the largest load. On unloading they are elastic, and reloading up to that load follows
     the same law (`flattened`).
 
     Parameters
@@ -53,16 +53,16 @@ def friction_law(
     model : Model, optional
         Default: `Independent()`.
     load : array_like, (k,), optional
-        Normal loads P [N], at least 0. On unloading, those of adhesive contacts may be negative, down to the
+        Normal loads P [N], at least 0. On unloading, loads of adhesive contacts may be negative, down to the
         load at which the last contacts break.
     separation : array_like, (k,), optional
         Separations [mm]. Default, if neither is given: 100 loads up to the one at which the lowest asperity
         is indented by 0.04 R, the plane reaches the base plane, or the approach is 98 % of that at which a
         contact reaches the largest indentation of its law.
     unloading : bool
-        Whether the states are those of unloading from the largest load; default: False. Elastic contacts
-        without adhesion have one law for both ways. The model of the law of plastic contacts is that of the
-        flattened surface.
+        Whether the states are those of unloading from the largest load; default: False. For elastic contacts
+        without adhesion, loading and unloading have the same law. For plastic contacts, the law is returned
+        with the model of the flattened surface.
 
     Returns
     -------
@@ -73,8 +73,8 @@ def friction_law(
     ------
     InvalidInput
         For loads that are not finite, negative on loading, or beyond pull-off on unloading; for separations
-        that are not finite, or of adhesive contacts; for both at once; for `unloading` with a model that
-        does not unload, or with no contact at the largest load.
+        that are not finite, or with adhesive contacts; if both are given; for `unloading` with a model that
+        does not support it, or without contact at the largest load.
     NotConverged
         If a residual exceeds the model's tolerance.
 
@@ -132,7 +132,7 @@ def default_loads(surface: Surface, model: Model) -> FloatArray:
     described = (surface.gap + contact.largest_indentation(surface.radius)).min()
     last = np.array([min(_grid_end(surface), WITHIN * described)])
     end = model.curve(surface, approach=last).load[0]
-    if end <= 0.0:  # adhesion still pulls there: up to the load of contacts without it
+    if end <= 0.0:  # adhesion makes the load negative there: use the load without adhesion
         end = with_contact(model, contact.without_adhesion).curve(surface, approach=last).load[0]
     return np.asarray(end * np.arange(1, GRID_POINTS + 1) / GRID_POINTS)
 

@@ -28,7 +28,7 @@ ARRAYS = ("rescaled_load", "area", "separation", "approach", "rescaled_stiffness
 # Quantities of laws whose surface has a Friction.
 FORCES = ("friction_force", "friction_coefficient")
 
-# Those that may be negative: loads only between adhesive contacts that are pulled apart.
+# Quantities that may be negative; loads only if adhesive contacts are pulled apart.
 SIGNED = ("rescaled_load", "separation", "approach")
 
 
@@ -43,7 +43,7 @@ class FrictionLaw(BaseLaw):
     ----------
     rescaled_load : ndarray
         Normal load over composite modulus, P/E* [mm^2]; the given loads, not the sums over the asperities.
-        Negative where adhesive contacts hold on unloading.
+        Negative where adhesive contacts are in tension on unloading.
     area : ndarray
         Real contact area A0 [mm^2].
     separation, approach : ndarray
@@ -57,7 +57,7 @@ class FrictionLaw(BaseLaw):
     material : Material
     friction : Friction or None
     notes : tuple of Note
-        Skipped computations with their bounds, and effects that the model neglects. They are estimated
+        Skipped computations with their bounds, and estimates of neglected effects, which are computed
         when `notes` is first read.
     load, stiffness : ndarray
         Normal load P [N] and normal contact stiffness [N/mm].
@@ -115,7 +115,7 @@ class FrictionLaw(BaseLaw):
         )
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows."""
+        """Return the HTML representation for notebooks."""
         forces = self.friction is not None
         x, y = (
             card.thinned(self.load, self.friction_force)
@@ -125,7 +125,7 @@ class FrictionLaw(BaseLaw):
         return card.card("Friction law", self._facts(), lambda ax: drawing.law(ax, x, y, forces=forces))
 
     def _facts(self) -> dict[str, str]:
-        """Return what is printed of the law."""
+        """Return the quantities for the printed summary."""
         ends = self.material.composite_modulus * self.rescaled_load[[0, -1]]
         facts = {"loads": f"{len(self.area):,} loads {span(ends, 'N')}", "area": span(self.area, "mm^2")}
         if self.friction is not None:

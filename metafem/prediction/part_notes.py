@@ -1,4 +1,4 @@
-"""What of a surface cannot be made as a part."""
+"""Notes on features of a surface that cannot be manufactured."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from metafem.surface import Surface
 
 
 def part_notes(surface: Surface, shape: CapShape) -> list[Note]:
-    """State where the surface cannot be made as a part."""
+    """Return notes on features of the surface that cannot be manufactured."""
     notes = []
     low = int((surface.height < 0.0).sum())
     if low:
@@ -60,7 +60,7 @@ def part_notes(surface: Surface, shape: CapShape) -> list[Note]:
 
 
 def _overlapping_caps(surface: Surface, shape: CapShape) -> int:
-    """Return how many pairs of caps overlap."""
+    """Return the number of overlapping pairs of caps."""
     height = np.clip(surface.height, 0.0, shape.tallest(surface.radius))
     foot = shape.foot_radius(height, surface.radius)
     tree = scipy.spatial.cKDTree(surface.position)

@@ -1,4 +1,4 @@
-"""Errors of the made surface and of its alignment, and draws of them."""
+"""Errors of the manufactured surface and of its alignment, and random samples of them."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.surface import STEEPEST, Surface
 
-# A radius is at least this number of standard deviations away from zero. The inverse normal distribution of
-# the smallest number in (0, 1) that is drawn, 2^-54, is -8.2.
+# Minimum distance of a radius from zero, in standard deviations. The smallest number that is drawn from
+# (0, 1) is 2^-54; the inverse normal distribution there is -8.2.
 WIDEST_RADIUS = 10.0
 
 
 class Perturbed(NamedTuple):
-    """Draws of a surface: lists of heights, and of radii and positions where they vary, else None.
+    """Random samples of a surface: heights, and radii and positions if they vary, else None.
 
     Attributes
     ----------
@@ -40,11 +40,11 @@ class Perturbed(NamedTuple):
 
 @dataclass(frozen=True)
 class Tolerances:
-    """Errors of a made surface and of its alignment; all are independent of each other.
+    """Errors of a manufactured surface and of its alignment; all are independent of each other.
 
     The heights, the radii and both coordinates of each site have Gaussian errors. The tilts about both axes
-    are uniform in ``[-angle, angle]`` and change the heights by ``x tan(angle_x) + y tan(angle_y)``, with
-    the origin of the coordinates at rest. Source of the errors: Aymard et al., Science 383, 200 (2024),
+    are uniform in ``[-angle, angle]`` and change the heights by ``x tan(angle_x) + y tan(angle_y)``, about
+    the origin of the coordinates. Source of the errors: Aymard et al., Science 383, 200 (2024),
     doi:10.1126/science.adk4234, supplementary text, Figs. S2 and S3.
 
     Parameters
@@ -92,10 +92,10 @@ class Tolerances:
         return replace(self, **{name: factor * getattr(self, name) for name in names})
 
     def dimensions(self, surface: Surface) -> int:
-        """Return how many independent numbers one draw of a surface needs.
+        """Return the number of independent random numbers for one sample of a surface.
 
-        One for each height, two for the tilt, one for each radius and two for each position; those whose
-        deviation is 0 need none.
+        One for each height, two for the tilt, one for each radius and two for each position; none for errors
+        whose deviation is 0.
         """
         n = surface.count
         return sum(
@@ -110,7 +110,7 @@ class Tolerances:
         )
 
     def perturbed(self, surface: Surface, unit: FloatArray) -> Perturbed:
-        """Return surfaces from points that are uniform in the unit cube.
+        """Return samples of the surface from points uniformly distributed in the unit cube.
 
         Parameters
         ----------
@@ -153,11 +153,11 @@ class Tolerances:
         return Perturbed(height, radius, position)
 
     def linear_covariance(self, surface: Surface, gradient: FloatArray) -> FloatArray:
-        """Return the covariance of linear functions of the heights over all draws.
+        """Return the covariance of linear functions of the heights under random errors.
 
-        ``g C g'`` with the covariance C of the heights: height_sd^2 on the diagonal, and ``t x_i.x_j`` by
-        the tilt, with ``t = tan(angle)/angle - 1`` the variance of the tangent of a tilt. The mean of the
-        change of every linear function is zero.
+        ``g C g'`` with the covariance C of the heights: height_sd^2 on the diagonal plus ``t x_i.x_j`` from
+        the tilt, where ``t = tan(angle)/angle - 1`` is the variance of the tangent of a tilt. The mean change
+        of every linear function is zero.
 
         Parameters
         ----------

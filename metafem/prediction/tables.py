@@ -28,7 +28,7 @@ QUANTITIES = {
 # Quantities that are not in the table of a result folder.
 UNWRITTEN = ("friction_coefficient", "approach", "stiffness", "residual")
 
-# Ending of the names of standard deviations.
+# Suffix of the names of standard deviations.
 DEVIATION = "_sd"
 
 

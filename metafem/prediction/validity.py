@@ -1,12 +1,12 @@
-"""What a model leaves out of a surface at given loads: estimates, and the notes that state them.
+"""Effects that a model neglects for a surface at given loads: estimates, and the notes that state them.
 
-Every model is compared with asperities of its contact law that interact by the largest order of the law, in
-A0 at a given load, on the bonded layer where the surface has a block. A uniform sinking does not change
-A0(P), and the remaining change has either sign. Sums over the neighbours are wrong by factors of ten where
-contacts are crowded; order 3 at a few loads costs less than a design and agrees with resolved contacts within
-a factor of two, even where contacts overlap or are as wide as a layer. `truncation` estimates its own error.
-The true block differs from the layer by less than 0.4 % in A0, and its influence takes a minute, so the layer
-is used.
+Every model is compared in A0 at given load with asperities of its contact law that interact by the highest
+order of the law, on the bonded layer if the surface has a block. A uniform sinking does not change
+A0(P), and the remaining change has either sign. Sums over the neighbours are wrong by factors of ten if
+contacts are crowded. Order 3 at a few loads costs less than a design and agrees with resolved contacts within
+a factor of two, even if contacts overlap or are as wide as a layer. `truncation` estimates its error.
+The true block differs from the layer by less than 0.4 % in A0, but its influence takes a minute, so the
+layer is used.
 """
 
 from __future__ import annotations
@@ -32,50 +32,50 @@ from metafem.prediction.part_notes import part_notes
 from metafem.substrate import BondedLayer, HalfSpace
 from metafem.surface import Surface
 
-# Relative error of A0 at given load, rms over the loads, above which a note is a warning. The surfaces of the
-# source paper reach 0.4 to 3.3 % by interaction, for any assignment of their heights, and the paper counts
-# them as achieved; at 5 % every design needs a warning. The rms over the probed loads differs from that over
-# a hundred loads by less than the fifth between.
+# Relative error of A0 at given load, rms over the loads, above which a note is a warning. For the surfaces of
+# the source paper the error by interaction is 0.4 to 3.3 % for any assignment of their heights, and the paper
+# counts them as achieved; at 5 % every design needs a warning. The rms over the probed loads differs from
+# that over a hundred loads by less than the fifth between these limits.
 BOUND = 0.04
 
-# Smallest error that is stated in a note of information.
+# Smallest error that an information note states.
 STATED = 0.01
 
-# Loads of a law at which the error is estimated, and the same for scenes beyond the dense solver.
+# Number of loads of a law at which the error is estimated, and the same for scenes beyond the dense solver.
 PROBES, FEW_PROBES = 8, 3
 
-# Contact radius over radius of curvature up to which Hertz's law with a fitted modulus stays near the soft
-# cap at large strain: 2 % in the load at 0.5, and a tenth is added. An error of BOUND in A0 is one of 6 % in
+# Contact radius over radius of curvature up to which Hertz's law with a fitted modulus is accurate for a soft
+# cap at large strain: 2 % in the load at 0.5; a tenth is added. An error of BOUND in A0 corresponds to 6 % in
 # the load, which is reached at 1.3 times that ratio even if the error grows as (a/R)^4.
 WIDEST, TOO_WIDE = 0.55, 0.65
 
-# Adhesive contacts of larger scenes are followed along all their jumps in too much time for a note: their
+# Following all jumps of adhesive contacts in larger scenes takes too long for a note: above this size the
 # interaction is estimated without adhesion.
 MOST_ADHESIVE = 100
 
 # The second moment of a uniform pressure over that of Hertz's, 1/2 over 2/5.
 UNIFORM = 1.25
 
-# Relative error of the approach at which paraboloids have the area of other contacts.
+# Relative tolerance of the approach at which paraboloids have the area of other contacts.
 SIZE_TOLERANCE = 1e-6
 
-# What to do where a model finds no equilibrium.
+# Remedy if a model finds no equilibrium.
 REMEDY = "use lighter loads, a larger pitch or the model resolved"
 
 UNKNOWN = "the effect of elastic interaction cannot be estimated over all loads"
 
-# The base gap at its load of contact, relative to the largest height.
+# Tolerance of the base gap at the load of base contact, relative to the largest height.
 BASE_TOLERANCE = 1e-9
 
 # Largest number of steps to an approach at which the plane reaches the base; each step at least doubles the
-# part of the approach that is left after the sinking.
+# part of the approach in excess of the largest height.
 MOST_STEPS = 60
 
 
 def left_out_notes(
     surface: Surface, model: Model, curve: Curve, notes: tuple[Note, ...], unloading: bool = False
 ) -> tuple[Note, ...]:
-    """Return `notes`, followed by estimates of what the model leaves out along a curve.
+    """Return `notes`, followed by estimates of the effects that the model neglects along a curve.
 
     unloading: whether the curve is that of unloading from its largest load.
     """
@@ -90,7 +90,7 @@ def left_out_notes(
 
 
 def reference_of(surface: Surface, model: Model) -> Interacting:
-    """Return the model with which a model is compared on a surface, with its block where it has one."""
+    """Return the reference model for a model on a surface, including the block if the surface has one."""
     reference = model.reference
     if surface.block is not None and reference.substrate == HalfSpace():
         return replace(reference, substrate=BondedLayer())
@@ -98,7 +98,7 @@ def reference_of(surface: Surface, model: Model) -> Interacting:
 
 
 def _interaction_notes(surface: Surface, model: Model, curve: Curve, unloading: bool) -> list[Note]:
-    """State the change by neighbours and block, and whether the order of the interaction holds."""
+    """Return notes on the change by neighbours and block, and on the validity of the interaction order."""
     rows = _probed(curve.load, surface.count)
     if not rows.size:
         return []
@@ -111,7 +111,7 @@ def _interaction_notes(surface: Surface, model: Model, curve: Curve, unloading: 
     try:
         if reference != gradient_model:
             full = _on_path(reference, surface, load, unloading)
-            if model.couples:  # the difference of resolved contacts from order 3 is not that of the block
+            if model.couples:  # the difference of resolved contacts from order 3 is not due to the block
                 area = _on_path(gradient_model, surface, load, unloading).checked().area
             if full.solved.any():
                 change = full.area[full.solved] / area[full.solved] - 1.0
@@ -136,12 +136,12 @@ def _on_path(model: Model, surface: Surface, load: FloatArray, unloading: bool) 
 
 
 def _resolved_or(law: Contact, remedy: str) -> str:
-    """Return a remedy, after the resolved model for laws whose contacts can be resolved."""
+    """Return a remedy, preceded by the resolved model for laws whose contacts can be resolved."""
     return f"the model resolved, or {remedy}" if resolvable(law) else remedy
 
 
 def _size_notes(surface: Surface, reference: Interacting, area: float) -> list[Note]:
-    """State what point loads leave out of laws without a profile, by paraboloids of the same area [mm^2]."""
+    """Return notes on the errors of point loads for laws without a profile, by paraboloids of equal area."""
     point = Interacting(1, reference.substrate)
 
     def excess(approach: float) -> float:
@@ -180,7 +180,7 @@ def _probed(load: FloatArray, count: int) -> IntArray:
 def _change_notes(
     surface: Surface, model: Model, reference: Interacting, load: FloatArray, change: FloatArray
 ) -> list[Note]:
-    """State the change of A0 at given load by what the model leaves out."""
+    """Return notes on the change of A0 at given load by effects that the model neglects."""
     rms = math.sqrt(float((change**2).mean()))
     if rms < STATED:
         return []
@@ -204,7 +204,7 @@ def _change_notes(
 
 
 def _width_notes(surface: Surface, model: Model, reference: Interacting, curve: Curve) -> list[Note]:
-    """State where contacts overlap, or are too wide for their distances and their layer."""
+    """Return notes on contacts that overlap, or are too wide for their distances and their layer."""
     law, area, newtons = contact_of(model), curve.last.area, _last_force(surface, curve)
     overlaps, ratio = crowding(surface, area, law)
     if overlaps:
@@ -243,10 +243,10 @@ def _last_force(surface: Surface, curve: Curve) -> float:
 
 
 def base_contact_load(surface: Surface, model: Model) -> float:
-    """Return the rescaled load [mm^2] at which the plane reaches the sunken base beside a summit.
+    """Return the rescaled load [mm^2] at which the plane reaches the sunken base near a summit.
 
-    The base gap of `ContactState` is zero there. For resolved contacts order 3 is used. Raise NotConverged or
-    InvalidInput where the model has no solution under such a load.
+    The base gap of `ContactState` is then zero. For resolved contacts order 3 is used. Raises NotConverged or
+    InvalidInput if the model has no solution under such a load.
     """
     top = float(surface.height.max())
     if top <= 0.0:
@@ -257,12 +257,12 @@ def base_contact_load(surface: Surface, model: Model) -> float:
         curve = model.gradient_model.curve(surface, approach=np.array([approach])).checked()
         return curve.last.base_gap, float(curve.load[0])
 
-    # independent asperities reach the base here; sinking delays it, and a layer that rises may hasten it
+    # base contact of independent asperities; sinking delays it, and a rising layer may advance it
     high, gap = top, state_at(top)[0]
     for _ in range(MOST_STEPS):
         if gap <= BASE_TOLERANCE * top:
             break
-        high += max(2.0 * gap, high - top)  # the steps double where nearly all of a step is sinking
+        high += max(2.0 * gap, high - top)  # the steps double if nearly all of each step is sinking
         gap = state_at(high)[0]
     if abs(gap) > BASE_TOLERANCE * top:
         high = scipy.optimize.brentq(lambda x: state_at(x)[0], 0.0, high, xtol=BASE_TOLERANCE * top)
@@ -270,13 +270,13 @@ def base_contact_load(surface: Surface, model: Model) -> float:
 
 
 def _base_notes(surface: Surface, model: Model, curve: Curve) -> list[Note]:
-    """State the load from which the plane would reach the base plane."""
+    """Return notes on the load at which the plane would reach the base plane."""
     gap, newtons = curve.last.base_gap, _last_force(surface, curve)
     if gap > 0.0:
         return []
     try:
         onset = min(surface.material.composite_modulus * base_contact_load(surface, model), newtons)
-    except MetafemError:  # no solution at lighter loads: the base is reached at this load at the latest
+    except MetafemError:  # no solution at lighter loads: the plane reaches the base by this load
         onset = newtons
     return [
         Note(
@@ -288,7 +288,7 @@ def _base_notes(surface: Surface, model: Model, curve: Curve) -> list[Note]:
 
 
 def _wide_notes(surface: Surface, model: Model, curve: Curve) -> list[Note]:
-    """State where contacts are too wide for models of small strain."""
+    """Return notes on contacts that are too wide for small-strain models."""
     ratio = float((np.sqrt(curve.last.area / math.pi) / surface.radius).max())
     if ratio <= WIDEST:
         return []

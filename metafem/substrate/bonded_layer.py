@@ -43,7 +43,7 @@ class BondedLayer(Radial):
     Parameters
     ----------
     thickness : float, optional
-        t [mm], positive; default: that of the surface's block.
+        t [mm], positive; default: the thickness of the surface's block.
     poisson_ratio : float, optional
         nu [-], from 0 to 0.5; default: that of the surface's material.
 
@@ -112,7 +112,7 @@ class BondedLayer(Radial):
 
 
 def _deficit(wavenumber: FloatArray, poisson_ratio: float) -> FloatArray:
-    """Return 1 - M, in a form that does not cancel."""
+    """Return 1 - M, in a form without cancellation."""
     x, kappa = wavenumber, 3.0 - 4.0 * poisson_ratio
     # the exponential parts of numerator and denominator are subtracted beforehand
     upper = 2.0 * kappa * np.exp(-2.0 * x) + 4.0 * x + 4.0 * x**2 + 1.0 + kappa**2

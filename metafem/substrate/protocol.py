@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 def agreed(substrate: str, name: str, stated: T | None, given: T | None) -> T | None:
-    """Return a value that the substrate states or the surface gives; if both do, they must be equal."""
+    """Return a value defined by the substrate or by the surface; if by both, the two must be equal."""
     if stated is not None and given is not None and stated != given:
         raise InvalidInput(f"{substrate} has {name} = {stated}, but the surface has {given}")
     return given if stated is None else stated
@@ -27,7 +27,7 @@ class Substrate(Protocol):
         ...
 
     def influence_matrix(self, surface: Surface) -> FloatArray:
-        """Displacement at each asperity per load on each other, (n, n) [1/mm].
+        """Displacement at each asperity per load on every other one, (n, n) [1/mm].
 
         The diagonal holds the regular self terms: the difference from a half-space at r = 0.
         """

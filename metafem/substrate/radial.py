@@ -88,7 +88,7 @@ class Radial(ABC):
         return point + value, first - point / r, second + 2.0 * point / r**2
 
     def influence_matrix(self, surface: Surface) -> FloatArray:
-        """Displacement at each asperity per load on each other, (n, n) [1/mm]."""
+        """Displacement at each asperity per load on every other one, (n, n) [1/mm]."""
         bound = self.for_surface(surface)
         _, _, r = _differences(surface.position)
         matrix = bound.influence(r)
@@ -107,7 +107,7 @@ class Radial(ABC):
 
 
 def _differences(position: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return x_i - x_j, y_i - y_j and the distance, its unused diagonal set to that of a neighbour."""
+    """Return x_i - x_j, y_i - y_j and the distance, with the unused diagonal set to that of a neighbour."""
     x, y = position.T
     dx, dy = x[:, None] - x, y[:, None] - y
     r = np.hypot(dx, dy)

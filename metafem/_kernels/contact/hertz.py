@@ -1,4 +1,4 @@
-"""Hertz's law for kernels, all for unit E*; `metafem.contact.elastic` states it."""
+"""Hertz's law for kernels, for unit E*; see `metafem.contact.elastic`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 from metafem._kernels.compiled import compiled
 
-# P = LOAD a d and dP/dd = STIFFNESS a; sums are multiplied by these factors once, at their end.
+# P = LOAD a d and dP/dd = STIFFNESS a; the factors multiply the complete sums.
 LOAD = 4.0 / 3.0
 STIFFNESS = 2.0
 

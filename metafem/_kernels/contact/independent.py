@@ -1,7 +1,7 @@
 """Load equation of independent asperities of tabulated laws, all in rescaled load P/E* [mm^2].
 
 With the approach x, d_i = x - gap_i and P/E* = sum p(d_i), which increases with x. See `contact.tabulated`;
-`_kernels.independent` has that of Hertz contacts.
+for Hertz contacts see `_kernels.independent`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from metafem._kernels.compiled import compiled
 from metafem._kernels.contact import tabulated
 from metafem._kernels.vectors import add
 
-# Each step of Newton's method doubles the digits or halves the bracket.
+# Each step of Newton's method doubles the correct digits or halves the bracket.
 MAX_STEPS = 200
 ROUNDING = 4.0 * np.finfo(np.float64).eps
 
@@ -35,10 +35,10 @@ def load_and_slope(law, gap, approach):
 
 @compiled
 def approach_at_load(law, gap, load, below, carried, slope):
-    """Return the approach [mm] at a load; at the approach `below` > 0 the load is `carried` with a slope."""
+    """Return the approach [mm] at a load; if `below` > 0, the load there is `carried`, with a slope."""
     i = int(np.argmin(gap))
     high = gap[i] + tabulated.indentation_at_load(law.data, law.which[i], law.scale[i], load)
-    high *= 1.0 + 1e-9  # the rounding of the tables
+    high *= 1.0 + 1e-9  # allows for the rounding of the tables
     low = below
     x = high
     if below > 0.0 and slope > 0.0:

@@ -1,14 +1,14 @@
-"""Any contact law for kernels, all for unit E*: Hertz's in closed form, every other one from tables.
+"""Any contact law for kernels, for unit E*: Hertz's in closed form, all others from tables.
 
-The nominal indentation z of a contact is that at which the law without extra curvature carries its load p.
+The nominal indentation z of a contact is that at which the law without extra curvature has the load p.
 A table holds ln p, ln a^2 and the logarithm of the complementary energy ``int_0^z z dp`` over ln z; and,
 for elastic laws, ln D, ln P and ln M (`metafem.contact.caps`) over ln a, all with lengths over a scale.
 Logarithms of powers are straight lines, which continue the table on both sides.
 
 With the curvature k by the neighbours, the contact radius a of a load p follows from
 ``P(a) + 4/3 k a^3 = p``. Then ``d = D + k a^2``, ``M = M(a) + 8/15 k a^5``, ``dd/dp = 1/(2 a)``,
-``da^2/dp = 1/(D' + 2 k a)``. The energy of a slope g is ``-T g^2`` with ``T(p) = 2/3 a^3``, a that without
-curvature.
+``da^2/dp = 1/(D' + 2 k a)``. The energy of a slope g is ``-T g^2`` with ``T(p) = 2/3 a^3``, where a is the
+contact radius without curvature.
 """
 
 from __future__ import annotations
@@ -20,35 +20,35 @@ import numpy as np
 
 from metafem._kernels.compiled import compiled
 
-# Smallest sharpness of a summit that neighbours flatten, in parts of its own: beyond is outside the range of
-# the expansion. Without tables it is that of the curvature, k R.
+# Smallest relative sharpness of a summit flattened by its neighbours; below it the expansion is not valid.
+# Without tables this refers to the curvature, k R.
 LEAST_CURVATURE = 0.1
 
 # Largest number of steps for a contact radius or indentation; the logarithms are nearly linear.
 MAX_STEPS = 40
 
-# A step of a method of third order in a logarithm below which the next one, its cube, is below rounding; and
-# the same of Newton's, whose next one is its square.
+# Step in a logarithm after which the next step is below rounding: for a third-order method, whose next step
+# is its cube, and for Newton's method, whose next step is its square.
 SETTLED, SETTLED_SQUARE = 1e-5, 1e-8
 
-# Distance from 1 or 0 up to which series of six terms are exact to rounding: 1e-3^6/7.
+# Distance from 1 or 0 within which series of six terms are exact to rounding: 1e-3^6/7.
 NEAR = 1e-3
 
-# Largest part of the load by the curvature of which the first guess of a contact radius uses powers.
+# Largest fraction of the load due to the curvature for which power laws give the first guess of a radius.
 MOST_EXTRA = 0.1
 
 
-# A row of `Law.data` begins with the largest indentation, the three numbers of T, and where the panels over
-# ln z and over ln a begin. Each of these two parts holds the number of panels, that of bins of equal width,
-# the least argument, the inverse width of a bin, the first panel of each bin, the edges, and for each panel
-# the inverse of half its width and three polynomials of the place in it with this number of coefficients, the
-# lowest first.
+# A row of `Law.data` begins with the largest indentation, the three numbers of T, and the offsets of the
+# panels over ln z and over ln a. Each of these two parts holds the number of panels, the number of bins of
+# equal width, the smallest argument, the inverse bin width, the first panel of each bin, and the edges. Then
+# follow, for each panel, the inverse of half its width and three polynomials of the position in it with this
+# number of coefficients, the lowest first.
 DEEPEST, LEVER_EDGE, LEVER_START, LEVER_OFFSET, BY_DEPTH, BY_RADIUS, HEADER = range(7)
 COEFFICIENTS = 8
 
 
 class Law(NamedTuple):
-    """Contact law of the asperities (n,), or of those of many surfaces (m, n)."""
+    """Contact law of the asperities (n,), or of many surfaces (m, n)."""
 
     radius: np.ndarray  # of the summits [mm]
     which: np.ndarray  # row of the tables of each asperity; -1 for Hertz's law
@@ -64,9 +64,9 @@ def part(law, row):
 
 @compiled
 def panel(data, at, part, x):
-    """Return where the polynomials of the panel of x begin, the inverse of half its width, and a place in it.
+    """Return the offset of the panel's polynomials, the inverse of half its width, and the place of x in it.
 
-    The place of x is between -1 and 1; the last number is by how much x is beyond it.
+    The place is clipped to -1 to 1; the last returned number is the distance of x beyond it.
     """
     start = int(data[at, part])
     panels, bins = int(data[at, start]), int(data[at, start + 1])
@@ -84,9 +84,9 @@ def panel(data, at, part, x):
 
 @compiled
 def line(data, at, first, t, beyond):
-    """Return a polynomial and its derivative by t, a straight line beyond the ends of its panel.
+    """Return a polynomial and its derivative by t, with a straight line beyond the ends of its panel.
 
-    Even and odd powers apart, v = e(t^2) + t o(t^2), which a processor computes at the same time.
+    Even and odd powers are separate, v = e(t^2) + t o(t^2), so that a processor computes them in parallel.
     """
     u = t * t
     e = o = e1 = o1 = 0.0
@@ -101,7 +101,7 @@ def line(data, at, first, t, beyond):
 
 @compiled
 def curve(data, at, first, t, beyond):
-    """Return the same with the second derivative."""
+    """As `line`, with the second derivative."""
     u = t * t
     e = o = e1 = o1 = e2 = o2 = 0.0
     for k in range(COEFFICIENTS // 2 - 1, -1, -1):
@@ -133,7 +133,7 @@ def load_and_rate(data, at, scale, z):
 
 @compiled
 def logarithm(x):
-    """Return ln x; a series where x is near 1, which takes a third of the time."""
+    """Return ln x, for x near 1 by a series, which takes a third of the time."""
     e = x - 1.0
     if abs(e) > NEAR:
         return math.log(x)
@@ -142,7 +142,7 @@ def logarithm(x):
 
 @compiled
 def exponential(x):
-    """Return e^x; a series where x is small."""
+    """Return e^x, for small x by a series."""
     if abs(x) > NEAR:
         return math.exp(x)
     return 1.0 + x * (1.0 + x / 2.0 * (1.0 + x / 3.0 * (1.0 + x / 4.0 * (1.0 + x / 5.0))))
@@ -186,7 +186,7 @@ def tilted(data, at, scale, z):
 def bent(data, at, scale, load, square, widening, curvature):
     """Return a^2, d, dd/dz, da^2/dp and M/4 of a contact with an extra curvature, and whether it is in range.
 
-    load, square, widening: those of the nominal indentation; curvature: k [1/mm].
+    load, square, widening: values at the nominal indentation; curvature: k [1/mm].
     """
     per_scale = 1.0 / scale
     k, p, a0 = curvature * scale, load * per_scale * per_scale, math.sqrt(square) * per_scale
@@ -197,15 +197,15 @@ def bent(data, at, scale, load, square, widening, curvature):
     if k < 0.0:
         # D' = (dP/da)/(2 a)
         least = (LEAST_CURVATURE - 1.0) * 0.25 * p / (share * a0 * a0 * a0)
-        # a flat summit that just touches is flattened by any small field
+        # any small field flattens a flat summit that just touches
         inside = k > least or p <= data[at, LEVER_EDGE]
         k = max(k, least)
     extra = 4.0 / 3.0 * k * a0 * a0 * a0 * per_load
-    if abs(extra) <= MOST_EXTRA:  # ln a to second order, of powers
+    if abs(extra) <= MOST_EXTRA:  # ln a to second order, for power laws
         step = -share * extra * (1.0 + extra * (0.5 - 3.0 * share))
         y += step
         a = a0 * exponential(step)
-    else:  # each of the two parts alone would have a larger radius
+    else:  # each of the two parts by itself would have a larger radius
         y = min(y, math.log(0.75 * p / k) / 3.0) if k > 0.0 else y
         a = math.exp(y)
     for _ in range(MAX_STEPS):

@@ -1,1 +1,1 @@
-"""One axisymmetric contact at small strain, against which the models' laws are checked."""
+"""One axisymmetric contact at small strain, used to check the contact laws of the models."""

@@ -1,4 +1,4 @@
-"""A contact found by an active set, on a uniform mesh of quadratic elements with scikit-fem's forms."""
+"""A contact computed by an active-set method, on a uniform mesh of quadratic elements of scikit-fem."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from metafem.fe.axisymmetric.geometry import Cap, checked_cap
 from metafem.fe.axisymmetric.mesh import named, uniform_mesh
 from metafem.fe.linear_solve import THRESHOLD, LinearStatus, solve
 
-# Radius up to which the cells are equal, and radius of the half-space, in contact radii.
+# Radius of the region of equal cells, and radius of the half-space, in contact radii.
 REACH, EXTENT = 1.1, 1e5
 
 # Ratio of neighbouring cells of a cap on a block beyond the contact.
 GROWTH = 1.4
 
-# Largest number of changes of the active set; a few are enough.
+# Maximum number of changes of the active set; a few are enough.
 STEPS = 50
 
 
@@ -37,8 +37,8 @@ class ActiveSetContact:
     rescaled_load : float
         P/E* [mm^2].
     contact_radius : float
-        a [mm], from the second moment of the pressure: ``sqrt(5/2 <r^2>)``, exact for Hertz's pressure,
-        which that of a cap differs from.
+        a [mm], from the second moment of the pressure: ``sqrt(5/2 <r^2>)``, exact for Hertz's pressure but
+        not for that of a cap.
     last_radius : float
         Radius of the last closed node [mm].
     steps : int
@@ -69,8 +69,8 @@ def search_contact(
     """Find the contact of a paraboloid on a half-space, or of a cap on a block, by an active set.
 
     Nodal forces and nodal gaps are not negative, and one of the two is zero. The elements and the treatment
-    of the edge differ from those of `press`, so that the two computations are independent. The error is of
-    first order in the cell, or smaller.
+    of the edge differ from those of `press`, so that the two computations are independent. The error is at
+    most of first order in the cell size.
 
     Parameters
     ----------
@@ -83,8 +83,8 @@ def search_contact(
     cell : float
         Size of the elements along the surface [mm], at most a quarter of the contact radius.
     height, thickness, block_radius : float, optional
-        Height of a spherical cap, and thickness and radius of the block below it [mm], bonded at its base
-        with a free side; all or none.
+        Height of a spherical cap, and thickness and radius of the block below it [mm], which has a bonded
+        base and a free side; all or none.
 
     Returns
     -------
@@ -133,7 +133,7 @@ def _of_forces(force: FloatArray, r: FloatArray, steps: int) -> ActiveSetContact
 
 
 def _cap_mesh(cap: Cap, cell: float, reach: float) -> MeshQuad:
-    """Return a cap on a block: equal cells up to a radius, then growing ones to the foot and to the side."""
+    """Return a cap on a block: equal cells up to a radius, then growing cells to the foot and the side."""
     near = cell * np.arange(round(reach / cell) + 1)
     slope = _growing(near[-1], cap.foot, cell)
     flat = _growing(cap.foot, cap.outer, slope[-1] - slope[-2])
@@ -144,7 +144,7 @@ def _cap_mesh(cap: Cap, cell: float, reach: float) -> MeshQuad:
 
 
 def _growing(start: float, end: float, first: float) -> FloatArray:
-    """Return positions from start to end at distances that grow by at most `GROWTH` from the first on."""
+    """Return positions from start to end with spacings that grow from the first by at most `GROWTH`."""
     count = max(1, math.ceil(math.log1p((end - start) / first * (GROWTH - 1.0)) / math.log(GROWTH)))
     sums = np.cumsum(GROWTH ** np.arange(count))
     return np.concatenate([[start], start + (end - start) * sums[:-1] / sums[-1], [end]])
@@ -157,7 +157,7 @@ def _active_set(flexibility: FloatArray, depth: FloatArray) -> tuple[FloatArray,
         force = np.zeros(len(depth))
         force[active] = np.linalg.solve(flexibility[np.ix_(active, active)], depth[active])
         overlap = depth - flexibility @ force
-        # The overlap of active nodes is rounding: they stay closed while their force is positive.
+        # The overlap of active nodes is a rounding error: they stay closed while their force is positive.
         following = np.where(active, force > 0.0, overlap > 0.0)
         if (following == active).all():
             return force, step

@@ -14,20 +14,20 @@ from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.axisymmetric.mesh import graded_mesh
 from metafem.fe.axisymmetric.prescribed_radius import graded
 
-# Thickness and radius of the block, in summit radii, and by how much its compliance is below that of a
+# Thickness and radius of the block, in summit radii; and the deficit of its compliance from that of a
 # half-space, in units of 1/(pi EXTENT), computed without a cap (test_cap_compliance.py).
 EXTENT, SHORTFALL = 1e3, 1.366
 
-# The compliance is a small difference of indentations: finer at the edge than `press`. One degree more
-# changes it by 3e-5 of its value.
+# The compliance is a small difference of indentations, so the mesh is finer at the edge than in `press`. One
+# degree more changes the compliance by 3e-5 of its value.
 DEGREE, EDGE = 5, 1e-6
 
 
 def measure_pedestal(height_ratio: float, contact_ratio: float, poisson_ratio: float = 0.5) -> float:
-    """Indentation of a spherical cap on a half-space beyond Hertz's at the same load, as a compliance.
+    """Extra indentation of a spherical cap on a half-space over Hertz's at the same load, as a compliance.
 
-    ``c_p R`` with ``c_p = (d - d_Hertz(P)) pi E*/P``: the diagonal of the asperities' influence in units of
-    1/(pi R), if the law of each contact is Hertz's. Small strain.
+    ``c_p R`` with ``c_p = (d - d_Hertz(P)) pi E*/P``. With Hertz contacts it is the diagonal of the
+    influence between asperities in units of 1/(pi R). Small strain.
 
     Parameters
     ----------

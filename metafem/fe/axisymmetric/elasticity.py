@@ -16,16 +16,16 @@ from metafem._validate import FloatArray, IntArray
 from metafem.fe.axisymmetric.geometry import Geometry
 from metafem.fe.linear_solve import LinearStatus, solve
 
-# Gauss points per direction beyond the degree: the polynomials of the elements need one, the analytic
-# maps and 1/r are resolved by the others.
+# Gauss points per direction in addition to the degree: the polynomials of the elements need one; the others
+# resolve the analytic maps and 1/r.
 EXTRA_POINTS = 3
 
-# Numbers in the largest array of a group of elements: 2 MiB, so that a few of them stay in the cache.
+# Numbers in the largest array of a group of elements: 2 MiB, so that a few such arrays fit into the cache.
 GROUP = 250_000
 
 
 def hierarchical(kind: Any, degree: int) -> Any:
-    """Return an element of a hierarchical family without its advice on nodal ones in the log."""
+    """Return an element of a hierarchical family, without the logged advice to use nodal elements."""
     logger = logging.getLogger(kind.__module__)
     level = logger.level
     logger.setLevel(logging.ERROR)
@@ -36,7 +36,7 @@ def hierarchical(kind: Any, degree: int) -> Any:
 
 
 def assembled(number: IntArray, block: FloatArray, size: int) -> csc_matrix:
-    """Sum of element matrices (elements, local, local) whose unknowns have the numbers (elements, local)."""
+    """Assemble element matrices (elements, local, local) with global unknown numbers (elements, local)."""
     width = number.shape[1]
     rows, columns = np.repeat(number, width, axis=1).ravel(), np.tile(number, (1, width)).ravel()
     return coo_matrix((block.ravel(), (rows, columns)), shape=(size, size)).tocsc()
@@ -63,7 +63,7 @@ class Polynomials:
 class Solution:
     """Displacements and pressures for k right-hand sides."""
 
-    skeleton: FloatArray  # (n, k), coefficients that elements share: radial, downward, pressure
+    skeleton: FloatArray  # (n, k), coefficients shared by elements: radial, downward, pressure
     reaction: FloatArray  # (n, k), reactions of the fixed unknowns per 2 pi
     residual: float  # scaled residual of the linear system, recomputed
     status: LinearStatus
@@ -73,7 +73,7 @@ class Body:
     """An axisymmetric elastic body of composite modulus 1 on a mesh of its reference plane.
 
     ``div(2 mu dev eps - p I) = 0``, ``div u + p/K = 0`` with ``mu = (1 - nu)/2`` and
-    ``1/K = 3 (1 - 2 nu)/(1 - nu^2)``: exact for every nu in [0, 0.5], incompressible bodies included.
+    ``1/K = 3 (1 - 2 nu)/(1 - nu^2)``: exact for every nu in [0, 0.5], including incompressible bodies.
     The bubbles of displacement and pressure are eliminated element by element. The degree is at
     least 4.
     """
@@ -95,7 +95,7 @@ class Body:
 
     @cached_property
     def _local(self) -> tuple[IntArray, IntArray]:
-        """Local numbers of the skeleton and of the bubbles, of (radial, downward, pressure)."""
+        """Local numbers of the skeleton and the bubbles for (radial, downward, pressure)."""
         u, p = self.displacement, self.pressure
         kept, inner = [], []
         for start, field in ((0, u), (u.local, u), (2 * u.local, p)):
@@ -106,7 +106,7 @@ class Body:
 
     @cached_property
     def numbering(self) -> IntArray:
-        """Global skeleton numbers of each element's kept unknowns, (elements, kept)."""
+        """Global skeleton numbers of the remaining unknowns of each element, (elements, kept)."""
         u, p = self.displacement, self.pressure
         mine = u.dofs.element_dofs[: u.local - u.inner]
         other = p.dofs.element_dofs[: p.local - p.inner]
@@ -187,7 +187,7 @@ class Body:
         return np.concatenate([dofs.nodal_dofs[:, corners].ravel(), dofs.facet_dofs[:, facets].ravel()])
 
     def solve(self, fixed: IntArray, value: FloatArray) -> Solution:
-        """Solve with some skeleton unknowns fixed at `value`, (n, k), and no load on the rest."""
+        """Solve with some skeleton unknowns fixed at `value`, (n, k), and no load on the others."""
         free = np.setdiff1d(np.arange(self.matrix.shape[0]), fixed)
         rows = self.matrix[free]
         skeleton = np.zeros((self.matrix.shape[0], value.shape[1]))
@@ -224,7 +224,7 @@ class Body:
     def plane_gradient(self, skeleton: FloatArray, element: int, point: FloatArray) -> FloatArray:
         """Derivative (2, k) of the downward displacement by the plane's coordinates at one point.
 
-        It stays finite where the geometry's Jacobian vanishes. Element sides are parallel to the axes.
+        It remains finite where the Jacobian of the geometry vanishes. Element sides are parallel to the axes.
         """
         local = self.displacement.local
         which = np.array([element])

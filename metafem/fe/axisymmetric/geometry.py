@@ -15,7 +15,7 @@ from metafem.errors import InvalidInput
 
 
 class Geometry(Protocol):
-    """An analytic map of the reference plane; no geometry is interpolated."""
+    """An analytic map of the reference plane; the geometry is not interpolated."""
 
     def point(self, plane: FloatArray) -> FloatArray:
         """Radius and depth [mm] of points (2, ...) of the reference plane."""
@@ -80,8 +80,8 @@ class Oblate:
 class Cap:
     """A spherical cap on a block; columns of elements leave the foot of the cap along its bisector.
 
-    The first coordinate of the plane is the angle from the summit, scaled such that the foot of the cap has
-    its true radius, and outside the cap the radius. The second is the depth below the surface; lines of
+    On the cap, the first coordinate of the plane is the angle from the summit, scaled to the true radius at
+    the foot; outside, it is the radius. The second is the depth below the surface; lines of
     constant depth are flat at the base of the block. z is zero at the top of the block, -height at the
     summit.
     """
@@ -115,14 +115,14 @@ class Cap:
         )
 
     def _shrink(self, depth: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Radius of the column below the foot over the foot's, and its derivative by the depth."""
-        # Half of the radius is left far below: the columns under the cap do not become too narrow.
+        """Radius of the column below the foot over that of the foot, and its derivative by the depth."""
+        # Far below, half of the radius remains, so that the columns under the cap do not become too narrow.
         slope = math.tan(0.5 * self.angle) / self.foot
         decay = np.exp(-2.0 * slope * depth)
         return 0.5 + 0.5 * decay, -slope * decay
 
     def _fade(self, depth: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Height of a line of constant depth over the surface's: 1 at the top, 0 at the base; derivative."""
+        """Height of a line of constant depth over that of the surface (top 1, base 0), and its derivative."""
         end = 1.0 / (1.0 + self.thickness / self.foot)
         decay = 1.0 / (1.0 + depth / self.foot)
         return decay - end * depth / self.thickness, -(decay**2) / self.foot - end / self.thickness
@@ -164,7 +164,7 @@ class Cap:
 
 
 def checked_cap(a: float, radius: Any, height: Any, thickness: Any, side_name: str, side: Any) -> Cap:
-    """Return the cap on a block, after checks that the contact of radius a is on it and it on the block."""
+    """Return the cap on a block, after checking that the contact fits on the cap and the cap on the block."""
     R = check.number("radius", radius, above=0.0)
     h = check.number("height", height, above=0.0, at_most=R)
     t = check.number("thickness", thickness, above=0.0)

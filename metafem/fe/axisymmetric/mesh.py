@@ -14,15 +14,15 @@ from skfem import MeshQuad
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 
-# Elements of the oblate-spheroidal plane. The fields of a contact are low harmonics of phi, for which two
-# intervals are enough, and decay as exp(-mu), which elements of length 2 to 4 resolve. The far end is fixed,
-# 5e12 contact radii away.
+# Elements of the oblate-spheroidal plane. The fields of a contact are low harmonics of phi: two intervals are
+# enough. They decay as exp(-mu): elements of length 2 to 4 resolve this. The far end is fixed, 5e12 contact
+# radii away.
 HALF_SPACE_PHI = (0.0, 0.25 * math.pi, 0.5 * math.pi)
 HALF_SPACE_MU = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0, 12.0, 15.0, 18.0, 22.0, 26.0, 30.0)
 
-# Ratios of the distances of neighbouring lines from an edge, up to a tenth of the radius and beyond. A square
-# root is smooth in the logarithm of the distance, and its contribution decreases with the distance. Beyond,
-# the fields have an error of at most 1e-4 with degree 6.
+# Ratios of the distances of neighbouring lines from an edge: up to a tenth of the radius, and beyond it. A
+# square root is smooth in the logarithm of the distance, and its contribution decreases with the distance.
+# Beyond a tenth, the fields have an error of at most 1e-4 with degree 6.
 EDGE_RATIO, RATIO, EDGE_REACH = 6.0, 2.0, 0.1
 
 # Size of the last elements at the contact's edge and at the cap's foot, in units of their radii. The
@@ -56,8 +56,8 @@ def graded_mesh(
     """Return a mesh of a body's plane (s, depth), graded to the contact's edge and the cap's foot.
 
     The plane coordinates of the contact's edge, the side and the foot, and the thickness, are in mm. The last
-    elements have the sizes `contact_edge` and `foot_edge`, relative to the contact's radius and to the
-    foot's.
+    elements have the sizes `contact_edge` and `foot_edge`, relative to the radii of the contact and of the
+    foot.
     """
     fine, reach = contact_edge * contact, EDGE_REACH * contact
     across = [_graded(contact, 0.0, fine, reach)[::-1]]
@@ -113,8 +113,8 @@ def read_mesh(path: str | Path) -> MeshQuad:
     Raises
     ------
     InvalidInput
-        If the file cannot be read, lacks a boundary, or holds other elements than rectangles whose corners
-        are numbered in the same order, which the higher degrees need.
+        If the file cannot be read, lacks a boundary, or has elements other than rectangles with corners in
+        the same order, as the higher degrees need.
 
     Examples
     --------
@@ -144,7 +144,7 @@ def read_mesh(path: str | Path) -> MeshQuad:
 def _graded(
     fine_end: float, coarse_end: float, smallest: float, edge: float, largest: float = math.inf
 ) -> FloatArray:
-    """Return points from the fine end, with a first interval of at most `smallest`, to the coarse end.
+    """Return points from the fine end to the coarse end, with a first interval of at most `smallest`.
 
     Distances grow by EDGE_RATIO up to `edge`, and beyond it by RATIO or by `largest`.
     """

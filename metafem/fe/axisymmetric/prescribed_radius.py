@@ -24,7 +24,7 @@ class Pressed:
 
     load: float  # P/E* [mm^2]
     indentation: float  # [mm]
-    # half of the relative difference of loads or indentations by the two criteria; 0 for one criterion
+    # half of the relative difference of loads or indentations between the two criteria; 0 for one criterion
     bracket: float
     residual: float  # of the linear system
     status: LinearStatus  # of the linear system
@@ -38,8 +38,8 @@ def spectral(
 ) -> Pressed:
     """Solve on a half-space in oblate-spheroidal coordinates.
 
-    Near the edge the depth of the surface below the contact is ``K mu + O(mu^2)``, with the strength K of the
-    pressure's singularity. The indentation is that at which K vanishes.
+    Near the edge the depth of the surface below the contact is ``K mu + O(mu^2)``, where K is the strength of
+    the pressure singularity. At the indentation found, K vanishes.
     """
     body = Body(mesh, geometry, degree, poisson_ratio)
     solution = _solve(body, profile, walled=False)
@@ -59,7 +59,7 @@ def graded(
     extent: float,
     walled: bool,
 ) -> Pressed:
-    """Solve on a mesh graded to the edge; the indentation is the mean of those by the two criteria."""
+    """Solve on a mesh graded to the edge; the indentation is the mean of the results of the two criteria."""
     body = Body(mesh, geometry, degree, poisson_ratio)
     solution = _solve(body, profile, walled)
     start = body.displacement.skeleton
@@ -112,7 +112,7 @@ def contact_data(body: Body, value: Callable[[FloatArray], FloatArray]) -> Float
 
 
 def _solve(body: Body, profile: Profile, walled: bool) -> Solution:
-    """Solve for a unit displacement of the contact, and for the profile that is pressed flat."""
+    """Solve for a unit displacement of the contact, and for the profile pressed flat."""
     start = body.displacement.skeleton
     radial = [body.boundary("axis"), body.boundary("base")]
     if walled:

@@ -21,7 +21,7 @@ from metafem.fe.axisymmetric.surface_values import contact_pressure, surface_dis
 from metafem.fe.linear_solve import LinearStatus
 
 # A layer without a side ends at this many thicknesses. Its field decays as exp(-0.739 r/t) at nu = 0.5 (the
-# root of cos y = y) and faster below: the side changes the field at the contact by less than 1e-7.
+# root of cos y = y) and faster for smaller nu: the side changes the field at the contact by less than 1e-7.
 LAYER_EXTENT = 12.0
 
 # Degrees of the returned solution, and of the one from which its error is estimated.
@@ -113,7 +113,7 @@ def press(
 
     Small strain, axisymmetric, E* = 1. Two linear problems have the same matrix: a unit displacement of the
     contact, and the profile pressed flat. The indentation is that for which the pressure of their
-    combination is finite at the edge of the contact. The body is
+    combination is finite at the edge of the contact. The body is one of:
 
     - a half-space with a paraboloid of `radius`, or with any `profile`: high-order elements in
       oblate-spheroidal coordinates;
@@ -121,8 +121,8 @@ def press(
       `cell_radius` (no radial displacement and no shear: one cell of an infinite lattice);
     - with a `height`, the true spherical cap on that layer or block.
 
-    For the last two the mesh is graded to the edge, and two criteria bracket the indentation: no reaction at
-    the edge, and no gap at the next node. Hertz (1882), doi:10.1515/crll.1882.92.156, for the half-space.
+    For the last two, the mesh is graded to the edge, and two criteria bracket the indentation: no reaction at
+    the edge, and no gap at the next node. Half-space: Hertz (1882), doi:10.1515/crll.1882.92.156.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def press(
     poisson_ratio : float
         nu [-], from 0 to 0.5; default: 0.5.
     height, thickness : float, optional
-        Of the cap, up to R, and of the block below it [mm].
+        Height of the cap, up to R, and thickness of the block below it [mm].
     block_radius, cell_radius : float, optional
         Radius of the side [mm]; default: neither, an unbounded layer.
     profile : callable, optional
@@ -153,8 +153,8 @@ def press(
 
     Notes
     -----
-    Small strain overestimates P(a) of a soft sphere at large a/R, where finite strain lies below Hertz's
-    law (0.974 of it at a/R = 0.43, while small strain gives 1.11 at 0.5). Hertz's law with a fitted modulus
+    Small strain overestimates P(a) of a soft sphere at large a/R: relative to Hertz's law it gives 1.11 at
+    a/R = 0.5, finite strain 0.974 at 0.43. Hertz's law with a fitted modulus
     is more accurate there. `press_finite` computes finite strain.
 
     Examples
@@ -183,7 +183,7 @@ def press(
 
 
 def _result(a: float, fine: Pressed, coarse: Pressed) -> PressedContact:
-    """Return the finer solution with an error estimated from the coarser one and from its bracket."""
+    """Return the finer solution, with an error estimate from the coarser one and from the bracket."""
     if not (fine.load > 0.0 and fine.indentation > 0.0):
         raise InvalidInput("the profile carries no load: it must fall away from the axis")
     steps = [abs(getattr(coarse, what) / getattr(fine, what) - 1.0) for what in ("load", "indentation")]

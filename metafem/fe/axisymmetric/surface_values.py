@@ -18,7 +18,7 @@ def locate(body: Body, name: str, plane: FloatArray) -> tuple[IntArray, FloatArr
     order = np.argsort(start)
     which = np.searchsorted(start[order], plane[along], side="right") - 1
     element = mesh.f2t[0, facets[order[np.maximum(which, 0)]]]
-    # Elements are parallelograms of the plane: one Newton step from the middle is exact.
+    # Elements are parallelograms in the plane: one Newton step from the middle is exact.
     straight, middle = mesh.mapping(), np.full((2, len(element), 1), 0.5)
     step = plane - straight.F(middle, element)[..., 0]
     slope = straight.invDF(middle, element)[..., 0]

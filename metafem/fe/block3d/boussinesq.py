@@ -15,7 +15,7 @@ def displacement(x: FloatArray, y: FloatArray, z: FloatArray, poisson_ratio: flo
     """Displacement at (x, y) from a unit normal load and at depth z >= 0 [1/mm].
 
     Boussinesq's solution, Johnson, Contact Mechanics, equation 3.18, doi:10.1017/CBO9781139171731,
-    with ``(R - z)/r^2`` written as ``1/(R + z)``, which does not cancel near the axis.
+    with ``(R - z)/r^2`` written as ``1/(R + z)``, which avoids cancellation near the axis.
     """
     # with E* = 1 the shear modulus is (1 - nu)/2
     scale = 1.0 / (2.0 * math.pi * (1.0 - poisson_ratio))
@@ -26,10 +26,10 @@ def displacement(x: FloatArray, y: FloatArray, z: FloatArray, poisson_ratio: flo
 
 
 def traction(x: FloatArray, y: FloatArray, z: FloatArray, normal: int, poisson_ratio: float) -> Vector:
-    """Traction there on a plane whose normal is axis 0, 1 or 2 [1/mm^2].
+    """Traction at (x, y, z) on a plane whose normal is axis 0, 1 or 2 [1/mm^2].
 
     Johnson, equation 3.19 in Cartesian components, again with R + z in place of r^2. It does not depend
-    on the modulus, and stays finite for nu = 1/2.
+    on the modulus, and is finite for nu = 1/2.
     """
     if normal == 1:
         across, along, down = traction(y, x, z, 0, poisson_ratio)

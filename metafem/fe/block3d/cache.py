@@ -40,10 +40,10 @@ class BlockInfluence:
     gradient_x: FloatArray  # (n, n), its derivatives in the plane at i [1/mm^2]
     gradient_y: FloatArray
     laplacian: FloatArray  # (n, n) [1/mm^3]
-    asymmetry: float  # largest difference of mirrored entries before they were averaged [1/mm]
-    error_estimate: float  # largest change of an entry from cells 1.6 times as large [1/mm]; bounds the error
+    asymmetry: float  # largest difference between mirrored entries before averaging [1/mm]
+    error_estimate: float  # largest change of an entry against cells 1.6 times as large [1/mm]: error bound
     residual: float  # largest relative residual of the linear solutions
-    notes: tuple[str, ...] = ()  # what was computed or read, and faults of the disk
+    notes: tuple[str, ...] = ()  # whether it was computed or read, and disk errors
 
     def __post_init__(self) -> None:
         for name in _ARRAYS:
@@ -59,8 +59,8 @@ def cached(
 ) -> BlockInfluence:
     """Read the influence of a block and its sites, or compute and store it.
 
-    The name of the file is a hash of the numbers `shape`, of the positions and of the code that computes. If
-    the file cannot be read, the influence is computed again; if it cannot be written, a note says so.
+    The file name is a hash of the numbers `shape`, the positions and the code. If the file cannot be read,
+    the influence is computed again; if it cannot be written, a note says so.
     """
     try:
         path = _path(shape, position)
@@ -136,7 +136,7 @@ def _read(path: Path, n: int) -> BlockInfluence:
 
 
 def _write(path: Path, result: BlockInfluence) -> None:
-    """Write a temporary file and rename it, so that no incomplete file is ever read."""
+    """Write a temporary file and rename it, so that no process reads an incomplete file."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=".block-", suffix=".npz")
     try:

@@ -24,7 +24,7 @@ BoolArray = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class Remainder:
-    """Difference of the block's solution from the half-space's under each of m mirrored loads."""
+    """Difference between the solutions of the block and of the half-space under each of m mirrored loads."""
 
     parity: tuple[int, int]
     source: FloatArray
@@ -49,8 +49,8 @@ class Quarter:
         """Assemble the matrix without boundary conditions.
 
         ``2 mu dev(eps) : eps(v) - p div v - q div u - p q / K``, with 1/K = 0 for nu = 1/2. Elements and
-        boxes are tensor products, so the matrices of Q2 and Q1 hexahedra are Kronecker products of
-        those of lines: equal to those of assembled hexahedra, and a thousand times as fast.
+        boxes are tensor products, so the matrices of Q2 and Q1 hexahedra are Kronecker products of line
+        matrices: equal to the assembled matrices, and a thousand times as fast.
         """
         axes = (LineElements.on(lines.x), LineElements.on(lines.y), LineElements.on(lines.z))
         mu = 0.5 * (1.0 - poisson_ratio)
@@ -83,7 +83,7 @@ class Quarter:
     def solve(self, parity: tuple[int, int], source: FloatArray) -> Remainder:
         """Solve for the difference from the half-space under mirrored unit loads.
 
-        The parity holds the signs of a load's mirror images in x = 0 and in y = 0; `source` (m, 2) the
+        The parity holds the signs of a load's mirror images in x = 0 and in y = 0; `source` (m, 2) holds the
         positions of the loads [mm].
         """
         base, nodal = self._index[..., -1].ravel(), self._index.size
@@ -101,11 +101,11 @@ class Quarter:
         return Remainder(parity, source, value[:nodal], (self.matrix @ value - load)[base], solved.residual)
 
     def influence(self, field: Remainder, position: FloatArray) -> FloatArray:
-        """Normal displacement of the top at positions (n, 2), beyond the half-space's, (n, m) [1/mm].
+        """Normal displacement of the top at positions (n, 2) minus that of the half-space, (n, m) [1/mm].
 
-        By Betti's theorem between the field of a load at the position p and that of a source j. With U, T
-        the half-space's displacement and traction, w the elements' part and t(w) its reaction,
-        ``w_j(p) = -int_sides T_p (U_j + w_j) + int_base U_p (T_j + t(w_j))``. It is
+        By Betti's theorem for the fields of a load at the position p and of a source j. U, T are
+        displacement and traction of the half-space, w the solution of the elements and t(w) its reaction:
+        ``w_j(p) = -int_sides T_p (U_j + w_j) + int_base U_p (T_j + t(w_j))``. The result is
         symmetric and smooth in p, and the order of its error is twice that of w.
         """
         parity, nu = field.parity, self.poisson_ratio
@@ -118,16 +118,16 @@ class Quarter:
         return result
 
     def top(self, field: Remainder, position: FloatArray) -> FloatArray:
-        """The same as `influence`, interpolated in the elements; for positions in the quarter."""
+        """As `influence`, interpolated in the elements; for positions in the quarter."""
         along = [self.axes[k].at(position[:, k]).toarray() for k in (0, 1)]
         normal = field.displacement[self._index[2, :, :, 0]]
         return np.asarray(np.einsum("nx,ny,xym->nm", *along, normal, optimize=True))
 
     def _known(self, parity: tuple[int, int]) -> BoolArray:
-        """Which unknowns symmetry or the base prescribes."""
+        """Whether each unknown is prescribed by symmetry or by the base."""
         known = np.zeros(self.matrix.shape[0], dtype=bool)
         for k, sign in enumerate(parity):
-            # an even field has no displacement normal to the symmetry plane, an odd one no other
+            # on the symmetry plane, an even field has no normal and an odd field no tangential displacement
             still = [k] if sign > 0 else [c for c in range(3) if c != k]
             known[np.take(self._index[still], 0, axis=k + 1)] = True
         known[self._index[..., -1]] = True

@@ -10,8 +10,8 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.surface import Block
 
-# Each cell is at most e times its neighbour nearer to the bonded edge; beyond the loads' reach cells
-# grow by 0.4 of the distance. Steeper ones cost accuracy, gentler ones add cells only.
+# Each cell is at most e times its neighbour nearer to the bonded edge; beyond the loaded region cells
+# grow by 0.4 of the distance. Steeper grading costs accuracy; gentler grading only adds cells.
 EDGE_GROWTH = 1.0
 OUTER_GROWTH = 0.4
 
@@ -35,7 +35,7 @@ def quarter_lines(block: Block, position: FloatArray, cell: float, edge_cell: fl
     """Return the lines of a mesh for loads at `position`, (n, 2) [mm].
 
     `cell` and `edge_cell` are the largest cell near the loads and the last one at the base and the
-    sides, in units of the thickness; both are exceeded to keep to `MOST_CELLS`.
+    sides, in units of the thickness; both are enlarged if needed to respect `MOST_CELLS`.
     """
     thickness, stretch = block.thickness, 1.0
     reach = np.abs(position).max(axis=0) + thickness
@@ -52,10 +52,10 @@ def quarter_lines(block: Block, position: FloatArray, cell: float, edge_cell: fl
 
 @dataclass(frozen=True)
 class Grading:
-    """Cells from 0 to `length`: of `cell` up to `reach`, growing beyond, down to `edge_cell` at the end.
+    """Cells from 0 to `length`: `cell` up to `reach`, larger beyond it, and `edge_cell` at the end.
 
-    The size is ``min(cell + OUTER_GROWTH (s - reach)+, start + EDGE_GROWTH (length - s))``, and
-    the integral of its reciprocal, in closed form, the number of cells.
+    The size is ``min(cell + OUTER_GROWTH (s - reach)+, start + EDGE_GROWTH (length - s))``. The number of
+    cells is the integral of its reciprocal, in closed form.
     """
 
     length: float

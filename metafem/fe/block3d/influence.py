@@ -13,7 +13,7 @@ from metafem.fe.block3d.grading import Lines, quarter_lines
 from metafem.progress import each
 from metafem.surface import Block
 
-# Cell of the second mesh, for the error estimate, over that of the first.
+# Cell size of the second mesh, for the error estimate, over that of the first.
 COARSER = 1.6
 
 # Step of the differences, over the distance from the site to the nearest face of the block. The field
@@ -23,10 +23,10 @@ STEP = 0.02
 # Sign of a load's mirror image in x = 0 and in y = 0.
 PARITIES = ((1, 1), (1, -1), (-1, 1), (-1, -1))
 
-# Places evaluated at once, for which fields on the faces of the largest mesh take 100 MB.
+# Positions evaluated at once: fields on the faces of the largest mesh then take 100 MB.
 MOST_PLACES = 256
 
-# Places that agree to this part of the thickness are one.
+# Positions closer than this fraction of the thickness are treated as one.
 SAME = 1e-12
 
 
@@ -63,13 +63,13 @@ def _remainder(
 ) -> tuple[FloatArray, float]:
     """Value, gradient and Laplacian of w between sites, (4, n, n), and the residual.
 
-    A load is a quarter of the sum, over the four parities, of itself and its three mirror images with
-    that parity's signs.
+    A load is a quarter of the sum over the four parities of the load and its three mirror images with the
+    signs of the parity.
     """
     quarter = Quarter.on(lines, poisson_ratio)
     folded = np.abs(position)
     square = block.width == block.length
-    if square:  # the mirror image in the diagonal, last
+    if square:  # the mirror image in the diagonal comes last
         folded = np.concatenate([folded, folded[:, ::-1]])
     site, orbit = _distinct(folded, SAME * block.thickness)
     step = STEP * np.minimum(0.5 * np.array([block.width, block.length]) - site, block.thickness).min(axis=1)

@@ -11,7 +11,7 @@ from skfem import Basis, BilinearForm, ElementLineP1, ElementLineP2, MeshLine
 
 from metafem._validate import FloatArray
 
-# Gauss points exact to this degree: the matrices need 4, the tractions are not polynomials.
+# Degree to which the Gauss points are exact: the matrices need 4; the tractions are not polynomials.
 QUADRATURE = 9
 
 
@@ -50,7 +50,7 @@ class LineElements:
         }
         mixed = {
             0: MASS.assemble(basis, linear),
-            # the derivative is on u here: assembled the other way round
+            # here u is differentiated: the transpose is assembled
             1: DERIVATIVE.assemble(linear, basis).T,
         }
         pressure: dict[Any, Any] = {j: matrix.tocsr()[vertices][:, order] for j, matrix in mixed.items()}

@@ -31,7 +31,7 @@ class Block3D:
     Betti's theorem. The block has no asperities. Each result is stored on disk, in the folder that
     ``metafem doctor`` prints; the environment variable ``METAFEM_CACHE_DIR`` sets another one.
 
-    Holds for loads within the block; those nearer to a side than `cell` times the thickness need smaller
+    Valid for loads within the block. Loads nearer to a side than `cell` times the thickness need smaller
     cells; a warning says so. With the default cells, entries for the 8 x 8 lattice on the block of Aymard et
     al., Science 383, 200 (2024), doi:10.1126/science.adk4234, have an error below 1e-5 /mm.
 
@@ -42,9 +42,9 @@ class Block3D:
     poisson_ratio : float, optional
         nu [-], from 0 to 0.5; default: that of the surface's material.
     cell, edge_cell : float
-        Size of the largest cells near the loads, and of the last ones before the sides and the base,
-        whose common edge is singular, in units of the thickness [-]; default: 0.25 and 0.006. In wide and
-        thin blocks they are enlarged to limit their number, which the notes state.
+        Size of the largest cells near the loads, and of the last ones before the sides and the base (their
+        common edge is singular), in units of the thickness [-]; default: 0.25 and 0.006. In wide and
+        thin blocks the cells are enlarged to limit their number; a note states this.
 
     Raises
     ------
@@ -107,7 +107,7 @@ class Block3D:
         return result.gradient_x.copy(), result.gradient_y.copy(), result.laplacian.copy()
 
     def is_kept(self, surface: Surface) -> bool:
-        """Whether the influence is on disk; its computation takes half a minute for 64 sites."""
+        """Whether the influence is stored on disk; computing it takes half a minute for 64 sites."""
         bound = self.for_surface(surface)
         return is_cached(*_numbers(bound, surface.position))
 
@@ -131,7 +131,7 @@ class Block3D:
 
 
 def _numbers(bound: Block3D, position: FloatArray) -> tuple[tuple[float, ...], FloatArray]:
-    """Return the numbers that identify a stored influence: those of the block, and the sites."""
+    """Return the data that identify a stored influence: the numbers of the block, and the sites."""
     block, ratio = bound.block, bound.poisson_ratio
     assert block is not None
     assert ratio is not None
@@ -141,14 +141,14 @@ def _numbers(bound: Block3D, position: FloatArray) -> tuple[tuple[float, ...], F
 
 @lru_cache(maxsize=16)
 def _solution(bound: Block3D, position: bytes) -> BlockInfluence:
-    """Read or compute an influence; it stays in memory too, for folders that cannot be written."""
+    """Read or compute an influence; it is also cached in memory, in case the folder cannot be written."""
     block, ratio = bound.block, bound.poisson_ratio
     assert block is not None
     assert ratio is not None
     shape, site = _numbers(bound, np.frombuffer(position).reshape(-1, 2))
 
     def compute() -> BlockInfluence:
-        # scikit-fem and scipy are loaded only where there is something to solve
+        # scikit-fem and scipy are loaded only if a solution is needed
         from metafem.fe.block3d.influence import site_influence
         from metafem.fe.linear_solve import RESIDUAL
 

@@ -17,11 +17,11 @@ from metafem.fe.axisymmetric.prescribed_radius import Profile, contact_data
 from metafem.fe.large_strain import neo_hookean
 from metafem.fe.linear_solve import THRESHOLD, solve
 
-# Largest number of Newton steps; they double the correct digits. Without convergence the load step is halved.
+# Largest number of Newton steps, which double the correct digits; then the load step is halved.
 NEWTON = 12
 
-# Largest unbalanced nodal force, relative to the load, and largest last change, relative to the largest
-# displacement, of a converged state: far above rounding, and the next step would square the change.
+# Largest unbalanced nodal force of a converged state, relative to the load, and largest last change, relative
+# to the largest displacement: far above rounding, as the next step would square the change.
 RESIDUAL, CHANGE = 1e-8, 1e-6
 
 # Smallest load step, as a fraction of the indentation.
@@ -43,9 +43,9 @@ class Flattened:
     indentation: float  # [mm]
     edge: float  # deformed radius of the contact's edge [mm]
     energy: float  # stored energy over E* [mm^3]
-    shift: float  # amplitude of the last term of the radial displacement of points that stick
+    shift: float  # amplitude of the last term of the radial displacement of sticking points
     # relative change of the load at the same deformed radius, or of the indentation, if the next node outside
-    # were in contact too
+    # were also in contact
     bracket: float
     fraction: float  # fraction of the prescribed displacements; 1 for a complete state
     residual: float  # largest unbalanced nodal force, relative to the load
@@ -61,8 +61,8 @@ class Flattened:
 class Plane:
     """Prescribed displacements: the ``fixed`` unknowns are ``fraction way + modes amplitudes``.
 
-    The amplitudes (indentation; shift) are those for which the forces at ``edge`` vanish. The next node
-    outside is `depth` below the summit.
+    The amplitudes (indentation; shift) make the forces at ``edge`` vanish. The next node outside is
+    `depth` below the summit.
     """
 
     fixed: IntArray
@@ -81,13 +81,13 @@ class SoftBody(Body):
 
     @cached_property
     def all_numbers(self) -> IntArray:
-        """Global numbers of each element's unknowns, bubbles included."""
+        """Global numbers of the unknowns of each element, including bubbles."""
         mine, other = self.displacement.dofs.element_dofs, self.pressure.dofs.element_dofs
         return np.vstack([mine, mine + self.count, other + 2 * self.count]).T
 
     @property
     def count(self) -> int:
-        """Number of coefficients of one displacement."""
+        """Number of coefficients of one displacement component."""
         return int(self.displacement.dofs.N)
 
     @property
@@ -131,10 +131,10 @@ class SoftBody(Body):
     ) -> Flattened:
         """Flatten the surface within the boundary `contact`, without force at its edge.
 
-        The profile is the depth below the summit [mm] at the undeformed radii. `stuck` are the radial
-        displacement [mm] of points that stick and the term of it that the state determines; default: the
-        points slip. `start` is a complete state on a mesh of the same numbering. Raise NotConverged, with the
-        last state, if Newton's method fails with the smallest steps.
+        The profile is the depth below the summit [mm] at the undeformed radii. `stuck` holds the radial
+        displacement [mm] of sticking points and its unknown term; default: the points slip. `start` is a
+        complete state on a mesh with the same numbering. Raises NotConverged, with the last state, if
+        Newton's method fails with the smallest steps.
         """
         plane = self._plane(profile, stuck)
         last = Flattened(0.0, 0.0, 0.0, 0.0, 0.0, math.inf, 0.0, 0.0, np.zeros(self.size))  # at rest
@@ -146,7 +146,7 @@ class SoftBody(Body):
         step = 1.0
         while last.fraction < 1.0:
             fraction = min(1.0, last.fraction + step)
-            # initial guess: the linear solution from rest, later a linear extrapolation
+            # initial guess: first the linear solution, later a linear extrapolation
             scale = fraction / last.fraction if last.fraction > 0.0 else 1.0
             amplitudes = scale * np.array([last.indentation, last.shift])[: plane.modes.shape[1]]
             state = self._newton(plane, fraction, scale * last.unknowns, amplitudes)
@@ -217,7 +217,7 @@ class SoftBody(Body):
             solved = solve(matrix[free][:, free].tocsc(), right[free], THRESHOLD)
             full[free] = -solved.value
             at_edge = (right + matrix @ full)[plane.edge]
-            # a singular tangent: too far from the solution
+            # a singular tangent: the guess is too far from the solution
             if not math.isfinite(solved.residual) or np.linalg.det(at_edge[:, 1:]) == 0.0:
                 return None
             step = np.linalg.solve(at_edge[:, 1:], -at_edge[:, 0])
@@ -242,7 +242,7 @@ class SoftBody(Body):
         force: FloatArray,
         way: FloatArray,
     ) -> float:
-        """Relative change if the next node were in contact, by the tangent, without shear at the edge."""
+        """Linearised relative change if the next node were in contact, without shear at the edge."""
         edge, other = self.edge_nodes
         at_edge = (matrix @ way)[plane.edge]
         mix = np.ones(1) if way.shape[1] == 1 else np.array([1.0, -at_edge[1, 0] / at_edge[1, 1]])

@@ -1,8 +1,7 @@
 """Incompressible neo-Hookean rubber under axisymmetric deformation.
 
-The functions take the gradient of the displacement, ``H = F - 1``, because far from the contact its digits
-would be lost in F. The components (..., 5) are H11,
-H12, H21, H22 by (r, z), and the hoop strain H33.
+The functions take the displacement gradient ``H = F - 1``, because far from the contact F would lose its
+digits. The components (..., 5) are H11, H12, H21, H22 by (r, z), and the hoop strain H33.
 """
 
 from __future__ import annotations
@@ -39,8 +38,8 @@ def volume_slope(h: FloatArray) -> FloatArray:
 def stress(h: FloatArray, pressure: FloatArray, shear_modulus: float) -> FloatArray:
     """Return the first Piola-Kirchhoff stress dW/dF, (..., 5).
 
-    ``W = mu/2 (F:F - 3 - 2 ln J) - p (J - 1)``. The logarithm vanishes in an incompressible body; with it
-    the mean stress at rest is -p.
+    ``W = mu/2 (F:F - 3 - 2 ln J) - p (J - 1)``. The logarithm vanishes in an incompressible body; it makes
+    the mean stress in the undeformed state equal to -p.
     """
     slope, volume = volume_slope(h), volume_change(h)[..., None]
     inverse = (slope - volume * ONE) / (1.0 + volume)

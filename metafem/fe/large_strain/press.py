@@ -1,4 +1,4 @@
-"""A true cap of incompressible rubber under a rigid plane at large strain, with slip or with stick."""
+"""A spherical cap of incompressible rubber under a rigid plane at large strain, with slip or stick."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from metafem.fe.axisymmetric.mesh import graded_mesh
 from metafem.fe.large_strain.body import Flattened, NewtonStatus, SoftBody
 
 # Size of the last elements at the edge, relative to the contact radius: the bracket of the edge is of this
-# order, below the error of quadratic elements.
+# order, which is below the error of quadratic elements.
 CONTACT_EDGE = 1e-4
 
-# Size of the elements at the cap's foot, relative to its radius. The corner closes to a crease, which folds
-# on a fine mesh; coarse elements smooth it, without effect on the contact.
+# Size of the elements at the cap's foot, relative to its radius. The corner closes to a crease, which makes a
+# fine mesh fold; coarse elements smooth it, without effect on the contact.
 FOOT_EDGE = 0.05
 
-# Refinements of the graded mesh: for the result, and for the coarser one of the error estimate.
+# Refinements of the graded mesh: for the result, and for the coarser solution of the error estimate.
 REFINEMENTS = (1, 0)
 
-# Largest relative error of the deformed radius, and largest number of secant steps for the material radius:
-# each gains three digits or more, as the two radii differ by a few percent.
+# Largest relative error of the deformed radius, and largest number of secant steps for the material radius.
+# Each step gains three digits or more, as the two radii differ by a few percent.
 RADIUS_ERROR, SECANT_STEPS = 1e-7, 12
 
-# Number of increasing contacts that are computed with stick: at a/R = 0.5 half as many change the load by
-# 1e-4, twice as many by 2e-6.
+# Number of increasing contacts with stick: at a/R = 0.5 half as many change the load by 1e-4, twice as many
+# by 2e-6.
 HISTORY = 4
 
 
@@ -50,8 +50,8 @@ class FiniteContact:
     indentation : float
         Displacement of the plane from first contact [mm].
     error_estimate : float
-        Bound of the relative errors of load and indentation by the discretisation [-]: the change by
-        refining the mesh, with stick also by halving the number of contacts, and the bracket of the edge.
+        Bound of the relative discretisation errors of load and indentation [-]: the change on refining the
+        mesh, with stick also on halving the number of contacts, and the bracket of the edge.
     residual : float
         Largest unbalanced nodal force, relative to the load [-].
     status : NewtonStatus
@@ -82,26 +82,26 @@ def press_finite(
     block_radius: float,
     stick: bool = False,
 ) -> FiniteContact:
-    """Press a rigid plane on a soft spherical cap until the deformed contact's radius is `contact_radius`.
+    """Press a rigid plane on a soft spherical cap until the deformed contact radius is `contact_radius`.
 
     Large strain, axisymmetric, incompressible neo-Hookean: ``W = mu/2 (F:F - 3)`` with ``J = 1`` and
     E* = 4 mu, with quadratic displacements and linear pressures in the undeformed frame. The points up to a
-    material radius are on the plane, whose indentation is that at which no force acts on the last of them:
-    the pressure is finite at the edge. The material radius is that whose deformed radius is
+    material radius are on the plane. The indentation is that at which no force acts on the last of them:
+    the pressure is finite at the edge. The deformed value of the material radius is
     `contact_radius`. The body is the cap on a block bonded to a rigid base, with free sides, as in `press`.
 
-    Points slip without friction or, with `stick`, remain where they came into contact with the plane:
-    ``r = a(s)`` for the undeformed radius s, determined by a sequence of increasing contacts, at each of
-    which no shear force acts on the last point.
+    Points slip without friction or, with `stick`, remain where they first touched the plane:
+    ``r = a(s)`` for the undeformed radius s, determined by a sequence of increasing contacts. In each of them
+    no shear force acts on the last point.
 
     Parameters
     ----------
     contact_radius : float
         a [mm], below the radius of the cap's base.
     radius, height : float
-        Of the sphere and its cap [mm], height up to the radius.
+        Radius of the sphere and height of its cap [mm], the height up to the radius.
     thickness, block_radius : float
-        Of the block [mm].
+        Thickness and radius of the block [mm].
     stick : bool
         Whether points in contact stick to the plane; default: False.
 
@@ -118,10 +118,9 @@ def press_finite(
 
     Notes
     -----
-    With h/R = 0.38, P(a) is 0.989 of Hertz's at a/R = 0.1, 0.974 at 0.4 and 0.978 at 0.5, where small
-    strain (`press`) gives 1.11: the error of small strain is larger than that of Hertz's law, and has the
-    opposite sign. At large a/R of soft bodies, Hertz's law with a fitted E* is more accurate than small
-    strain.
+    With h/R = 0.38, P(a) is 0.989 of Hertz's at a/R = 0.1, 0.974 at 0.4 and 0.978 at 0.5. At 0.5 small
+    strain (`press`) gives 1.11: its error is larger than that of Hertz's law and has the opposite sign. For
+    soft bodies at large a/R, Hertz's law with a fitted E* is more accurate than small strain.
 
     Examples
     --------
@@ -140,12 +139,12 @@ def press_finite(
 def press_sequence(
     radii: FloatArray, cap: Cap, stick: bool, refinements: tuple[int, int] = REFINEMENTS
 ) -> list[FiniteContact]:
-    """Return contacts of increasing radii; with stick each one depends on those before it."""
+    """Return contacts of increasing radii; with stick each one depends on the previous ones."""
     coarse = _on_mesh(radii, cap, stick, refinements[1], [])
     fine = _on_mesh(radii, cap, stick, refinements[0], [c.material_radius for c in coarse])
     change = [_change(one, two) for one, two in zip(fine, coarse, strict=True)]
     if stick and len(radii) > 1:
-        # every second contact, the last one included
+        # every second contact, including the last one
         half = _on_mesh(radii[::-2][::-1], cap, stick, refinements[1], [])
         change[-1] += _change(half[-1], coarse[-1])
     return [
@@ -204,7 +203,7 @@ class Stick:
 
 
 def _contact(a: float, cap: Cap, stick: Stick | None, refinement: int, guess: float) -> FiniteContact:
-    """Return the contact with the deformed radius a; the secant method gives the material radius."""
+    """Return the contact with the deformed radius a; the material radius is found by the secant method."""
     state: Flattened | None = None
     material, before = guess, (0.0, 0.0)
     for _ in range(SECANT_STEPS):

@@ -27,9 +27,9 @@ def tabulated_contact(
 ) -> TabulatedContact:
     """Return the contact law of a soft spherical cap at large strain, from `press_finite`.
 
-    The plane slips on the cap. The indentation is that of the cap on a half-space, as in all contact laws: a
-    block of this thickness is stiffer by ``-P self_influence`` of `BondedLayer`, which coupled models add.
-    The compliance of the cap's pedestal is part of the law. About 6 s for each contact radius; the load is
+    The plane slips on the cap. As in all contact laws, the indentation is that of the cap on a half-space: on
+    a block of this thickness it is smaller by ``-P self_influence`` of `BondedLayer`, which coupled models
+    add. The law includes the compliance of the pedestal. It takes about 6 s per contact radius; the load is
     within 0.2 % where the mesh resolves the contact (`FiniteContact.error_estimate`).
 
     Parameters
@@ -37,9 +37,9 @@ def tabulated_contact(
     contact_radius : array_like, (m,)
         Increasing contact radii [mm] of the table, at least 3, below the radius of the cap's base.
     radius, height : float
-        Of the sphere and its cap [mm], height up to the radius.
+        Radius of the sphere and height of its cap [mm], the height up to the radius.
     thickness, block_radius : float
-        Of the block [mm].
+        Thickness and radius of the block [mm].
     material : Material
         Incompressible; its E* scales the loads.
 
@@ -52,7 +52,7 @@ def tabulated_contact(
     InvalidInput
         If a size does not fit the others, or the material is compressible.
     NotConverged
-        If a contact is not found.
+        If a contact does not converge.
 
     Examples
     --------

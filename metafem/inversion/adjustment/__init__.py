@@ -1,1 +1,1 @@
-"""Heights of an inversion, adjusted to another model, to tolerances and to height steps."""
+"""Adjustment of the heights of an inversion to another model, to tolerances and to height steps."""

@@ -1,8 +1,8 @@
-"""Heights of interacting asperities whose contacts enter at the loads of independent ones.
+"""Heights of interacting asperities whose contacts form at the same loads as for independent ones.
 
-Contacts of other laws than Hertz's enter with sharper kinks of A0(P), which interaction shifts, and gradients
-do not describe a contact beyond its kink. The heights are therefore sought as those of independent
-asperities, and shifted so that each summit is touched at the same loads of the others.
+With laws other than Hertz's, A0(P) has a sharper kink where a contact forms. Interaction shifts the kinks,
+and gradients are not valid beyond them. The unknowns are therefore the heights of independent asperities,
+shifted so that each summit first touches at the same loads of the others.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from metafem.inversion.search.nearest_law import beyond
 from metafem.inversion.search.spaces import Heights, LateResidual
 from metafem.models import Independent
 
-# Most loads of the target that are used.
+# Maximum number of loads of the target that are used.
 LOADS = 30
 
-# Most steps of descents under a model of adhesive asperities that interact, a tenth of a second to a second
-# each.
+# Maximum number of descent steps for interacting adhesive asperities: each takes a tenth of a second to a
+# second.
 ADHESIVE_STEPS = 6
 
 
@@ -34,7 +34,7 @@ def with_same_entries(problem: Problem, start: Candidate, goal: float, rng: np.r
     """Return heights whose law under the model meets the target, with its misfit.
 
     The unknowns are heights of independent asperities, whose gradients are used; the law is that of the
-    shifted heights under the model. With adhesion, whose branches take long to follow, there are few steps.
+    shifted heights under the model. With adhesion, each step is slow, so their number is limited.
     """
     solver, limits, options = problem.model.gradient_model, problem.limits, problem.options
     law, surface = start.target_law.thinned(LOADS), start.surface(problem.template)
@@ -64,10 +64,10 @@ def with_same_entries(problem: Problem, start: Candidate, goal: float, rng: np.r
 def shift(problem: Problem, start: Candidate) -> Callable[[FloatArray], FloatArray]:
     """Return the function that shifts heights (n,) [mm] of independent asperities for the interaction.
 
-    As the plane touches summit i of independent asperities, the loads P_j of the others are known from their
-    indentations h_j - h_i. Their field ``u = sum K P_j/E*`` sinks summit i and the others. With
+    When the plane touches summit i of independent asperities, the loads P_j of the others follow from their
+    indentations h_j - h_i. Their field ``u = sum K P_j/E*`` lowers summit i and the others. With the height
     ``h_i + u_i + <h'_j - h_j - u_j>``, in the order of the heights, summit i is touched at the same loads of
-    the others, in the mean by their stiffness.
+    the others. The mean is weighted by their stiffness.
     """
     radius, deepest = start.radius, problem.contact.largest_indentation(start.radius)
     substrate = problem.model.reference.substrate

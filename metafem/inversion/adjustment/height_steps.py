@@ -20,24 +20,24 @@ SHIFTS = (0.0, 0.25, -0.25, 0.5, -0.5)
 # Number of single changes that are combined into pairs.
 PAIRED_STEPS = 64
 
-# Most asperities with which changes are tried: of more, rounding errors average out.
+# Maximum number of asperities for which changes are tried: with more, rounding errors average out.
 MOST_STEPPED = 512
 
-# For a law that is compared by its largest difference, the sum of this power of the differences is lowered:
-# its root is within 1.8 of the largest of a hundred. It is a power of two.
+# For a law compared by its largest difference, the sum of this power of the differences is minimised: its
+# root is within a factor of 1.8 of the largest of a hundred. The exponent is a power of two.
 LARGEST_POWER = 8
 
-# Number of loads with the largest differences at which changes of such a law are compared first, and of
-# changes that are then evaluated at all loads together, an even number for two threads.
+# Number of loads, those with the largest differences, at which changes of such a law are compared first; and
+# number of changes that are then evaluated together at all loads, even for two threads.
 LARGEST_LOADS, STEPS_AT_ONCE = 10, 4
 
 
 def rounded_to_steps(problem: Problem, candidate: Candidate) -> Candidate:
     """Return the candidate with heights on the steps of the limits, if there are any.
 
-    Each height that is not held is rounded to the nearest level. Then one or two heights at a time are
+    Each height that is not fixed is rounded to the nearest level. Then one or two heights at a time are
     changed by one step, as long as that lowers the misfit under the model (or under its `gradient_model`,
-    where it has no sensitivities). With many asperities the heights are only rounded.
+    if it has no sensitivities). With many asperities the heights are only rounded.
     """
     model, limits, law = problem.model, problem.limits, candidate.target_law
     if limits.height_step is None or (candidate.stepped and not model.couples):
@@ -46,7 +46,7 @@ def rounded_to_steps(problem: Problem, candidate: Candidate) -> Candidate:
     held = candidate.held_rows
 
     def placed(heights: FloatArray) -> FloatArray:
-        """Return heights (..., n) with those that are held in their places."""
+        """Return heights (..., n) with the fixed heights inserted."""
         heights[..., held] = candidate.height[held]
         return heights
 
@@ -62,11 +62,11 @@ def rounded_to_steps(problem: Problem, candidate: Candidate) -> Candidate:
         return np.where(np.isnan(rows), np.inf, rows)
 
     def part(residual: FloatArray) -> TargetLaw:
-        """Return the law at the few loads where the residuals of the present heights are largest."""
+        """Return the law at the few loads where the residuals of the current heights are largest."""
         return law.part(np.sort(np.argsort(-np.abs(residual))[:LARGEST_LOADS]))
 
     power = LARGEST_POWER if law.pointwise else 2
-    # the largest of many differences decide the sum of their powers, and exclude most changes in less time
+    # the largest differences dominate the sum of powers, so a few loads exclude most changes
     excludes = law.pointwise and len(law.load) > 4 * LARGEST_LOADS
     search = _StepSearch(levels, residual, residuals, part if excludes else None, power, problem.effort, held)
     index, size = search.rounded(candidate.height)
@@ -97,19 +97,19 @@ class _StepSearch:
     def total(self, residual: FloatArray) -> FloatArray:
         """Return the sum over the loads (first axis)."""
         raised = residual * residual
-        for _ in range(self.power.bit_length() - 2):  # ten times as fast as a power in one operation
+        for _ in range(self.power.bit_length() - 2):  # ten times as fast as one power operation
             np.square(raised, out=raised)
         return np.asarray(raised.sum(axis=0))
 
     def best(self, trials: list[IntArray]) -> tuple[IntArray, float]:
-        """Return the heights on levels with the least sum, and the sum."""
+        """Return the trial with the least sum, and the sum."""
         sizes = self.total(self.residuals(self.levels[np.array(trials)]).T)
         return trials[int(sizes.argmin())], float(sizes.min())
 
     def below(self, trials: list[IntArray], size: float, part: TargetLaw) -> tuple[IntArray, float]:
-        """Return what `best` returns where that is below a size, from fewer evaluations.
+        """As `best` if its sum is below a size, with fewer evaluations.
 
-        The sum over the loads of a part of the law bounds the whole sum from below. The least bounds are
+        The sum over some of the loads is a lower bound of the total sum. Trials with the smallest bounds are
         evaluated first.
         """
         heights, sizes = self.levels[np.array(trials)], np.full(len(trials), np.inf)
@@ -122,7 +122,7 @@ class _StepSearch:
         return trials[int(sizes.argmin())], float(sizes.min())
 
     def rounded(self, height: FloatArray) -> tuple[IntArray, float]:
-        """Return the nearest levels after the best of several shifts, and the sum."""
+        """Return the nearest levels for the best of several shifts, and the sum."""
         levels = self.levels
         step = float(levels[1] - levels[0]) if len(levels) > 1 else 1.0
         exact = (height - levels[0]) / step
@@ -156,7 +156,7 @@ class _StepSearch:
         change = jacobian[:, which] * (levels[index[which] + by] - levels[index[which]])
         single = self.total(residual[:, None] + change)
         order = np.argsort(single, kind="stable")
-        # asperities of equal height have equal gradients, and two of each are enough for a pair
+        # asperities of equal height have equal gradients: two of each are enough for a pair
         third = np.append([False, False], single[order][2:] == single[order][:-2])
         tried = order[~third[: len(order)]][:PAIRED_STEPS]
         part = change[:, tried]

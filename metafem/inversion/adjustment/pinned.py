@@ -1,28 +1,28 @@
-"""Heights for a target law among which some are given.
+"""Heights for a target law if some of the heights are given.
 
-The heights of some sites, h_i for i in G, are given above the base plane. The other heights are sought so
-that the law of all meets the target. Three facts follow from the law of a surface:
+The heights of some sites, h_i for i in G, are given above the base plane. The other heights are determined so
+that the law of the surface meets the target. Three facts follow from the law of a surface:
 
-1. A law depends on the differences of the heights alone (and under the true block on the compliance of the
-   caps). Heights that are found without given ones may therefore be shifted together, which the limits allow
-   down to the foot. With given heights the shift is an unknown, and each height is bounded by itself,
-   ``foot <= h_j <= top``, and no longer only by its distance from the tallest.
-2. A given height that lies below the plane at the last load changes nothing, if the heights that were found
-   without it still have their sites. Where sites are left over, it is therefore added to them.
-3. Otherwise it stands for one of the heights that were found. To first order the law changes by
-   ``dA0/dh_i (h_i - h_j)`` where it stands for h_j. The gradients ``dA0/dh`` at a load differ by no more than
-   their range over the contacts, so that the sum of the distances |h_i - h_j| bounds the change. The given
-   heights stand for those with the least sum, an assignment problem; of equal distances the height of the
-   site itself is taken, which leaves the other sites as they were.
+1. A law depends only on the differences of the heights (and under the true block on the compliance of the
+   caps). Heights found without given ones may therefore be shifted together, as far as the foot. With given
+   heights the shift is an unknown, and each height has its own bounds, ``foot <= h_j <= top``, instead of a
+   bound on its distance from the tallest.
+2. A given height below the plane at the last load changes nothing, as long as the heights found without it
+   keep their sites. It is therefore added if there are free sites.
+3. Otherwise it replaces one of the heights found. If it replaces h_j, the law changes to first order by
+   ``dA0/dh_i (h_i - h_j)``. The gradients ``dA0/dh`` at a load differ by no more than
+   their range over the contacts, so the sum of the distances |h_i - h_j| bounds the change. The replaced
+   heights are those with the least sum, an assignment problem; if distances are equal, the height of the
+   site itself is replaced, which leaves the other sites unchanged.
 
-From these initial guesses the squares of the relative differences r(h) from the target law are lowered by the
-Levenberg–Marquardt method with exact sensitivities. The columns of the Jacobian that belong to given heights
-are zero, and so are those of heights at a limit that a step down the gradient ``J' r`` would push beyond it
-(a projected gradient). Points are met to rounding from heights that are stretched off the kinks of the law,
-and if that fails with asperities added on all sites. Where the misfit stays large, the search goes on from
-random changes of the best heights, by which asperities are added on sites that are left over, or removed.
-Given heights that equal those of their sites leave the whole design as it is, and those that raise the misfit
-by less than a tenth leave the other heights as they are. The search ends at the misfit that the heights have
+From these initial guesses, the squares of the relative differences r(h) from the target law are minimised by
+the Levenberg–Marquardt method with exact sensitivities. The columns of the Jacobian for given heights are
+zero, and so are those of heights at a limit that a step down the gradient ``J' r`` would push beyond it
+(a projected gradient). Points are met to rounding from heights that are stretched off the kinks of the law;
+if that fails, asperities are added on all sites. If the misfit remains large, the search continues from
+random changes of the best heights, in which asperities are added on free sites or removed.
+Given heights that equal those of their sites leave the whole design unchanged. Given heights that raise the
+misfit by less than a tenth leave the other heights unchanged. The search ends at the misfit of the heights
 without the given ones.
 """
 
@@ -51,20 +51,20 @@ from metafem.inversion.search.nearest_law import GOAL
 from metafem.inversion.search.spaces import Bounded
 from metafem.progress import doing, each
 
-# A site keeps its own height where another one is closer by less than this fraction of the span: rounding.
+# A site keeps its own height unless another one is closer by more than this fraction of the span: rounding.
 SAME = 1e-9
 
-# Damping of the first step: with it the other heights change less (measured: by half or a third) than with
-# that of other searches, and the misfits are the same.
+# Damping of the first step: the other heights change less (measured: by half or a third) than with the
+# damping of other searches, and the misfits are the same.
 SMALL_STEPS = 1.0
 
-# Another initial guess or a random change counts if the misfit is smaller by this factor. None is tried, and
-# the others stay, if the misfit is larger by no more than its inverse than without the given heights.
+# Another initial guess or a random change is accepted if the misfit is smaller by this factor. None is tried,
+# and the other heights are unchanged, if the given heights raise the misfit by no more than its inverse.
 BETTER = 0.9
 
 
 def space_of(problem: Problem, candidate: Candidate) -> Bounded:
-    """Return the limits of the heights of a candidate, with those that are held."""
+    """Return the limits of the heights of a candidate, with the fixed heights."""
     limits, rows = problem.limits, candidate.held_rows
     return Bounded(limits.foot, limits.offset + limits.max_height, rows, candidate.height[rows])
 
@@ -72,7 +72,7 @@ def space_of(problem: Problem, candidate: Candidate) -> Bounded:
 def with_pinned(
     problem: Problem, plain: Candidate, unrounded: Candidate, rng: np.random.Generator
 ) -> tuple[Candidate, Candidate]:
-    """Return candidates on steps and before rounding with the given heights, from those without them.
+    """Return candidates with the given heights, on steps and before rounding, from those without them.
 
     The given heights of the problem are at their sites, and the others are adjusted.
     """
@@ -89,7 +89,7 @@ def with_pinned(
 
 
 def _best(problem: Problem, candidate: Candidate, unpinned: float, rng: np.random.Generator) -> Candidate:
-    """Return the candidate with the given heights, and the other ones adjusted to them if they miss."""
+    """Return the candidate with the given heights, and the others adjusted if it misses the target."""
     exact = candidate.lowest_level is not None
     least = REFINED_GOAL if problem.model.couples else GOAL
     goal = POINT_GOAL if exact else max(least, _rms(problem, candidate))
@@ -111,7 +111,7 @@ def _best(problem: Problem, candidate: Candidate, unpinned: float, rng: np.rando
             chosen = _changed(problem, chosen, goal, rng)
     if exact or not (candidate.branches or candidate.target_law.pointwise):
         return chosen
-    # the misfit is not the mean square that is lowered, but a largest difference or that of a slope
+    # the misfit is not the mean square that is minimised, but the largest difference or that of a slope
     after = model_misfit(chosen, chosen.surface(problem.template), problem.model)
     return chosen if after < before else first
 
@@ -142,10 +142,10 @@ def _changed(problem: Problem, start: Candidate, goal: float, rng: np.random.Gen
 
 
 def _in_place(candidate: Candidate, sites: IntArray, heights: FloatArray, span: float) -> Candidate:
-    """Return the candidate with given heights in place of the nearest ones, which are on those sites then.
+    """Return the candidate with given heights on their sites, in place of the nearest heights.
 
-    A height that was on such a site is put where the nearest one was. More given heights than asperities
-    are added, with the radius of the nearest height.
+    A height that was on such a site moves to the site of the replaced one. Given heights in excess of the
+    asperities are added, with the radius of the nearest height.
     """
     distance = np.abs(candidate.height[None, :] - heights[:, None])
     own = candidate.sites[None, :] == sites[:, None]
@@ -167,7 +167,7 @@ def _in_place(candidate: Candidate, sites: IntArray, heights: FloatArray, span: 
 
 
 def _added(problem: Problem, candidate: Candidate) -> Candidate | None:
-    """Return the candidate with all its heights and the given ones besides; None without sites for them."""
+    """Return the candidate with the given heights added to all its own; None without sites for them."""
     pins = problem.pins
     free = np.setdiff1d(np.arange(problem.count), np.union1d(candidate.sites, pins.rows))
     on = np.flatnonzero(np.isin(candidate.sites, pins.rows))
@@ -190,10 +190,10 @@ def _sorted(candidate: Candidate, sites: IntArray, height: FloatArray, radius: F
 
 
 def _starts(problem: Problem, candidate: Candidate, first: Candidate) -> Iterator[Candidate]:
-    """Yield initial guesses: those of the least misfit first, at last one with asperities on all sites."""
+    """Yield initial guesses: those of least misfit first, finally one with asperities on all sites."""
     pins, limits = problem.pins, problem.limits
     bases, drop = [candidate], float(candidate.height.max() - pins.heights.max())
-    if drop > 0.0:  # so low that the tallest is as high as the tallest given one
+    if drop > 0.0:  # lowered until the tallest is as high as the tallest given one
         bases.append(replace(candidate, height=np.maximum(candidate.height - drop, limits.foot)))
     put = [first, *(_in_place(base, pins.rows, pins.heights, limits.span) for base in bases[1:])]
     added = [start for base in bases if (start := _added(problem, base)) is not None]
@@ -203,12 +203,12 @@ def _starts(problem: Problem, candidate: Candidate, first: Candidate) -> Iterato
 
 
 def _adjusted(problem: Problem, start: Candidate, goal: float) -> Minimum:
-    """Return the heights that are adjusted to those that are held, with their misfit under the model."""
+    """Return the heights adjusted to the fixed ones, with their misfit under the model."""
     model, options, space = problem.model, problem.options, space_of(problem, start)
     _, residual, residual_of_model = residuals(problem, start, np.asarray)
     exact, top = start.lowest_level is not None, float(start.height.max())
     found = Minimum(start.height, np.inf)
-    # heights whose depths are stretched off the kinks of the law
+    # heights with depths stretched off the kinks of the law
     stretched = [top - stretch * (top - start.height) for stretch in STRETCHES]
     for guess in stretched if exact else [start.height]:
         trial = descend(space.held(residual), space.project(guess), space, goal, exact, options)

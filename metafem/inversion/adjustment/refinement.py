@@ -23,8 +23,8 @@ from metafem.models.model import has_paraboloids
 from metafem.notes import information
 from metafem.progress import doing, each
 
-# Misfit at which the search ends: a little above that of the first search, because the scatter from single
-# contacts that enter remains.
+# Misfit at which the search ends: slightly above that of the first search, because the scatter from single
+# new contacts remains.
 REFINED_GOAL = 9e-4
 
 # Up to this misfit the heights of the independent inversion are the only initial guess.
@@ -34,10 +34,10 @@ CLOSE = 5.0 * REFINED_GOAL
 ADHESIVE_RESTARTS = 1
 
 # Degree of the polynomial in the logarithm of the load that fits A0(model)/A0(independent). A low degree
-# leaves out the kinks of single contacts, which move with the heights.
+# omits the kinks of single contacts, which move with the heights.
 RATIO_DEGREE = 3
 
-# Factors on the summit depths, so that no level first touches exactly at an operating point: interaction
+# Factors of the summit depths, so that no level first touches exactly at an operating point: interaction
 # lowers open summits by a hundredth to a tenth of their depth.
 STRETCHES = (1.03, 1.0, 1.06, 1.1)
 
@@ -48,10 +48,10 @@ ADDED_DEPTH = 0.01
 def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
     """Return the candidate with heights refined under the model, and a note on the change.
 
-    Heights on steps are not changed. Heights of independent asperities are changed only where those of a
-    density miss its law. For a model without gradients the heights are refined under its `gradient_model`,
-    and the last steps use its gradients with the law of the model itself. Adhesive heights that interact are
-    refined without interaction first, which takes a hundredth of the time.
+    Heights on steps are not changed. Heights of independent asperities are changed only if those of a
+    density miss its law. For a model without gradients the heights are refined under its `gradient_model`;
+    the last steps combine its gradients with the law of the model itself. Heights of interacting adhesive
+    asperities are first refined without interaction, which takes a hundredth of the time.
     """
     model, limits, options = problem.model, problem.limits, problem.options
     # the strategies find heights for independent asperities without adhesion
@@ -107,9 +107,9 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
 def residuals(
     problem: Problem, start: Candidate, placed: Callable[[FloatArray], FloatArray]
 ) -> tuple[Callable[[], Sensitivity], Residual, Residual]:
-    """Return the sensitivity of a candidate's heights, computed once, and two residuals of other heights.
+    """Return the sensitivity of a candidate's heights, computed once, and two residual functions.
 
-    The residuals are those under the gradient model and under the model. `placed` makes heights possible.
+    The residuals are those under the gradient model and the model. `placed` maps heights to possible ones.
     """
     model, law = problem.model, start.target_law
     solver, surface = model.gradient_model, start.surface(problem.template)
@@ -137,7 +137,7 @@ def residuals(
 def _initial_guesses(
     problem: Problem, start: Candidate, area: FloatArray, rng: np.random.Generator
 ) -> list[FloatArray]:
-    """Return the heights of a candidate and, where their law A0 is far from the target, corrected ones.
+    """Return the heights of a candidate and, if their law A0 is far from the target, corrected heights.
 
     The independent law of the corrected heights is the target divided by A0(model)/A0(independent). That
     ratio is a smooth function of the load and depends little on small changes of the heights.
@@ -152,17 +152,17 @@ def _initial_guesses(
     residual = residual_of_heights(problem.independent, surface.radius, law.load, divided.late_residual)
     space, restarts = Heights(problem.limits.span), problem.effort.ratio_restarts
     corrected = search(residual, [surface.height], space, GOAL, restarts, rng, problem.options)
-    # heights whose sites were chosen for this model should change as little as possible
+    # if the sites were chosen for this model, the heights should change as little as possible
     guesses = [corrected.unknowns, start.height]
     return guesses if problem.layout is None else guesses[::-1]
 
 
 def filled(candidate: Candidate, problem: Problem) -> Candidate:
-    """Return the candidate with summits on all sites, new ones just below the lowest level.
+    """Return the candidate with summits on all sites, with new ones just below the lowest level.
 
     Interaction lowers the friction at every point. Without added summits only an earlier contact of the
-    levels could raise it, but where none is needed they can lead the descent astray. The added summits have
-    the radius of the lowest summit.
+    levels could raise it; but added summits that are not needed can mislead the descent. The added summits
+    have the radius of the lowest summit.
     """
     if candidate.lowest_level is None:
         return candidate
@@ -177,7 +177,7 @@ def filled(candidate: Candidate, problem: Problem) -> Candidate:
 def _through_points(
     residual: Residual, height: FloatArray, space: Heights, options: SearchOptions
 ) -> Minimum:
-    """Meet the points exactly, from heights moved off the kinks where a level first touches at a point."""
+    """Meet the points exactly, from heights moved off the kinks where a level first touches."""
     best = Minimum(height, np.inf)
     for stretch in each("start", STRETCHES, at_most=True):
         start = height.max() - np.minimum(stretch * (height.max() - height), space.span)

@@ -1,7 +1,7 @@
-"""Robust designs: heights and sites whose made surfaces have the least expected misfit.
+"""Robust designs: heights and sites with the least expected misfit of the manufactured surface.
 
 With the relative differences r(h) (k,) of the law of the heights h from the target, and random errors D of
-the made surface and of its alignment, the expected squared misfit is
+the manufactured surface and of its alignment, the expected squared misfit is
 
     E |r(h + D)|^2 = |E r|^2 + tr Cov r,        Cov r = J C J' to first order,             (1)
 
@@ -17,19 +17,19 @@ sensitivities of A0 at fixed load are ``g_i = pi R (1 - sqrt(d_i)/<sqrt(d)>)``, 
 The target fixes the first term. The number of contacts n at each load follows from the law as a whole, up to
 the scatter of single contacts. Thus heights with this law cannot remove the linear response to independent
 errors of the heights. The response to a tilt, ``sum_i g_i x_i`` and the same with y, depends on the sites:
-exchanges of asperities make it small, and so do heights that differ slightly from site to site.
+exchanges of asperities and slightly different heights at the sites make it small.
 
-Method. The expectation is a mean over fixed errors: the lines of random orthogonal matrices times sqrt(d),
+Method. The expectation is a mean over fixed errors: the rows of random orthogonal matrices times sqrt(d),
 each with both signs, for errors of d dimensions. For a law that is linear in the errors this mean is exact.
-With independent random errors the heights would fit those that were drawn (measured: with 8 pairs the root
-mean square over them fell to a third, and the expectation not at all). The residuals of all errors are
+With independent random errors the heights would be fitted to the sample (measured: with 8 pairs the root mean
+square over them fell to a third, but the expectation did not fall). The residuals of all errors are
 stacked, with exact Jacobians, and their squares are minimised by the Levenberg–Marquardt method. The stack is
 replaced by the triangular factor of its QR decomposition, which has the same sums of squares and at most
-n + 1 lines. The errors smooth the kinks of the law at heights at which a contact opens.
+n + 1 rows. The errors smooth the kinks of the law at heights at which a contact opens.
 
-Limits. The errors do not depend on the heights. The minimum is a local one, and with few errors for many
-dimensions the heights still fit them in part. The gain is therefore measured on other errors, the same for
-the plain and the robust design, in pairs of both signs.
+Limits. The errors do not depend on the heights. The minimum is local. With few errors for many dimensions
+the heights are still partly fitted to the sample. The gain is therefore measured on other errors, the same
+for the plain and the robust design, in pairs of both signs.
 """
 
 from __future__ import annotations
@@ -54,31 +54,31 @@ from metafem.prediction.perturbation import Tolerances
 from metafem.progress import doing, each
 from metafem.surface import Surface
 
-# A gain counts if it exceeds this number of its standard errors.
+# A gain is significant if it exceeds this number of its standard errors.
 SIGNIFICANT = 3.0
 
-# Surfaces that are solved between two reports of progress.
+# Number of surfaces solved between two progress reports.
 AT_ONCE = 100
 
-# Fewest and most fixed errors over which the expectation is taken, each with both signs; with as many as the
-# errors have dimensions, a linear response is exact.
+# Minimum and maximum number of fixed errors for the expectation, each with both signs. If it equals the
+# dimension of the errors, a linear response is exact.
 FEWEST_ERRORS, MOST_ERRORS = 32, 128
 
-# Most asperities whose heights are changed: the errors of more average out.
+# Maximum number of asperities whose heights are changed: with more, the errors average out.
 MOST_ROBUST = 128
 
-# Most loads of the target that are used, and rounds of exchanges between sites, each with a new search.
+# Maximum number of target loads, and number of rounds of site exchanges, each followed by a new search.
 LOADS, ROUNDS = 30, 1
 
 # Number of other errors on which the gain is measured, each with both signs, for up to `FEW_SITES`
-# asperities; with more there are fewer, but at least as many as follow.
+# asperities; for more asperities it decreases, down to the second value.
 FRESH_ERRORS, FEWEST_FRESH = 1000, 20
 
 
 def made_robust(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
     """Return the candidate with heights and sites of the least expected misfit under `problem.robust`.
 
-    Heights on their levels and those of many asperities stay; only their sites are changed.
+    Heights on levels and those of many asperities do not change; only their sites do.
     """
     tolerances = problem.robust
     count = 0 if tolerances is None else tolerances.dimensions(candidate.surface(problem.template))
@@ -96,7 +96,7 @@ def made_robust(problem: Problem, candidate: Candidate, rng: np.random.Generator
 
 
 def compared(problem: Problem, plain: Candidate, robust: Candidate, rng: np.random.Generator) -> Candidate:
-    """Return the robust candidate, or the plain one where nothing is gained, with the expected misfits.
+    """Return the robust candidate, or the plain one without a significant gain, with the expected misfits.
 
     The mean square misfits of each pair of errors of both signs are compared.
     """
@@ -109,19 +109,19 @@ def compared(problem: Problem, plain: Candidate, robust: Candidate, rng: np.rand
     unit = _with_both_signs(rng.standard_normal((max(FEWEST_FRESH, draws), count)))
     before = _mean_squares(problem, tolerances, plain, unit)
     after = _mean_squares(problem, tolerances, robust, unit)
-    # a pair with an equilibrium that did not converge is left out of both
+    # a pair with an equilibrium that did not converge is omitted from both
     solved = np.isfinite(before + after)
     before, after = before[solved], after[solved]
-    if len(before) < 2:  # a mean of one has no error
+    if len(before) < 2:  # a single value has no standard error
         words = "the expected misfit is unknown: the equilibria of the made surfaces did not converge"
         return replace(plain, notes=(*plain.notes, Note(words)))
-    # an exact law without a response to the errors has no misfit
+    # an exact law that does not respond to the errors has zero misfit
     scale = max(float(before.mean()), np.finfo(float).tiny)
     gain = float((before - after).mean()) / scale
     error = float((before - after).std(ddof=1)) / math.sqrt(len(before)) / scale
     gained = gain > SIGNIFICANT * error
     chosen, squares = (robust, after) if gained else (plain, before)
-    if gained:  # the target is not missed if the plain heights reach it
+    if gained:  # the target counts as reached if the plain heights reach it
         misfit = model_misfit(plain, plain.surface(problem.template), problem.model)
         chosen = replace(chosen, robust=status_of(plain, misfit) is not DesignStatus.MISSED)
     expected = max(float(squares.mean()), np.finfo(float).tiny)
@@ -160,29 +160,29 @@ def compared(problem: Problem, plain: Candidate, robust: Candidate, rng: np.rand
 
 
 def _orthogonal(count: int, fewest: int, most: int, rng: np.random.Generator) -> FloatArray:
-    """Return lines of random orthogonal matrices times sqrt(count), from `fewest` to `most`, (s, count).
+    """Return rows of random orthogonal matrices times sqrt(count), from `fewest` to `most`, (s, count).
 
     Their mean square in every direction is 1.
     """
     parts = []
     for _ in range(-(-fewest // count)):
         q, r = np.linalg.qr(rng.standard_normal((count, count)))
-        # with the signs of the triangular factor all orthogonal matrices are equally likely
+        # with the signs of the triangular factor, all orthogonal matrices are equally likely
         parts.append(math.sqrt(count) * q * np.sign(np.diagonal(r)))
     return np.concatenate(parts)[:most]
 
 
 def _with_both_signs(normal: FloatArray) -> FloatArray:
-    """Return the points in the unit cube of normal numbers (s, d) and of their negatives, (2 s, d)."""
+    """Return the points in the unit cube for normal deviates (s, d) and for their negatives, (2 s, d)."""
     return np.asarray(ndtr(np.concatenate([normal, -normal])))
 
 
 def _exchanged(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
-    """Return the candidate after exchanges between sites, each of which lowers its linear response to tilts.
+    """Return the candidate after site exchanges that each lower its linear response to tilts.
 
     The response is ``M = G x`` (k, 2), with the Jacobian G (k, N) of the residual and the sites x (N, 2). The
     asperities of the sites a and b contribute ``(g_a - g_b) (x_b - x_a)'`` to it when they are exchanged.
-    An empty site has g = 0. Heights that are held stay on their sites.
+    An empty site has g = 0. Fixed heights remain on their sites.
     """
     law, template = candidate.target_law, problem.template
     found = problem.model.gradient_model.sensitivity(candidate.surface(template), law.load)
@@ -214,7 +214,7 @@ def _exchanged(problem: Problem, candidate: Candidate, rng: np.random.Generator)
 
 
 def _errors(tolerances: Tolerances, surface: Surface, unit: FloatArray) -> list[tuple[Surface, FloatArray]]:
-    """Return the surface with the radii and positions of each draw, and the errors of its heights (n,)."""
+    """Return the surface with the radii and positions of each sample, and the errors of its heights (n,)."""
     drawn = tolerances.perturbed(surface, unit)
     parts = [surface] * len(unit)
     for name in ("radius", "position"):
@@ -227,7 +227,7 @@ def _errors(tolerances: Tolerances, surface: Surface, unit: FloatArray) -> list[
 def _lowered(
     problem: Problem, tolerances: Tolerances, start: Candidate, unit: FloatArray
 ) -> tuple[Candidate, float]:
-    """Return the candidate with the heights of the least mean square misfit over errors, and its root."""
+    """Return the candidate with heights of least mean square misfit over the errors, and its root."""
     model, limits, options = problem.model, problem.limits, problem.options
     law, surface = start.target_law.thinned(LOADS), start.surface(problem.template)
     solver, errors = model.gradient_model, _errors(tolerances, surface, unit)
@@ -257,7 +257,7 @@ def _lowered(
 def _mean_squares(
     problem: Problem, tolerances: Tolerances, candidate: Candidate, unit: FloatArray
 ) -> FloatArray:
-    """Return the squared misfit of made surfaces, the mean of each pair of errors of both signs, (s,)."""
+    """Return the squared misfit of surfaces with errors, the mean over each pair of both signs, (s,)."""
     surface, law = candidate.surface(problem.template), candidate.target_law
     squares = []
     for rows in each("draws, part", np.array_split(np.arange(len(unit)), -(-len(unit) // AT_ONCE))):
@@ -274,8 +274,8 @@ def _irreducible(problem: Problem, tolerances: Tolerances, candidate: Candidate,
     """Return the mean square misfit by the linear response to errors of single heights and radii.
 
     With the mean Jacobian over normal errors, it is the variance of the best linear function of the errors
-    (Stein, Ann. Stat. 9, 1135 (1981), doi:10.1214/aos/1176345632); that of the exact heights has a jump where
-    a contact opens. The response to radii is that of the exact heights, by differences.
+    (Stein, Ann. Stat. 9, 1135 (1981), doi:10.1214/aos/1176345632); the Jacobian of the exact heights has a
+    jump where a contact opens. The response to radii is that of the exact heights, by finite differences.
     """
     surface, law = candidate.surface(problem.template), candidate.target_law
     solver, count = problem.model.gradient_model, surface.count

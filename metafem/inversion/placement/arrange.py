@@ -1,4 +1,4 @@
-"""Assignment of asperities to sites, which matters for interaction and misalignment."""
+"""Assignment of asperities to sites, which affects interaction and misalignment."""
 
 from __future__ import annotations
 
@@ -30,25 +30,25 @@ from metafem.surface import Surface
 # Value of `Arrangement.order` at an empty site.
 EMPTY = -1
 
-# Rounds of exchanges, from the given arrangement and then from random exchanges of the best one, as many as
-# this fraction of the sites. The forecast of the model and that of independent asperities alternate: one is
+# Rounds of exchanges: first from the given arrangement, then from random exchanges of the best one, as many
+# as this fraction of the sites. The forecasts of the model and of independent asperities alternate: one is
 # better for few levels, the other for many heights.
 MOST_ROUNDS, EXCHANGED_FRACTION = 8, 0.1
 
-# Most exchanges by one forecast before the model is evaluated; with many sites a quarter of their number.
+# Maximum number of exchanges per forecast before the model is evaluated; with many sites a quarter of them.
 MOST_EXCHANGES = 16
 
-# Most evaluations of the model in one round.
+# Maximum number of model evaluations in one round.
 MOST_EVALUATIONS = 24
 
-# Misfit at which the search ends: height errors change A0 by tens of times more.
+# Misfit at which the search ends: height errors change A0 tens of times more.
 GOAL = 1e-4
 
-# Number of exchanges, the best by the forecast, that are evaluated under the model in each last step, and the
-# most last steps.
+# Number of exchanges, the best ones by the forecast, that are evaluated under the model in each final step,
+# and maximum number of final steps.
 EVALUATED_EXCHANGES, LAST_STEPS = 40, 16
 
-# Exchanges end where the predicted misfit is far below the error of the forecast.
+# Exchanges end when the predicted misfit is far below the error of the forecast.
 FORECAST_GOAL = 1e-6
 
 
@@ -101,12 +101,12 @@ def arrange(
     *,
     position: ArrayLike | None = None,
 ) -> Arrangement:
-    """Assign the asperities of a surface, each height with its radius, to its sites or to some of more.
+    """Assign the asperities of a surface, each height with its radius, to its sites or to additional ones.
 
     The residuals of the objective are predicted to first order for all exchanges of two asperities at
-    once. The best exchanges are made, the model is evaluated, and the prediction is computed anew. This is
+    once. The best exchanges are made, the model is evaluated, and the prediction is recomputed. This is
     repeated from random changes of the best arrangement. Finally only exchanges that lower the misfit under
-    the model itself are made. Empty sites take part in a second round, from the best result of the first.
+    the model itself are made. A second round, from the best result of the first, includes empty sites.
     The misfit never increases, and the search ends at a misfit of 1e-4. With more than 128 sites there are
     fewer trials; thousands of sites take minutes.
 
@@ -120,7 +120,7 @@ def arrange(
         Seed of the random exchanges.
     position : array_like, (m, 2), optional
         Positions of the sites [mm], such as ``design.template.position``. They must include those of the
-        surface exactly; as many as there are more stay empty. Default: the positions of the surface.
+        surface exactly; the excess sites remain empty. Default: the positions of the surface.
 
     Returns
     -------
@@ -129,8 +129,8 @@ def arrange(
     Raises
     ------
     InvalidInput
-        For arguments outside their range or of the wrong kind, a `position` without one of the surface's
-        or with one twice, and more sites than fit into memory, 24 bytes for each pair.
+        For arguments outside their range or of the wrong kind, a `position` that lacks one of the surface's
+        or repeats one, and more sites than fit into memory, 24 bytes for each pair.
     NotConverged
         If an equilibrium of the model did not converge.
 
@@ -196,7 +196,7 @@ class _Search:
         return min(most, most * FEW_SITES**2 // len(self.open_sites) ** 2)
 
     def best(self, first: _Measured) -> _Measured:
-        """Return the best arrangement that is found from a given one, over the sites `open_sites`."""
+        """Return the best arrangement found from a given one, over the sites `open_sites`."""
         best, independent = first, Independent(contact=contact_of(self.model))
         tries = range(max(1, self.affordable(MOST_ROUNDS)))
         for k in each("round", tries, at_most=True):
@@ -227,15 +227,15 @@ class _Search:
         return self.measured(order)
 
     def drawn(self) -> IntArray:
-        """Return the sites whose exchanges are forecast in one step."""
+        """Return randomly drawn sites, whose exchanges are forecast in one step."""
         if len(self.open_sites) <= FORECAST_SITES:
             return self.open_sites
         return np.asarray(self.rng.choice(self.open_sites, FORECAST_SITES, replace=False))
 
     def exchanged(self, best: _Measured, forecast: Forecast, most: int) -> IntArray:
-        """Return the order after at most `most` exchanges, each that of the smallest sum of squares.
+        """Return the order after at most `most` exchanges, each with the smallest sum of squares.
 
-        The error of the forecast is taken as constant.
+        The error of the forecast is assumed constant.
         """
         order, residual = best.order.copy(), best.residual
         for _ in range(most):
@@ -254,7 +254,7 @@ class _Search:
         return order
 
     def corrected(self, best: _Measured, model: Model) -> _Measured:
-        """Make the forecast's exchanges; after an improvement renew it, otherwise make fewer at a time."""
+        """Make exchanges by the forecast; renew it after an improvement, otherwise make fewer at a time."""
         most = max(MOST_EXCHANGES, len(self.open_sites) // 4)
         forecast = self.objective.forecast(best.surface, model, self.sites)
         for _ in each("exchange", range(MOST_EVALUATIONS), at_most=True):

@@ -1,4 +1,4 @@
-"""Exchanges of asperities between sites, by a forecast of the residuals after each of them.
+"""Exchanges of asperities between sites, by a forecast of the residuals after each exchange.
 
 An empty site holds a vacancy, which has no load and is exchanged like an asperity.
 
@@ -18,10 +18,10 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact
 
-# Number of sites up to which the numbers of trials hold; with more sites there are fewer.
+# Number of sites up to which the stated numbers of trials apply; with more sites there are fewer trials.
 FEW_SITES = 128
 
-# Number of sites whose exchanges are all forecast in one step; of more sites as many are drawn.
+# Number of sites whose exchanges are all forecast in one step; of more sites, this many are drawn at random.
 FORECAST_SITES = 96
 
 # A decrease below this fraction of the sum of squares is rounding.
@@ -40,7 +40,7 @@ class Forecast(Protocol):
         ...
 
     def changes(self, sites: IntArray) -> FloatArray:
-        """Return their changes by the exchange of each two of the sites, (q, m, m)."""
+        """Return the changes of the residuals by the exchange of each pair of sites, (q, m, m)."""
         ...
 
 
@@ -48,8 +48,8 @@ class Forecast(Protocol):
 class Coupled:
     """``sum_ij left_i G_ij right_j``, where left and right (q, m) belong to the asperities.
 
-    The products of G with both, (q, m), are kept: an exchange changes them only by the rows of G of the two
-    sites.
+    The products of G with both, (q, m), are stored: an exchange changes them only by the rows of G for the
+    two sites.
     """
 
     left: FloatArray
@@ -79,7 +79,7 @@ class Coupled:
         return np.asarray((self.fields[0] * self.right).sum(axis=1))
 
     def changes(self, sites: IntArray) -> FloatArray:
-        """Return their changes by the exchange of each two of the sites, (q, m, m)."""
+        """Return the changes of the residuals by the exchange of each pair of sites, (q, m, m)."""
         influence = self.influence[np.ix_(sites, sites)]
         diagonal = np.diagonal(influence)
 
@@ -122,7 +122,7 @@ class Tilted:
         return np.asarray((tilted - self._value(self.depth[None], self.radius)).sum(axis=-1).ravel())
 
     def changes(self, sites: IntArray) -> FloatArray:
-        """Return their changes by the exchange of each two of the sites, (t k, m, m)."""
+        """Return the changes of the residuals by the exchange of each pair of sites, (t k, m, m)."""
         # asperity a at site b
         depth = self.depth[:, sites]
         tilted = depth[None, :, :, None] + self.lift[:, sites][:, None, None, :]
@@ -154,7 +154,7 @@ class Joined:
         return np.concatenate([f * part.residual() for f, part in zip(self.factors, self.parts, strict=True)])
 
     def changes(self, sites: IntArray) -> FloatArray:
-        """Return their changes by the exchange of each two of the sites, (q, m, m)."""
+        """Return the changes of the residuals by the exchange of each pair of sites, (q, m, m)."""
         pairs = zip(self.factors, self.parts, strict=True)
         return np.concatenate([f * part.changes(sites) for f, part in pairs])
 

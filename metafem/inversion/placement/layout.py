@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from metafem.inversion.problem import Problem
     from metafem.inversion.targets.target_law import TargetLaw
 
-# Number of loads for the law, and for its change by tilts. `FollowLaw` states why the first is enough. Each
-# load of the second costs seven curves; with six of them a third of the gain is lost at loads in between.
+# Number of loads for the law, and for its change by tilts. For the first see `FollowLaw`. Each load of the
+# second costs seven curves; with six of them a third of the gain is lost at intermediate loads.
 LAW_LOADS, TILT_LOADS = 20, 10
 
 NO_EFFECT = (
@@ -35,23 +35,23 @@ NO_EFFECT = (
 
 @dataclass(frozen=True)
 class Layout:
-    """Aims of the assignment of a design's heights to its sites; without a layout it is random.
+    """Objectives for assigning the heights of a design to its sites; without a layout this is random.
 
     Parameters
     ----------
     follow_law : bool
         Minimise the change of the law by interaction. It has no effect on independent asperities. Under a
-        model with interaction it is included with a tilt too.
+        model with interaction it is always included.
     tilt : float, optional
         Minimise the change of the law by a misalignment of this angle [rad], up to pi/4.
     tilt_weight : float
-        Weight of the mean square change by the tilt relative to that of the deviation from the law,
+        Weight of the mean square change by the tilt, relative to that of the deviation from the law;
         positive.
 
     Raises
     ------
     InvalidInput
-        If there is neither aim, or a value is outside its range.
+        If neither objective is chosen, or a value is outside its range.
 
     Examples
     --------
@@ -110,7 +110,7 @@ def aims_of(
 ) -> list[tuple[str, Objective, float]]:
     """Return the aims of a layout, each in words and as an objective with its weight."""
     aims: list[tuple[str, Objective, float]] = []
-    if model.couples:  # with a tilt too: otherwise the refinement would undo the layout
+    if model.couples:  # also with a tilt: otherwise the refinement would undo the layout
         independent = Independent(contact=contact_of(model))
         some, area = _some(len(law.load), LAW_LOADS), independent.curve(surface, law.load).area
         friction = law.law(area)[some]

@@ -21,7 +21,7 @@ from metafem.models import Independent, Model
 from metafem.models.model import contact_of
 from metafem.surface import STEEPEST, Surface
 
-# The misalignment for which Aymard et al. state the change of their laws, doi:10.1126/science.adk4234.
+# The misalignment for which Aymard et al. give the change of their laws, doi:10.1126/science.adk4234.
 TILT = math.radians(0.1)
 
 # Directions of the tilt: with five or more, evenly spaced, the mean square of changes of up to second
@@ -38,7 +38,7 @@ class Objective(Protocol):
         ...
 
     def forecast(self, surface: Surface, model: Model, sites: Sites) -> Forecast:
-        """Return their first-order prediction for exchanges of asperities and vacancies."""
+        """Return the first-order prediction of the residuals for exchanges of asperities and vacancies."""
         ...
 
 
@@ -109,7 +109,7 @@ class InsensitiveToTilt(Value):
 
     A tilt by (t_x, t_y) raises the summits by ``x_i t_x + y_i t_y``. At a fixed load that changes A0 by
     ``sum_i dA0/dh_i (x_i t_x + y_i t_y)`` to first order. As the dA0/dh_i sum to zero, these first moments
-    do not depend on the origin. For independent Hertz contacts they are those of
+    do not depend on the origin. For independent Hertz contacts they are the first moments of
     ``pi R_i - c sqrt(R_i d_i)``. A tilt of 0.1 degrees over 10 mm is as large as many indentations, so the
     misfit is the rms of the full change A0(tilted)/A0 - 1 over the loads and six directions.
 
@@ -118,8 +118,8 @@ class InsensitiveToTilt(Value):
     rescaled_load : array_like, (K,)
         P/E* [mm^2], positive and increasing.
     angle : float
-        Tilt [rad], up to pi/4; default: 0.1 degrees. In the limit of zero the misfit depends on the first
-        moments alone.
+        Tilt [rad], up to pi/4; default: 0.1 degrees. In the limit of zero the misfit depends only on the
+        first moments.
 
     Raises
     ------
@@ -146,7 +146,7 @@ class InsensitiveToTilt(Value):
         return np.ravel(tilted / level - 1.0) / math.sqrt(DIRECTIONS * len(level))
 
     def forecast(self, surface: Surface, model: Model, sites: Sites) -> Forecast:
-        """Return the changes of independent asperities with the present loads: sums over the sites."""
+        """Return the changes for independent asperities at the current loads: sums over the sites."""
         found = model.gradient_model.sensitivity(surface, self.rescaled_load)
         depth, radius = found.indentation, surface.radius
         law = _law(model, surface)

@@ -1,4 +1,4 @@
-"""Sites of a template that stay empty, and sites whose heights are given."""
+"""Sites of a template without an asperity, and sites with given heights."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from metafem.errors import InvalidInput
 from metafem.inversion.limits import Limits
 from metafem.surface import Surface
 
-# Heights [mm] above the base plane by site, None for a site that stays empty.
+# Heights [mm] above the base plane by site, None for a site without an asperity.
 Pinned = Mapping[int, float | None]
 
 
 @dataclass(frozen=True, eq=False)
 class Pins:
-    """All sites of a template, and those of them that stay empty or have a given height.
+    """All sites of a template, and those that are empty or have a given height.
 
-    An inversion sees the sites that do not stay empty, numbered anew: `open` (m,) holds their numbers in the
-    template. Among them those of the indices `rows` (k,) have the heights `heights` (k,) [mm].
+    An inversion uses only the other sites, with new numbers: `open` (m,) holds their numbers in the
+    template. Of these, the ones with indices `rows` (k,) have the heights `heights` (k,) [mm].
     """
 
     template: Surface
@@ -56,7 +56,7 @@ class Pins:
 
     @cached_property
     def open(self) -> IntArray:
-        """Sites of the template that do not stay empty, increasing, (m,)."""
+        """Sites of the template that may have an asperity, increasing, (m,)."""
         empty = [site for site, height in self.pinned.items() if height is None]
         return np.setdiff1d(np.arange(self.template.count), np.array(empty, dtype=np.int64))
 
@@ -72,7 +72,7 @@ class Pins:
         return np.array([height for height in self.pinned.values() if height is not None], dtype=np.float64)
 
     def placed(self, permutation: IntArray) -> IntArray:
-        """Return a permutation of all sites of the template without the empty ones, numbered as in `open`."""
+        """Return a permutation of all template sites without the empty ones, numbered as in `open`."""
         number = np.full(self.template.count, -1)
         number[self.open] = np.arange(len(self.open))
         found = number[permutation]
@@ -80,7 +80,7 @@ class Pins:
 
     @cached_property
     def reduced(self) -> Surface:
-        """The template without the sites that stay empty."""
+        """The template without the empty sites."""
         template, some = self.template, self.open
         if len(some) == template.count:
             return template
@@ -90,7 +90,7 @@ class Pins:
 
 
 def refuse_unknown(name: str, site: Any, count: int) -> None:
-    """Raise InvalidInput for a value that is not the number of a site."""
+    """Raise InvalidInput for a value that is not a site number."""
     whole = isinstance(site, (int, np.integer)) and not isinstance(site, (bool, np.timedelta64))
     if not whole or not 0 <= site < count:
         raise InvalidInput(f"{name} is not a site: the template has the sites 0 to {count - 1}")

@@ -1,4 +1,4 @@
-"""Sites for asperities, of which some may stay empty, and the influence between them."""
+"""Sites for asperities, some of which may be empty, and the influence between them."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ class Sites:
 def sites_for(surface: Surface, model: Model, position: ArrayLike | None) -> tuple[Sites, Model]:
     """Return the sites (default: those of the surface), and the model for surfaces on them.
 
-    The influence is that of the model's substrate, zero for independent asperities. Of a substrate that is
-    not radial it is computed once, for all sites.
+    The influence is that of the model's substrate, zero for independent asperities. For a non-radial
+    substrate it is computed once, for all sites.
     """
     given = surface.position
     if position is not None:
@@ -74,7 +74,7 @@ class KnownInfluence:
         return self
 
     def influence_matrix(self, surface: Surface) -> FloatArray:
-        """Displacement at each asperity per load on each other, (n, n) [1/mm]."""
+        """Displacement at each asperity per load on every other one, (n, n) [1/mm]."""
         return np.asarray(self.sites.influence[self._pairs(surface)])
 
     def influence_derivatives(self, surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -1,9 +1,9 @@
-"""Initial guess for any law: the number of asperities that enter the contact between its samples.
+"""Initial guess for any law: the number of asperities that come into contact between its samples.
 
-From each sample to the next, the earlier asperities and a real number of new ones, whose summits are level
-with the plane at the first sample, have exactly the area and load of the second (eq. S1, as for operating
-points). Where the earlier asperities alone have more friction, none enter. The numbers are then spread over
-the heights between the levels.
+From each sample to the next, a real number of new asperities is added, whose summits are level with the plane
+at the first sample. With the earlier ones they have exactly the area and load of the second sample (eq. S1,
+as for operating points). If the earlier asperities by themselves have more friction, none are added. The
+numbers are then spread over the heights between the levels.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from metafem.contact.law import contacts
 from metafem.inversion.bounds import at_load, depth_at_pressure, relative_depth
 from metafem.inversion.radii import Radii
 
-# Least and largest indentation over R of the contacts that are tabulated for a first guess, and their number.
+# Smallest and largest indentation over R of the tabulated contacts for a first guess, and their number.
 TABLE, TABULATED = (1e-9, 10.0), 400
 
-# Smallest indentation tried, relative to that without new asperities: below it their number would exceed that
-# of any surface.
+# Smallest indentation tried, relative to that without new asperities: below it their number would be
+# unrealistically large.
 SHALLOWEST = 1e-9
 
 
@@ -33,10 +33,10 @@ def initial_heights(
 ) -> tuple[FloatArray, FloatArray]:
     """Return at most `count` heights, tallest first at 0, whose law is near the samples, and radii [mm].
 
-    Asperities that enter at sample k have the k-th radius.
+    Asperities added at sample k have the k-th radius.
     """
     if law.power == 1.0:
-        # cones have the same load over area at any depth: as many as there may be have the first load
+        # cones have the same load over area at any depth: the largest number is given the first load
         depth = float(at_load(law, load[:1] / count, radius[0])[0][0])
     else:
         depth = depth_at_pressure(law, load[0] / friction[0], radius[0])
@@ -67,7 +67,7 @@ class _Earlier:
         return self.sums(self.above + depth)
 
     def depth(self, index: int, value: float, widest: float) -> float:
-        """Return the depth of the plane at which the load (0) or area (1) has a value, or the most."""
+        """Return the plane's depth at which the load (0) or area (1) has a value, or the largest depth."""
         high = min(widest, self.most)
         while self.at(high)[index] < value:
             if high >= self.most:
@@ -76,7 +76,7 @@ class _Earlier:
         return _root(lambda depth: self.at(depth)[index] - value, 0.0, high, high)
 
     def entering(self, load: float, friction: float, radius: float, widest: float) -> tuple[float, float]:
-        """Return the depth of the plane below the new level, and the number of asperities that enter."""
+        """Return the depth of the plane below the new level, and the number of new asperities."""
         carried, area = self.at(0.0)
         if area < friction:
             deepest = self.depth(1, friction, widest)
@@ -84,7 +84,7 @@ class _Earlier:
                 one = self.single.sums(np.array([radius]), np.ones(1))
 
                 def missing(depth: float) -> tuple[float, float]:
-                    """Return the missing load, and the number of asperities that have the missing area."""
+                    """Return the remaining load, and the number of asperities with the missing area."""
                     carried, area = self.at(depth)
                     new_load, new_area = one(np.array([depth]))
                     number = (friction - area) / new_area
@@ -93,7 +93,7 @@ class _Earlier:
                 low = SHALLOWEST * deepest
                 if missing(low)[0] >= 0.0:
                     return low, max(missing(low)[1], 0.0)
-                if missing(deepest)[0] <= 0.0:  # the earlier asperities have this load too, up to rounding
+                if missing(deepest)[0] <= 0.0:  # the earlier asperities also have this load, up to rounding
                     return deepest, 0.0
                 depth = _root(lambda d: missing(d)[0], low, deepest, low)
                 return depth, max(missing(depth)[1], 0.0)
@@ -103,7 +103,7 @@ class _Earlier:
 
 
 class _Single:
-    """Load and area of single contacts; where they are no powers, their logarithms are interpolated."""
+    """Load and area of single contacts; unless they are power laws, their logarithms are interpolated."""
 
     def __init__(self, law: Contact, radius: FloatArray) -> None:
         self.law = law
@@ -117,7 +117,7 @@ class _Single:
         return np.log(depth), np.log(found.load), np.log(found.area)
 
     def deepest(self, radius: FloatArray) -> FloatArray:
-        """Return the largest indentations [mm] that are known."""
+        """Return the largest tabulated indentations [mm]."""
         if not self.tables:
             return self.law.largest_indentation(radius)
         return np.array([math.exp(self.tables[R][0][-1]) for R in radius.tolist()])
@@ -133,7 +133,7 @@ class _Single:
 
         def sums(depth: FloatArray) -> tuple[float, float]:
             load = area = 0.0
-            # an open contact is taken for one as shallow as the first of the table
+            # an open contact is treated as one at the smallest indentation of the table
             logarithm = np.log(np.maximum(depth, np.finfo(float).tiny))
             for (x, by_load, by_area), which in parts:
                 at, weight = logarithm[which], number[which]
@@ -157,7 +157,7 @@ def slowest_law(
     small = 1.0 / (k * s) ** 3  # small caps for each large one
     # sums over one large cap with a/R = 1 and its small caps, of P and of A relative to the large cap
     loads, areas = (1.0 + small * k**4 * s ** (2.0 * power) for power in (n + 1.0, 2.0))
-    # a/R of the large caps, where their number has the load and the friction
+    # a/R of the large caps for which their number has the load and the friction
     pressure = load / friction * areas / loads
     depth = depth_at_pressure(law, pressure, radii.high)
     at = contacts(law, np.array(depth), np.array(radii.high))

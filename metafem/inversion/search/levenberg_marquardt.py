@@ -1,11 +1,11 @@
-"""Nonlinear least squares by the Levenberg–Marquardt method, with unknowns that are lengths within limits.
+"""Nonlinear least squares by the Levenberg–Marquardt method, for bounded unknowns that are lengths.
 
 Step size rule: the step is ``-J' (J J' + c s I)^-1 r``, which equals ``-(J' J + c s I)^-1 J' r``, with the
 damping c and the mean square s of the rows of J. After a step that lowers the sum of squares c is divided by
 `DAMPING_FACTOR`; any other step is discarded and c multiplied by it.
 
-A0(P) has kinks in the heights where asperities enter the contact, so a descent can end at a local minimum.
-`search` therefore starts from several initial guesses and from random changes of the best result.
+A0(P) has kinks as a function of the heights where asperities come into contact, so a descent can end at a
+local minimum. `search` therefore starts from several initial guesses and random changes of the best result.
 """
 
 from __future__ import annotations
@@ -23,20 +23,20 @@ from metafem.progress import each
 # Bounds of the damping, relative to the mean square of the Jacobian, and the factor of the step size rule.
 LEAST_DAMPING, MOST_DAMPING, DAMPING_FACTOR = 1e-12, 1e4, 5.0
 
-# Below this multiple of the goal, random changes reach the goal sooner than other initial guesses.
+# Below this multiple of the goal, random changes reach the goal faster than other initial guesses.
 NEAR = 2.0
 
 
 @dataclass(frozen=True)
 class SearchOptions:
-    """Sizes and number of the steps of all searches of one inversion, which depend on the contact law."""
+    """Sizes and numbers of steps of all searches of one inversion, which depend on the contact law."""
 
     # Damping of the first step.
     start_damping: float = 1e-2
     # A descent ends when a step lowers the sum of squares by less than this fraction. Along kinks the
     # progress is slow, and a random change is faster (measured: a quarter of the time needed with 1e-4).
     least_gain: float = 0.05
-    # Most steps of one descent, and of one that must converge to rounding.
+    # Maximum number of steps of one descent, and of one that must converge to rounding.
     most_steps: int = 20
     most_exact_steps: int = 40
     # Sizes of random changes relative to the mean spacing of the heights.
@@ -45,9 +45,9 @@ class SearchOptions:
 
 DEFAULTS = SearchOptions()
 
-# For contact laws other than Hertz's: the area of a cap flatter than a paraboloid begins with an infinite
-# slope over the indentation, and with adhesion it jumps, so that entries of contacts are sharper kinks. The
-# gradient does not describe the law beyond. First steps and random changes are smaller, descents longer
+# For contact laws other than Hertz's. The area of a cap flatter than a paraboloid begins with an infinite
+# slope over the indentation, and with adhesion it jumps, so new contacts cause sharper kinks. The gradient is
+# not valid beyond a kink. First steps and random changes are smaller, descents longer
 # (measured on laws of random surfaces with power caps of n = 3, 4, 8, together with `LEVEL_DROP` of operating
 # points: the median misfit falls from .05, .07 and .5 % to .05, .05 and .4 %, in a quarter of the time).
 OTHER_LAWS = SearchOptions(start_damping=1.0, least_gain=0.01, most_steps=40, change_sizes=(0.1, 0.3, 1.0))
@@ -96,7 +96,7 @@ def descend(
 ) -> Minimum:
     """Lower the misfit from given unknowns until it is within the goal or no step lowers it.
 
-    `to_rounding` does not end at small gains: from near a solution the descent converges to rounding.
+    With `to_rounding` the descent does not stop at small gains and converges to rounding near a solution.
     """
     unknowns, damping = start, options.start_damping
     r, jacobian = residual(unknowns)
@@ -127,10 +127,10 @@ def descend(
 def _step(
     r: FloatArray, jacobian: FloatArray, damping: float, tallest: int, foot: IntArray
 ) -> FloatArray | None:
-    """Return the damped step, or None where no unknown changes the residual.
+    """Return the damped step, or None if no unknown changes the residual.
 
-    Heights at the foot that would sink further below the tallest follow it: the step is solved again with
-    their columns of the Jacobian added to that of the tallest.
+    Heights at the foot that would move further below the tallest are moved with it: the step is solved again
+    with their columns of the Jacobian added to that of the tallest.
     """
     count, held = len(r), np.empty(0, dtype=np.int64)
     while True:

@@ -1,4 +1,4 @@
-"""Heights, and radii where there is a choice, of independent asperities whose law is nearest to a target."""
+"""Heights, and radii if several are allowed, of independent asperities whose law is nearest to a target."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from metafem.inversion.search.levenberg_marquardt import DEFAULTS, SearchOptions
 from metafem.inversion.search.spaces import Heights, LateResidual, Residual, moved
 from metafem.models import Independent, Sensitivity
 
-# Relative step of the differences by the radius: the cube root of the rounding.
+# Relative step of the finite differences by the radius: the cube root of machine precision.
 RELATIVE = 6e-6
 
 # Misfit at which a search ends: height errors of 1 um change A0 by more than this.
 GOAL = 6e-4
 
-# Where an initial guess is deeper than allowed, guesses with these fractions of the asperities that are too
-# low are tried: at the foot they all enter the contact early, and fewer of them suffice.
+# If an initial guess is deeper than allowed, guesses with these fractions of the asperities that are too
+# low are tried: at the foot all of them come into contact early, and fewer suffice.
 LOW_FRACTIONS = (1.0, 0.75, 0.5, 0.25, 0.0)
 
 # Restarts with continuous radii, before the radii are rounded to tools.
 CONTINUOUS_RESTARTS = 4
 
-# Restarts with several tools for each restart with one, because the radii are unknown too (measured on 40
+# Restarts with several tools per restart with one, because the radii are also unknown (measured on 40
 # laws of random surfaces with radii of .1, .4 and 1.6 mm: all are recovered to .1 %; with 4 restarts one is
 # not).
 MIXED_RESTARTS = 10
 
-# Probabilities, one of which is drawn for each random change, that an asperity gets a new radius.
+# Probabilities that an asperity gets a new radius; one of them is drawn for each random change.
 NEW_RADIUS = (0.0, 0.1, 0.3)
 
 # Relative differences (k,) [-] and their Jacobian of a law A0 (k,) [mm^2] with its gradient (k, n).
@@ -46,7 +46,7 @@ LawResidual = Callable[[FloatArray, Callable[[], FloatArray]], LateResidual]
 class LawSearch:
     """A search for asperities whose law under `model` has the least differences from a target.
 
-    `law_residual` is taken at rescaled loads `load` (k,) [mm^2]. The initial guesses have laws near
+    `law_residual` is evaluated at rescaled loads `load` (k,) [mm^2]. The initial guesses have laws near
     `guesses`, (k,) [mm^2]. At most `count` asperities are used, with heights within `span` [mm]. The search
     ends at a misfit of `goal`.
     """
@@ -79,7 +79,7 @@ class NearestLaw:
 
 
 def beyond(load: FloatArray, height: FloatArray) -> LateResidual:
-    """Return the differences where heights are deeper than the contact law describes."""
+    """Return the differences for heights beyond the range of the contact law."""
     return np.full(len(load), np.inf), lambda: np.zeros((len(load), len(height)))
 
 
@@ -106,14 +106,14 @@ def _heights_task(task: LawSearch, radius: float) -> tuple[Residual, list[FloatA
         radii = np.full(len(law), radius)
         height, _ = initial_heights(task.model.contact, task.load, law, radii, task.count)
         inside = int((height >= height[0] - task.span).sum())
-        # where heights are deeper than the span, also with fewer of those too low
+        # if heights are deeper than the span, also with fewer of the heights that are too low
         numbers = dict.fromkeys(inside + round(part * (len(height) - inside)) for part in LOW_FRACTIONS)
         starts += [height[:number] for number in numbers]
     return residual, starts, Heights(task.span, task.count)
 
 
 def nearest_law(task: LawSearch, radii: Radii) -> NearestLaw:
-    """Return heights and radii; a single radius is used where it reaches the goal.
+    """Return heights and radii; a single radius is used if it reaches the goal.
 
     Otherwise the search starts from radii that rise or fall with the depth, and then from random changes.
     """
@@ -151,14 +151,14 @@ def nearest_law(task: LawSearch, radii: Radii) -> NearestLaw:
     rounded = (relaxed.height, tools.nearest(relaxed.radius))
     mixed = mixing.nearest(task, [rounded, *starts], MIXED_RESTARTS * task.restarts)
     found = [mixed, best]
-    if ranged:  # the extreme radii can have a smaller misfit, and radii near them a smaller one still
+    if ranged:  # the extreme radii can have a smaller misfit, and radii near them an even smaller one
         free = between.nearest(task, [(mixed.height, mixed.radius)], CONTINUOUS_RESTARTS)
         found += [_on_steps(each, task, replace(between, radii=radii)) for each in (free, relaxed)]
     return min(found, key=lambda each: each.misfit)
 
 
 def _on_steps(found: NearestLaw, task: LawSearch, stepped: Asperities) -> NearestLaw:
-    """Return the asperities with their radii on the steps of a range, and heights searched anew for these."""
+    """Return the asperities with radii on the steps of a range, after a new search for their heights."""
     if stepped.radii.continuous:
         return found
     return stepped.nearest(task, [(found.height, found.radius)], 0)
@@ -169,7 +169,7 @@ class Asperities:
     """Heights (n,) and radii (n,) as one vector of lengths: heights, and ln R times a `depth` [mm].
 
     With the largest indentation as the depth, unit changes of both kinds change the law about equally.
-    Tool radii change only in random changes. At most `most` asperities are used, with heights within
+    Random changes are the only changes of tool radii. At most `most` asperities are used, with heights within
     `span`.
     """
 

@@ -1,4 +1,4 @@
-"""The unknowns of a search: heights, all within a span or each within limits, with their random changes."""
+"""The unknowns of a search: heights within a span or with separate limits, and their random changes."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from numpy.typing import NDArray
 
 from metafem._validate import FloatArray, IntArray
 
-# Relative differences (k,) [-] from a law, and a function that returns their Jacobian (k, n) [1/mm]: it takes
-# longer than the differences, and most steps need none.
+# Relative differences (k,) [-] from a law, and a function that returns their Jacobian (k, n) [1/mm], which
+# takes longer than the differences; most steps do not need it.
 LateResidual = tuple[FloatArray, Callable[[], FloatArray]]
 
-# Those of unknowns (n,) [mm].
+# The same as a function of the unknowns (n,) [mm].
 Residual = Callable[[FloatArray], LateResidual]
 
-# Heights within this fraction of the span of a limit are at it: rounding.
+# Heights within this fraction of the span from a limit count as at the limit: rounding.
 AT_LIMIT = 1e-9
 
-# Height of sites without an asperity below the lowest that is allowed, over the span: no contact is as deep.
+# Depth of sites without an asperity below the lowest allowed height, over the span: no contact is so deep.
 ABSENT = 100.0
 
 # Random changes: fractions of the heights that move, probabilities that asperities are added or that one is
-# removed, and the most that are added.
+# removed, and maximum number that is added.
 CHANGE_FRACTIONS = (0.2, 0.5, 1.0)
 ADDING, REMOVING, MOST_ADDED = 0.5, 0.3, 5
 
@@ -50,7 +50,7 @@ class Space(Protocol):
 class Heights:
     """Heights (n,) that differ by at most `span` [mm].
 
-    A random change may add or remove a few asperities, up to `most` in all; with None their number is
+    A random change may add or remove a few asperities, up to `most` in total; with None their number is
     fixed.
     """
 
@@ -73,11 +73,11 @@ class Heights:
 
 @dataclass(frozen=True, eq=False)
 class Bounded:
-    """Heights (n,) from `low` to `high` [mm], of which those of the indices `rows` have given values.
+    """Heights (n,) from `low` to `high` [mm]; those with the indices `rows` have given values.
 
-    Each height is bounded by itself. A height at a limit stays there while a step down the gradient ``J' r``
-    would push it beyond (a projected gradient); its column of the Jacobian J counts as zero, like those of
-    given heights. A site without an asperity has the height `absent`, far below all contacts.
+    Each height is bounded separately. A height at a limit does not move while a step down the gradient
+    ``J' r`` would push it beyond (a projected gradient); its column of the Jacobian J is set to zero, like
+    those of given heights. A site without an asperity has the height `absent`, far below all contacts.
     """
 
     low: float
@@ -102,7 +102,7 @@ class Bounded:
         return height
 
     def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
-        """Return that no height follows another: `held` holds those at a limit."""
+        """Return no indices of lowest heights: `held` treats those at a limit."""
         return 0, np.empty(0, dtype=np.int64)
 
     def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:
@@ -118,7 +118,7 @@ class Bounded:
         return self.project(height)
 
     def held(self, residual: Residual) -> Residual:
-        """Return a residual without the derivatives by heights that stay."""
+        """Return a residual without the derivatives by fixed heights."""
         near = AT_LIMIT * (self.high - self.low)
 
         def bounded(height: FloatArray) -> LateResidual:
@@ -141,7 +141,7 @@ class Bounded:
 def moved(
     height: FloatArray, most: int | None, rng: np.random.Generator, sizes: tuple[float, ...]
 ) -> tuple[FloatArray, IntArray]:
-    """Return heights moved at random by about their spacing, and the asperity that each derives from."""
+    """Return heights moved at random by about their spacing, and the index of each original asperity."""
     n = len(height)
     every = np.arange(n)
     spacing = float(np.ptp(height)) / n * rng.choice(sizes)

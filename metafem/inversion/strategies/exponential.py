@@ -33,18 +33,18 @@ if TYPE_CHECKING:
     from metafem.inversion.targets.straight import BilinearLaw, LinearLaw
     from metafem.inversion.targets.wording import Wording
 
-# A straight branch is fitted over its last three quarters: below, the law still bends towards its
-# asymptote. Over this range the paper's surfaces have the paper's target slopes and scatter.
+# A straight branch is fitted over its last three quarters: below them, the law still bends towards its
+# asymptote. Over this range the surfaces of the paper have the target slopes and scatter of the paper.
 BRANCH_START = 0.25
 
 # Largest slope, relative to that of the uniform density. The scale falls as the inverse square of the slope;
 # here it is as small as the rounding error of the largest height.
 STEEPEST = 1e7
 
-# Scale over the span of the heights, below which double precision does not resolve their differences.
+# Scale over the span of the heights below which double precision does not resolve their differences.
 FINEST = 2.0**-52
 
-# Number of separations, from the top of a density to its foot, at which its law is the target of a search.
+# Number of separations, from top to foot of a density, at which its law is the target of a search.
 SEPARATIONS = 61
 
 
@@ -129,8 +129,8 @@ def law_of(density: PiecewiseExponential, branches: tuple[Branch, ...], mixture:
 def level_counts(density: PiecewiseExponential, count: int, step: float) -> tuple[FloatArray, IntArray]:
     """Levels [mm] at the middles of steps of the height, and whole numbers of asperities on them.
 
-    The numbers are the integers nearest to the expected ones. While their sum is not `count`, one of them
-    changes by 1: that whose relative difference from its expectation is then the smallest. The mass above
+    The numbers are the integers nearest to the expected ones. While their sum is not `count`, one number
+    changes by 1: the one whose relative difference from its expectation is then smallest. The mass above
     the last middle below the maximum height belongs to that level.
     """
     number = max(1, math.floor(density.max_height / step + 0.5))
@@ -165,7 +165,7 @@ def _scale(
     target: LinearLaw | BilinearLaw,
     with_slope: Callable[[float], LinearLaw | BilinearLaw],
 ) -> float:
-    """Return the scale at which the truncated exponential has a slope, the only or the first of a target."""
+    """Return the scale at which the truncated exponential has the only or first slope of a target."""
     bound, wording = _uniform_slope(mixture, limits), target.wording
     given, name = wording.slopes(slope), wording.name()
     if slope > STEEPEST * bound:
@@ -184,7 +184,7 @@ def _scale(
         )
     finest = TruncatedExponential(FINEST * limits.span, limits.span)
     largest = finest.asymptotic_slope(mixture.radius, mixture.law)
-    if slope > largest:  # of a law whose lightest contacts have a finite one, such as cones
+    if slope > largest:  # for a law with a finite slope of its lightest contacts, such as cones
         reached = largest * (1.0 - INSIDE)
         raise Infeasible(
             f"{given} is above {wording.coefficient(largest):.6g}, the largest of asperities with this "

@@ -1,9 +1,9 @@
 """One level of asperities, and one adjustment asperity, that meet one operating point (eq. S1).
 
 All earlier asperities are in contact, and n of radius R are new at the level. For each indentation d of the
-level the area, which grows with the indentations, fixes the indentation e of the adjustment asperity of
-radius R'. It is at the level where e = d and just touches where e = 0. For the right n the load minus that of
-the point changes its sign between the two. With one radius that n is unique for Hertz contacts.
+level, the area determines the indentation e of the adjustment asperity of radius R'. This asperity is at the
+level if e = d and just touches if e = 0. For the correct n, the load minus that of
+the point changes sign between the two. With one radius this n is unique for Hertz contacts.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ from metafem.contact.law import contacts
 from metafem.inversion.height_density import TIGHTEST
 from metafem.models import Independent
 
-# A friction this close to a bound counts as the bound: rounding must not add an asperity.
+# A friction this close to a bound counts as equal to it: rounding must not add an asperity.
 ROUNDING = 1e-12
 
 # Relative error of the area of a level: a few times the rounding of a sum.
 SETTLED = 8.0 * np.finfo(float).eps
 
-# Most steps of Newton's method inside a bracket or of bisection, and the largest indentation in a search over
-# the radius of a contact with the whole area.
+# Maximum number of steps of Newton's method inside a bracket or of bisection, and largest indentation in a
+# search, over the radius of a contact with the whole area.
 MOST_STEPS, MOST_DEPTH = 100, 1e3
 
-# More asperities than any surface has. Where the search passes it, those of the earlier levels exceed the
-# load, and no number meets the point.
+# More asperities than any surface has. If the search exceeds it, the earlier levels exceed the load, and no
+# number meets the point.
 MOST_ASPERITIES = 1e12
 
 
@@ -71,7 +71,7 @@ class Step:
         kinds = [kind for level in done for kind in level.kinds]
         top, self.radius, self.number = np.array(kinds).reshape(-1, 3).T
         self.above = top - height
-        # eq. S1, area: missing as the plane meets the level [mm^2]
+        # eq. S1, area: area missing when the plane reaches the level [mm^2]
         self.missing = friction - float(contacts(law, self.above, self.radius).area @ self.number)
         self.fewest = 0 if done else 1
 
@@ -91,7 +91,7 @@ class Step:
 
     def depth(self, number: FloatArray, radius: FloatArray) -> FloatArray:
         """Indentations of the level at which the area is that of the point, (k,) [mm]."""
-        # no contact has more than the whole area
+        # no contact exceeds the whole area
         widest = math.sqrt(self.friction / math.pi)
         old, new = (self._deepest(widest, each) for each in (self.radius, radius))
         high = np.where(number > 0.0, new, np.inf).min(axis=1)
@@ -102,13 +102,13 @@ class Step:
             low, high = np.where(excess <= 0.0, depth, low), np.where(excess >= 0.0, depth, high)
             if (np.abs(excess) <= SETTLED * self.friction).all():
                 break
-            with np.errstate(divide="ignore", invalid="ignore"):  # no step where no area grows: halved
+            with np.errstate(divide="ignore", invalid="ignore"):  # without a slope the bracket is halved
                 moved = depth - excess / growth
             depth = np.where((moved > low) & (moved < high), moved, 0.5 * (low + high))
         return np.asarray(depth)
 
     def _deepest(self, widest: float, radius: FloatArray) -> FloatArray:
-        """Indentation at a contact radius [mm], or the largest that the law describes."""
+        """Indentation at a contact radius [mm], or the largest of the law."""
         most = np.minimum(self.law.largest_indentation(radius), MOST_DEPTH * widest)
         inside = np.minimum(widest, self.law.contact_radius(most, radius))
         return np.asarray(np.minimum(self.law.indentation(inside, radius), most))
@@ -122,7 +122,7 @@ class Step:
         return float(model.curve_of(height, radii, np.array([self.load])).area[0])
 
     def needed(self, radius: float) -> float:
-        """Least number of new asperities, one adjusted included, that meets the point; inf if none does."""
+        """Least number of new asperities, with an adjusted one, that meets the point; inf if none does."""
 
         def excess(number: float) -> float:
             new = np.array([[number]]), np.array([radius])
@@ -157,13 +157,13 @@ class Step:
     def _adjusted(self, number: int, radius: float, other: float, low: float, high: float) -> Level:
         """Return the level whose adjustment asperity meets both the area and the load.
 
-        Its indentation is between that at which the adjustment asperity is level with it, and the one at
-        which that asperity only touches.
+        The indentation of the level is between that at which the adjustment asperity has the same height and
+        that at which it only touches.
         """
         new = np.array([[float(number)]]), np.array([radius])
 
         def missing(depth: float) -> tuple[float, float]:
-            """Return the indentation of the adjustment asperity, and the load with it minus the point's."""
+            """Return the indentation of the adjustment asperity, and the load minus that of the point."""
             load, area, _ = self.at(np.array([depth]), *new)
             widest = math.sqrt(max(-float(area[0]), 0.0) / math.pi)
             own = self._deepest(widest, np.array([other]))[0]
@@ -174,7 +174,7 @@ class Step:
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Root of a function in a bracket; an end of it where rounding hides the change of sign."""
+    """Root of a function in a bracket; an end of it if rounding hides the change of sign."""
     first, last = function(low), function(high)
     if first == 0.0 or (first > 0.0) == (last > 0.0):
         return low if abs(first) <= abs(last) else high

@@ -1,4 +1,4 @@
-"""Asperities of several radii whose heights have the same density."""
+"""Asperities of several radii with the same height density."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ MIXTURE_FRACTIONS = tuple(i / 16 for i in range(1, 16))
 
 @dataclass(frozen=True)
 class Mixture:
-    """Numbers of asperities of each radius [mm], power caps where the radii differ.
+    """Numbers of asperities of each radius [mm]; different radii require power caps.
 
     With one height density and Hertz contacts ``A0 = pi N <R> <d>`` and ``P/E* = 4/3 N <sqrt R> <d^(3/2)>``.
     This is the law of ``N <sqrt R>^2/<R>`` asperities of the radius ``(<R>/<sqrt R>)^2``. For a power cap
@@ -63,7 +63,7 @@ class Mixture:
 
     @property
     def carrying(self) -> float:
-        """Number of asperities of that radius that have the same law."""
+        """Number of asperities of that radius with the same law."""
         if len(self.radii) == 1:
             return self.count
         return self.count * self._mean(self._power) ** 2 / self._mean(2.0 * self._power)
@@ -91,9 +91,9 @@ class Mixture:
 
 
 def best_mixture(invert: Callable[[Mixture], Candidate], problem: Problem) -> Candidate:
-    """Return the candidate of the best single radius, or of two tools where their misfit is far smaller.
+    """Return the candidate of the best single radius, or of two tools if their misfit is far smaller.
 
-    Candidates with warnings, whose heights are too fine to be made, come after those without.
+    Candidates with warnings, whose heights are too fine to manufacture, rank after those without.
     """
     radii, count = problem.radii, problem.count
     law = problem.independent.contact
@@ -121,7 +121,7 @@ def best_mixture(invert: Callable[[Mixture], Candidate], problem: Problem) -> Ca
 
 
 def unreachable(refused: dict[float, Infeasible]) -> Infeasible:
-    """Return why no radius reaches a target: the reasons for the smallest and the largest radius."""
+    """Return the error that no radius reaches a target, with reasons for the smallest and largest radius."""
     ends = dict.fromkeys((min(refused), max(refused)))
     reasons = {f"reason_{i}": refused[radius].message for i, radius in enumerate(ends)}
     parts = [

@@ -1,8 +1,8 @@
-"""Heights whose law passes through given points: one level and one adjustment asperity a point (eq. S1).
+"""Heights whose law passes through given points: one level and one adjustment asperity per point (eq. S1).
 
-With one radius the level of each point is unique, given those before it. With several radii there can be
-many levels, also where the earlier asperities have more friction; they are tried in turn. If no levels meet
-the points and no bound excludes them, heights without levels are searched for.
+With one radius the level of each point is unique, given the previous levels. With several radii there can be
+many levels, even if the earlier asperities have more friction; they are tried in turn. If no levels meet
+the points and no bound excludes them, a search for heights without levels follows.
 """
 
 from __future__ import annotations
@@ -31,18 +31,18 @@ if TYPE_CHECKING:
     from metafem.inversion.radii import Radii
     from metafem.inversion.targets.laws import OperatingPoints
 
-# Relative distance of the friction of points that would otherwise not increase.
+# Relative increase of the friction between points that would otherwise not increase.
 APART = 1e-6
 
-# Most searches for later points of the nearest law: each takes as long as the refused one, and every one of
-# hundreds of points could need another. The nearest law then ends at the point that is not met.
+# Maximum number of searches for later points of the nearest law: each takes as long as the refused one, and
+# each of hundreds of points could need one. The nearest law then ends at the point that is not met.
 MOST_MOVED = 20
 
-# Distance of a level below the plane at the point before, relative to the depth of the level before, for laws
-# whose contacts enter with sharper kinks than Hertz's: no level touches at the point before.
+# Distance of a level below the plane at the previous point, relative to the depth of the previous level, for
+# laws with sharper kinks at new contacts than Hertz's: no level touches at the previous point.
 LEVEL_DROP = 0.05
 
-# Most levels that are tried, about 0.2 ms each.
+# Maximum number of levels that are tried, about 0.2 ms each.
 MOST_LEVELS = 5_000
 
 # Largest misfit of heights without levels that is accepted: far below the effect of height errors.
@@ -68,7 +68,7 @@ def candidate(target: OperatingPoints, problem: Problem, rng: np.random.Generato
     broken = broken_bound(target.rescaled_load, target.rescaled_friction, problem.bounds, 0.0)
     searched = not last.limited and target.last_load <= highest and broken is None
     if searched:
-        # the extreme radii leave more room for the refinement
+        # the extreme radii give the refinement more freedom
         for choice in dict.fromkeys((radii.extremes, radii)):
             if found := _without_levels(target, choice, problem, rng):
                 return found
@@ -127,11 +127,11 @@ def _without_levels(
 
 
 def _nearest(search: _Search) -> OperatingPoints | None:
-    """Return points that levels meet near those of a refused search, None where none are known.
+    """Return points met by levels near those of a refused search, or None if none are known.
 
-    Where possible only the point that is not met differs: its friction is the nearest that levels can have
-    there, or else that of the law of the other points. Otherwise later points differ as well, and if they
-    cannot be met they are left out.
+    If possible only the point that is not met differs: its friction is the nearest that levels can have
+    there, or else that of the law of the other points. Otherwise later points also differ, or are omitted if
+    they cannot be met.
     """
     target, nearest = search.target, search.unmet
     if nearest is None:
@@ -166,12 +166,12 @@ def _nearest(search: _Search) -> OperatingPoints | None:
 
 @dataclass
 class _Search:
-    """Depth-first search for levels that meet all points; `refused` says why the last one was not met."""
+    """Depth-first search for levels that meet all points; `refused` is the reason if one is not met."""
 
     target: OperatingPoints
     tools: tuple[float, ...]
     problem: Problem
-    drop: float  # distance of a level below the plane at the point before, over the depth of the level before
+    drop: float  # distance of a level below the plane at the previous point, over the previous level's depth
     refused: Infeasible | None = None
     furthest: int = -1
     limited: bool = False
@@ -179,7 +179,7 @@ class _Search:
 
     @property
     def unmet(self) -> OperatingPoints | None:
-        """The points up to the one that is not met, with the friction there that levels can have."""
+        """The points up to the one that is not met, with the attainable friction there."""
         return None if self.refused is None else self.refused.nearest
 
     def of(self, target: OperatingPoints) -> _Search:
@@ -187,7 +187,7 @@ class _Search:
         return _Search(target, self.tools, self.problem, self.drop)
 
     def of_others(self, i: int) -> float:
-        """Return the friction at a point of a law through the others; not a number if there is none."""
+        """Return the friction at a point of a law through the others; nan if there is no such law."""
         load, friction = self.target.rescaled_load, self.target.rescaled_friction
         if len(load) == 1:
             return math.nan
@@ -203,7 +203,7 @@ class _Search:
         return float(curve.area[0])
 
     def path(self, done: tuple[Level, ...]) -> tuple[Level, ...] | None:
-        """Return levels for all points that begin with those done, or None."""
+        """Return levels for all points, beginning with those of `done`, or None."""
         i = len(done)
         if i == len(self.target.rescaled_load):
             return done
@@ -229,13 +229,13 @@ class _Search:
         return None
 
     def refuse(self, i: int, reason: Infeasible, limited: bool) -> None:
-        """Keep the first reason at the furthest point, and whether it is a manufacturing limit."""
+        """Store the first reason at the furthest point, and whether it is a manufacturing limit."""
         if i > self.furthest:
             self.furthest, self.refused, self.limited = i, reason, limited
 
 
 def _unmet(target: OperatingPoints, i: int, step: Step, tools: tuple[float, ...], left: int) -> Infeasible:
-    """Return why no level meets a point, with the range of friction that levels can have there."""
+    """Return the error that no level meets a point, with the attainable range of friction there."""
     fewest = [step.friction_with(step.fewest, radius) for radius in tools]
     most = [step.friction_with(left, radius) for radius in tools] if left >= step.fewest else []
     low, high = min(fewest + most), max(fewest + most)
@@ -272,7 +272,7 @@ def _unmet(target: OperatingPoints, i: int, step: Step, tools: tuple[float, ...]
 
 
 def _too_low(i: int, level: Level, limits: Limits) -> Infeasible | None:
-    """Return why a level cannot be made: summits below the limits, or contact with the base plane."""
+    """Return the error for a level with summits below the limits or with base contact, or None."""
     lowest = min(height for height, _, number in level.kinds if number) if level.count else level.height
     plane = level.height - level.depth
     short = limits.min_height - lowest

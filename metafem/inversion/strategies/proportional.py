@@ -1,10 +1,10 @@
-"""Lines through the origin, with one slope or two: bounds of their load range, and the range that is reached.
+"""Lines through the origin, with one slope or two: bounds of their load range, and the achievable range.
 
-The least friction of any surface is that of one contact, A1(p) at the load p = P/E*, for the least radius. A
-line of slope m lies above it for loads above that at which A1(p) = m p; with Hertz contacts that is
+The least friction of any surface is that of one contact, A1(p) at the load p = P/E*, for the smallest radius.
+A line of slope m lies above it for loads above that at which A1(p) = m p; with Hertz contacts that is
 ``(c/m)^3`` with ``c = pi R (3/(4 sqrt R))^(2/3)``. The steepest slope of a law of Hertz contacts, that of N
-contacts of the largest radius which enter at once, is ``(2/3) K p/A0^2`` with ``K = N c^3``. A line of slope
-m can therefore not go beyond ``(2/3) K/m^3``. With other laws it cannot go beyond the friction of N equal
+simultaneous contacts of the largest radius, is ``(2/3) K p/A0^2`` with ``K = N c^3``. A line of slope
+m can therefore not extend beyond ``(2/3) K/m^3``. With other laws it cannot exceed the friction of N equal
 contacts, see `metafem.inversion.bounds`.
 """
 
@@ -27,19 +27,19 @@ from metafem.inversion.strategies import sampled
 from metafem.models import Independent
 from metafem.models.model import PARABOLOID, checked_contact
 
-# Least ratio of the ends of a range that is offered instead of a wider one: a line over a few per cent of its
-# load says little about a law.
+# Least ratio of the ends of a range that is proposed instead of a wider one: a line over a few per cent of
+# its load does not characterise a law.
 LEAST_RANGE = 1.1
 
-# Bisections of the logarithm of a range: to a sixtieth of it.
+# Number of bisections of the logarithm of a range: to a sixtieth of it.
 BISECTIONS = 6
 
-# Fraction of the allowed difference at which a range counts as reached: room for other models.
+# Fraction of the allowed difference at which a range counts as reached: a reserve for other models.
 RANGE_MISFIT = 0.8
 
-# A range that is tried starts this factor above the load at which one asperity has the friction of the line.
-# Between the entries of the first asperities a law differs from the line by 1.1 % if it starts at that load,
-# and by .7 % if it starts here (measured; independent of slope and radius by scaling).
+# Start of a tried range, over the load at which one asperity has the friction of the line. Between the first
+# contacts a law differs from the line by 1.1 % if it starts at that load, and by .7 % if it starts here
+# (measured; independent of slope and radius by scaling).
 RANGE_START = 1.4
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ def refuse_line(target: StraightLaw, problem: Problem, margin: float) -> None:
 
 
 def _refuse_second(target: Any, problem: Problem, slack: float, scope: str) -> None:
-    """Raise Infeasible for a slope that cannot follow the one before it."""
+    """Raise Infeasible for a slope that cannot follow the previous one."""
     wording, bounds = target.wording, problem.bounds
     for (first, _), (second, load) in pairwise(target.lines):
         friction = float(target.line(np.array(load)))
@@ -100,7 +100,7 @@ def _refuse_second(target: Any, problem: Problem, slack: float, scope: str) -> N
 
 
 def _refused(words: str, nearest: StraightLaw | None, otherwise: str) -> Infeasible:
-    """Return the error for a range that is not reached, with a range that is, or with what to change."""
+    """Return the error for a range that is not reached, with an achievable range or a remedy."""
     if nearest is None or nearest.load_range is None:
         return Infeasible(f"{words}; {otherwise}")
     low, high = nearest.load_range
@@ -122,8 +122,8 @@ def line_range(target: StraightLaw, bounds: Bounds, slack: float = 0.0) -> tuple
 def reached_line(target: Any, problem: Problem) -> StraightLaw | None:
     """Return the line over the widest part of its range that independent asperities reach.
 
-    The range is narrowed towards the crossover load; for one line, towards its start or its end, whichever
-    leaves the wider range. None if no range is reached.
+    The range is narrowed towards the crossover load; for one line, towards its start or end, whichever
+    gives the wider range. None if no range is reached.
     """
     start, end = line_range(target, problem.bounds)
     most = problem.bounds.largest_load(problem.limits)
@@ -176,10 +176,10 @@ def achievable_load_range(
     target : LinearLaw or BilinearLaw
         With a load range, the range is sought within it.
     template : Surface
-        Only its number of sites is used, and its radius, one for all, where `radii` is not given.
+        Only its number of sites is used, and its common radius if `radii` is not given.
     limits : Limits
     radii : RadiusRange or sequence of float, optional
-        Radii that each asperity may have [mm]; default: the radius of the template.
+        Allowed radii of each asperity [mm]; default: the radius of the template.
     contact : Contact
         Law of one contact; default: `Hertz()`. With adhesion the range is that of the law without it.
 
@@ -191,7 +191,7 @@ def achievable_load_range(
     Raises
     ------
     Infeasible
-        If there is no such range; says what to change.
+        If there is no such range; the message states a remedy.
     InvalidInput
         For another kind of target, radii that are not positive, or a template of several radii.
 

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from metafem.inversion.targets.target import Target
 
 
-# Where the target leaves its level open, levels at these fractions of the feasible range (of its logarithm)
-# are tried.
+# If the level of the target is free, levels at these fractions of the feasible range (of its logarithm) are
+# tried.
 LEVEL_FRACTIONS = (0.5, 0.25, 0.75, 0.1, 0.9)
 
 

@@ -18,8 +18,8 @@ from metafem.inversion.strategies.mixture import Mixture
 if TYPE_CHECKING:
     from metafem.inversion.targets.straight import BilinearLaw
 
-# Crossover loads of which a range is sought, evenly spaced over the law of the first slope, and the number of
-# bisections of its ends: to a ten-thousandth of that law.
+# Number of crossover loads in the search for a range, evenly spaced over the law of the first slope, and
+# number of bisections of its ends: to a ten-thousandth of that law.
 TRIED, BISECTIONS = 15, 10
 
 
@@ -37,14 +37,14 @@ class Crossing:
 
     @cached_property
     def full_load(self) -> float:
-        """Load at which the plane reaches the lowest asperity of the first branch alone [mm^2]."""
+        """Load at which the plane reaches the lowest asperity of the first branch by itself [mm^2]."""
         return self._load_of(self.plain.max_height)
 
     @cached_property
     def least_depth(self) -> float:
         """Smallest depth of a crossover height at which the asperities carry the load [mm].
 
-        Where all the mass lies above the crossover height, each asperity carries less than at that depth.
+        If all the mass lies above the crossover height, each asperity carries less than at that depth.
         """
         each = np.array([self.load / self.mixture.carrying])
         return float(at_load(self.mixture.law, each, self.mixture.radius)[0][0])
@@ -56,7 +56,7 @@ class Crossing:
 
     @cached_property
     def depths(self) -> tuple[float, float]:
-        """Depths between which each branch keeps at least half an asperity [mm]."""
+        """Depths between which each branch has at least half an asperity [mm]."""
         shallow, deep, top = self.least_depth, self.plain.max_height * (1.0 - INSIDE), self.plain.max_height
         ends = []
         for share in (1.0 - 0.5 / self.mixture.count, 0.5 / self.mixture.count):
@@ -64,19 +64,19 @@ class Crossing:
                 ends.append(deep)
             elif self._upper_mass(shallow) <= share:
                 ends.append(shallow)
-            else:  # beyond the least depth the mass above decreases with the depth
+            else:  # beyond the least depth, the upper mass decreases with the depth
                 excess = lambda depth, share=share: self._upper_mass(depth) - share  # noqa: E731
                 ends.append(float(brentq(excess, shallow, deep, xtol=TIGHTEST * top, rtol=TIGHTEST)))
         return ends[0], ends[1]
 
     @cached_property
     def second_slopes(self) -> tuple[float, float]:
-        """Least and largest slope of the second branch [-]; the first is not below the second if none is."""
+        """Smallest and largest slope of the second branch [-]; not increasing if no slope is possible."""
         low, high = (self._second_slope(depth) for depth in self.depths)
         return low, high
 
     def has(self, second: float) -> bool:
-        """Whether a second slope can follow."""
+        """Whether a second slope is possible."""
         return self.possible and self.second_slopes[0] <= second <= self.second_slopes[1]
 
     def density(self, depth: float) -> TwoBranchExponential:
@@ -153,7 +153,7 @@ def two_branches(target: BilinearLaw, plain: TruncatedExponential, mixture: Mixt
 
 
 def _other_slope(target: BilinearLaw, crossing: Crossing) -> Infeasible:
-    """Return the error for a second slope that cannot follow, with those that can and other crossovers."""
+    """Return the error for an impossible second slope, with possible ones and other crossovers."""
     (first, second), wording, (low, high) = target.slopes, target.wording, crossing.second_slopes
     ends = crossing.range_of(second)
     loads = f"; or, with these slopes, crossover_load from {wording.inside(*ends)}" if ends else ""
@@ -167,7 +167,7 @@ def _other_slope(target: BilinearLaw, crossing: Crossing) -> Infeasible:
 
 
 def _other_crossover(target: BilinearLaw, crossing: Crossing, reason: str) -> Infeasible:
-    """Return the error for a crossover load that no second slope can follow, with those that one can."""
+    """Return the error for a crossover load without a possible second slope, with possible crossovers."""
     (first, second), wording = target.slopes, target.wording
     ends, half = crossing.range_of(second), replace(crossing, load=0.5 * crossing.full_load)
     if ends:

@@ -169,7 +169,7 @@ class PowerLaw(Target):
         return TargetLaw(load, np.zeros(POINTS), shape[:, None], np.ones(POINTS))
 
     def guesses(self, law: TargetLaw, bounds: Bounds, fractions: tuple[float, ...]) -> list[FloatArray]:
-        """Return powers with several prefactors between the bounds where the prefactor is free."""
+        """Return powers with several prefactors between the bounds if the prefactor is free."""
         if self.prefactor is not None:
             return [law.base]
         shape = law.free[:, 0]
@@ -201,7 +201,7 @@ class PowerLaw(Target):
         point = f"prefactor = {self.prefactor:g}: the friction at {{load}}, {{friction}},"
         friction = self.prefactor * load**self.exponent
         broken = broken_sample(load, friction, problem, wording, margin, point)
-        if broken:  # a prefactor within the bounds need not be met
+        if broken:  # a prefactor within the bounds may still be unreachable
             words = "{broken}; without prefactor the design chooses it"
             raise Infeasible(Message(words, {"broken": broken}))
 

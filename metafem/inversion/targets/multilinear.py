@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from metafem.inversion.candidate import Parameter
     from metafem.inversion.problem import Problem
 
-# Number of loads at which all branches together are compared, and the fewest of one branch.
+# Total number of loads at which the branches are compared, and minimum number for one branch.
 POINTS, FEWEST_POINTS = 30, 4
 
 
@@ -117,7 +117,7 @@ class MultilinearLaw(Target):
 
     @property
     def friction_coefficients(self) -> tuple[float, ...] | None:
-        """Friction coefficients dF/dP [-] of a law that was given by them or by forces; otherwise None."""
+        """Friction coefficients dF/dP [-] if the law was defined by them or by forces; otherwise None."""
         return self.wording.coefficients(self.slopes)
 
     @property
@@ -148,7 +148,7 @@ class MultilinearLaw(Target):
         return tuple((m, (path[2 * i], path[2 * i + 1])) for i, m in enumerate(self.slopes))
 
     def _is_connected(self, i: int) -> bool:
-        """Whether a branch begins where the one before it ends."""
+        """Whether a branch begins where the previous one ends."""
         return i > 0 and self.branches[i][1][0] == self.branches[i - 1][1][1]
 
     def curve(self) -> TargetLaw:
@@ -194,7 +194,7 @@ class MultilinearLaw(Target):
         return {"intercepts": law.open_parameters(area)}
 
     def refuse(self, problem: Problem, margin: float) -> None:
-        """Raise Infeasible where no intercept keeps connected branches within the bounds."""
+        """Raise Infeasible if no intercept puts connected branches within the bounds."""
         bounds, wording = problem.bounds, self.wording
         refuse_load(self.load_range[1], problem, wording)
         slack = margin + ROUNDING
@@ -210,7 +210,7 @@ class MultilinearLaw(Target):
             least, most = bounds.friction(load)
             low = max(low, float((least * (1.0 - slack) - offset - slope * load).max()))
             high = min(high, float((most * (1.0 + slack) - offset - slope * load)[:2].min()))
-            # F/p^b cannot fall: c + offset <= slope p (1/b - 1), first broken at the start
+            # F/p^b cannot decrease: c + offset <= slope p (1/b - 1), first violated at the start
             if bounds.least_exponent > 0.0:
                 high = min(high, slope * start * (1.0 / bounds.least_exponent - 1.0 + slack) - offset)
             if low > high:
@@ -224,7 +224,7 @@ class MultilinearLaw(Target):
 
 
 def _crossover(name: str, given: object) -> LoadRange:
-    """Return the checked loads of a crossover, twice the same for one load."""
+    """Return the checked loads of a crossover; a single load is repeated."""
     if check.scalar(given):
         load = check.number(name, given, above=0.0)
         return load, load

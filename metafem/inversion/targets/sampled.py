@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from metafem.inversion.candidate import Candidate
     from metafem.inversion.problem import Problem
 
-# If more samples than this are outside the bounds, a note counts them only.
+# If more samples than this are outside the bounds, a note gives only their number.
 MOST_LISTED = 8
 
 
@@ -35,8 +35,8 @@ MOST_LISTED = 8
 class SampledLaw(Value, Target):
     """A law given by samples; the design minimises the squared relative differences.
 
-    Samples may be measured: the friction need not increase, and the nearest surface is designed where no
-    surface meets all of them. The target is refused where that surface misses it by more than 1 % and the
+    Samples may be measured: the friction need not increase, and the nearest surface is designed if no
+    surface meets all of them. The target is refused if that surface misses it by more than 1 % and the
     errors of the samples.
 
     Parameters
@@ -167,7 +167,7 @@ class SampledLaw(Value, Target):
 
 
 def _outside(difference: FloatArray, margin: float) -> str:
-    """Return which samples no surface meets, of differences (k,) [-] of the nearest law within the bounds."""
+    """Return a text on samples that no surface meets, from differences (k,) [-] of the nearest law."""
     rows, most = np.flatnonzero(np.abs(difference) > ROUNDING), int(np.abs(difference).argmax())
     which = f" ({', '.join(map(str, rows + 1))})" if len(rows) <= MOST_LISTED else ""
     largest = percent(float(abs(difference[most])))

@@ -22,19 +22,19 @@ if TYPE_CHECKING:
     from metafem.inversion.candidate import Candidate
     from metafem.inversion.problem import Problem
 
-# Number of loads at which a line is compared. Its misfit is the largest difference, and with thirty loads
-# contacts enter between them (measured: with this many, the misfit is within a tenth of that at any load).
+# Number of loads at which a line is compared. Its misfit is the largest difference; with thirty loads,
+# contacts form between them (measured: with this many, the misfit is within a tenth of that at any load).
 LINE_POINTS = 100
 
 
 class StraightLaw(Target):
-    """A law with the slopes of `lines` at large loads, or these lines themselves over a range of loads."""
+    """A law with the slopes of `lines` at large loads, or the lines themselves over a range of loads."""
 
     load_range: LoadRange | None
 
     @property
     def last_load(self) -> float | None:
-        """Last rescaled load of the target [mm^2]; None without a load range: the density decides it."""
+        """Last rescaled load of the target [mm^2]; None if the density determines it (no load range)."""
         return None if self.load_range is None else self.load_range[1]
 
     @property
@@ -79,7 +79,7 @@ class StraightLaw(Target):
         raise NotImplementedError
 
     def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
-        """Return heights of a density, or with a load range of the lines themselves."""
+        """Return heights for a density, or with a load range for the lines themselves."""
         if self.load_range is None:
             return self.with_density(problem)
         return sampled.candidate(self, problem, rng)
@@ -153,7 +153,7 @@ class LinearLaw(StraightLaw):
 
     @property
     def friction_coefficient(self) -> float | None:
-        """Friction coefficient mu [-] of a law that was given by it or by forces; otherwise None."""
+        """Friction coefficient mu [-] if the law was defined by it or by forces; otherwise None."""
         return None if self.wording.per_slope is None else self.wording.coefficient(self.slope)
 
     @property
@@ -166,7 +166,7 @@ class LinearLaw(StraightLaw):
 
     @property
     def lines(self) -> tuple[tuple[float, float], ...]:
-        """Slope of the line through the origin, and the load 0 from which it holds."""
+        """Slope of the line through the origin, and the load 0 at which it starts."""
         return ((self.slope, 0.0),)
 
     with_density = exponential.linear
@@ -250,7 +250,7 @@ class BilinearLaw(StraightLaw):
 
     @property
     def friction_coefficients(self) -> tuple[float, ...] | None:
-        """Friction coefficients dF/dP [-] of a law that was given by them or by forces; otherwise None."""
+        """Friction coefficients dF/dP [-] if the law was defined by them or by forces; otherwise None."""
         return self.wording.coefficients(self.slopes)
 
     @property
@@ -263,7 +263,7 @@ class BilinearLaw(StraightLaw):
 
     @property
     def lines(self) -> tuple[tuple[float, float], ...]:
-        """Slope of each line, and the load from which it holds [mm^2]."""
+        """Slope of each line, and the load at which it starts [mm^2]."""
         return (self.slopes[0], 0.0), (self.slopes[1], self.crossover_load)
 
     with_density = exponential.bilinear

@@ -36,12 +36,12 @@ class Target:
 
     @property
     def last_load(self) -> float | None:
-        """Last rescaled load of the target [mm^2]; None where the inversion decides it."""
+        """Last rescaled load of the target [mm^2]; None if the inversion determines it."""
         raise NotImplementedError
 
     @property
     def lines(self) -> tuple[tuple[float, float], ...]:
-        """Slope of each line through the origin or the line before, and the load from which it holds."""
+        """Slope of each line, from the origin or the previous line on, and the load at which it starts."""
         return ()
 
     @property
@@ -51,7 +51,7 @@ class Target:
 
     @property
     def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
-        """Crossovers and ranges of the target: loads, and pairs of them [mm^2]."""
+        """Crossovers and ranges of the target: single loads or pairs of loads [mm^2]."""
         return {}
 
     def curve(self) -> TargetLaw:
@@ -60,7 +60,7 @@ class Target:
 
     @property
     def law(self) -> tuple[FloatArray, FloatArray] | None:
-        """Rescaled loads and frictions, both (k,) [mm^2]; None where the target leaves its law open."""
+        """Rescaled loads and frictions, both (k,) [mm^2]; None if the target does not fix its law."""
         try:
             law = self.curve()
         except InvalidInput:  # the law is that of a height density
@@ -70,16 +70,16 @@ class Target:
     def guesses(self, law: TargetLaw, bounds: Bounds, fractions: tuple[float, ...]) -> list[FloatArray]:
         """Return laws (k,) for initial guesses, within the bounds at the loads of `law`.
 
-        Where the target leaves its level open, there is one for each fraction of the possible levels.
+        If the level of the target is free, there is one guess for each fraction of the possible levels.
         """
         return [law.base]
 
     def open_parameters(self, law: TargetLaw, area: FloatArray) -> dict[str, Parameter]:
-        """Return the parameters that the target leaves open, fitted to A0 (k,) at the loads of `law`."""
+        """Return the free parameters of the target, fitted to A0 (k,) at the loads of `law`."""
         return {}
 
     def refuse(self, problem: Problem, margin: float) -> None:
-        """Raise Infeasible if the target breaks a proven bound by more than a margin (relative)."""
+        """Raise Infeasible if the target violates a proven bound by more than a margin (relative)."""
 
     def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
         """Return heights for independent asperities, or raise Infeasible."""

@@ -1,4 +1,4 @@
-"""A target law at a list of loads, up to parameters that the target leaves open."""
+"""A target law at a list of loads, with possible free parameters."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from scipy.linalg.lapack import dgels
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.search.spaces import LateResidual
 
-# Iterations for the open parameters, each with weights relative to the law of the last one: after two, the
-# weights have converged to a digit of the residual.
+# Iterations for the open parameters, each with weights relative to the law of the previous one: after two,
+# the weights have converged to a digit of the residual.
 ROUNDS = 3
 
-# Where the nearest law is not positive, differences are relative to this fraction of the curve, which makes
+# If the nearest law is not positive, differences are relative to this fraction of the curve, which makes
 # them large.
 FAR = 0.1
 
@@ -60,7 +60,7 @@ class TargetLaw:
 
     @property
     def is_open(self) -> bool:
-        """Whether the target leaves parameters open."""
+        """Whether the target has open parameters."""
         return bool(self.free.shape[1])
 
     def open_parameters(self, area: FloatArray) -> FloatArray:
@@ -76,7 +76,7 @@ class TargetLaw:
             scale = np.sqrt(self.weight) / law
             c = _nearest(scale[:, None] * self.free, scale * (area - self.base))
             law = self.base + self.free @ c
-            if law.min() <= 0.0:  # far from any law of this kind
+            if law.min() <= 0.0:  # the curve is far from any law of this kind
                 return np.asarray(np.maximum(law, FAR * area))
         return np.asarray(law)
 
@@ -101,7 +101,7 @@ class TargetLaw:
         return residual, jacobian()
 
     def late_residual(self, area: FloatArray, gradient: Callable[[], FloatArray]) -> LateResidual:
-        """Return the differences, and a function that computes their Jacobian where it is needed."""
+        """Return the differences, and a function that computes their Jacobian when needed."""
         law = self.law(area)
         scale = np.sqrt(self.weight) / law
         residual = scale * (area - law)
@@ -129,6 +129,6 @@ def _nearest(free: FloatArray, values: FloatArray) -> FloatArray:
     if len(free) < count:
         return np.asarray(np.linalg.lstsq(free, values, rcond=None)[0])
     _, found, failed = dgels(free, values)  # a fifth of the time of `lstsq`
-    if failed:  # columns that depend on each other
+    if failed:  # linearly dependent columns
         return np.asarray(np.linalg.lstsq(free, values, rcond=None)[0])
     return np.asarray(found[:count])

@@ -1,4 +1,4 @@
-"""Units in which a target was given, for titles and messages."""
+"""Units of the values of a target, for titles and messages."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from metafem.surface import Friction, Material
 
 LoadRange = tuple[float, float]
 
-# Digits of a friction coefficient or force after the conversion to its rescaled value and back: a number
-# given with up to this many digits is reproduced.
+# Digits of a friction coefficient or force after conversion to its rescaled value and back: input numbers
+# with up to this many digits are reproduced.
 DIGITS = 15
 
 # Digits of a bound in a message.
@@ -34,7 +34,7 @@ class Wording:
     ('slope 6.87', 'friction coefficient 1.4')
     """
 
-    composite_modulus: float | None = None  # E* [MPa]; with it loads are stated in newtons
+    composite_modulus: float | None = None  # E* [MPa]; if set, loads are stated in newtons
     # sigma B, the friction force per initial real contact area [MPa]; with it friction is stated in newtons.
     # With both, slopes are stated as friction coefficients ``mu = sigma B / E* m``
     shear_stress: float | None = None
@@ -54,7 +54,7 @@ class Wording:
 
     @property
     def per_slope(self) -> float | None:
-        """Friction coefficient of the slope 1, ``sigma B / E*``; None where slopes are stated as such."""
+        """Friction coefficient of the slope 1, ``sigma B / E*``; None if slopes are stated as such."""
         if self.composite_modulus is None or self.shear_stress is None:
             return None
         return self.shear_stress / self.composite_modulus
@@ -79,18 +79,18 @@ class Wording:
         return load / (self.composite_modulus or 1.0)
 
     def range_from_newtons(self, load_range: ArrayLike | None) -> LoadRange | None:
-        """Return a checked range of P/E* [mm^2] of one of loads [N]."""
+        """Return a checked range of P/E* [mm^2] from a range of loads [N]."""
         if load_range is None:
             return None
         low, high = check.interval("load_range_N", load_range)
         return self.from_newtons(low), self.from_newtons(high)
 
     def coefficient(self, slope: float) -> float:
-        """Return a slope as it was given: itself, or its friction coefficient."""
+        """Return a slope in the unit of the target: as a slope, or as a friction coefficient."""
         return _digits(slope * (self.per_slope or 1.0), DIGITS)
 
     def coefficients(self, slopes: tuple[float, ...]) -> tuple[float, ...] | None:
-        """Return the friction coefficients of slopes; None where slopes are stated as such."""
+        """Return the friction coefficients of slopes; None if slopes are stated as such."""
         return None if self.per_slope is None else tuple(self.coefficient(slope) for slope in slopes)
 
     def given_slopes(self, friction_coefficients: ArrayLike, count: int | None) -> list[float]:
@@ -106,7 +106,7 @@ class Wording:
         return f"{self.name(len(slopes))} {_listed([f'{self.coefficient(slope):.6g}' for slope in slopes])}"
 
     def slope_bound(self, slope: float, *, up: bool) -> str:
-        """Return the number of a bound on slopes, rounded to the reachable side."""
+        """Return a bound on slopes as text, rounded to the reachable side."""
         return f"{_rounded(self.coefficient(slope), up, None):.6g}"
 
     def of_part(self, material: Material) -> Wording:
@@ -171,10 +171,10 @@ RESCALED = Wording()
 
 @dataclass(frozen=True)
 class Message:
-    """A sentence with numbers, whose units are put in where it is read.
+    """A sentence with numbers whose units are inserted when it is displayed.
 
-    `text` has a field for each of the `numbers`: a text, another message, or the method of `Wording` that
-    states rescaled values, and these.
+    `text` has a field for each of the `numbers`: a text, another message, or the name of a `Wording` method
+    with the rescaled values that it states.
 
     Examples
     --------
@@ -215,7 +215,7 @@ def _stated(values: tuple[float, ...], factor: float | None) -> str:
 
 
 def _rounded(given: float, up: bool, factor: float | None) -> float:
-    """Return a number that is not below, or not above, a given positive one; few digits times a factor."""
+    """Return a positive number rounded up or down such that it has few digits times a factor."""
     value = (factor or 1.0) * given
     near = _digits(value, BOUND_DIGITS)
     if not ((near >= value) if up else (near <= value)):

@@ -1,8 +1,8 @@
 """Loading path of adhesive contacts that interact.
 
 At a given approach the contacts stay in equilibrium. An open asperity jumps into contact where its gap
-closes. Under a given load the plane moves on until the load is carried again, so that a state at a load is
-the first one on the path, where the load first rises to it. It is stable under that load.
+closes. Under a given load the plane then advances until the contacts carry the load again. The state at a
+load is therefore the first point of the path with that load, and it is stable under that load.
 """
 
 from __future__ import annotations
@@ -30,20 +30,20 @@ from metafem.models.adhesion.solve import (
 # Largest relative change of a contact radius that the tangent may predict for one step.
 FORWARD = 3.0
 
-# Most sets of contacts that are tried from a guess, and the contact radius over that after a jump into
-# contact above which an asperity without interaction is in contact with interaction, too.
+# Maximum number of contact sets tried from a guess. An asperity counts as in contact if its contact radius
+# without interaction exceeds this multiple of the radius after a jump into contact.
 MOST_TRIALS, SURE = 8, 1.5
 
-# Factor of the estimate of how much nearer a new contact brings the plane.
+# Factor of the estimated increase of the approach by a new contact.
 DOUBT = 2.0
 
-# Most steps between two loads, and in the search for one point.
+# Maximum number of steps between two loads, and in the search for one point.
 MOST_STEPS = 1000
 MOST_SEARCHES = 60
 
 
 class Goal(NamedTuple):
-    """A load [mm^2] or an approach [mm] at which a state is wanted."""
+    """A load [mm^2] or an approach [mm] at which to find the state."""
 
     value: float
     by_load: bool
@@ -103,9 +103,9 @@ class Loading:
     def press_near(self, goal: Goal, guess: FloatArray) -> State | None:
         """As `press`, from a guess of the contact radii (n,) [mm] at the goal, without the jumps before it.
 
-        A state with every asperity in contact that would penetrate the plane, and no new one that would not,
-        is that at the end of the path. A new contact under tension moves the plane nearer by its load over
-        the stiffness; if it might not touch without that, the path is followed.
+        The state is the end of the path if every asperity that would penetrate the plane is in contact, and
+        no other new one is. A new contact under tension increases the approach by its load over the
+        stiffness; if it might not touch without this increase, the path is followed.
         """
         before: IntArray = np.empty(0, dtype=np.int64) if self.state is None else self.state.closed
         held = np.zeros(len(guess), dtype=bool)
@@ -132,7 +132,7 @@ class Loading:
         return self.press(goal)
 
     def _unit(self, state: State, goal: Goal) -> float:
-        """Return what is rounding in a load or an approach."""
+        """Return the rounding error of a load or an approach."""
         depth = state.found.depth
         return 1e-12 * float((state.a * depth).sum() if goal.by_load else depth.max())
 
@@ -140,7 +140,7 @@ class Loading:
         return float(self.scene.gap.min())
 
     def _forward(self, state: State, goal: Goal) -> State | None:
-        """Return the state at the goal without new contacts, or one before it."""
+        """Return the state at the goal without new contacts, or a state before it."""
         if goal.stable(state):
             shift = goal.shift(state)
             change = state.rate * shift
@@ -166,7 +166,7 @@ class Loading:
         return solve(state.contacts, a, state.p + moved, state.x + shift, condition)
 
     def _blend(self, state: State, other: State, share: float, condition: Condition) -> State | None:
-        """Solve from a state between two of the same contacts."""
+        """Solve from a state interpolated between two states with the same contacts."""
         a, p = state.a + share * (other.a - state.a), state.p + share * (other.p - state.p)
         return solve(state.contacts, a, p, state.x + share * (other.x - state.x), condition)
 
@@ -215,7 +215,7 @@ class Loading:
     def _with(
         self, closed: IntArray, a: FloatArray, p: FloatArray, others: IntArray
     ) -> tuple[Contacts, FloatArray, FloatArray]:
-        """Return contacts, radii and loads with others that jump into contact."""
+        """Return contacts, radii and loads, including asperities that jump into contact."""
         radius = self.scene.entry_radius_at(others, closed, p)
         whole = np.concatenate([closed, others])
         order = np.argsort(whole)
@@ -224,7 +224,7 @@ class Loading:
         return contacts, np.concatenate([a, radius])[order], np.concatenate([p, load])[order]
 
     def _joined(self, closed: IntArray, a: FloatArray, p: FloatArray, x: float, entering: IntArray) -> State:
-        """Solve at an approach with asperities that jump into contact, and with those that follow them."""
+        """Solve at an approach with asperities that jump into contact, and the further jumps they cause."""
         while True:
             start = self._with(closed, a, p, entering)
             state = solve(*start, x, at_approach(x))

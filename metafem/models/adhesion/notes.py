@@ -1,4 +1,4 @@
-"""What adhesive contacts allow, and what is noted of them."""
+"""Limits of adhesive contacts, and notes on them."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def refuse_merging(law: JKR, surface: Surface) -> None:
 
 
 def jump_notes(jumps: list[Jump], modulus: float, unloading: bool) -> tuple[Note, ...]:
-    """State number, loads and sizes of the jumps of a curve."""
+    """Return notes on the number, loads and sizes of the jumps of a curve."""
     if not jumps:
         return ()
     newtons = modulus * np.array([jump.load for jump in jumps])

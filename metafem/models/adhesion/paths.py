@@ -19,14 +19,14 @@ from metafem.contact.adhesion import of_sizes
 from metafem.errors import InvalidInput
 from metafem.models.adhesion.notes import Jump
 
-# Newton's steps and halvings to rounding. At the end of a branch, a double root, Newton's error halves.
+# Newton steps and halvings to rounding. The end of a branch is a double root: each step halves the error.
 MOST_STEPS = 80
 ROUNDING = 4.0 * np.finfo(np.float64).eps
 
-# Part of a piece to which its smallest load is located; the load is stationary there.
+# Tolerance for the place of the smallest load, relative to the piece; the load is stationary there.
 LOWEST = 1e-9
 
-# Doublings of the approach up to any load.
+# Maximum number of doublings of the approach to reach a load.
 MOST_DOUBLINGS = 200
 
 
@@ -171,7 +171,7 @@ class Asperities:
 
 @dataclass(frozen=True)
 class Path:
-    """Pieces (m,) of a path, in order: the load or the approach rises to `best`, or on unloading falls."""
+    """Pieces (m,) of a path, in order: the load or approach rises to `best` (on unloading, falls to it)."""
 
     asperities: Asperities
     by_load: bool
@@ -182,14 +182,14 @@ class Path:
     forward: bool
 
     def piece(self, goal: FloatArray) -> IntArray:
-        """Return the piece (k,) in which each goal is reached first; m where it is not."""
+        """Return the piece (k,) in which each goal is first reached; m if it is never reached."""
         sign = 1.0 if self.forward else -1.0
         return np.searchsorted(sign * self.best, sign * goal)
 
     def approach(self, goal: FloatArray, piece: IntArray | None = None) -> tuple[FloatArray, np.ndarray]:
         """Return the approaches x (k,) [mm] at the goals, and the closed contacts (k, n).
 
-        piece: that of each goal; default: the first one in which it is reached.
+        piece: the piece of each goal; default: the first one in which it is reached.
         """
         if piece is None:
             piece = self.piece(goal)
@@ -216,7 +216,7 @@ class Path:
         return x, closed
 
     def jumps(self, goal: float) -> list[Jump]:
-        """Return the jumps up to a goal, the largest on loading, the smallest on unloading."""
+        """Return the jumps up to a goal: the largest goal on loading, the smallest on unloading."""
         sums = self.asperities.sums
         if self.forward:
             first = 0.0 if self.by_load else self.start[0]

@@ -1,7 +1,7 @@
 """Equations of adhesive contacts under one plane, and their derivatives; loads are P/E* [mm^2].
 
-The unknowns are the contact radii a_i and the approach x. With the law of one contact under the curvature k
-of the displacement by the others, physics of order 3 as in `_kernels.coupling`:
+The unknowns are the contact radii a_i and the approach x. The law of one contact depends on the curvature k
+of the displacement by the others. The equations are of order 3, as in `_kernels.coupling`:
 
     F_i = d(a_i, k_i) + u_i - (x - gap_i) = 0,    p_i = P(a_i, k_i),    k = L p/2,    g = S p,
     u = G p + L^T M/4 - S^T (Q g) - r |g|^2/2
@@ -10,8 +10,8 @@ with the influence G, its Laplacian L and its gradient S between the sites. A co
 the slope. For a paraboloid the slope is a shift by R g, so that r = R and Q = p R: u is then the derivative
 of the energy sum U*(p, k) - p R |g|^2/2 + p.G p/2. In general ``r = 2 a/c`` with c = dd/da of the cap, and
 ``Q = 4/3 a^3 - r 2 a s``: the moment of a tilted circle, less the part due to the moving edge of an
-adhesive contact, where s is the decrease of the indentation by adhesion. As without adhesion, the radius of
-this term is that of a contact with the same load of the cap and k = 0. Order 1 has L = S = 0.
+adhesive contact, where s is the decrease of the indentation by adhesion. As without adhesion, this term uses
+the radius of a contact with the same load of the cap and k = 0. Order 1 has L = S = 0.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ from metafem.contact import JKR
 from metafem.contact.adhesion import of_sizes
 from metafem.contact.elastic import PARABOLOID
 
-# Newton's steps from a radius that is right to a few hundredths, to rounding.
+# Newton steps down to rounding, from a radius with an error of a few hundredths.
 MOST_STEPS = 20
 
-# Relative step of the difference that gives the derivative of r, a factor of a small term.
+# Relative step of the finite difference for the derivative of r, a factor of a small term.
 STEP = 1e-5
 
 
@@ -57,7 +57,7 @@ class Scene:
         return of_sizes(self.law, "entry", self.radius)
 
     def entry_radius_at(self, entering: IntArray, closed: IntArray, p: FloatArray) -> FloatArray:
-        """Contact radius [mm] of asperities that jump into contact beside others of loads p [mm^2]."""
+        """Contact radius [mm] of asperities that jump into contact near contacts with loads p [mm^2]."""
         if self.order == 1 or self.paraboloid:
             return np.asarray(self.entry_radius[entering])
         k = 0.5 * self.coupling.laplacian[np.ix_(entering, closed)] @ p
@@ -65,7 +65,7 @@ class Scene:
 
     @cached_property
     def least_radius(self) -> FloatArray:
-        """Contact radius (n,) [mm] that no contact in equilibrium goes below: half of that at the break.
+        """Lower bound of the contact radius (n,) [mm] in equilibrium: half of the radius at pull-off.
 
         It is 0 for other caps than paraboloids: curvature by the neighbours sharpens a flat summit.
         """
@@ -82,12 +82,12 @@ class Scene:
 
     @cached_property
     def paraboloid(self) -> bool:
-        """Whether the cap is Hertz's, whose radius of curvature is the same everywhere."""
+        """Whether the cap is a paraboloid, with the same radius of curvature everywhere."""
         return self.law.cap == PARABOLOID
 
 
 class Fields(NamedTuple):
-    """Fields at the contacts (m,), and the law there."""
+    """Fields at the contacts (m,), and the values of the law there."""
 
     load: FloatArray  # P(a, k) [mm^2]
     moment: FloatArray  # M [mm^4]
@@ -139,7 +139,7 @@ class Contacts:
         return Fields(load, moment, k, gx, gy, tilt, turn, u, depth, depth - law.deficit(a))
 
     def _tilt(self, a: FloatArray, k: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return Q [mm^3] and r [mm], the radius a0 of the same load of the cap at k = 0, and dr/da0."""
+        """Return Q [mm^3], r [mm], the radius a0 with the same load of the cap at k = 0, and dr/da0."""
         law, radius = self.scene.law, self.radius
         carried = law.cap.load(a, radius, k)
         lost = 2.0 * a * law.deficit(a)
@@ -162,7 +162,7 @@ class Contacts:
         by_loads: FloatArray,
         direct: FloatArray,
     ) -> None:
-        """Add the derivatives by p and a that change Q and r: both follow from the load of the cap."""
+        """Add the derivatives by p and a through Q and r, which depend on the load of the cap."""
         lap, sx, sy = self.fields
         gx, gy, turn = found.slope_x, found.slope_y, found.turn
         *_, own, bend = self._tilt(a, found.curvature)
@@ -240,11 +240,11 @@ class Contacts:
 class Linear:
     """Derivatives of the equations of contacts."""
 
-    by_radius: FloatArray  # dF/da with the loads that follow, (m, m) [-]
+    by_radius: FloatArray  # dF/da including the change of the loads, (m, m) [-]
     by_loads: FloatArray  # dF/dp, (m, m) [1/mm]
     loads: FloatArray  # dp/da, (m, m) or its diagonal [mm]
-    own_depth: FloatArray  # dd/da of each contact alone, (m,) [-]
-    own_load: FloatArray  # dP/da of each contact alone, (m,) [mm]
+    own_depth: FloatArray  # dd/da of each contact by itself, (m,) [-]
+    own_load: FloatArray  # dP/da of each contact by itself, (m,) [mm]
     mixed: tuple[FloatArray, IntArray] | None = field(repr=False)  # factors of the equations of p
 
     @property
@@ -254,7 +254,7 @@ class Linear:
 
     @property
     def excess(self) -> int:
-        """Number of unstable directions at a given approach, to within those that begin or end here.
+        """Number of unstable directions at a given approach, up to those that appear or vanish here.
 
         With dF/dp = H, the contacts are stable if H has as many negative eigenvalues as there are contacts
         whose load falls as they grow. H is scaled by the roots of |dP/da|, without small terms of order 3.

@@ -1,4 +1,4 @@
-"""Newton's method for adhesive contacts with one further condition: a load, approach, radius or touch."""
+"""Newton's method for adhesive contacts with one extra condition: a load, approach, radius or touch."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from metafem.models.adhesion.scene import Contacts, Fields, Linear
 TOLERANCE = 1e-12
 GOAL = 2e-13
 
-# Steps with any matrix, the least progress of a step with the matrix of an earlier one, and the number of
-# steps with their own matrix that may make none.
+# Maximum number of steps; least progress of a step with an earlier matrix; and number of steps with a new
+# matrix that may make no progress.
 MOST_STEPS = 40
 PROGRESS = 0.02
 MOST_WORSE = 2
@@ -25,7 +25,7 @@ MOST_WORSE = 2
 # Changes of radii, loads and approach by the errors of F, of p and of the condition.
 Step = Callable[[FloatArray, FloatArray, float], tuple[FloatArray, FloatArray, float]]
 
-# Gap relative to the largest indentation of a cap that is rounding.
+# Gaps below this multiple of the largest indentation of a cap are rounding errors.
 CLOSED = 1e-11
 
 # Largest relative change of a contact radius in one step.
@@ -73,8 +73,8 @@ class State:
     def holds(self) -> bool:
         """Whether the contacts are stable at this approach.
 
-        The determinant of dF/da is positive there, and changes its sign at the end of a branch. Where two
-        branches end together it may not, but two directions become unstable.
+        The determinant of dF/da is then positive. It changes sign at the end of a branch. Where two branches
+        end together its sign may stay the same, but two directions become unstable.
         """
         factor, pivot = self.factors
         swaps = np.count_nonzero(pivot != np.arange(len(pivot)))
@@ -85,7 +85,7 @@ class State:
     def _within(self) -> bool:
         """Whether no contact moves down its slope by more than its radius.
 
-        Beyond, an expansion about its summit fails; a paraboloid is the same everywhere.
+        Beyond that, an expansion about the summit fails, except for a paraboloid.
         """
         if self.contacts.scene.paraboloid:
             return True
@@ -120,7 +120,7 @@ class State:
 
     @property
     def entering(self) -> IntArray:
-        """Places, among the open asperities, of those that touch or penetrate the plane."""
+        """Indices, among the open asperities, of those that touch or penetrate the plane."""
         return np.flatnonzero(self.overlap > CLOSED * float(self.found.depth.max()))
 
 
@@ -132,7 +132,7 @@ class Condition:
     by_loads: FloatArray | float = 0.0
     by_radii: FloatArray | float = 0.0
     by_approach: float = 0.0
-    of_loads: bool = False  # its error is a load [mm^2], not a length [mm]
+    of_loads: bool = False  # whether the error is a load [mm^2] instead of a length [mm]
 
 
 def at_load(load: float) -> Condition:
@@ -191,7 +191,7 @@ def solve(contacts: Contacts, a: FloatArray, p: FloatArray, x: float, condition:
         length = LONGEST / longest if longest > LONGEST else 1.0
         if length < 1.0:
             step = None
-        # a cap may end, such as a sphere at its equator
+        # a cap may be bounded, such as a sphere by its equator
         wider = np.minimum(a + length * change, 0.5 * (a + contacts.largest_radius))
         a, p, x = wider, p + length * moved, x + length * shift
     return None

@@ -1,7 +1,7 @@
 """Unloading path of adhesive contacts that interact.
 
 As on loading, the contacts stay in equilibrium at a given approach. A contact breaks where its branch ends:
-there dF/da is singular. A state at a load is the first one on the path, where the load first falls to it.
+there dF/da is singular. The state at a load is the first point of the path with that load.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ BACK = 0.4
 # Relative step in the radius of the contact that shrinks fastest, and the smallest one.
 STEP, LEAST_STEP = 0.2, 1e-6
 
-# The end of a branch and the lowest load are located to this part of a contact radius. There the load is
-# stationary, so that its error is the square of this.
+# Tolerance for the end of a branch and for the lowest load, relative to a contact radius. The load is
+# stationary there, so its error is the square of this.
 LOCATED = 1e-7
 COARSE = 1e-3
 
@@ -47,7 +47,7 @@ class Unloading(Loading):
         raise NotConverged("the adhesive contacts do not settle")
 
     def _enter_back(self, state: State, trial: State, goal: Goal) -> None:
-        """As `_enter` on unloading: there the plane comes nearer until the load is carried again."""
+        """As `_enter`, on unloading: the plane then advances until the contacts carry the load again."""
         touch = self._touch(state, trial)
         self.state = self._joined_at(touch)
         if goal.by_load:
@@ -56,7 +56,7 @@ class Unloading(Loading):
             self.extreme = lowest
 
     def _directly(self, state: State, goal: Goal) -> State | None:
-        """Return the state at the goal if it is near and no contact comes or goes before."""
+        """Return the state at the goal if it is near and no contact forms or breaks before it."""
         if not goal.stable(state):
             return None
         shift = goal.shift(state)
@@ -130,7 +130,7 @@ class Unloading(Loading):
     def _search(
         self, state: State, new: State, i: int, value: Callable[[State], float], part: float
     ) -> State:
-        """Return the last state before a value changes its sign, to a part of the radius of contact i."""
+        """Return the last state before a value changes sign, to a fraction of the radius of contact i."""
         width = state.a[i] - new.a[i]
 
         def at(radius: float) -> State:

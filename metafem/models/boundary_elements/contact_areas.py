@@ -1,11 +1,11 @@
 """Load and contact area of each asperity from a resolved pressure, all in units of the cell.
 
 The second moments of the pressure about its centroid have ``s = sqrt(<x^2><y^2> - <xy>^2)``, and the
-pressure on a Hertzian ellipse has the area ``5 pi s``. For other caps s is M/(2 P), from which their law
-gives the area. That of any other contact is found from its edge, near which p^2 falls linearly: the squares
-of the pressure, over that of the law's smooth factor, without those of the two outermost rings of cells,
-which collocation distorts, are extrapolated outwards by quadratic functions along rows, columns and
-diagonals. The area is that where the result, linear in triangles between the centres of the cells, is
+pressure on a Hertzian ellipse has the area ``5 pi s``. For other caps s = M/(2 P), and their law then gives
+the area. The area of any other contact is found from its edge, near which p^2 falls linearly. The squared
+pressure, divided by the square of the law's smooth factor, is extrapolated outwards by quadratic functions
+along rows, columns and diagonals. The two outermost rings of cells, which collocation distorts, are left
+out. The area is the region where the result, linear in triangles between the centres of the cells, is
 positive.
 """
 
@@ -21,21 +21,21 @@ from metafem._validate import FloatArray
 from metafem.models.boundary_elements.patches import IntArray, Patch
 from metafem.models.boundary_elements.summits import Summits
 
-# Rings of cells at the edge whose pressure is replaced by the extrapolation, and rings that are filled:
-# those, and three outside.
+# Number of rings of cells at the edge whose pressure is replaced by the extrapolation, and number of rings
+# that are filled: the same and three outside.
 DISTORTED, FILLED = 2, 5
 
-# In a Hertz contact the edge is found this far outside, in cells, and the area is smaller by this number of
-# cells: means of six offsets, with 5 to 80 cells per radius.
+# In a Hertz contact the edge is found this many cells outside the true one, and the area is smaller by this
+# number of cells: means of six offsets, with 5 to 80 cells per radius.
 EDGE, CURVED = 0.009, 0.22 * math.pi
 
-# With n cells per radius the areas from the edge and from the moments of a Hertz contact differ by up to this
-# and this times n, in cells over pi (measured at the same offsets); those of other caps by up to twice as
-# much (powers from 1 to 8, spheres and tables).
+# With n cells per radius the areas of a Hertz contact from the edge and from the moments differ by up to the
+# first value plus the second times n, in cells over pi (measured at the same offsets); those of other caps
+# by up to twice as much (powers from 1 to 8, spheres and tables).
 DIFFERENCE, DIFFERENCE_BY_CELL, OTHER_CAPS = 0.5, 0.002, 2.0
 
 # In a gap between two contacts, up to twice this number of cells wide, the level of an open cell is at most
-# this negative multiple of that of a closed cell beside it: the edge is up to 0.62 cells beyond the centre of
+# this negative multiple of that of an adjacent closed cell: the edge is up to 0.62 cells beyond the centre of
 # a closed cell. The pressure rises so steeply there that the quadratic functions find the edge farther out.
 NARROW, BOUND = 6, 0.61
 
@@ -56,13 +56,13 @@ class Contacts:
 
     load: FloatArray  # sum of p/E* over the cells on which the asperity is the highest
     area: FloatArray  # contact area on these cells
-    # whether the area is not that of the law with the second moments: it is that within the edge
+    # whether the area is that within the edge instead of the law's area for the second moments
     deformed: NDArray[np.bool_]
     merged: IntArray  # pairs of asperities whose contacts share an edge of a cell, (m, 2)
 
 
 def measure(patches: list[Patch], pressure: list[FloatArray], summits: Summits) -> Contacts:
-    """Add up the pressure of each asperity, and find contacts that have merged."""
+    """Sum the pressure of each asperity, and find merged contacts."""
     count = len(summits.radius)
     load, area, spread, shift = np.zeros((4, count))
     pairs = []
@@ -87,7 +87,7 @@ def measure(patches: list[Patch], pressure: list[FloatArray], summits: Summits) 
 
 
 def _moments(density: FloatArray) -> tuple[float, FloatArray]:
-    """Return s of a pressure, the root of the determinant of its second moments, and its centroid (2,)."""
+    """Return s, the root of the determinant of a pressure's second moments, and the centroid (2,)."""
     x, y = (np.arange(n, dtype=np.float64) for n in density.shape)
     along_x, along_y = density.sum(axis=1), density.sum(axis=0)
     centroid = np.array([x @ along_x, y @ along_y])
@@ -137,7 +137,7 @@ def _extrapolated(pressure: FloatArray, closed: NDArray[np.bool_]) -> FloatArray
 
 
 def _between(closed: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return which open cells have closed cells near on opposite sides."""
+    """Return the open cells that have closed cells nearby on opposite sides."""
     between = np.zeros_like(closed)
     for dx, dy in STEPS[:4]:
         ahead, behind = (

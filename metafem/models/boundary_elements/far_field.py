@@ -27,7 +27,7 @@ from metafem._validate import FloatArray
 # sums over all cells were below 3e-10.
 TOLERANCE = 1e-8
 
-# Offset at which two points per side have the mean over 1/sqrt(2) of a cell. Applied to both source and
+# Offset of two points per side whose mean is that over 1/sqrt(2) of a cell. Applied to both source and
 # target it keeps the influence symmetric and reproduces Love's far field to fourth order, G + h^2/24 lap G.
 HALF_SPREAD = 1.0 / math.sqrt(24.0)
 
@@ -35,8 +35,8 @@ HALF_SPREAD = 1.0 / math.sqrt(24.0)
 def convergence_rate(centre: FloatArray, half: FloatArray) -> FloatArray:
     """Return the factor by which each further term reduces the error between boxes, (m, m).
 
-    `centre`, `half`: (m, 2). Along each axis of the target the nearest singularity stands at the
-    distance to the source box, real along that axis and imaginary across it.
+    `centre`, `half`: (m, 2). Along each axis of the target the nearest singularity lies at the
+    distance to the source box: real along that axis, imaginary across it.
     """
     apart = np.abs(centre[:, None, :] - centre[None, :, :])
     along = np.maximum(apart - half[None, :, :], 0.0)

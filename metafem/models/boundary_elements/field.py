@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 class ContactField(Value):
     """Fields on the cells of `metafem.BoundaryElements`, arrays (k,) over all cells.
 
-    The cells are squares of one common grid, in m rectangular patches around the contacts; between the
-    patches there are none. Arrays hold one patch after the other, each row by row along y, so that
+    The cells are squares of one common grid, in m rectangular patches around the contacts, with no cells
+    between the patches. Arrays hold one patch after the other, each row by row along y, so that
     ``field.pressure[field.patch == 0].reshape(field.shape[0])`` is the first patch, x along its first axis.
 
     Attributes
@@ -36,7 +36,7 @@ class ContactField(Value):
         Distance from the deformed surface to the plane [mm]: not negative and 0 in contact, within 1e-9 of
         the largest indentation.
     displacement : ndarray, (k,)
-        How far the surface is displaced away from the plane, into the block [mm].
+        Displacement of the surface away from the plane, into the block [mm].
     patch : ndarray of int, (k,)
         Number of the patch of each cell, from 0.
     shape : ndarray of int, (m, 2)
@@ -94,7 +94,7 @@ class ContactField(Value):
 
     @cached_property
     def displacement(self) -> FloatArray:
-        """How far the surface is displaced away from the plane, (k,) [mm]."""
+        """Displacement of the surface away from the plane, (k,) [mm]."""
         return self.gap - self.undeformed_gap
 
     def _centres(self, axis: int) -> FloatArray:

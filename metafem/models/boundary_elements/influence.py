@@ -15,7 +15,7 @@ from metafem.models._resources import THREADS
 from metafem.models.boundary_elements.far_field import FarField
 from metafem.models.boundary_elements.patches import Patch
 
-# Aliases per side in the symbol of the preconditioner: the terms decrease with the cube of their number.
+# Aliases per side in the symbol of the preconditioner: the terms decrease as the cube of their index.
 ALIASES = 3
 
 # Mean over a cell of a function that is smooth on the scale of a cell: two Gauss points per side.
@@ -57,7 +57,7 @@ class Influence:
         return int(self.edges[-1])
 
     def split(self, vector: FloatArray) -> list[FloatArray]:
-        """Views of each patch's part, in the patch's shape."""
+        """Return views of the part of each patch, in the shape of the patch."""
         return [
             vector[a:b].reshape(s)
             for a, b, s in zip(self.edges[:-1], self.edges[1:], self.shapes, strict=True)
@@ -88,7 +88,7 @@ class Influence:
         return result
 
     def precondition(self, vector: FloatArray) -> FloatArray:
-        """Return each patch's part under the inverse of the half-space's symbol."""
+        """Apply the inverse symbol of the half-space to the part of each patch."""
         result = np.empty_like(vector)
         sources, targets = self.split(vector), self.split(result)
 
@@ -107,12 +107,12 @@ class Influence:
 
 
 def _fast(shape: tuple[int, int]) -> tuple[int, int]:
-    """Sizes for a fast transform, not below those of the shape."""
+    """Sizes for a fast transform, at least those of the shape."""
     return fft.next_fast_len(shape[0]), fft.next_fast_len(shape[1], real=True)
 
 
 def _padded(shape: tuple[int, int]) -> tuple[int, int]:
-    """Sizes at which the wrap of a convolution does not reach the shape."""
+    """Padded sizes at which the wrap-around of a convolution does not reach the shape."""
     return _fast((2 * shape[0] - 1, 2 * shape[1] - 1))
 
 
@@ -140,7 +140,7 @@ def _convolve(source: FloatArray, spectrum: FloatArray, target: FloatArray) -> N
 def _symbol(shape: tuple[int, int]) -> FloatArray:
     """Inverse symbol of Love's solution on a periodic grid, ``|k|/2`` at long waves.
 
-    The symbol 2/|k| of the half-space times that of the cell, summed over the aliases. The mean has the
+    The symbol 2/|k| of the half-space times that of the cell, summed over the aliases. The mean is given the
     wavelength of twice the patch, which is sufficient for a preconditioner.
     """
     k0 = 2.0 * math.pi * np.fft.fftfreq(shape[0])[:, None]

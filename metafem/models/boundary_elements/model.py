@@ -28,7 +28,7 @@ from metafem.surface import Surface
 
 
 def resolvable(contact: object) -> bool:
-    """Whether a contact is an elastic cap without adhesion, whose profile cells can follow."""
+    """Whether a contact is an elastic cap without adhesion, whose profile can be resolved by cells."""
     if isinstance(contact, type) or not isinstance(contact, Contact):
         return False
     return contact.largest_order == 3 and not contact.adhesive and hasattr(contact, "depth_at")
@@ -43,16 +43,16 @@ class BoundaryElements(WithoutGradients):
     neighbourhoods of the contacts only. With n cells per contact radius the relative error of a Hertz
     contact at any position is at most 0.12/n^2 in load and 0.37/n^2 in area: 5e-5 and 1.5e-4 at n = 50.
     Areas come from the second moments of each contact's pressure, ``A = 5 pi sqrt(<x^2><y^2> - <xy>^2)``,
-    which is exact for Hertzian ellipses; for other caps the factor 2/m with m = M/(P a^2) = 2/5 becomes that
-    of their law under an extra curvature. Contacts of another shape and merged ones have the area within
-    their edges, with an error of up to seven cells for each asperity, and a note says so. The stiffness is
+    which is exact for Hertzian ellipses. For other caps the factor 2/m with m = M/(P a^2) = 2/5 becomes that
+    of their law under an extra curvature. For contacts of another shape and merged contacts, the area within
+    the edges is used, with an error of up to seven cells for each asperity; a note says so. The stiffness is
     that of flat punches on the cells in contact. Johnson, Contact Mechanics (1985), section 5.9,
     doi:10.1017/CBO9781139171731.
 
-    With fine cells the time of one load grows about as the number of cells, fourfold when the cell is halved:
-    half a million cells in contact take seconds. The memory is 128 bytes for each cell of the neighbourhoods,
-    384 more for each cell of the largest one, in which merged contacts are one, and 128 n^2 for n
-    asperities, 13 GB for 10,000. A scene that needs more than the machine has is refused before it is solved.
+    With fine cells the time for one load grows about as the number of cells, fourfold when the cell is
+    halved: half a million cells in contact take seconds. The memory is 128 bytes for each cell of the
+    neighbourhoods, 384 more for each cell of the largest one (merged contacts share one), and 128 n^2 for n
+    asperities, 13 GB for 10,000. A scene that needs more memory than the machine has raises an error.
 
     Parameters
     ----------
@@ -61,10 +61,10 @@ class BoundaryElements(WithoutGradients):
         fewer than four cells per radius. If only smaller contacts have fewer, a note states their share of
         the load.
     substrate : HalfSpace or BondedLayer
-        A substrate whose influence depends on the distance alone. `metafem.fe.Block3D`, whose
-        influence depends on the place in the block, is refused; use `Interacting` with it.
+        A substrate whose influence depends only on the distance. `metafem.fe.Block3D`, whose
+        influence depends on the position in the block, is refused; use `Interacting` with it.
     contact : Contact
-        Elastic cap without adhesion, of which the profile is used: `Hertz()`, the default, `PowerCap(...)`,
+        Elastic cap without adhesion, whose profile is used: `Hertz()` (default), `PowerCap(...)`,
         `SphericalCap()`, `AxisymmetricCap(...)` or another class with `depth_at`.
 
     Raises
@@ -107,8 +107,8 @@ class BoundaryElements(WithoutGradients):
     ) -> Curve:
         """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
 
-        Order 3 is used at light loads, where the cells are too coarse for the contacts: there the
-        contacts are far smaller than their distances, and order 3 is more accurate.
+        At light loads, where the cells are too coarse, order 3 is used: the contacts are then far
+        smaller than their distances, and order 3 is more accurate.
         """
         values, by_load = controlled(load, approach)
         scene = Scene(surface, self.cell, self.substrate, cast("Hertz | ElasticCap", self.contact))
@@ -161,7 +161,7 @@ class BoundaryElements(WithoutGradients):
     def _last(self, scene: Scene, solution: Solution) -> RescaledState:
         surface, h = scene.surface, self.cell
         load = h**2 * solution.contacts.load
-        # the indentation of point loads: what is left after the displacement by all of them
+        # the indentation of point loads: what remains after the displacement by all of them
         indentation = h * solution.minimum.multiplier - surface.gap - scene.coupling @ load
         return RescaledState(
             load=load,
@@ -189,7 +189,7 @@ def _field(scene: Scene, solution: Solution) -> ContactField:
 
 
 def _notes(scene: Scene, solution: Solution) -> tuple[Note, ...]:
-    """State the region that the cells cover, and where areas or cells are less accurate."""
+    """Return notes on the region that the cells cover, and on less accurate areas or cells."""
     patches, contacts = solution.patches, solution.contacts
     cells = sum(p.gap.size for p in patches)
     corner = np.array([p.corner for p in patches])

@@ -19,8 +19,8 @@ from metafem.models.boundary_elements.summits import Summits
 
 IntArray = NDArray[np.int64]
 
-# Boxes between which expansions converge more slowly than this per term are joined into one patch: at this
-# rate 23 terms per side reach the tolerance of the far field, and their table costs as much as the patch.
+# Boxes are joined into one patch if the expansion between them converges more slowly than this per term. At
+# this rate 23 terms per side reach the tolerance of the far field; their table costs as much as the patch.
 SLOWEST_RATE = 2.4
 
 
@@ -75,7 +75,7 @@ def boxes(summits: Summits, half_width: FloatArray) -> tuple[list[IntArray], Int
 
 
 def patch(summits: Summits, members: IntArray, first: IntArray, last: IntArray) -> Patch:
-    """Lay the cells from `first` to `last` and measure the surface's depth on them."""
+    """Return the patch of cells from `first` to `last`, with the depth of the surface on them."""
     inside = np.flatnonzero(((summits.position >= first) & (summits.position <= last)).all(axis=1))
     x, y = (np.arange(a, b + 1, dtype=np.float64) for a, b in zip(first, last, strict=True))
     gap = np.full((len(x), len(y)), np.inf)

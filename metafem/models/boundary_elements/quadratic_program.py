@@ -4,9 +4,9 @@ Minimise ``p.A p / 2 + p.(g - z)`` over p >= 0, or over p >= 0 with a given sum,
 multiplier. Conjugate gradients run on the cells that carry pressure; a step that would leave the
 bounds is projected, and cells that overlap the plane are released when their violation exceeds the
 error on the others (proportioning: Dostál, Optimal Quadratic Programming Algorithms (2009), chapter 5,
-doi:10.1007/b138610). A projected step is taken only if it lowers the energy, and is otherwise replaced
-by a projected gradient step that is short enough to do so. The energy decreases at every step, so no set of
-cells is minimised on twice. The program is strictly convex. The residual of its optimality conditions,
+doi:10.1007/b138610). A projected step is taken only if it lowers the energy. Otherwise it is replaced by a
+sufficiently short projected gradient step. The energy decreases at every step, so no set of cells
+is minimised on twice. The program is strictly convex. The residual of its optimality conditions,
 recomputed on the pressure that is returned, certifies the solution. Polonsky and Keer, Wear 231, 206 (1999),
 doi:10.1016/S0043-1648(99)00113-1, take projected steps unconditionally.
 """
@@ -22,10 +22,10 @@ from metafem._kernels import vectors as kernel
 from metafem._validate import FloatArray
 from metafem.models.boundary_elements.influence import Influence
 
-# Most halvings of a gradient step: 2^-40 of the first step is below rounding.
+# Maximum number of halvings of a gradient step: 2^-40 of the first step is below rounding.
 MAX_HALVINGS = 40
 
-# Most passes of the projection on a sum: each removes cells, and a few are enough.
+# Maximum number of passes of the projection on a sum: each removes cells, and a few are enough.
 MAX_PASSES = 100
 
 
@@ -36,14 +36,14 @@ class Minimum:
     pressure: FloatArray  # not negative
     gradient: FloatArray  # A p + g - z, recomputed: the gap
     multiplier: float  # z
-    error: float  # largest gap where there is pressure, or overlap where there is none
+    error: float  # largest gap under pressure, or overlap without pressure
     iterations: int
 
 
 def project(trial: FloatArray, total: float | None) -> FloatArray:
-    """Return the nearest point with no negative entry and, where given, the sum `total`.
+    """Return the nearest point with no negative entry and, if given, the sum `total`.
 
-    Without negative entries the sum of `trial` is not below `total`.
+    The positive entries of `trial` must sum to at least `total`.
     """
     if total is None:
         return np.maximum(trial, 0.0)
@@ -70,8 +70,8 @@ def minimise(
 ) -> Minimum:
     """Solve the program from a start `pressure` that satisfies its constraints.
 
-    operator: A, with its approximate inverse; gap: g; multiplier: z, or a first guess where the sum `total`
-    of the pressure is given. Stops at an error within the tolerance, which is scaled like g.
+    operator: A, with its approximate inverse; gap: g; multiplier: z, or a first guess of it if the sum
+    `total` of the pressure is given. Stops at an error within the tolerance, in the units of g.
     """
     problem = _Problem(operator, gap, total, multiplier)
     p = pressure
@@ -180,7 +180,7 @@ class _Problem:
 def _projected_step(
     problem: _Problem, p: FloatArray, v: FloatArray, trial: FloatArray
 ) -> tuple[FloatArray, FloatArray, bool]:
-    """Take the projected trial if it lowers the energy, else a projected gradient step that does."""
+    """Take the projected trial step if it lowers the energy, else a projected gradient step that does."""
     operator, gap = problem.operator, problem.gap
     step, length = np.zeros(0), 0.0
     for halvings in range(MAX_HALVINGS):

@@ -24,7 +24,7 @@ from metafem.models.interacting.model import Interacting
 from metafem.substrate import Radial
 from metafem.surface import Surface
 
-# Largest gap under pressure or overlap without, relative to the largest indentation.
+# Largest gap under pressure, or overlap without pressure, relative to the largest indentation.
 TOLERANCE = 1e-9
 
 # With n cells per contact radius the error is up to 0.1/n^2 in load and 0.3/n^2 in area (measured on one
@@ -42,11 +42,11 @@ LIFTED = 1.5
 # Expected gaps up to this fraction of the largest indentation are covered by cells too, as they may close.
 NEARLY_CLOSED = 0.01
 
-# A patch whose edge a contact reaches grows by this factor, and at most this often: nine times in all.
+# Growth factor of a patch when a contact reaches its edge, and maximum number of growths: nine times in all.
 GROWTH = 1.25
 MAX_GROWTHS = 10
 
-# Most iterations: conjugate gradients take 10 to 60 unless the tolerance is below rounding.
+# Maximum number of iterations: conjugate gradients take 10 to 60 unless the tolerance is below rounding.
 MAX_ITERATIONS = 1000
 
 # Relative error of the equations for the stiffness; the error of the stiffness is its square.
@@ -70,7 +70,7 @@ class Solution:
     contacts: Contacts
     patches: list[Patch]
     covered: bool  # no contact reaches the edge of its patch, and no asperity without cells is in contact
-    indentation: float  # largest one of undisturbed contacts with these areas: the unit of the residuals
+    indentation: float  # largest indentation of undisturbed contacts with these areas: unit of the residuals
     stiffness: float  # derivative of the load by the approach on the cells that carry pressure
 
 
@@ -90,7 +90,7 @@ class Scene:
     def initial_guess(self, value: float, by_load: bool) -> Curve:
         """Return the solution of coupled point loads at a load P/E* [mm^2] or an approach [mm].
 
-        On very thin layers there is none, and independent asperities are used.
+        On very thin layers no such solution exists, and independent asperities are used.
         """
         load, approach = (np.array([value]), None) if by_load else (None, np.array([value]))
         try:
@@ -123,7 +123,7 @@ class Scene:
         patches = self._patches(half_width)
         pressure = self._expected(d, patches)
         if not pressure.any():
-            pressure += 1.0  # summits below the surface of others: any initial guess works
+            pressure += 1.0  # all summits lie below the surface of other caps: any initial guess works
         indentation = float(d.max()) / self.cell
         for _ in range(MAX_GROWTHS):
             operator = self._influence(patches)
@@ -186,11 +186,10 @@ class Scene:
         )
 
     def _expected(self, indentation: FloatArray, patches: list[Patch]) -> FloatArray:
-        """Hertz's pressure in contacts of the law's radii, corrected for the field of the neighbours.
+        """Hertz's pressure in contacts with the radii of the law, corrected for the field of the neighbours.
 
-        Half of the Laplacian of the field adds to the curvature of the summit, and its slope shifts the
-        contact down the slope by R times the slope. Neighbours for which point loads are no approximation
-        are left out.
+        Half of the Laplacian of the field adds to the curvature of the summit. The slope of the field shifts
+        the contact down the slope by R times the slope. Neighbours too near for point loads are left out.
         """
         surface, h = self.surface, self.cell
         contact_radius = self.law.contact_radius(indentation, surface.radius)
@@ -246,7 +245,7 @@ class Scene:
             cells, owner = np.argwhere(rim) + region.corner, region.owner[rim]
             reach = np.abs(cells - self.summits.position[owner]).max(axis=1)
             for i in np.unique(owner):
-                # a summit within the cells of others has reached as far as its contact
+                # the patch of a summit within the cells of others already contains its contact
                 result[i] = GROWTH * max(half_width[i], reach[owner == i].max()) + MARGIN_CELLS
         load = self.cell**2 * contacts.load
         d = minimum.multiplier * self.cell - self.surface.gap - self.coupling @ load
@@ -256,7 +255,7 @@ class Scene:
 
 
 def _moved(old: list[Patch], pressure: list[FloatArray], new: list[Patch]) -> FloatArray:
-    """Return the pressure on other patches of the same grid, zero where there was no cell."""
+    """Return the pressure on new patches of the same grid, zero where there was no cell."""
     parts = []
     for region in new:
         part = np.zeros(region.shape)

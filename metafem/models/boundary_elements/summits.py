@@ -15,12 +15,12 @@ from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import area_change
 from metafem.surface import Surface
 
-# Indentation over R up to which contacts of a law without a largest one are measured, where that of a sphere
-# has the radius R within 1e-8; and halvings of the contact radius, down to rounding.
+# Largest indentation over R for laws without a largest one of their own (there a sphere has the contact
+# radius R within 1e-8); and halvings of the contact radius, down to rounding.
 DEEPEST = 10.0
 BISECTIONS = 52
 
-# Contact radius over the largest one below which it is zero within rounding.
+# A contact radius below this multiple of the largest one is zero within rounding.
 ROUNDING = 1e-12
 
 # Smallest distance, over the largest contact radius, at which a contact on a slope may begin.
@@ -30,8 +30,8 @@ FLATTEST = 1e-3
 # neighbours flattens a summit by less. Below this the equation for the radius is monotone for all power caps.
 MOST_LOAD = 2.0
 
-# Nodes of the quadrature for the shape of a pressure, distances at which it is computed, and the smallest and
-# the largest of these over the contact radius. Between them it is a power of the distance.
+# Nodes of the quadrature for the shape of a pressure; number of distances at which it is computed; and the
+# smallest and largest of these over the contact radius. Between them it is a power of the distance.
 NODES, DISTANCES = 16, 100
 NEAREST, FARTHEST = 0.1, 2.0
 
@@ -76,8 +76,8 @@ class Summits:
     def lift(self, slope: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Increase of the indentation by a slope of the field, and the distance of the contact then, (n,).
 
-        The largest of ``g rho - f(rho)``. A contact on a flat summit begins far from its axis; that of a
-        paraboloid contains the axis, and its increase R g^2/2 is within the gaps that have cells anyway: 0.
+        The maximum of ``g rho - f(rho)``. A contact on a flat summit begins far from its axis. That of a
+        paraboloid contains the axis, and its increase R g^2/2 is less than the gaps covered by cells: 0.
         """
         if self.paraboloids:
             return np.zeros(slope.shape), np.zeros(slope.shape)
@@ -88,7 +88,7 @@ class Summits:
         return beside * gain[best] / self.cell, beside * distance[best] / self.cell
 
     def bluntness(self, contact_radius: FloatArray) -> FloatArray:
-        """Radius over R of the paraboloid with the same contact radius and indentation, (n,)."""
+        """Radius, divided by R, of the paraboloid with the same contact radius and indentation, (n,)."""
         if self.paraboloids:
             return np.ones(contact_radius.shape)
         inside = np.minimum(contact_radius, self.widest())
@@ -101,10 +101,10 @@ class Summits:
 
         shift: distances from the summits to the centroids of the pressure. M is about the centroid.
 
-        The field of the neighbours adds an unknown curvature, whose own part of M is 2/5 a^2 of its part of
-        P, as for a paraboloid. So ``M - 2/5 P a^2 = M0(a) - 2/5 P0(a) a^2`` with the undisturbed contact on
-        the right, which is solved for a by bisection. The slope g of the field moves the centroid by
-        ``4/3 a^3 g/P`` and changes the area by the fraction of `area_change`, in place of which M shows
+        The field of the neighbours adds an unknown curvature. Its contribution to M is 2/5 a^2 times that to
+        P, as for a paraboloid. So ``M - 2/5 P a^2 = M0(a) - 2/5 P0(a) a^2``, with the undisturbed contact on
+        the right; bisection gives a. The slope g of the field moves the centroid by ``4/3 a^3 g/P`` and
+        changes the area by the fraction `area_change`, but the area from M by the fraction
         ``(10 - 20/3 a^2 D'/P) (g/D')^2``: both are zero for paraboloids.
         """
         if self.paraboloids:
@@ -129,7 +129,7 @@ class Summits:
     def pressure_shape(
         self, corner: NDArray[np.int64], owner: NDArray[np.int64], contact_radius: FloatArray
     ) -> FloatArray | float:
-        """Pressure over sqrt(a^2 - rho^2) on the cells of a patch, with any factor; smooth across the edge.
+        """Pressure over sqrt(a^2 - rho^2) on the cells of a patch, up to a factor; smooth across the edge.
 
         ``p = 1/pi int_rho^a D'(s)/sqrt(s^2 - rho^2) ds`` is ``sqrt(a^2 - rho^2)/pi`` times the mean of D'/s
         over u with ``s^2 = rho^2 + (a^2 - rho^2) u^2``, 0 < u < 1. It is 1 for paraboloids.

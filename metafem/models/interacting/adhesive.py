@@ -23,7 +23,7 @@ from metafem.models.interacting.coupled import Coupled
 from metafem.models.interacting.influence import coupling_between
 from metafem.notes import Note
 
-# Largest number of asperities: a state of so many takes a second, and each may jump.
+# Largest number of asperities: one state then takes a second, and every asperity may jump.
 MOST = 1000
 
 
@@ -65,7 +65,7 @@ class Followed:
         return load, area, self.indentation(state)
 
     def indentation(self, state: State | None) -> FloatArray:
-        """Return the indentations (n,) [mm] of a state; for an open asperity minus its gap."""
+        """Return the indentations (n,) [mm] of a state; minus the gap for an open asperity."""
         found = np.zeros(len(self.scene.gap))
         if state is not None:
             found[state.closed], found[state.contacts.others] = state.found.indentation, state.overlap
@@ -109,7 +109,7 @@ def follow(
 
 
 def followed_near(scene: Scene, load: FloatArray) -> Followed:
-    """Follow interacting asperities through increasing loads (k,), each from those that do not interact."""
+    """Follow interacting asperities through increasing loads (k,), each from independent asperities."""
     start = equilibria(Asperities(scene.law, scene.radius, scene.gap), load)
     path = Loading(scene, record=False)
     pairs = zip(load, start.sums.contact_radius, strict=True)
@@ -118,7 +118,7 @@ def followed_near(scene: Scene, load: FloatArray) -> Followed:
 
 
 class AdhesiveCoupling(Coupled):
-    """Asperities of an adhesive law; every jump is followed."""
+    """Asperities of an adhesive law; every jump is computed."""
 
     law: JKR
 

@@ -16,7 +16,7 @@ from metafem.surface import Surface
 
 @dataclass(frozen=True)
 class Coupled:
-    """What elastic and adhesive asperities have in common."""
+    """Common base of elastic and adhesive asperities."""
 
     model: Any  # that of the states
     surface: Surface
@@ -44,8 +44,8 @@ class Coupled:
         notes: tuple[Note, ...] = (),
     ) -> RescaledState:
         """Return the state of asperities (n,)."""
-        # the foot of a cap sinks with the summit, the base beside it hardly; the shift of a contact adds less
-        # than a micrometre to the base gap
+        # the foot of a cap sinks with the summit, the base next to it hardly sinks; the shift of a contact
+        # adds less than a micrometre to the base gap
         base = height - indentation - self.pedestals(height, self.surface.radius) * load
         tall = int((self.surface.height > TALLEST * self.surface.radius).sum())
         if self.pedestal and tall:

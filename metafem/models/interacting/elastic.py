@@ -33,7 +33,7 @@ from metafem.models.interacting.sensitivity import area_gradients
 from metafem.notes import Note, information
 from metafem.substrate import Radial
 
-# Largest residual of a converged state; the kernel aims a digit lower.
+# Largest residual of a converged state; the tolerance of the kernel is ten times smaller.
 TOLERANCE = 1e-12
 
 # Scenes up to this size are solved with all pairs in dense matrices: at 2000 a product takes as long as
@@ -52,7 +52,7 @@ class Solution:
     height: FloatArray
     last: State
     tolerance: float
-    gradient: Callable[[], FloatArray]  # dA0/dh without the change of the pedestals, where it was asked for
+    gradient: Callable[[], FloatArray]  # dA0/dh without the change of the pedestals, if requested
     notes: tuple[Note, ...] = ()
 
     @property
@@ -62,7 +62,7 @@ class Solution:
 
 
 class ElasticCoupling(Coupled):
-    """Asperities of any law without adhesion, in dense matrices or, beyond their size, with fast sums."""
+    """Asperities of any law without adhesion; dense matrices, or fast sums for larger scenes."""
 
     def path(self, values: FloatArray, by_load: bool, unloading: bool) -> Curve:
         """Return equilibria at increasing loads or approaches (k,)."""
@@ -124,8 +124,8 @@ class ElasticCoupling(Coupled):
     ) -> Solution:
         """Solve heights (m, n) at increasing loads or approaches (k,), with radii (m, n) or the surface's.
 
-        Nominal indentations of the last heights, and beyond the size of the dense solver dA0/dh without the
-        change of the pedestals, are filled where there is room for them, (k, n) [mm].
+        The arrays (k, n) [mm] of nominal indentations of the last heights, and above the size limit of the
+        dense solver those of dA0/dh without the change of the pedestals, are filled unless empty.
         """
         gap = height.max(axis=1, keepdims=True) - height
         surface, bound = self.surface, self.substrate
@@ -165,7 +165,7 @@ class ElasticCoupling(Coupled):
         return Solution(results, height[-1], states[len(gap)], TOLERANCE, gradients)
 
     def _refuse_deep(self, law: Law, state: State) -> None:
-        """Raise InvalidInput where contacts are deeper than their law describes."""
+        """Raise InvalidInput where contacts are deeper than the range of their law."""
         if not law.data.size:
             return
         limit = deepest(law)
@@ -177,7 +177,7 @@ class ElasticCoupling(Coupled):
             )
 
     def _refuse_thin_layer(self, results: kernel.Results) -> None:
-        """Raise InvalidInput where contacts are wider than the layer is thick: no expansion holds there."""
+        """Raise InvalidInput where contacts are wider than the layer is thick: the expansion fails there."""
         thickness = getattr(self.substrate, "thickness", None)
         # the solution is not valid there, and neither are the radii of its contacts
         if thickness is not None and float(results.radius.max()) > thickness:

@@ -27,15 +27,15 @@ from metafem.substrate import Radial
 # Pairs are summed up to REACH s, where erfc = 3e-11.
 REACH = 4.7
 
-# Grid step over s. The field's waves fall as exp(-(k s/2)^2) and are 4e-11 of the longest at a quarter of
-# the waves per step, to which the window is faithful.
+# Grid step over s. The waves of the field fall as exp(-(k s/2)^2). At a quarter wave per step, the limit of
+# the window's accuracy, they are 4e-11 of the longest.
 STEP = 0.16
 
-# Radius of the pairs in mean distances of the positions: pairs and grid then cost about the same.
+# Radius of the near pairs in mean distances of the positions: pairs and grid then cost about the same.
 PAIRS = 9.0
 
-# Beyond the scene the distance bends over, within this many grid steps, to close the periodic grid
-# smoothly: an error function of 1/12 of them as its width, 1e-17 from a kink at both ends, whose own
+# Beyond the scene the distance levels off within this many grid steps, which closes the periodic grid
+# smoothly: an error function with 1/12 of them as its width. At both ends it is within 1e-17 of a kink. Its
 # waves are 1e-12 at the end of the band.
 MARGIN = 80
 WIDTHS = 12.0
@@ -43,11 +43,11 @@ WIDTHS = 12.0
 # A layer's regular part falls as k t exp(-2 k t): 1e-12 at the end of the band with this t over the step.
 LAYER_STEPS = 10.0
 
-# A bonded layer is below 2e-11 of the half-space beyond this many thicknesses, for any Poisson ratio: where
-# that is within the pairs' reach there is no rest.
+# Beyond this many thicknesses the influence of a bonded layer is below 2e-11 of the half-space's, for any
+# Poisson ratio. If that is within the radius of the near pairs, the smooth rest is zero.
 LAYER_REACH = 35.0
 
-# A grid fine enough for a thin layer costs more than pairs up to this many times as far.
+# A grid fine enough for a thin layer costs more than near pairs within this multiple of the radius.
 FARTHEST = 2.0
 
 # Rows that are summed exactly to certify a state.
@@ -93,7 +93,7 @@ class ScatteredSums:
 
     @property
     def pairs(self) -> float:
-        """About the number of near pairs."""
+        """Approximate number of near pairs."""
         return 0.5 * math.pi * (self.reach / self._spacing) ** 2 * len(self._position)
 
     @property
@@ -204,7 +204,7 @@ class ScatteredSums:
 
     @cached_property
     def _influence(self) -> FloatArray:
-        """Transform of the smooth field, over the window's twice: it is spread and gathered."""
+        """Transform of the smooth field over the square of the window's (for spreading and gathering)."""
         if self._pairs_alone:
             return np.empty((0, 0))
         axes = [self._bent(size, span) for size, span in zip(self._padded, self._span, strict=True)]
@@ -226,7 +226,7 @@ class ScatteredSums:
         return -(kx**2 + ky**2) * influence, -1j * kx * influence, -1j * ky * influence
 
     def _bent(self, size: int, span: float) -> FloatArray:
-        """Return distances along a cyclic axis [mm], exact up to `span` steps and then bent to rest."""
+        """Return distances along a cyclic axis [mm], exact up to `span` steps and then smoothly constant."""
         x = np.abs(np.fft.fftfreq(size, 1.0 / size))
         width = MARGIN / WIDTHS
         y = (x - span - 0.5 * MARGIN) / width

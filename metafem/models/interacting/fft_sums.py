@@ -15,7 +15,7 @@ from metafem._validate import FloatArray
 from metafem.models._resources import THREADS
 from metafem.substrate import Radial
 
-# Positions may differ from the lattice by this fraction of the pitch, and by the rounding of their values.
+# Allowed deviation of positions from the lattice over the pitch, in addition to the rounding of their values.
 LATTICE_TOLERANCE = 1e-9
 
 # Largest fraction of missing sites; with more, the sums for scattered positions are used.
@@ -40,7 +40,7 @@ def find_lattice(position: FloatArray) -> Lattice | None:
     distance, near = scipy.spatial.cKDTree(centre).query(first, k=2)
     step = centre[near[1]] - first
     extent = float(np.hypot(*centre.T).max())
-    # the axes are refined with the farthest positions: a short step does not fix the direction of a long row
+    # the axes are refined with the farthest positions: a short step gives the direction of a long row poorly
     for reach in (3.0 * distance[1], math.sqrt(distance[1] * extent), 2.0 * extent):
         square = step @ step
         axes = np.array([step, [-step[1], step[0]]]) / square
@@ -77,7 +77,7 @@ def find_lattice(position: FloatArray) -> Lattice | None:
 class LatticeSums:
     """Products with the influence matrix and its derivatives, by transforms of twice the lattice.
 
-    The padding makes the cyclic products those of the bounded lattice: they are exact to rounding.
+    With this padding the cyclic products equal those of the bounded lattice, exact to rounding.
     """
 
     def __init__(self, lattice: Lattice, substrate: Radial) -> None:
@@ -94,7 +94,7 @@ class LatticeSums:
         return f"all pairs of the {rows} x {columns} lattice were summed by FFT, exact to rounding"
 
     def error(self, load: FloatArray) -> float:
-        """Return the error of G p [mm]: only rounding."""
+        """Return the error of G p [mm], which is only rounding."""
         return 0.0
 
     def displacement(

@@ -1,4 +1,4 @@
-"""Influence of asperities on each other, kept for the next calls on the same sites."""
+"""Influence of asperities on each other, cached for later calls on the same sites."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from metafem.models._resources import require_memory
 from metafem.substrate import Radial, Substrate
 from metafem.surface import Surface
 
-# Influences that are kept for the next call, and the largest scene of which one is: seven matrices of
-# 256 sites take 3.5 MiB.
+# Number of cached influences, and largest scene for which one is cached: seven matrices of 256 sites take
+# 3.5 MiB.
 KEPT_FIELDS, MOST_KEPT = 8, 256
 
 
@@ -24,7 +24,7 @@ def coupling_between(surface: Surface, bound: Substrate, order: int) -> tuple[Co
 
     bound: the substrate with the thickness and the material of the surface.
     """
-    # a radial influence depends on the sites alone
+    # a radial influence depends only on the sites
     if isinstance(bound, Radial) and isinstance(bound, Hashable) and surface.count <= MOST_KEPT:
         return _kept(bound, order, _Sites(surface.position.tobytes(), surface))
     return _computed(bound, order, surface)
@@ -32,7 +32,7 @@ def coupling_between(surface: Surface, bound: Substrate, order: int) -> tuple[Co
 
 @dataclass(frozen=True)
 class _Sites:
-    """Sites of a surface, equal where they are equal to the bit."""
+    """Sites of a surface, equal if all bits are equal."""
 
     position: bytes
     surface: Surface = field(compare=False)
@@ -46,7 +46,7 @@ def _kept(substrate: Radial, order: int, sites: _Sites) -> tuple[Coupling, Float
 
 def _computed(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupling, FloatArray]:
     """Compute the influence of the asperities on each other, and the regular self terms (n,)."""
-    # the matrices, those with their ends exchanged, the Jacobian, and as much while they are made
+    # the matrices, those with exchanged ends, the Jacobian, and as much again during their computation
     require_memory(8 * surface.count**2 * (3 if order == 1 else 14), f"{surface.count} asperities")
     influence = np.array(substrate.influence_matrix(surface), dtype=np.float64, order="C")
     regular = np.diagonal(influence).copy()

@@ -19,7 +19,7 @@ from metafem.progress import each
 from metafem.substrate import Radial
 from metafem.surface import Surface
 
-# In place of an array of results that are not recorded.
+# Placeholder for an array of results that are not recorded.
 NOT_RECORDED = np.empty((0, 0))
 
 
@@ -44,7 +44,7 @@ class LargeScene:
     ) -> State:
         """Fill the results (k,) at increasing loads or approaches, and return the last state.
 
-        Nominal indentations and dA0/dh at fixed load are filled where there is room for them, (k, n) [mm].
+        The arrays (k, n) [mm] of nominal indentations and of dA0/dh at fixed load are filled unless empty.
         """
         gap, self_term = np.ascontiguousarray(gap), self_term + self.substrate.self_influence
         equations = ContactEquations(self.sums, self.order, law, self_term, gap, self.coarse)

@@ -28,15 +28,15 @@ from metafem.surface import Surface
 class Interacting:
     """Asperities coupled through an elastic substrate.
 
-    The indentations are ``d_i = h_i - delta - u_i`` with the displacement ``u_i`` by the other asperities,
-    and each contact has the load and area of its law, for Hertz's ``P_i = 4/3 E* sqrt(R_i) d_i^(3/2)``.
+    The indentations are ``d_i = h_i - delta - u_i`` with the displacement ``u_i`` by the other asperities.
+    Load and area of each contact follow from its law; for Hertz's, ``P_i = 4/3 E* sqrt(R_i) d_i^(3/2)``.
 
     Order 1 represents the other asperities by point loads, ``u_i = sum_j P_j/E* G(r_ij)``. Order 3 adds
     all three terms of the next order: the finite size of the sources, ``M_j/4 lap G`` with the second moment
     M of their pressure, for Hertz contacts ``a_j^2/10 lap G`` per load; the curvature of the field,
     ``sum_j P_j/E* lap G/2``, which adds to that of the summit; and its slope, which tilts the contact and
     for Hertz contacts shifts it by ``-R grad u``. They are the gradient of one energy, to first order in the
-    shifts. Contacts so flat that the slope D' at their edge is below 0.005 are tilted as one with that slope.
+    shifts. For very flat contacts, with a slope D' at their edge below 0.005, D' = 0.005 is used in the tilt.
     Both orders include the regular self terms of the substrate.
 
     Against resolved contacts of paraboloids on a half-space, up to a/pitch = 0.32, the error of order 3 is at
@@ -45,7 +45,7 @@ class Interacting:
     by at most 0.04 % in the load and 0.4 % in A0.
     On a bonded layer the error of order 3 in A0 is at most 0.2 % up to a/t = 0.3 with nu = 0.5, and less for
     smaller Poisson's ratios; it grows as (a/t)^5. The notes of a state or law warn where contacts overlap and
-    where the estimated error of order 3 exceeds 4 % in A0, and tell where a/r exceeds 0.32. Lengths are in
+    where the estimated error of order 3 exceeds 4 % in A0, and state where a/r exceeds 0.32. Lengths are in
     mm, loads in N, moduli in MPa.
 
     Parameters
@@ -54,18 +54,18 @@ class Interacting:
     substrate : Substrate
         `HalfSpace()`, `BondedLayer()`, or any other.
     contact : Contact
-        Law of one contact; default: `Hertz()`. Laws known only as P(d), A(d) need order 1.
+        Law of one contact; default: `Hertz()`. Laws given only as P(d) and A(d) need order 1.
     pedestal : bool
         Add the compliance of the caps themselves in the limit of light loads; tabulated up to h/R = 0.6.
 
     Raises
     ------
     InvalidInput
-        For an order that does not exist, or a substrate or contact that cannot be used. When solving: on a
+        For an unknown order, or a substrate or contact that cannot be used. When solving: on a
         layer thinner than the contact radius.
     NotConverged
-        When solving with `equilibrium`, `friction_law` and `Curve.checked`, if an equilibrium is not found to
-        the tolerance.
+        When solving with `equilibrium`, `friction_law` and `Curve.checked`, if an equilibrium does not
+        converge to the tolerance.
 
     Examples
     --------
@@ -99,7 +99,7 @@ class Interacting:
 
     @property
     def name(self) -> str:
-        """Name of the model in texts: its substrate, and other attributes that are not the default."""
+        """Name of the model in texts, with its substrate and all non-default attributes."""
         # a user's substrate may have no name
         substrate = getattr(self.substrate, "name", type(self.substrate).__name__)
         order = "" if self.order == 3 else f", order {self.order}"
@@ -132,7 +132,7 @@ class Interacting:
     ) -> Curve:
         """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
 
-        unloading: at these while unloading from the largest; loads of adhesive contacts may be negative.
+        unloading: the values are reached by unloading from the largest; adhesive loads may be negative.
         """
         values, by_load = controlled(load, approach)
         return self._bound(surface).path(values, by_load, unloading)
@@ -188,9 +188,9 @@ class Interacting:
     ) -> Sensitivity:
         """Law at increasing rescaled loads (k,), and dA0/dh of each height at fixed load [mm], (k, n).
 
-        One solution of each load's contact system serves for all heights; beyond the size of the dense
+        The contact system is solved once per load for all heights; above the size limit of the dense
         solver by conjugate gradients, to 1e-9.
-        height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
+        height: summit heights (n,) [mm] that replace those of the surface; they are not checked.
         """
         heights = surface.height if height is None else height
         return self._bound(surface).sensitivity(heights, load)
@@ -205,8 +205,8 @@ class Interacting:
     ) -> FloatArray:
         """A0 [mm^2] at increasing rescaled loads (k,) for many surfaces, (m, k); nan if not converged.
 
-        height, radius: (m, n) [mm]; position: (m, n, 2) [mm]; None is that of the surface. Where positions
-        vary, and radii beyond the size of the dense solver, the surfaces are solved one by one.
+        height, radius: (m, n) [mm]; position: (m, n, 2) [mm]; default: those of the surface. With varying
+        positions, or varying radii above the size limit of the dense solver, surfaces are solved one by one.
         """
         if position is not None:
             return areas_one_by_one(self.curve, surface, load, height, radius, position)

@@ -15,7 +15,7 @@ from metafem.models.interacting.coarse import Coarse
 from metafem.models.interacting.ewald_sums import ScatteredSums
 from metafem.models.interacting.fft_sums import LatticeSums
 
-# Largest residual of a converged state with sums that are not exact to rounding, and the residual aimed at.
+# Largest residual of a converged state with sums that are not exact to rounding, and the target residual.
 TOLERANCE = 1e-9
 GOAL = 3e-10
 
@@ -28,10 +28,10 @@ MAX_INNER = 300
 # (Eisenstat and Walker, SIAM J. Sci. Comput. 17, 16 (1996), doi:10.1137/0917003, choice 2).
 LOOSEST = 0.1
 
-# Residual of the tangent; the stiffness has twice its digits.
+# Residual of the tangent; the stiffness has twice as many correct digits.
 TANGENT = 1e-4
 
-# Residual of the sensitivities, relative to the change of area by load that drives them.
+# Residual of the sensitivities, relative to the right-hand side dA0/dp.
 SENSITIVITY = 1e-9
 
 
@@ -59,7 +59,7 @@ class Iterate:
 
 
 def open_state(gap: FloatArray) -> Iterate:
-    """Return the state without contact; gap: that of each summit, negative (n,) [mm]."""
+    """Return the state without contact; gap: gaps of the summits, negative, (n,) [mm]."""
     state = empty_state(len(gap))
     state.z[:] = state.indentation[:] = gap
     return Iterate(state, 0.0)
@@ -69,7 +69,7 @@ def open_state(gap: FloatArray) -> Iterate:
 class ContactEquations:
     """The equations of the contacts of one surface, coupled by fast sums.
 
-    The inner solves of Newton's method use the Jacobian of order 1, as order 3 changes it by a percent.
+    The inner solves of Newton's method use the Jacobian of order 1; order 3 changes it by only a percent.
     """
 
     sums: LatticeSums | ScatteredSums
@@ -188,7 +188,7 @@ class ContactEquations:
         goal: float,
         exact: bool = False,
     ) -> tuple[FloatArray, float, FloatArray]:
-        """Solve for the loads of the contacts, with their sum fixed where a total load is given.
+        """Solve for the loads of the contacts, with a fixed sum if a total load is given.
 
         Preconditioned conjugate gradients with the constraint in the preconditioner, as in
         `metafem._kernels.projected_cg`. Return the loads, the approach and the residual on every row.
@@ -206,7 +206,7 @@ class ContactEquations:
                 rest -= self.jacobian(state, loads, exact) + np.where(closed, diagonal * loads, 0.0)
         direction, before = np.zeros_like(rhs), 0.0
         for _ in range(MAX_INNER):
-            inside = np.where(closed, rest + shift, 0.0)  # without the constant, whose rounding would remain
+            inside = np.where(closed, rest + shift, 0.0)  # without the constant, to avoid its rounding error
             ahead = precondition(inside)
             if total is not None:
                 more = -float(ahead.sum()) / uniform_load

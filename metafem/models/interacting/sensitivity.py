@@ -39,7 +39,7 @@ def area_gradients(
     solved = kernel.area_gradients(
         field, order, law, self_term, indentation, state, matrix, scratch, gradients
     )
-    if solved < rows:  # contacts that overlap may be in equilibrium at a saddle of the energy
+    if solved < rows:  # overlapping contacts may be in equilibrium at a saddle point of the energy
         gradients[solved:] = general_gradients(field, order, law, self_term, indentation[solved:])
     return gradients
 
@@ -51,7 +51,7 @@ def general_gradients(
     self_term: FloatArray,
     indentation: FloatArray,
 ) -> FloatArray:
-    """Return the same by a general linear solver, which needs no positive matrix."""
+    """As `area_gradients`, by a general linear solver, which needs no positive definite matrix."""
     gradients = np.zeros_like(indentation)
     state = empty_state(indentation.shape[1])
     influences = _influences(field, order)
