@@ -122,7 +122,7 @@ def _slopes(colour: str) -> Line:
     numbers, name = paper()["fig5"], f"{colour}: fitted slope {{}}"
     names = [name.format(f"{i}{rest}") for rest in (" of 64 asperities", SLOPE) for i in (1, 2)]
     return (
-        f"Fig. 5 {colour}: slopes, measured (the paper) and of the designed heights (metafem)",
+        f"Fig. 5 {colour}: slopes, targets of the measured ones (the paper) and of the designed heights",
         "{} and {} within {:.1%}".format(*numbers["slopes"], numbers["measured_within"]).replace("%", " %"),
         _values("fig5_bilinear", tuple(names), "{:.2f} and {:.2f} ({:+.1f} and {:+.1f}%)"),
     )

@@ -75,10 +75,8 @@ def test_the_verdict_states_the_documented_error_and_the_worst_of_the_samples():
     assert "the worst of the sampled scenes of paraboloids, 64 equal contacts, has 0.19 %" in sentence
     assert "by at most 0.12 % with up to nine" in sentence
     assert "spheres have 0.21 %, caps of power 3 0.33 % and of power 4 0.38 %" in sentence
-    assert "by 0.5 % at 0.22 of the distances and by 1.5 % at 0.32" in sentence
-    assert (
-        "tamaas gives the same areas to 0.01 % on 2 scenes, with an uncertainty of up to 0.08 %" in sentence
-    )
+    assert "by 0.5 % where contact radii are 0.22 of the distances and by 1.5 % at 0.32" in sentence
+    assert "tamaas agrees within 0.01 % on 2 scenes, with an uncertainty of up to 0.08 %" in sentence
     assert "is not installed" in verdict()[1]
 
 

@@ -104,7 +104,7 @@ def test_the_answer_on_the_paper_says_what_is_reproduced_and_what_is_not(results
     checks = tuple(near("number", 7.0, 7.0, 0.0, source) for source in numbers)
     results["table_s1"] = replace(results["fig4_linear"], name="table_s1", rows=checks)
     headline, sentence = verdicts._reproduced(Evidence(results))
-    assert headline == "Most computed numbers, yes; the crossover measured in Fig. 5, blue, no"
+    assert headline == "Mostly; not the crossover measured for the blue law of Fig. 5"
     for words in (
         "4 distinct printed numbers, 3 of them in Tables",
         "31 of 128 heights differ by more, by up to 0.11 µm",

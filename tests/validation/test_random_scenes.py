@@ -85,8 +85,8 @@ def test_failures_of_solver_and_search_are_counted_as_failures_of_their_own():
     rows = (*random_scenes._checks([*found, inside]), *random_scenes._results([*found, inside]))
     evidence = Evidence({"random_scenes": Evaluated("random_scenes", "", "", "A text.", rows, (), 1.0)})
     headline, sentence = _fails(evidence)
-    assert headline == "2 of 5 random scenes failed"
-    assert "In 1 the solver did not converge and in 1 the search of a design missed its target" in sentence
-    assert "0 of them inside the documented ranges; 0 ended without a stated reason" in sentence
+    assert headline == "None of the scenes inside the documented ranges, 2 of those outside"
+    assert "no solution of 1 and the search of a design missed the target of 1; none of these" in sentence
+    assert "None ended without a stated reason, and none inside the ranges were refused" in sentence
     unsolved = random_scenes._checks([replace(inside, end="not solved"), inside, *found])
     assert [check.passed for check in unsolved if check.name.startswith("inside")] == [True, False]
