@@ -167,7 +167,6 @@ class JKR(Contact):
 
     def pull_off_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius [mm] at which the load is smallest, c = 3/2 s/a; the load there is negative."""
-
         return self._steep(1.5, radius, curvature)
 
     def break_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
@@ -223,16 +222,18 @@ class JKR(Contact):
         return np.asarray(self.cap.contact_radius(np.exp(x), *given[:2]))[()]
 
 
-def of_sizes(law: JKR, kind: str, radius: FloatArray) -> FloatArray:
+def of_sizes(method: Callable[[JKR, FloatArray], FloatArray], law: JKR, radius: FloatArray) -> FloatArray:
     """Return contact radii (n,) [mm] of summits of radii (n,), computed once for each distinct radius.
 
-    kind: "entry", "break", "pull_off" or "zero_load", as in the names of the law's methods.
+    method: one of `JKR`, such as ``JKR.entry_radius``.
     """
     sizes, which = np.unique(radius, return_inverse=True)
-    return _of_sizes(law, kind, tuple(sizes.tolist()))[which]
+    return _of_sizes(method, law, tuple(sizes.tolist()))[which]
 
 
 @lru_cache(maxsize=64)
-def _of_sizes(law: JKR, kind: str, sizes: tuple[float, ...]) -> FloatArray:
+def _of_sizes(
+    method: Callable[[JKR, FloatArray], FloatArray], law: JKR, sizes: tuple[float, ...]
+) -> FloatArray:
     """As `of_sizes`, cached: a search takes a millisecond, and a design repeats it for many heights."""
-    return np.asarray(getattr(law, f"{kind}_radius")(np.array(sizes)))
+    return np.asarray(method(law, np.array(sizes)))

@@ -41,7 +41,7 @@ def refuse_merging(law: JKR, surface: Surface) -> None:
     """Raise InvalidInput if neighbouring contacts would merge without load."""
     if surface.count == 1:
         return
-    reach = of_sizes(law, "zero_load", surface.radius)
+    reach = of_sizes(JKR.zero_load_radius, law, surface.radius)
     tree = scipy.spatial.cKDTree(surface.position)
     pairs = tree.query_pairs(2.0 * float(reach.max()), output_type="ndarray")
     if not len(pairs):

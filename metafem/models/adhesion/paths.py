@@ -51,12 +51,12 @@ class Asperities:
     @cached_property
     def entry_radius(self) -> FloatArray:
         """Contact radius (n,) [mm] after the jump into contact, at d = 0."""
-        return of_sizes(self.law, "entry", self.radius)
+        return of_sizes(JKR.entry_radius, self.law, self.radius)
 
     @cached_property
     def end_radius(self) -> FloatArray:
         """Contact radius (n,) [mm] at the end of the branch at a given approach."""
-        return of_sizes(self.law, "break", self.radius)
+        return of_sizes(JKR.break_radius, self.law, self.radius)
 
     @cached_property
     def end(self) -> FloatArray:

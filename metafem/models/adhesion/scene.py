@@ -54,7 +54,7 @@ class Scene:
     @cached_property
     def entry_radius(self) -> FloatArray:
         """Contact radius (n,) [mm] after the jump into contact at d = 0, without curvature."""
-        return of_sizes(self.law, "entry", self.radius)
+        return of_sizes(JKR.entry_radius, self.law, self.radius)
 
     def entry_radius_at(self, entering: IntArray, closed: IntArray, p: FloatArray) -> FloatArray:
         """Contact radius [mm] of asperities that jump into contact near contacts with loads p [mm^2]."""
@@ -65,13 +65,13 @@ class Scene:
 
     @cached_property
     def least_radius(self) -> FloatArray:
-        """Lower bound of the contact radius (n,) [mm] in equilibrium: half of the radius at pull-off.
+        """Lower bound of the contact radius (n,) [mm] in equilibrium: half of that at the end of the branch.
 
         It is 0 for other caps than paraboloids: curvature by the neighbours sharpens a flat summit.
         """
         if not self.paraboloid:
             return np.zeros(len(self.radius))
-        return 0.5 * of_sizes(self.law, "break", self.radius)
+        return 0.5 * of_sizes(JKR.break_radius, self.law, self.radius)
 
     @cached_property
     def largest_radius(self) -> FloatArray:
