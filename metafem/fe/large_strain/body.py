@@ -17,7 +17,8 @@ from metafem.fe.axisymmetric.prescribed_radius import Profile, contact_data
 from metafem.fe.large_strain import neo_hookean
 from metafem.fe.linear_solve import THRESHOLD, solve
 
-# Largest number of Newton steps, which double the correct digits; then the load step is halved.
+# Largest number of Newton steps, which double the correct digits. Without convergence by then the load step
+# is halved.
 NEWTON = 12
 
 # Largest unbalanced nodal force of a converged state, relative to the load, and largest last change, relative
