@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._given import Given, shown, unit_of
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -55,14 +55,13 @@ def number(
         raise
     except (TypeError, ValueError, OverflowError, Warning):
         raise InvalidInput("is not a number in double precision", key=name, value=shown(value)) from None
-    if not math.isfinite(result):
-        raise InvalidInput("must be finite", key=name, value=str(result))
-    if above is not None and not result > above:
-        raise InvalidInput("must be greater than {.number}", Given(name, above), key=name, value=result)
-    if at_least is not None and result < at_least:
-        raise InvalidInput("must be at least {.number}", Given(name, at_least), key=name, value=result)
-    if at_most is not None and result > at_most:
-        raise InvalidInput("must be at most {.number}", Given(name, at_most), key=name, value=result)
+    refuse_if(not math.isfinite(result), "must be finite", key=name, value=str(result))
+    for wrong, must, bound in (
+        (above is not None and not result > above, "must be greater than {.number}", above),
+        (at_least is not None and result < at_least, "must be at least {.number}", at_least),
+        (at_most is not None and result > at_most, "must be at most {.number}", at_most),
+    ):
+        refuse_if(wrong, must, Given(name, bound), key=name, value=result)
     if result and not SMALLEST <= abs(result) <= LARGEST and unit_of(name) != "1":
         raise _beyond(name, result)
     return result
@@ -167,16 +166,15 @@ def lists(name: str, value: Any, length: int | None) -> FloatArray:
 def loads(name: str, value: Any) -> FloatArray:
     """Return loads, none of them negative, (k,)."""
     result = array(name, value, shape=(None,))
-    if result.min() < 0.0:
-        lowest = Given(name, result.min())
-        raise InvalidInput("holds {.number}; loads cannot be negative", lowest, key=name)
+    lowest = Given(name, result.min())
+    refuse_if(result.min() < 0.0, "holds {.number}; loads cannot be negative", lowest, key=name)
     return result
 
 
 def instance(name: str, value: Any, kind: type, required: str) -> None:
     """Refuse a value that is not an instance of `kind`, and a class in place of an instance."""
-    if isinstance(value, type) or not isinstance(value, kind):
-        raise InvalidInput(f"must be {required}", key=name, value=shown(value))
+    wrong = isinstance(value, type) or not isinstance(value, kind)
+    refuse_if(wrong, f"must be {required}", key=name, value=shown(value) if wrong else None)
 
 
 def scalar(value: Any) -> bool:
@@ -193,8 +191,7 @@ def depth(value: Any) -> int:
 
 def increasing(name: str, value: FloatArray) -> FloatArray:
     """Return `value`, whose entries must be positive and strictly increasing."""
-    if value[0] <= 0.0:
-        raise InvalidInput("must be greater than 0", key=f"{name}[0]", value=value[0])
+    refuse_if(value[0] <= 0.0, "must be greater than 0", key=f"{name}[0]", value=value[0])
     if value[0] < SMALLEST and unit_of(name) != "1":
         raise _beyond(f"{name}[0]", value[0])
     bad = np.flatnonzero(np.diff(value) <= 0.0)

@@ -87,6 +87,19 @@ class InvalidInput(MetafemError, ValueError):
         return InvalidInput(message, *moved, key=key, value=self.value, example=self.example)
 
 
+def refuse_if(
+    wrong: Any,
+    must: str,
+    *about: Given,
+    key: str = "",
+    value: float | str | None = None,
+    example: str = "",
+) -> None:
+    """Raise `InvalidInput` with these data if `wrong`."""
+    if wrong:
+        raise InvalidInput(must, *about, key=key, value=value, example=example)
+
+
 class Infeasible(MetafemError):
     """A target that no surface within the limits can reach.
 
