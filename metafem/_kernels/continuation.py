@@ -234,9 +234,12 @@ def curves(field, order, law, self_term, gap, control, by_load, results, state, 
             copy(memory.last_rate, memory.before_rate)
             copy(state.z, memory.last)
             copy(load_rate, scratch.loads)
-            results.stiffness[row, j] = tangent(
-                field, order, self_term[row], state, count, points, memory, scratch
-            )
+            stiffness = tangent(field, order, self_term[row], state, count, points, memory, scratch)
+            results.stiffness[row, j] = stiffness
+            if stiffness == math.inf:  # not a minimum of the energy
+                results.residual[row, j] = 1.0
+                points = 0
+                continue
             copy(scratch.loads, load_rate)
             width = new - x
             x = new

@@ -1,10 +1,13 @@
-"""Order 3 if its error is within a tolerance for a given surface and load, else resolved contacts."""
+"""The cheapest model whose error is within a tolerance for a given surface and load."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import ClassVar
+
+import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
@@ -14,9 +17,11 @@ from metafem.contact.law import checked_contact
 from metafem.errors import MetafemError
 from metafem.models.boundary_elements.model import BoundaryElements, resolvable
 from metafem.models.curve import Curve, controlled
-from metafem.models.independent import Independent
+from metafem.models.independent import Independent, load_equation
 from metafem.models.interacting.model import DENSE_LIMIT, Interacting
+from metafem.models.load_equation import sunk
 from metafem.models.model import WithoutGradients
+from metafem.models.rungs import independent_errors, order_1_error, probed
 from metafem.models.truncation import truncation
 from metafem.notes import Level, Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
@@ -35,19 +40,23 @@ UNUSED_BLOCK = information("the surface's block is not used: the contacts are co
 
 @dataclass(frozen=True)
 class Automatic(WithoutGradients):
-    """`Interacting` of order 3 within a tolerance, and `BoundaryElements` beyond it.
+    """The first of `Independent`, `Interacting` of orders 1 and 3, and `BoundaryElements` within a tolerance.
 
-    Order 3 is solved first. Its error is estimated from its own contacts: by the sum of (a/r)^5 over pairs
-    of contacts, and of (a/t)^5 on a layer; for caps other than paraboloids also from the slopes of the
-    neighbours' fields. If the estimate exceeds the tolerance, contacts overlap, or order 3 has no solution,
-    the contacts are resolved by sufficiently fine cells. Along a curve, order 3 is used at the lighter
-    loads where its error is within the tolerance. Independent asperities and order 1 are not
-    used: their errors are known only from order 3. Above 2000 asperities, and on substrates other than
-    half-space and layer, contacts cannot be resolved; a warning then states the estimated error of order 3.
-    Contacts of laws with adhesion or plasticity cannot be resolved either: the asperity model of the highest
-    order that the law supports is used. For adhesive contacts that is order 3. Its estimated error is
-    compared with the tolerance, and a note states it, as a warning above the tolerance. For plastic contacts
-    it is order 1, whose error is not estimated, and a warning says that the tolerance is not checked.
+    Each model is solved in turn and its error is estimated from its own contacts. For independent asperities
+    it is the change of A0 by their displacements, which one product with the influence gives; for order 1
+    that by the equations of order 3; for order 3 the sum of (a/r)^5 over pairs of contacts, and of (a/t)^5 on
+    a layer, and for caps other than paraboloids the effect of the slopes of the neighbours' fields. The
+    estimates of the later models are added to those of the earlier ones. Independent asperities are used at
+    given loads only; their approach includes the sinking of the base, interpolated between some of the loads.
+
+    If order 3 exceeds the tolerance, contacts overlap, or it has no solution, the contacts are resolved by
+    sufficiently fine cells, and the asperity models are used at the lighter loads. Above 2000 asperities, and
+    on substrates other than half-space and layer, contacts cannot be resolved; a warning then states the
+    estimated error of order 3. Contacts of laws with adhesion or plasticity cannot be resolved either: the
+    asperity model of the highest order that the law supports is used. For adhesive contacts that is order 3.
+    Its estimated error is compared with the tolerance, and a note states it, as a warning above the
+    tolerance. For plastic contacts it is order 1, whose error is not estimated, and a warning says that the
+    tolerance is not checked.
 
     Parameters
     ----------
@@ -86,6 +95,14 @@ class Automatic(WithoutGradients):
         checked_contact(self.contact)
         _ = self.gradient_model  # checks the substrate, and the contact on it
 
+    @cached_property
+    def _uncoupled(self) -> Independent:
+        return Independent(self.contact)
+
+    @cached_property
+    def _point_loads(self) -> Interacting:
+        return replace(self.gradient_model, order=1)
+
     def curve(
         self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
     ) -> Curve:
@@ -94,9 +111,9 @@ class Automatic(WithoutGradients):
         if not resolvable(self.contact):
             alone = self.gradient_model.curve(surface, load, approach=approach)
             return alone.with_notes((self._unchecked(surface, alone), *alone.notes, *unused))
-        curve, error = self._order_3(surface, load, approach)
+        curve, error, title = self._asperities(surface, load, approach)
         if curve is not None and error <= self.tolerance:
-            note = information(f"chosen: order 3; its estimated error of A0(P) is {error:.1e}")
+            note = information(f"chosen: {title}; its estimated error of A0(P) is {error:.1e}")
             return curve.with_notes((note, *curve.notes, *unused))
         if surface.count > DENSE_LIMIT or not isinstance(self.substrate, Radial):
             curve = curve or self.gradient_model.curve(surface, load, approach=approach)
@@ -118,6 +135,49 @@ class Automatic(WithoutGradients):
         error = truncation(surface, curve.last.area, self.substrate, self.contact)
         text = f"chosen: {order}; its estimated error of A0(P) is {error:.1e}; {rest} checked by this alone"
         return Note(text, Level.INFORMATION if error <= self.tolerance else Level.WARNING)
+
+    def _asperities(
+        self, surface: Surface, load: FloatArray | None, approach: FloatArray | None
+    ) -> tuple[Curve | None, float, str]:
+        """Return the curve of the first sufficient asperity model, its estimated error and its title."""
+        if load is not None:
+            curve, error = self._independent(surface, load)
+            if error <= self.tolerance:
+                return curve, error, "independent asperities"
+        curve, error = self._order_1(surface, load, approach)
+        if curve is not None and error <= self.tolerance:
+            return curve, error, "order 1"
+        return *self._order_3(surface, load, approach), "order 3"
+
+    def _independent(self, surface: Surface, load: FloatArray) -> tuple[Curve | None, float]:
+        """Return the curve of independent asperities on a sinking base, with its largest estimated error."""
+        curve = self._uncoupled.curve(surface, load)
+        rows = probed(load, surface.count)
+        if not rows.size or not curve.converged:
+            return curve, 0.0 if curve.converged else math.inf
+        equation = load_equation(self.contact.for_material(surface.material), self._uncoupled)
+        bound = self.substrate.for_surface(surface)
+        error, sinking = independent_errors(equation, surface, curve, rows, bound)
+        return sunk(curve, np.interp(load, load[rows], sinking)), float(error.max())
+
+    def _order_1(
+        self, surface: Surface, load: FloatArray | None, approach: FloatArray | None
+    ) -> tuple[Curve | None, float]:
+        """Return the curve of order 1 with its largest estimated error, or None if it fails."""
+        point = self._point_loads
+        try:
+            if load is None:
+                curve = point.curve(surface, approach=approach)
+                indentation = curve.last.indentation[None]
+            else:
+                found = point.sensitivity(surface, load)
+                curve, indentation = found.curve, found.indentation
+        except MetafemError:
+            return None, math.inf
+        error = truncation(surface, curve.last.area, self.substrate, self.contact)
+        if not curve.converged or error > self.tolerance:
+            return None, math.inf
+        return curve, error + order_1_error(self.gradient_model, surface, curve, indentation)
 
     def _order_3(
         self, surface: Surface, load: FloatArray | None, approach: FloatArray | None
@@ -153,10 +213,10 @@ class Automatic(WithoutGradients):
             low, high = (middle + 1, high) if estimate <= self.tolerance else (low, middle)
         parts = []
         if low:
-            light, estimate = self._order_3(surface, *control(slice(low)))
+            light, estimate, title = self._asperities(surface, *control(slice(low)))
             if light is not None:
                 end = surface.material.composite_modulus * float(light.load[-1])
-                text = f"chosen up to {end:.4g} N: order 3; its estimated error of A0(P) is {estimate:.1e}"
+                text = f"chosen up to {end:.4g} N: {title}; its estimated error of A0(P) is {estimate:.1e}"
                 parts.append(light.with_notes((information(text), *light.notes)))
             else:
                 low = 0

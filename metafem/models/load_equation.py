@@ -101,7 +101,7 @@ class LoadEquation:
         """Return the law at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
         curve = self.curve(height, radius, load)
         indentation = curve.approach[:, None] - (height.max() - height)
-        return Sensitivity(curve, lambda: at_fixed_load(*self._rates(indentation, radius)), indentation)
+        return Sensitivity(curve, lambda: at_fixed_load(*self.rates(indentation, radius)[1::2]), indentation)
 
     def contacts(
         self, height: FloatArray, radius: FloatArray, load: FloatArray
@@ -140,16 +140,16 @@ class LoadEquation:
         carried, area, *_ = contacts(self.law, indentation, radius)
         return carried, area
 
-    def _rates(self, indentation: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return derivatives of area and load by the indentation [mm] of contacts (k, n)."""
+    def rates(self, indentation: FloatArray, radius: FloatArray) -> tuple[FloatArray, ...]:
+        """Return loads [mm^2], dP/dd [mm], areas [mm^2] and dA/dd [mm] of contacts (k, n)."""
         size = np.broadcast_to(radius, indentation.shape[1:])
         table = tables(self.law, size)
         if (indentation > deepest(table)).any():
             found = contacts(self.law, indentation, size)
-            return self.law.area_slope(found.contact_radius, size), found.stiffness
+            return found.load, found.stiffness, found.area, self.law.area_slope(found.contact_radius, size)
         load, stiffness, area, area_slope = (np.empty_like(indentation) for _ in range(4))
         tabulated.each(table, indentation, load, stiffness, area, area_slope)
-        return area_slope, stiffness
+        return load, stiffness, area, area_slope
 
     def _above_base(self, surface: Surface, approach: FloatArray, compliance: float) -> FloatArray:
         """Return the approaches y relative to the sunken base, y + compliance P(y) = approach."""
@@ -214,14 +214,17 @@ class Paraboloids(LoadEquation):
         contact_radius = PARABOLOID.contact_radius(indentation, radius)  # in closed form, to full precision
         return PARABOLOID.load(contact_radius, radius), PARABOLOID.area(contact_radius)
 
-    def _rates(self, indentation: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the derivatives of area and load by the indentation, the latter up to a factor."""
-        return math.pi * radius * (indentation > 0.0), np.sqrt(radius * np.maximum(indentation, 0.0))
+    def rates(self, indentation: FloatArray, radius: FloatArray) -> tuple[FloatArray, ...]:
+        """Return loads [mm^2], dP/dd [mm], areas [mm^2] and dA/dd [mm] of contacts (k, n)."""
+        d = np.maximum(indentation, 0.0)
+        a = np.sqrt(radius * d)
+        each = math.pi * radius
+        return 4.0 / 3.0 * a * d, 2.0 * a, each * d, each * (indentation > 0.0)
 
 
-def sunk(curve: Curve, compliance: float) -> Curve:
-    """Return the curve for a base that sinks by the load times a compliance [1/mm]."""
-    if compliance == 0.0:
+def sunk(curve: Curve, compliance: float | FloatArray) -> Curve:
+    """Return the curve for a base that sinks by the load times a compliance [1/mm], one number or (k,)."""
+    if np.ndim(compliance) == 0 and compliance == 0.0:
         return curve
     return replace(
         curve,
@@ -231,10 +234,10 @@ def sunk(curve: Curve, compliance: float) -> Curve:
     )
 
 
-def at_fixed_load(area_rate: FloatArray, stiffness: FloatArray) -> FloatArray:
+def at_fixed_load(stiffness: FloatArray, area_rate: FloatArray) -> FloatArray:
     """Return dA0/dh at fixed load [mm], (k, n): ``A'_i - P'_i sum_j A'_j / sum_j P'_j``.
 
-    A', P': derivatives of area and load by the indentation; 0 for open contacts.
+    P', A': derivatives of load and area by the indentation; 0 for open contacts.
     """
     total = stiffness.sum(axis=1, keepdims=True)
     share = stiffness / np.where(total > 0.0, total, 1.0)

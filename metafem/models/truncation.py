@@ -54,7 +54,7 @@ def truncation(surface: Surface, area: FloatArray, substrate: Substrate, law: Co
         return 0.0
     bound = substrate.for_surface(surface)
     used = law.for_material(surface.material)
-    response, source = _radii(used, surface, area)
+    response, source = equivalent_radii(used, surface, area)
     thickness = getattr(bound, "thickness", None)
     error = 0.0
     if thickness is not None:
@@ -67,7 +67,7 @@ def truncation(surface: Surface, area: FloatArray, substrate: Substrate, law: Co
     return error + PAIRS * _nearest_pairs(surface, response, source, area)
 
 
-def _radii(law: Contact, surface: Surface, area: FloatArray) -> tuple[FloatArray, FloatArray]:
+def equivalent_radii(law: Contact, surface: Surface, area: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return two radii [mm] of paraboloids equivalent to each contact, (n,).
 
     The first gives the same increase of area with indentation, the second the same load. Both are the summit
@@ -133,7 +133,9 @@ def crowding(surface: Surface, area: FloatArray, law: Contact = PARABOLOID) -> t
         return 0, 0.0
     a = np.sqrt(area / math.pi)[closed]
     # the field of j changes the curvature of i by p_j r_i/r^3, (a_j/r)^3 r_i/s_j: sharp j count as wider
-    response, source = (radii[closed] for radii in _radii(law.for_material(surface.material), surface, area))
+    response, source = (
+        radii[closed] for radii in equivalent_radii(law.for_material(surface.material), surface, area)
+    )
     blunt, sharp = np.cbrt(response), a / np.cbrt(source)
     # pairs beyond this distance neither overlap nor exceed the ratio
     reach = max(2.0 * float(a.max()), float(sharp.max() * blunt.max()) * max(2.0, 1.0 / COMPARED))

@@ -59,7 +59,7 @@ class AdhesiveAsperities(LoadEquation):
         a, law = found.sums.contact_radius, self.law
         return Sensitivity(
             found.curve(self.model, height),
-            lambda: at_fixed_load(law.area_slope(a, radius), law.stiffness(a, radius)),
+            lambda: at_fixed_load(law.stiffness(a, radius), law.area_slope(a, radius)),
             found.indentation,
         )
 

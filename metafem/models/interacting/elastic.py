@@ -11,7 +11,7 @@ import numpy as np
 
 from metafem._kernels import continuation as kernel
 from metafem._kernels.contact.tabulated import Law
-from metafem._kernels.coupling import State
+from metafem._kernels.coupling import State, empty_state, respond, widen
 from metafem._validate import FloatArray
 from metafem.contact.law import contacts
 from metafem.errors import InvalidInput, NotConverged
@@ -102,6 +102,25 @@ class ElasticCoupling(Coupled):
         solution = self._solve(height, load, True, radius=radius)
         self._refuse_thin_layer(solution.results)
         return np.where(solution.solved, solution.results.area, np.nan)
+
+    def response(self, z: FloatArray, approach: float) -> tuple[State, FloatArray]:
+        """Return the state of nominal indentations z (n,) [mm], and the errors of its equations (n,) [mm]."""
+        surface = self.surface
+        gap, self_term = surface.gap, np.zeros(surface.count) + self.pedestals(surface.height, surface.radius)
+        law = tables(self.law, surface.radius)
+        if surface.count > DENSE_LIMIT and isinstance(self.substrate, Radial):
+            equations = LargeScene(surface, self.substrate, self.order).equations(law, self_term, gap)
+            found = equations.respond(z, approach, 0.0)
+            state, error = found.state, found.error
+            count = int(found.closed.sum())
+        else:
+            coupling, regular = coupling_between(surface, self.substrate, self.order)
+            state = empty_state(surface.count)
+            state.z[:] = z
+            count = respond(coupling, self.order, law, self_term + regular, state)
+            error = state.indentation + state.displacement - (approach - gap)
+        widen(law, state, count)
+        return state, error
 
     def _curve(self, solution: Solution) -> Curve:
         approach, load, area, stiffness, residual = (part[0] for part in solution.results[:5])

@@ -10,11 +10,9 @@ from metafem._kernels.contact.tabulated import Law
 from metafem._kernels.continuation import Results, uniform_approach
 from metafem._kernels.coupling import State
 from metafem._validate import FloatArray
-from metafem.models._resources import require_memory
 from metafem.models.interacting.coarse import coarsen
-from metafem.models.interacting.ewald_sums import ScatteredSums
-from metafem.models.interacting.fft_sums import LatticeSums, find_lattice
 from metafem.models.interacting.newton_krylov import TOLERANCE, ContactEquations, Iterate, open_state
+from metafem.models.interacting.sums import fast_sums
 from metafem.progress import each
 from metafem.substrate import Radial
 from metafem.surface import Surface
@@ -31,6 +29,11 @@ class LargeScene:
         self.sums = fast_sums(surface, substrate, order)
         self.coarse = coarsen(surface.position, substrate)
 
+    def equations(self, law: Law, self_term: FloatArray, gap: FloatArray) -> ContactEquations:
+        """Return the equations of contacts with self terms (n,) [1/mm] beside those of the substrate."""
+        own = self_term + self.substrate.self_influence
+        return ContactEquations(self.sums, self.order, law, own, np.ascontiguousarray(gap), self.coarse)
+
     def follow(
         self,
         law: Law,
@@ -46,8 +49,8 @@ class LargeScene:
 
         The arrays (k, n) [mm] of nominal indentations and of dA0/dh at fixed load are filled unless empty.
         """
-        gap, self_term = np.ascontiguousarray(gap), self_term + self.substrate.self_influence
-        equations = ContactEquations(self.sums, self.order, law, self_term, gap, self.coarse)
+        equations = self.equations(law, self_term, gap)
+        gap = equations.gap
         x, rate = 0.0, None
         state = open_state(-gap)
         for j, value in enumerate(each("load", control.tolist())):
@@ -85,17 +88,3 @@ class LargeScene:
         results.radius[j] = math.sqrt(float(state.state.square.max()))
         results.residual[j] = state.residual
         results.steps[j] = state.steps
-
-
-def fast_sums(surface: Surface, substrate: Radial, order: int) -> LatticeSums | ScatteredSums:
-    """Return the sums for the positions of a surface: by FFT on a lattice, else for scattered positions."""
-    lattice = find_lattice(surface.position)
-    spectra, arrays = (1, 5) if order == 1 else (4, 12)
-    if lattice is None:
-        scattered = ScatteredSums(surface.position, substrate)
-        # near pairs: both ends, differences, and a value for each spectrum; and the grid
-        needed = scattered.pairs * (56 + 12 * spectra) + 8 * scattered.cells * arrays
-        require_memory(needed, f"the sums over {surface.count} scattered positions")
-        return scattered
-    require_memory(32 * math.prod(lattice.shape) * arrays, f"a lattice of {lattice.shape}")
-    return LatticeSums(lattice, substrate)

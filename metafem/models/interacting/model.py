@@ -116,7 +116,7 @@ class Interacting:
         """The same model of the largest order that its contact law allows."""
         return replace(self, order=self.contact.largest_order)
 
-    def _bound(self, surface: Surface) -> ElasticCoupling | AdhesiveCoupling:
+    def bound(self, surface: Surface) -> ElasticCoupling | AdhesiveCoupling:
         """Return the asperities of a surface with their law and their influence on each other."""
         law = self.contact.for_material(surface.material)
         given = self, surface, law, self.substrate.for_surface(surface), self.order, self.pedestal
@@ -135,7 +135,7 @@ class Interacting:
         unloading: the values are reached by unloading from the largest; adhesive loads may be negative.
         """
         values, by_load = controlled(load, approach)
-        return self._bound(surface).path(values, by_load, unloading)
+        return self.bound(surface).path(values, by_load, unloading)
 
     def curves(
         self, surface: Surface, height: ArrayLike, rescaled_load: ArrayLike
@@ -179,7 +179,7 @@ class Interacting:
         loads = check.loads("rescaled_load", rescaled_load)
         order = np.argsort(loads, kind="stable")
         back = np.argsort(order, kind="stable")
-        results = self._bound(surface).solve(heights, loads[order])
+        results = self.bound(surface).solve(heights, loads[order])
         approach, carried, area, stiffness = (part[:, back] for part in results)
         return approach, carried, area, stiffness
 
@@ -193,7 +193,7 @@ class Interacting:
         height: summit heights (n,) [mm] that replace those of the surface; they are not checked.
         """
         heights = surface.height if height is None else height
-        return self._bound(surface).sensitivity(heights, load)
+        return self.bound(surface).sensitivity(heights, load)
 
     def areas(
         self,
@@ -210,4 +210,4 @@ class Interacting:
         """
         if position is not None:
             return areas_one_by_one(self.curve, surface, load, height, radius, position)
-        return self._bound(surface).areas(height, radius, load)
+        return self.bound(surface).areas(height, radius, load)

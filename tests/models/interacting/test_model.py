@@ -305,7 +305,7 @@ def test_an_influence_is_computed_once_for_all_heights_on_the_same_sites(monkeyp
 def test_newton_takes_few_steps(order):
     """As many as stated: 3 to 8 from independent asperities, and about 2 along a curve."""
     surface, load = lattice(0.12 - 0.002 * np.arange(16)), np.linspace(0.01, 0.1, 10)
-    bound = mf.Interacting(order)._bound(surface)
+    bound = mf.Interacting(order).bound(surface)
     solution = bound._solve(surface.height[None], np.append(0.0, load), True)
     steps = solution.results.steps[0]
     assert steps[0] == 0

@@ -1,0 +1,25 @@
+"""Fast sums over the sites of a surface."""
+
+from __future__ import annotations
+
+import math
+
+from metafem.models._resources import require_memory
+from metafem.models.interacting.ewald_sums import ScatteredSums
+from metafem.models.interacting.fft_sums import LatticeSums, find_lattice
+from metafem.substrate import Radial
+from metafem.surface import Surface
+
+
+def fast_sums(surface: Surface, substrate: Radial, order: int) -> LatticeSums | ScatteredSums:
+    """Return the sums for the positions of a surface: by FFT on a lattice, else for scattered positions."""
+    lattice = find_lattice(surface.position)
+    spectra, arrays = (1, 5) if order == 1 else (4, 12)
+    if lattice is None:
+        scattered = ScatteredSums(surface.position, substrate)
+        # near pairs: both ends, differences, and a value for each spectrum; and the grid
+        needed = scattered.pairs * (56 + 12 * spectra) + 8 * scattered.cells * arrays
+        require_memory(needed, f"the sums over {surface.count} scattered positions")
+        return scattered
+    require_memory(32 * math.prod(lattice.shape) * arrays, f"a lattice of {lattice.shape}")
+    return LatticeSums(lattice, substrate)
