@@ -128,7 +128,7 @@ def test_laws_that_cannot_be_resolved_stay_with_asperities_and_say_so():
 
 # Two contacts that merge, and three of which order 3 has no solution; areas extrapolated from three cells.
 MERGED = [
-    ([[0, 0], [0.1, 0]], [0.1, 0.1], 0.0169981, 0.12596, "contacts overlap"),
+    ([[0, 0], [0.1, 0]], [0.1, 0.1], 0.0169981, 0.12596, "order 3 has no solution"),
     ([[0, 0], [0.05, 0], [0, 0.05]], [0.1, 0.1, 0.1], 0.02, 0.13837, "order 3 has no solution"),
 ]
 
@@ -139,6 +139,20 @@ def test_merged_contacts_are_within_the_tolerance(place, height, load, area, rea
     state = mf.equilibrium(surface, mf.Automatic(1e-3), load=load)
     assert reason in state.notes[0].text
     assert state.area == pytest.approx(area, rel=1e-3)
+
+
+def test_contacts_that_overlap_are_resolved_and_said():
+    surface = mf.Surface([[0, 0], [0.3, 0]], [0.1, 0.1], 0.526, mf.Material(1.0))
+    assert mf.Interacting().curve(surface, np.array([0.06])).converged
+    state = mf.equilibrium(surface, mf.Automatic(1e-2), load=0.06)
+    assert "contacts overlap" in state.notes[0].text
+
+
+@pytest.mark.parametrize("load", [0.01, 0.05])
+def test_a_state_that_is_no_minimum_of_the_energy_is_not_converged(load):
+    surface = mf.Surface([[0, 0], [0.05, 0]], [0.1, 0.1], 0.526, mf.Material(1.0))
+    assert not mf.Interacting().curve(surface, np.array([load])).converged
+    assert not mf.Interacting().curve(surface, approach=np.array([load])).converged
 
 
 def test_a_block_that_is_left_aside_is_said():

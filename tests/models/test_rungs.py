@@ -7,6 +7,7 @@ import pytest
 
 import metafem as mf
 from metafem.models.rungs import FEWEST, PROBED, probed
+from metafem.models.truncation import truncation
 
 LAWS = (mf.Hertz(), mf.SphericalCap(), mf.PowerCap(3.0), mf.PowerCap(4.0))
 SCENES = 150
@@ -46,11 +47,12 @@ def choices():
         except mf.MetafemError:
             continue
         errors = [float(np.abs(curve.area / curves[2].area - 1.0).max()) for curve in curves]
+        last = truncation(surface, curves[2].last.area, substrate, law)
         for tolerance in (1e-4, 1e-3, 1e-2):
+            if last > 0.3 * tolerance:  # order 3 is no reference, and resolving contacts takes seconds
+                continue
             curve = mf.Automatic(tolerance, substrate, law).curve(surface, load)
             words = curve.notes[0].text.removeprefix("chosen: ")
-            if not words.startswith(TITLES) or "needed" in words:
-                continue
             rung = next(i for i, title in enumerate(TITLES) if words.startswith(title))
             best = next(i for i, error in enumerate(errors) if error <= tolerance)
             true = float(np.abs(curve.area / curves[2].area - 1.0).max())
