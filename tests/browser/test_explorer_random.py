@@ -1,4 +1,4 @@
-"""A thousand random steps on the page: nothing fails, and it shows what `metafem design` computes."""
+"""Hundreds of random steps on the page: nothing fails, and it shows what `metafem design` computes."""
 
 import re
 from pathlib import Path
@@ -15,7 +15,7 @@ from validation.scenes.explorer import TYPED, served, visited
 
 pytestmark = pytest.mark.slow
 
-STEPS, BATCH = 1000, 100
+STEPS, BATCH = 400, 100
 
 TABLES = ("heights.csv", "law.csv")
 
