@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -247,6 +248,7 @@ def cell_check() -> list[Check]:
     return checks
 
 
+@cache
 def spectral_convergence(poisson_ratio: float = 0.5) -> Convergence:
     """Error of Hertz's load on the half-space as a function of the degree of the elements."""
     degree = np.array([4, 5, 6, 7, 8])
@@ -260,6 +262,7 @@ def spectral_convergence(poisson_ratio: float = 0.5) -> Convergence:
     return Convergence(degree, errors, float(np.polyfit(degree, np.log10(errors), 1)[0]))
 
 
+@cache
 def search_convergence(poisson_ratio: float = 0.5) -> tuple[Convergence, Convergence]:
     """Errors of the active set's load and radius as functions of the cell, in contact radii.
 
