@@ -8,7 +8,7 @@ import numpy as np
 
 from metafem._values import percent
 from metafem.calibration.diagnosis.causes import GROUPS
-from metafem.calibration.diagnosis.sentences import NAMES, amount, part, spread
+from metafem.calibration.diagnosis.sentences import NAMES, amount, interval, part, spread
 from metafem.calibration.verdict import REJECTED, chi
 from metafem.studies.summaries.table import Summary, stored_notes
 
@@ -113,7 +113,7 @@ def explained_summary(study: Dataset) -> Summary:
             if name in study["cause"].values:
                 one = study.sel(cause=name)
                 mean, sd = float(one["mean"]), float(one["sd"])
-                found = f"{amount(name, mean)} ± {amount(name, sd, '.2g')}"
+                found = interval(name, mean, sd)
                 prior = float(one["prior_sd"])
             elif name in study["kind"].values:
                 found = spread(name, study[name].values, study[f"{name}_sd"].values)
