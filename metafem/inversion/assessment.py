@@ -13,7 +13,7 @@ from metafem._validate import FloatArray, IntArray
 from metafem._values import percent
 from metafem.inversion.candidate import LEVELS, Branch, Candidate, Parameter
 from metafem.inversion.problem import Problem
-from metafem.inversion.targets.target_law import TargetLaw
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of
 from metafem.prediction import BranchFit, FrictionLaw, default_loads, fit_branch, law_of_curve

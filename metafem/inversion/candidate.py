@@ -10,7 +10,7 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.height_density import PiecewiseExponential
 from metafem.inversion.limits import Limits
-from metafem.inversion.targets.target_law import TargetLaw
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.notes import Note
 from metafem.surface import Surface
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.drawing import TARGET
-from metafem.inversion.targets.target_law import TargetLaw
+from metafem.inversion.search.target_law import TargetLaw
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -30,10 +30,10 @@ from metafem.inversion.picture import draw_laws
 from metafem.inversion.placement.layout import Layout
 from metafem.inversion.placement.pins import Pinned
 from metafem.inversion.radii import RadiusRange
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies import exponential
 from metafem.inversion.strategies.mixture import Mixture
 from metafem.inversion.targets.target import Target
-from metafem.inversion.targets.target_law import TargetLaw
 from metafem.models.model import contact_of
 from metafem.notes import Note, late_notes, printed_count
 from metafem.prediction import BranchFit, FrictionLaw

@@ -11,7 +11,7 @@ from metafem._validate import FloatArray, IntArray
 from metafem.inversion.assessment import model_misfit
 from metafem.inversion.candidate import Candidate, Parameter
 from metafem.inversion.problem import Effort, Problem
-from metafem.inversion.targets.target_law import TargetLaw
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.progress import each
 
 # Fractions of a step by which all heights are shifted before rounding, which does not change a law.

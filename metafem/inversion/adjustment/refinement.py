@@ -17,7 +17,7 @@ from metafem.inversion.problem import Problem
 from metafem.inversion.search.levenberg_marquardt import Minimum, SearchOptions, descend, search
 from metafem.inversion.search.nearest_law import GOAL, beyond, residual_of_heights
 from metafem.inversion.search.spaces import Heights, LateResidual, Residual
-from metafem.inversion.targets.target_law import TargetLaw
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.models import Independent, Sensitivity
 from metafem.models.model import has_paraboloids
 from metafem.notes import information

@@ -22,7 +22,7 @@ from metafem.surface import STEEPEST, Surface
 if TYPE_CHECKING:
     from metafem.inversion.candidate import Candidate
     from metafem.inversion.problem import Problem
-    from metafem.inversion.targets.target_law import TargetLaw
+    from metafem.inversion.search.target_law import TargetLaw
 
 # Number of loads for the law, and for its change by tilts. For the first see `FollowLaw`. Each load of the
 # second costs seven curves; with six of them a third of the gain is lost at intermediate loads.

@@ -22,9 +22,9 @@ from metafem.inversion.height_density import (
     uniform_slope,
 )
 from metafem.inversion.limits import Limits
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies.mixture import Mixture, best_mixture
 from metafem.inversion.strategies.two_branches import two_branches
-from metafem.inversion.targets.target_law import TargetLaw
 from metafem.models.model import PARABOLOID
 from metafem.notes import Note
 

@@ -15,9 +15,9 @@ from metafem._values import Value
 from metafem.errors import Infeasible
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.feasibility import broken_sample, margin_words, refuse_load
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies import operating_points, sampled
 from metafem.inversion.targets.target import Target
-from metafem.inversion.targets.target_law import TargetLaw
 from metafem.inversion.targets.wording import RESCALED, LoadRange, Message, Wording
 from metafem.surface import Friction, Material
 

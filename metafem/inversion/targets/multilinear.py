@@ -15,9 +15,9 @@ from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.feasibility import margin_words, refuse_load
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies import sampled
 from metafem.inversion.targets.target import Target
-from metafem.inversion.targets.target_law import TargetLaw
 from metafem.inversion.targets.wording import RESCALED, LoadRange, Wording
 from metafem.surface import Friction, Material
 

@@ -15,9 +15,9 @@ from metafem.errors import Infeasible, InvalidInput
 from metafem.inversion.assessment import largest_misfit
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.feasibility import broken_sample, margin_words, nearest_within, refuse_load
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies import sampled
 from metafem.inversion.targets.target import Target
-from metafem.inversion.targets.target_law import TargetLaw
 from metafem.inversion.targets.wording import RESCALED, Message, Wording
 from metafem.notes import information
 from metafem.surface import Friction, Material

@@ -9,7 +9,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
-from metafem.inversion.targets.target_law import TargetLaw
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.targets.wording import LoadRange, Wording
 
 if TYPE_CHECKING:

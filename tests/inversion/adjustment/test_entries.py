@@ -7,7 +7,7 @@ import metafem as mf
 from metafem.inversion.adjustment.entries import shift
 from metafem.inversion.candidate import Candidate
 from metafem.inversion.problem import Problem
-from metafem.inversion.targets.target_law import TargetLaw
+from metafem.inversion.search.target_law import TargetLaw
 
 RADIUS = 0.526
 
