@@ -8,6 +8,7 @@ from metafem.inversion import DesignStatus
 from metafem.inversion.height_density import TruncatedExponential
 from metafem.inversion.radii import Radii
 from metafem.inversion.search.nearest_law import Asperities
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies.mixture import Mixture
 from tests.models.scenes import said
 
@@ -179,12 +180,12 @@ def test_proportional_laws_and_branches_take_tools(template):
 @pytest.mark.parametrize("cap", [mf.Hertz(), mf.PowerCap(4), mf.SphericalCap()], ids=repr)
 def test_gradients_by_radii_are_those_of_differences(cap):
     model, rng = mf.Independent(contact=cap), np.random.default_rng(1)
-    space = Asperities(1.0, 9, Radii(0.1, 2.0, None), 0.05)
+    space = Asperities(1.0, 9, radii=Radii(0.1, 2.0, None), depth=0.05)
+    target = TargetLaw.fixed(np.array([0.05, 0.2]), np.ones(2))
     at = space.joined(rng.uniform(0.1, 0.2, 9), rng.uniform(0.2, 0.8, 9))
 
     def law(unknowns):
-        residual = space.residual(model, np.array([0.05, 0.2]), lambda area, gradient: (area, gradient))
-        area, gradient = residual(unknowns)
+        area, gradient = space.residual(model, target)(unknowns)
         return area, gradient()
 
     step = 1e-5

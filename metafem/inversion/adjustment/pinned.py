@@ -124,8 +124,8 @@ def _changed(problem: Problem, start: Candidate, goal: float, rng: np.random.Gen
     height, radius = np.full(count, space.absent), np.full(count, start.radius[lowest])
     height[start.sites], radius[start.sites] = start.height, start.radius
     whole = replace(start, sites=np.arange(count), height=height, radius=radius)
-    _, differences, _ = residuals(problem, whole, np.asarray)
-    residual, exact = space.held(differences), start.lowest_level is not None
+    _, residual, _ = residuals(problem, whole, np.asarray)
+    exact = start.lowest_level is not None
     r, _ = residual(height)
     best = Minimum(height, float(np.sqrt(r @ r / len(r))))
     options, effort = problem.options, problem.effort
@@ -211,13 +211,13 @@ def _adjusted(problem: Problem, start: Candidate, goal: float) -> Minimum:
     # heights with depths stretched off the kinks of the law
     stretched = [top - stretch * (top - start.height) for stretch in STRETCHES]
     for guess in stretched if exact else [start.height]:
-        trial = descend(space.held(residual), space.project(guess), space, goal, exact, options)
+        trial = descend(residual, space.project(guess), space, goal, exact, options)
         found = trial if trial.misfit < found.misfit else found
         if found.misfit <= EXACT:
             break
     if model.gradient_model == model:
         return found
-    return descend(space.held(residual_of_model), found.unknowns, space, goal, options=options)
+    return descend(residual_of_model, found.unknowns, space, goal, options=options)
 
 
 def _rms(problem: Problem, candidate: Candidate) -> float:

@@ -149,7 +149,7 @@ def _initial_guesses(
     powers = np.vander(np.log(law.load / law.load[-1]), RATIO_DEGREE + 1)
     smooth = powers @ np.linalg.lstsq(powers, ratio, rcond=None)[0]
     divided = TargetLaw.fixed(law.load, law.law(area) / smooth, law.weight)
-    residual = residual_of_heights(problem.independent, surface.radius, law.load, divided.late_residual)
+    residual = residual_of_heights(problem.independent, surface.radius, divided)
     space, restarts = Heights(problem.limits.span), problem.effort.ratio_restarts
     corrected = search(residual, [surface.height], space, GOAL, restarts, rng, problem.options)
     # if the sites were chosen for this model, the heights should change as little as possible

@@ -247,10 +247,7 @@ def _lowered(
         factor *= math.sqrt(len(factor) / len(stacked))  # the same mean square
         return factor[:, -1], lambda: factor[:, :-1]
 
-    if held is None:
-        found = descend(residual, start.height, Heights(limits.span), 0.0, options=options)
-    else:
-        found = descend(held.held(residual), start.height, held, 0.0, options=options)
+    found = descend(residual, start.height, held or Heights(limits.span), 0.0, options=options)
     return start.with_heights(placed(found.unknowns)), found.misfit
 
 

@@ -18,7 +18,7 @@ from metafem.inversion.assessment import POINT_GOAL
 from metafem.inversion.candidate import Candidate, Parameter
 from metafem.inversion.feasibility import broken_bound
 from metafem.inversion.search.levenberg_marquardt import descend
-from metafem.inversion.search.nearest_law import MIXED_RESTARTS, LawSearch, nearest_law, residual_of_heights
+from metafem.inversion.search.nearest_law import MIXED_RESTARTS, LawSearch, residual_of_heights
 from metafem.inversion.search.spaces import Heights
 from metafem.inversion.strategies.level import Level, Step
 from metafem.inversion.targets.wording import Message
@@ -49,7 +49,9 @@ MOST_LEVELS = 5_000
 ACCEPTED = 1e-3
 
 
-def candidate(target: OperatingPoints, problem: Problem, rng: np.random.Generator) -> Candidate:
+def candidate(
+    target: OperatingPoints, problem: Problem, rng: np.random.Generator, restarts: int | None = None
+) -> Candidate:
     """Return heights whose independent law passes through all points, or raise Infeasible."""
     radii, paths = problem.radii, list[tuple[Level, ...]]()
     for drop in dict.fromkeys((0.0 if has_paraboloids(problem.model) else LEVEL_DROP, 0.0)):
@@ -105,12 +107,8 @@ def _without_levels(
     misfit = ACCEPTED
     restarts = effort.restarts if radii.single else effort.restarts // MIXED_RESTARTS
     for goal in effort.free_goals:
-        task = LawSearch(
-            problem.independent, load, law.late_residual, [law.base], problem.count, limits.span, restarts,
-            rng, goal, problem.options,
-        )  # fmt: skip
-        height, radius = nearest_law(task, radii).sorted
-        residual = residual_of_heights(problem.independent, radius, load, law.late_residual)
+        height, radius = LawSearch(problem, law, [law.base], restarts, rng, goal).nearest(radii)
+        residual = residual_of_heights(problem.independent, radius, law)
         found = descend(residual, height, Heights(limits.span), POINT_GOAL, True, problem.options)
         height = found.unknowns - found.unknowns.max()
         approach = float(problem.independent.curve_of(height, radius, load[-1:]).approach[0])

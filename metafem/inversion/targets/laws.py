@@ -16,7 +16,7 @@ from metafem.errors import Infeasible
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.feasibility import broken_sample, margin_words, refuse_load
 from metafem.inversion.search.target_law import TargetLaw
-from metafem.inversion.strategies import operating_points, sampled
+from metafem.inversion.strategies import operating_points
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import RESCALED, LoadRange, Message, Wording
 from metafem.surface import Friction, Material
@@ -204,8 +204,6 @@ class PowerLaw(Target):
         if broken:  # a prefactor within the bounds may still be unreachable
             words = "{broken}; without prefactor the design chooses it"
             raise Infeasible(Message(words, {"broken": broken}))
-
-    candidate = sampled.candidate
 
 
 def _levels(bounds: tuple[FloatArray, FloatArray], shape: FloatArray) -> tuple[float, float]:

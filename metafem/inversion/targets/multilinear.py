@@ -16,7 +16,6 @@ from metafem.errors import Infeasible, InvalidInput
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.feasibility import margin_words, refuse_load
 from metafem.inversion.search.target_law import TargetLaw
-from metafem.inversion.strategies import sampled
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import RESCALED, LoadRange, Wording
 from metafem.surface import Friction, Material
@@ -219,8 +218,6 @@ class MultilinearLaw(Target):
                     f"range of {problem.count} asperities of {problem.radii} for every intercept"
                     f"{margin_words(margin)}"
                 )
-
-    candidate = sampled.candidate
 
 
 def _crossover(name: str, given: object) -> LoadRange:

@@ -16,7 +16,6 @@ from metafem.inversion.assessment import largest_misfit
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.feasibility import broken_sample, margin_words, nearest_within, refuse_load
 from metafem.inversion.search.target_law import TargetLaw
-from metafem.inversion.strategies import sampled
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import RESCALED, Message, Wording
 from metafem.notes import information
@@ -162,8 +161,6 @@ class SampledLaw(Value, Target):
                 by_search=law.misfit(near * law.base) <= most,
             )
         return replace(candidate, notes=(*candidate.notes, information(_outside(near - 1.0, margin))))
-
-    candidate = sampled.candidate
 
 
 def _outside(difference: FloatArray, margin: float) -> str:

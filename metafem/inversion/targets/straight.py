@@ -13,7 +13,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.inversion.search.target_law import TargetLaw
-from metafem.inversion.strategies import exponential, proportional, sampled
+from metafem.inversion.strategies import exponential, proportional
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import RESCALED, LoadRange, Wording
 from metafem.surface import Friction, Material
@@ -78,11 +78,11 @@ class StraightLaw(Target):
         """Return heights of the exponential density whose law has these slopes."""
         raise NotImplementedError
 
-    def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
+    def candidate(self, problem: Problem, rng: np.random.Generator, restarts: int | None = None) -> Candidate:
         """Return heights for a density, or with a load range for the lines themselves."""
         if self.load_range is None:
             return self.with_density(problem)
-        return sampled.candidate(self, problem, rng)
+        return super().candidate(problem, rng, restarts)
 
     def refuse(self, problem: Problem, margin: float) -> None:
         """Raise Infeasible for a load range that breaks a bound by more than a margin (relative)."""
