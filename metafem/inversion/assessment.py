@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem._values import percent
-from metafem.inversion.candidate import LEVELS, Branch, Candidate, Parameter
+from metafem.inversion.candidate import LEVELS, Branch, Candidate
 from metafem.inversion.problem import Problem
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of
-from metafem.prediction import BranchFit, FrictionLaw, default_loads, fit_branch, law_of_curve
+from metafem.prediction import BranchFit, default_loads, fit_branch, law_of_curve
 from metafem.progress import doing
 from metafem.surface import Surface
 
@@ -62,20 +62,12 @@ class DesignStatus(Enum):
     )
 
 
-@dataclass(frozen=True, eq=False)
-class Assessment:
-    """The law of a candidate under the model of its problem, and derived quantities."""
-
-    law: FrictionLaw
-    fits: Fits
-    misfit: float
-    status: DesignStatus
-    parameters: dict[str, Parameter]
-
-
 @doing("computing the law of the heights")
-def assess(problem: Problem, candidate: Candidate, surface: Surface) -> Assessment:
-    """Return the assessment of a candidate, from one curve at the loads of the law, target and fits."""
+def assess(problem: Problem, candidate: Candidate, surface: Surface) -> dict[str, Any]:
+    """Return the law, fits, misfit, status and parameters of a design with the heights of a candidate.
+
+    They follow from one curve at the loads of the law, of the target and of the fits.
+    """
     target_law, branches, last = candidate.target_law, candidate.branches, problem.target.last_load
     if last is None:
         grid = default_loads(surface, problem.model)
@@ -97,7 +89,8 @@ def assess(problem: Problem, candidate: Candidate, surface: Surface) -> Assessme
         parameters |= problem.target.open_parameters(target_law, area[at_target])
     if candidate.unrounded is not None:
         parameters["step_loss"] = misfit - candidate.unrounded
-    return Assessment(law, fits, misfit, status_of(candidate, misfit), parameters)
+    status = status_of(candidate, misfit)
+    return {"law": law, "fits": fits, "misfit": misfit, "status": status, "parameters": parameters}
 
 
 def reassessed(design: Design) -> Design:
@@ -119,15 +112,7 @@ def reassessed(design: Design) -> Design:
     template, model, limits = design.template, design.law.model, design.limits
     problem = Problem.checked(design.target, template, model, limits, radii=design.radii)
     found = assess(problem, candidate, surface)
-    return replace(
-        design,
-        law=found.law,
-        misfit=found.misfit,
-        status=found.status,
-        parameters=found.parameters,
-        fits=found.fits,
-        notes=found.law.notes,
-    )
+    return replace(design, **found, notes=found["law"].notes)
 
 
 def empty_sites_words(design: Design) -> str:

@@ -135,9 +135,5 @@ def _noted(found: Design, hardness: float, note: Note) -> Design:
     parameters = {**found.parameters, "plasticity_index": index}
     if rough > 0.0:
         parameters["largest_modulus_ratio"] = ELASTIC_LIMIT / rough
-    later = when_read(_all_notes, note, found, size=found.surface.count)
+    later = when_read(lambda: (note, *found.notes), size=found.surface.count)
     return replace(found, parameters=parameters, notes=later)
-
-
-def _all_notes(first: Note, found: Design) -> tuple[Note, ...]:
-    return (first, *found.notes)

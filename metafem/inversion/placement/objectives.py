@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,19 +26,6 @@ TILT = math.radians(0.1)
 # Directions of the tilt: with five or more, evenly spaced, the mean square of changes of up to second
 # order in the tilt is exact.
 DIRECTIONS = 6
-
-
-@runtime_checkable
-class Objective(Protocol):
-    """A frozen value that defines the misfit of an arrangement."""
-
-    def residual(self, surface: Surface, model: Model) -> FloatArray:
-        """Return the relative differences of A0 whose sum of squares is minimised."""
-        ...
-
-    def forecast(self, surface: Surface, model: Model, sites: Sites) -> Forecast:
-        """Return the first-order prediction of the residuals for exchanges of asperities and vacancies."""
-        ...
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -212,6 +198,10 @@ class WeightedObjectives:
         """Return the forecasts of all objectives, each times the square root of its weight."""
         parts = tuple(part.forecast(surface, model, sites) for part in self.objectives)
         return Joined(tuple(math.sqrt(w) for w in self.weights), parts)
+
+
+# A value that defines the misfit of an arrangement by relative differences of A0, and predicts them.
+Objective = FollowLaw | InsensitiveToTilt | WeightedObjectives
 
 
 def _law(model: Model, surface: Surface) -> Contact:
