@@ -14,7 +14,6 @@ from metafem._values import percent
 from metafem.inversion.candidate import LEVELS, Branch, Candidate
 from metafem.inversion.problem import Problem
 from metafem.inversion.search.target_law import TargetLaw
-from metafem.models import Independent, Model
 from metafem.models.model import contact_of
 from metafem.prediction import BranchFit, default_loads, fit_branch, law_of_curve
 from metafem.progress import doing
@@ -137,15 +136,16 @@ def misfit_of(candidate: Candidate, area: Callable[[FloatArray], FloatArray]) ->
     return _misfit(candidate, found[at_target], slopes)
 
 
-def independent_misfit(candidate: Candidate, model: Independent) -> float:
+def independent_misfit(problem: Problem, candidate: Candidate) -> float:
     """Return the misfit of independent asperities; it does not depend on the sites."""
     height, radius = candidate.height, candidate.radius
-    return misfit_of(candidate, lambda load: model.curve_of(height, radius, load).area)
+    return misfit_of(candidate, lambda load: problem.independent.curve_of(height, radius, load).area)
 
 
-def model_misfit(candidate: Candidate, surface: Surface, model: Model) -> float:
-    """Return the misfit of a candidate's surface under a model."""
-    return misfit_of(candidate, lambda load: model.curve(surface, load).checked().area)
+def model_misfit(problem: Problem, candidate: Candidate) -> float:
+    """Return the misfit of a candidate under the model of the problem."""
+    surface = candidate.surface(problem.template)
+    return misfit_of(candidate, lambda load: problem.model.curve(surface, load).checked().area)
 
 
 def _united(loads: list[FloatArray]) -> tuple[FloatArray, list[IntArray]]:

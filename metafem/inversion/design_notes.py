@@ -57,14 +57,14 @@ def design_notes(problem: Problem, candidate: Candidate, found: Design) -> tuple
         law = candidate.target_law
         if candidate.density is not None:
             notes.append(_density(problem, found))
-        elif candidate.branches and law.pointwise and not by_pins and _missed(problem, candidate):
+        elif (
+            candidate.branches
+            and law.pointwise
+            and not by_pins
+            and independent_misfit(problem, candidate) > REACHED
+        ):
             notes.append(_line(problem, held))
     return tuple(dict.fromkeys((*candidate.notes, *notes, *found.law.notes)))
-
-
-def _missed(problem: Problem, candidate: Candidate) -> bool:
-    """Whether independent asperities of these heights miss the target."""
-    return independent_misfit(candidate, problem.independent) > REACHED
 
 
 def _pins(count: int, unpinned: float, found: Design) -> Note:

@@ -179,9 +179,7 @@ def feasible_region(
     """
     check.instance("template", template, Surface, "a metafem.Surface")
     check.instance("limits", limits, Limits, "metafem.Limits")
-    load = check.array("rescaled_load", rescaled_load, shape=(None,))
-    if load.min() <= 0.0:
-        check.number("rescaled_load", float(load.min()), above=0.0)
+    load = check.array("rescaled_load", rescaled_load, shape=(None,), positive=True)
     law = checked_contact(contact).for_material(template.material)
     bounds = Bounds(law, Radii.given(radii, template), template.count, float(load.max()))
     within = load <= bounds.largest_load(limits)

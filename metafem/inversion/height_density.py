@@ -26,7 +26,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.law import Contacts, contacts
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.models.model import PARABOLOID
 
 __all__ = [
@@ -169,9 +169,9 @@ class PiecewiseExponential:
         ``gamma(q+1, (b - delta)/lambda) - gamma(q+1, (a - delta)/lambda)``.
         """
         delta = np.asarray(separation, dtype=np.float64)
-        if not ((delta >= 0.0) & (delta <= self.max_height)).all():
-            ends = f"from 0 to {self.max_height:g} mm"
-            raise InvalidInput(f"separation = {separation!r:.60} must lie within the density, {ends}")
+        outside = not ((delta >= 0.0) & (delta <= self.max_height)).all()
+        words = f"must lie within the density, from 0 to {self.max_height:g} mm"
+        refuse_if(outside, words, key="separation", value=f"{separation!r:.60}")
         lam, q = self.scale, power
         total = np.zeros_like(delta)
         for piece in self.pieces:
@@ -312,13 +312,12 @@ class TwoBranchExponential(PiecewiseExponential):
         top = check.number("max_height", self.max_height, above=0.0)
         middle = check.number("crossover_height", self.crossover_height, above=0.0)
         check.number("weight", self.weight, above=0.0)
-        if middle >= top:
-            raise InvalidInput(f"crossover_height = {middle:g} must be below max_height = {top:g}")
-        if self.upper_mass > 1.0 + 1e-12:  # allows for rounding of a weight at its limit
-            raise InvalidInput(
-                f"weight = {self.weight:g} puts {self.upper_mass:.4g} of the asperities above the "
-                "crossover height; it must be small enough for at most 1"
-            )
+        refuse_if(middle >= top, f"crossover_height = {middle:g} must be below max_height = {top:g}")
+        refuse_if(
+            self.upper_mass > 1.0 + 1e-12,  # allows for rounding of a weight at its limit
+            f"weight = {self.weight:g} puts {self.upper_mass:.4g} of the asperities above the crossover "
+            "height; it must be small enough for at most 1",
+        )
 
     @property
     def upper_mass(self) -> float:

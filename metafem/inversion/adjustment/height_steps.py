@@ -51,7 +51,7 @@ def rounded_to_steps(problem: Problem, candidate: Candidate) -> Candidate:
     used, counts = np.unique(np.delete(index, held), return_counts=True)
     levels = limits.levels
     steps: dict[str, Parameter] = {"step_levels": levels[used], "step_counts": counts.astype(np.int64)}
-    result, before = candidate.with_heights(search.heights(index)), model_misfit(candidate, surface, model)
+    result, before = candidate.with_heights(search.heights(index)), model_misfit(problem, candidate)
     return replace(result, parameters={**result.parameters, **steps}, unrounded=before)
 
 

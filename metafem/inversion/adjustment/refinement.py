@@ -70,7 +70,7 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
     moved = model.couples or problem.contact.adhesive
     if candidate.stepped or not (moved or candidate.density is not None):
         return candidate
-    unrefined = np.inf if moved else independent_misfit(candidate, problem.independent)
+    unrefined = np.inf if moved else independent_misfit(problem, candidate)
     if unrefined <= MISSED:
         return candidate
     if model.couples and problem.contact.adhesive:
@@ -101,7 +101,7 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
             if best.misfit <= EXACT or len(trial.height) == len(candidate.height):
                 break
         result = start.with_heights(below_limit(best.unknowns, limits))
-        if not moved and model_misfit(result, result.surface(problem.template), model) >= unrefined:
+        if not moved and model_misfit(problem, result) >= unrefined:
             return candidate
     change = 1e3 * float(np.abs(result.height - start.height).max())
     added = len(start.height) - len(candidate.height)

@@ -136,8 +136,8 @@ def _compared(
     gained = gain > SIGNIFICANT * error
     chosen, squares = (robust, after) if gained else (plain, before)
     if gained:  # the target counts as reached if the plain heights reach it
-        misfit = model_misfit(plain, plain.surface(problem.template), problem.model)
-        chosen = replace(chosen, robust=status_of(plain, misfit) is not DesignStatus.MISSED)
+        status = status_of(plain, model_misfit(problem, plain))
+        chosen = replace(chosen, robust=status is not DesignStatus.MISSED)
     expected = max(float(squares.mean()), np.finfo(float).tiny)
     some = unit[:: len(unit) // AT_ONCE + 1]
     share = _irreducible(problem, tolerances, chosen, some) / expected

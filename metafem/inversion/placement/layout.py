@@ -10,7 +10,7 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import IntArray
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.inversion.placement.arrange import arrange
 from metafem.inversion.placement.objectives import FollowLaw, InsensitiveToTilt, Objective, WeightedObjectives
 from metafem.models import Independent, Model
@@ -68,8 +68,8 @@ class Layout:
         check.instance("follow_law", self.follow_law, bool, "True or False")
         check.member(self, "tilt_weight", above=0.0)
         check.member(self, "tilt", optional=True, above=0.0, at_most=STEEPEST)
-        if self.tilt is None and not self.follow_law:
-            raise InvalidInput("the layout has no aim: set follow_law = True or tilt, or leave it out")
+        aimless = self.tilt is None and not self.follow_law
+        refuse_if(aimless, "the layout has no aim: set follow_law = True or tilt, or leave it out")
 
 
 def arranged(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:

@@ -13,7 +13,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
 from metafem.contact import Contact
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.inversion.placement.exchange import Coupled, Forecast, Joined, Tilted
 from metafem.inversion.placement.sites import Sites
 from metafem.models import Independent, Model
@@ -178,14 +178,12 @@ class WeightedObjectives:
 
     def __init__(self, objectives: Sequence[Objective], weights: ArrayLike | None = None) -> None:
         parts = tuple(objectives)
-        if not parts:
-            raise InvalidInput("objectives is empty; at least one is needed")
+        refuse_if(not parts, "objectives is empty; at least one is needed")
         for i, part in enumerate(parts):
             check.instance(f"objectives[{i}]", part, Objective, "such as metafem.FollowLaw(...)")
         values = check.array("weights", np.ones(len(parts)) if weights is None else weights,
                              shape=(len(parts),))  # fmt: skip
-        if values.min() <= 0.0:
-            raise InvalidInput(f"weights holds {values.min():g}; all must be greater than 0")
+        refuse_if(values.min() <= 0.0, f"weights holds {values.min():g}; all must be greater than 0")
         object.__setattr__(self, "objectives", parts)
         object.__setattr__(self, "weights", tuple((values / values.sum()).tolist()))
 

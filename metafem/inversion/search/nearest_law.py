@@ -52,6 +52,12 @@ def beyond(load: FloatArray, height: FloatArray) -> LateResidual:
     return np.full(len(load), np.inf), lambda: np.zeros((len(load), len(height)))
 
 
+def _tallest_first(found: Found) -> tuple[FloatArray, FloatArray]:
+    _, height, radius = found
+    order = np.argsort(-height, kind="stable")
+    return height[order] - height.max(), radius[order]
+
+
 def residual_of_heights(model: Independent, radius: float | FloatArray, law: TargetLaw) -> Residual:
     """Return the differences of independent asperities of given radii as a function of their heights."""
 
@@ -80,21 +86,16 @@ class LawSearch:
     goal: float = GOAL
 
     def nearest(self, radii: Radii) -> tuple[FloatArray, FloatArray]:
-        """Return heights, tallest first at 0, and their radii; a single radius is used if it suffices."""
-        _, height, radius = self._nearest(radii)
-        order = np.argsort(-height, kind="stable")
-        return height[order] - height.max(), radius[order]
+        """Return heights, tallest first at 0, and their radii.
 
-    def _nearest(self, radii: Radii) -> Found:
-        """Return the asperities of one radius if it reaches the goal, otherwise the best ones.
-
-        Several radii are searched from radii that rise or fall with the depth, then from random changes.
+        A single radius is used if it reaches the goal. Several radii are searched from radii that rise or
+        fall with the depth, and then from random changes.
         """
         singles = []
         for radius in radii.tried.tolist():
             singles.append(self._of_one_radius(radius, self.restarts if radii.single else 0))
             if radii.single or singles[-1][0] <= self.goal:
-                return singles[-1]
+                return _tallest_first(singles[-1])
         best = min(singles, key=itemgetter(0))
         model, load, count = self.problem.independent, self.law.load, self.problem.count
         rising, middle = np.geomspace(radii.low, radii.high, len(load)), len(load) // 2
@@ -118,14 +119,14 @@ class LawSearch:
         if ranged and relaxed[0] <= self.goal:
             relaxed = self._on_steps(stepped, relaxed)
             if relaxed[0] <= self.goal:
-                return relaxed
+                return _tallest_first(relaxed)
         rounded = (relaxed[1], tools.nearest(relaxed[2]))
         mixed = self._within(mixing, [rounded, *starts], MIXED_RESTARTS * self.restarts)
         found = [mixed, best]
         if ranged:  # the extreme radii can have a smaller misfit, and radii near them an even smaller one
             free = self._within(between, [mixed[1:]], CONTINUOUS_RESTARTS)
             found += [self._on_steps(stepped, each) for each in (free, relaxed)]
-        return min(found, key=itemgetter(0))
+        return _tallest_first(min(found, key=itemgetter(0)))
 
     def _of_one_radius(self, radius: float, restarts: int) -> Found:
         """Return the heights found from guesses with fewer of the heights that are too low."""

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from metafem.notes import Note
 
 if TYPE_CHECKING:
     from metafem.inversion.problem import Problem
-    from metafem.inversion.targets.straight import BilinearLaw, LinearLaw
+    from metafem.inversion.targets.straight import StraightLaw
     from metafem.inversion.targets.wording import Wording
 
 # A straight branch is fitted over its last three quarters: below them, the law still bends towards its
@@ -48,62 +48,43 @@ FINEST = 2.0**-52
 SEPARATIONS = 61
 
 
-def linear(target: LinearLaw, problem: Problem) -> Candidate:
-    """Return heights of the truncated exponential whose law has the target slope."""
-    return best_mixture(lambda mixture: _linear(target, mixture, problem.limits), problem)
+def candidate(target: StraightLaw, problem: Problem) -> Candidate:
+    """Return heights of the density of one or two exponential branches whose law has the target slopes."""
+    return best_mixture(lambda mixture: _of_mixture(target, mixture, problem.limits), problem)
 
 
-def bilinear(target: BilinearLaw, problem: Problem) -> Candidate:
-    """Return heights of the two-branch exponential whose law has the target slopes and crossover."""
-    return best_mixture(lambda mixture: _bilinear(target, mixture, problem.limits), problem)
-
-
-def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Candidate:
-    single, count = (mixture.radius, mixture.law), mixture.count
-    scale = _scale(target.slope, mixture, limits, target, lambda slope: replace(target, slope=slope))
-    density = TruncatedExponential(scale, limits.span)
-    end = float(density.rescaled_load(0.0, mixture.carrying, *single))
-    intercept = density.intercept(mixture.carrying, *single)
-    parameters: dict[str, Parameter] = {"scale": scale, "intercept": intercept, "foot_load": end}
-    if limits.height_step is None:
-        height = _middles(density, 0.0, limits.span, count)
+def _of_mixture(target: StraightLaw, mixture: Mixture, limits: Limits) -> Candidate:
+    asperities, count = (mixture.carrying, mixture.radius, mixture.law), mixture.count
+    plain = TruncatedExponential(_scale(target, mixture, limits), limits.span)
+    density: PiecewiseExponential = plain
+    intercept, starts, edges, numbers = None, [0.0], [limits.span, 0.0], [count]
+    parameters: dict[str, Parameter] = {"scale": plain.scale}
+    if len(target.lines) == 2:
+        density = two = two_branches(target, plain, mixture)
+        upper = min(max(round(count * two.upper_mass), 1), count - 1)  # N_1 of regime 1, h > h_c
+        starts, numbers = [0.0, target.lines[1][1]], [upper, count - upper]
+        edges.insert(1, two.crossover_height)
+        parameters |= {
+            "weight": two.weight,
+            "crossover_height": limits.foot + two.crossover_height,
+            "counts": np.array(numbers),
+        }
     else:
-        levels, counts = level_counts(density, count, limits.height_step)
+        intercept = plain.intercept(*asperities)
+        parameters["intercept"] = intercept
+    end = float(density.rescaled_load(0.0, *asperities))
+    parameters["foot_load"] = end
+    stepped = limits.height_step is not None and density is plain
+    if stepped:
+        levels, counts = level_counts(density, count, limits.height_step or 0.0)
         height = np.repeat(levels, counts)[::-1]
         parameters |= {"levels": limits.foot + levels[counts > 0], "counts": counts[counts > 0]}
-    branch = Branch(target.slope, (BRANCH_START * end, end), intercept)
-    return Candidate(
-        height=limits.foot + height,
-        radius=mixture.mixed(),
-        parameters=parameters,
-        target_law=law_of(density, (branch,), mixture),
-        branches=(branch,),
-        density=density,
-        notes=_notes(scale, mixture, limits, target.wording),
-        stepped=limits.height_step is not None,
-    )
-
-
-def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Candidate:
-    (first, second), count = target.slopes, mixture.count
-    scale = _scale(first, mixture, limits, target, lambda slope: replace(target, slopes=(slope, second)))
-    density = two_branches(target, TruncatedExponential(scale, limits.span), mixture)
-    upper = min(max(round(count * density.upper_mass), 1), count - 1)  # N_1 of regime 1, h > h_c
-    middle, top = density.crossover_height, limits.span
-    parts = _middles(density, middle, top, upper), _middles(density, 0.0, middle, count - upper)
-    height = np.concatenate(parts)
-    crossover = target.crossover_load
-    end = float(density.rescaled_load(0.0, mixture.carrying, mixture.radius, mixture.law))
-    parameters: dict[str, Parameter] = {
-        "scale": scale,
-        "weight": density.weight,
-        "crossover_height": limits.foot + middle,
-        "counts": np.array([upper, count - upper]),
-        "foot_load": end,
-    }
-    branches = (
-        Branch(first, (BRANCH_START * crossover, crossover)),
-        Branch(second, (crossover + BRANCH_START * (end - crossover), end)),
+    else:
+        pieces = zip(pairwise(edges), numbers, strict=True)
+        height = np.concatenate([_middles(density, low, high, n) for (high, low), n in pieces])
+    branches = tuple(
+        Branch(slope, (start + BRANCH_START * (stop - start), stop), intercept)
+        for (slope, _), (start, stop) in zip(target.lines, pairwise([*starts, end]), strict=True)
     )
     return Candidate(
         height=limits.foot + height,
@@ -112,7 +93,8 @@ def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Candidat
         target_law=law_of(density, branches, mixture),
         branches=branches,
         density=density,
-        notes=_notes(scale, mixture, limits, target.wording),
+        notes=_notes(plain.scale, mixture, limits, target.wording),
+        stepped=stepped,
     )
 
 
@@ -153,21 +135,17 @@ def _middles(density: PiecewiseExponential, low: float, high: float, count: int)
     return np.asarray(0.5 * (ends[1:] + ends[:-1])[::-1])
 
 
-def _uniform_slope(mixture: Mixture, limits: Limits) -> float:
-    """Return the smallest slope, that of uniformly distributed heights [-]."""
-    return uniform_slope(mixture.radius, limits.span, mixture.law)
-
-
-def _scale(
-    slope: float,
-    mixture: Mixture,
-    limits: Limits,
-    target: LinearLaw | BilinearLaw,
-    with_slope: Callable[[float], LinearLaw | BilinearLaw],
-) -> float:
+def _scale(target: Any, mixture: Mixture, limits: Limits) -> float:
     """Return the scale at which the truncated exponential has the only or first slope of a target."""
-    bound, wording = _uniform_slope(mixture, limits), target.wording
+    slope, wording, single = target.lines[0][0], target.wording, (mixture.radius, mixture.law)
+    bound = uniform_slope(mixture.radius, limits.span, mixture.law)
     given, name = wording.slopes(slope), wording.name()
+
+    def nearest(slope: float) -> Any:
+        if len(target.lines) == 1:
+            return replace(target, slope=slope)
+        return replace(target, slopes=(slope, target.slopes[1]))
+
     if slope > STEEPEST * bound:
         raise Infeasible(
             f"{given} exceeds {STEEPEST:g} times the bound {wording.coefficient(bound):.6g}: the heights "
@@ -180,16 +158,15 @@ def _scale(
             f"{given} is not above the bound {form}{pair} = {wording.coefficient(bound):.6g} of "
             f"asperities of radius R = {mixture.radius:g} mm within h_m = {limits.span:g} mm of height; "
             f"raise the {name} or max_height, or use a smaller radius",
-            with_slope(bound * (1.0 + INSIDE)),
+            nearest(bound * (1.0 + INSIDE)),
         )
-    finest = TruncatedExponential(FINEST * limits.span, limits.span)
-    largest = finest.asymptotic_slope(mixture.radius, mixture.law)
+    largest = TruncatedExponential(FINEST * limits.span, limits.span).asymptotic_slope(*single)
     if slope > largest:  # for a law with a finite slope of its lightest contacts, such as cones
         reached = largest * (1.0 - INSIDE)
         raise Infeasible(
             f"{given} is above {wording.coefficient(largest):.6g}, the largest of asperities with this "
             f"contact law; lower the {name}, or choose another contact law",
-            with_slope(reached) if reached > bound * (1.0 + INSIDE) else None,
+            nearest(reached) if reached > bound * (1.0 + INSIDE) else None,
         )
     return scale_from_slope(slope, mixture.radius, limits.span, mixture.law)
 

@@ -20,7 +20,7 @@ from metafem.inversion.feasibility import broken_bound
 from metafem.inversion.search.levenberg_marquardt import descend
 from metafem.inversion.search.nearest_law import MIXED_RESTARTS, LawSearch, residual_of_heights
 from metafem.inversion.search.spaces import Heights
-from metafem.inversion.strategies.level import Level, Step
+from metafem.inversion.strategies.level import Level, Step, asperities
 from metafem.inversion.targets.wording import Message
 from metafem.models.model import has_paraboloids
 from metafem.notes import information
@@ -80,7 +80,7 @@ def candidate(
 
 def _with_levels(target: OperatingPoints, path: tuple[Level, ...], problem: Problem) -> Candidate:
     offset = problem.limits.offset
-    height, radius, number = np.array([kind for level in path for kind in level.kinds]).T
+    height, radius = asperities(path)
     tops = np.array([level.height for level in path])
     below = np.array([level.depth - level.adjustment for level in path])
     parameters: dict[str, Parameter] = {
@@ -91,10 +91,8 @@ def _with_levels(target: OperatingPoints, path: tuple[Level, ...], problem: Prob
     if not problem.radii.single:
         parameters["level_radii"] = np.array([level.radius for level in path])
         parameters["adjustment_radii"] = np.array([level.other for level in path])
-    each = np.repeat(np.arange(len(number)), number.astype(np.int64))
-    return Candidate(
-        offset + height[each], radius[each], parameters, target.curve(), lowest_level=offset + float(tops[-1])
-    )
+    lowest = offset + float(tops[-1])
+    return Candidate(offset + height, radius, parameters, target.curve(), lowest_level=lowest)
 
 
 def _without_levels(
@@ -195,9 +193,7 @@ class _Search:
         levels = self.of(others).path(())
         if levels is None:
             return math.nan
-        height, radius, number = np.array([kind for level in levels for kind in level.kinds]).T
-        each = np.repeat(np.arange(len(number)), number.astype(np.int64))
-        curve = self.problem.independent.curve_of(height[each], radius[each], load[i : i + 1])
+        curve = self.problem.independent.curve_of(*asperities(levels), load[i : i + 1])
         return float(curve.area[0])
 
     def path(self, done: tuple[Level, ...]) -> tuple[Level, ...] | None:

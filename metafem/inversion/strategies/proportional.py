@@ -149,7 +149,7 @@ def _narrowed(whole: Any, centre: float, problem: Problem) -> tuple[float, Strai
         ends = centre * (low / centre) ** fraction, centre * (high / centre) ** fraction
         trial = replace(whole, load_range=ends)
         found = trial.candidate(problem, np.random.default_rng(0), problem.effort.range_restarts)
-        if independent_misfit(found, problem.independent) <= RANGE_MISFIT * REACHED:
+        if independent_misfit(problem, found) <= RANGE_MISFIT * REACHED:
             best, inside = trial, fraction
         else:
             outside = fraction
