@@ -43,10 +43,8 @@ class Pins:
         for site, height in pinned.items():
             name = f"pinned[{shown(site)}]"
             whole = isinstance(site, (int, np.integer)) and not isinstance(site, (bool, np.timedelta64))
-            known = whole and 0 <= site < template.count
-            refuse_if(
-                not known, f"{name} is not a site: the template has the sites 0 to {template.count - 1}"
-            )
+            known = whole and 0 <= site <= last
+            refuse_if(not known, f"{name} is not a site: the template has the sites 0 to {last}")
             found[int(site)] = None if height is None else _checked_height(name, height, limits)
             flat = height is not None and found[int(site)] == 0.0 and template.block is not None
             refuse_if(flat, f"{name} = 0 is no summit of a part; write None for an empty site")
