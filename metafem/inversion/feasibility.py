@@ -18,7 +18,7 @@ from metafem._values import percent
 from metafem.contact import Contact
 from metafem.errors import Infeasible, InvalidInput, MetafemWarning
 from metafem.inversion.bounds import ROUNDING, Bounds
-from metafem.inversion.height_density import FINEST_SCALE_IN_SD, TruncatedExponential, uniform_slope
+from metafem.inversion.height_density import FINEST_SCALE_IN_SD, ExponentialDensity, uniform_slope
 from metafem.inversion.limits import Limits
 from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.targets.wording import Message, Wording
@@ -248,7 +248,7 @@ def achievable_friction_coefficients(
     low = uniform_slope(choice.low, limits.span, law)
     high = math.inf
     if limits.height_sd:
-        finest = TruncatedExponential(FINEST_SCALE_IN_SD * limits.height_sd, limits.span)
+        finest = ExponentialDensity(FINEST_SCALE_IN_SD * limits.height_sd, limits.span)
         high = finest.asymptotic_slope(choice.high, law)
     return low * per_slope, high * per_slope
 

@@ -25,7 +25,7 @@ from metafem.inversion.assessment import (
     misfit_text,
 )
 from metafem.inversion.candidate import Branch, Parameter
-from metafem.inversion.height_density import PiecewiseExponential
+from metafem.inversion.height_density import ExponentialDensity
 from metafem.inversion.limits import Limits
 from metafem.inversion.placement.layout import Layout
 from metafem.inversion.placement.pins import Pinned
@@ -74,7 +74,7 @@ class Design(Value):
         Straight branches of the target, each with the fit of the law.
     radii : RadiusRange, tuple of float or None
         Allowed radii of each asperity [mm]; None for one common radius.
-    density : PiecewiseExponential or None
+    density : ExponentialDensity or None
         The height density behind the heights, measured from `limits.foot`.
     notes : tuple of Note
         Limits of the design and of its model that matter for manufacturing.
@@ -116,7 +116,7 @@ class Design(Value):
     template: Surface
     limits: Limits
     fits: tuple[tuple[Branch, BranchFit], ...] = ()
-    density: PiecewiseExponential | None = None
+    density: ExponentialDensity | None = None
     notes: tuple[Note, ...] = late_notes()
     radii: RadiusRange | tuple[float, ...] | None = None
     layout: Layout | None = None

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import metafem as mf
 from metafem._kernels import continuation, independent
 from metafem.inversion import DesignStatus
-from metafem.inversion.height_density import TruncatedExponential
+from metafem.inversion.height_density import ExponentialDensity
 from metafem.inversion.strategies.exponential import level_counts
 from tests.models.scenes import said
 
@@ -129,7 +129,7 @@ def test_slopes_beyond_double_precision_are_refused(template, slope):
 
 @given(st.floats(0.003, 1.0), st.integers(1, 300), st.floats(0.02, 1.0))
 def test_level_counts_add_up_and_stay_near_their_expectation(scale, count, share):
-    density = TruncatedExponential(scale, 0.12)
+    density = ExponentialDensity(scale, 0.12)
     levels, counts = level_counts(density, count, 0.12 * share)
     assert counts.sum() == count
     assert counts.min() >= 0

@@ -5,7 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem.inversion import DesignStatus
-from metafem.inversion.height_density import TruncatedExponential
+from metafem.inversion.height_density import ExponentialDensity
 from metafem.inversion.radii import Radii
 from metafem.inversion.search.nearest_law import Asperities
 from metafem.inversion.search.target_law import TargetLaw
@@ -133,7 +133,7 @@ def test_levels_of_different_radii_meet_points():
 
 def test_a_mixture_has_the_law_of_its_mean_radius():
     mixture = Mixture((0.2, 0.8), (3000, 1000))
-    density = TruncatedExponential(0.03, 0.12)
+    density = ExponentialDensity(0.03, 0.12)
     height = np.sort(-0.03 * np.log1p(-np.linspace(0.0, -np.expm1(-4.0), 4001)[1:]))[::-1]
     load = np.linspace(1.0, 10.0, 5)
     area = mf.Independent().curves(height, mixture.mixed(), load)[2][0]

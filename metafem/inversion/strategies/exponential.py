@@ -15,8 +15,7 @@ from metafem.inversion.candidate import Branch, Candidate, Parameter
 from metafem.inversion.feasibility import INSIDE
 from metafem.inversion.height_density import (
     FINEST_SCALE_IN_SD,
-    PiecewiseExponential,
-    TruncatedExponential,
+    ExponentialDensity,
     equal_masses,
     scale_from_slope,
     uniform_slope,
@@ -55,18 +54,18 @@ def candidate(target: StraightLaw, problem: Problem) -> Candidate:
 
 def _of_mixture(target: StraightLaw, mixture: Mixture, limits: Limits) -> Candidate:
     asperities, count = (mixture.carrying, mixture.radius, mixture.law), mixture.count
-    plain = TruncatedExponential(_scale(target, mixture, limits), limits.span)
-    density: PiecewiseExponential = plain
+    plain = ExponentialDensity(_scale(target, mixture, limits), limits.span)
+    density = plain
     intercept, starts, edges, numbers = None, [0.0], [limits.span, 0.0], [count]
     parameters: dict[str, Parameter] = {"scale": plain.scale}
     if len(target.lines) == 2:
-        density = two = two_branches(target, plain, mixture)
-        upper = min(max(round(count * two.upper_mass), 1), count - 1)  # N_1 of regime 1, h > h_c
+        density = two_branches(target, plain, mixture)
+        upper = min(max(round(count * density.upper_mass), 1), count - 1)  # N_1 of regime 1, h > h_c
         starts, numbers = [0.0, target.lines[1][1]], [upper, count - upper]
-        edges.insert(1, two.crossover_height)
+        edges.insert(1, density.crossover_height)
         parameters |= {
-            "weight": two.weight,
-            "crossover_height": limits.foot + two.crossover_height,
+            "weight": density.weight,
+            "crossover_height": limits.foot + density.crossover_height,
             "counts": np.array(numbers),
         }
     else:
@@ -98,7 +97,7 @@ def _of_mixture(target: StraightLaw, mixture: Mixture, limits: Limits) -> Candid
     )
 
 
-def law_of(density: PiecewiseExponential, branches: tuple[Branch, ...], mixture: Mixture) -> TargetLaw:
+def law_of(density: ExponentialDensity, branches: tuple[Branch, ...], mixture: Mixture) -> TargetLaw:
     """Return the density's law over all branches, at even steps of the separation."""
     separation = density.max_height * (1.0 - np.arange(SEPARATIONS) / (SEPARATIONS - 1))
     asperities = mixture.carrying, mixture.radius, mixture.law
@@ -108,7 +107,7 @@ def law_of(density: PiecewiseExponential, branches: tuple[Branch, ...], mixture:
     return TargetLaw.fixed(load[inside], area)
 
 
-def level_counts(density: PiecewiseExponential, count: int, step: float) -> tuple[FloatArray, IntArray]:
+def level_counts(density: ExponentialDensity, count: int, step: float) -> tuple[FloatArray, IntArray]:
     """Levels [mm] at the middles of steps of the height, and whole numbers of asperities on them.
 
     The numbers are the integers nearest to the expected ones. While their sum is not `count`, one number
@@ -129,7 +128,7 @@ def level_counts(density: PiecewiseExponential, count: int, step: float) -> tupl
     return levels, counts
 
 
-def _middles(density: PiecewiseExponential, low: float, high: float, count: int) -> FloatArray:
+def _middles(density: ExponentialDensity, low: float, high: float, count: int) -> FloatArray:
     """Middles of `count` intervals of equal mass between two heights, tallest first [mm]."""
     ends = equal_masses(density.scale, low, high, count)
     return np.asarray(0.5 * (ends[1:] + ends[:-1])[::-1])
@@ -160,7 +159,7 @@ def _scale(target: Any, mixture: Mixture, limits: Limits) -> float:
             f"raise the {name} or max_height, or use a smaller radius",
             nearest(bound * (1.0 + INSIDE)),
         )
-    largest = TruncatedExponential(FINEST * limits.span, limits.span).asymptotic_slope(*single)
+    largest = ExponentialDensity(FINEST * limits.span, limits.span).asymptotic_slope(*single)
     if slope > largest:  # for a law with a finite slope of its lightest contacts, such as cones
         reached = largest * (1.0 - INSIDE)
         raise Infeasible(
@@ -175,7 +174,7 @@ def _notes(scale: float, mixture: Mixture, limits: Limits, wording: Wording) -> 
     if limits.height_sd is None or scale >= FINEST_SCALE_IN_SD * limits.height_sd:
         return ()
     finest = FINEST_SCALE_IN_SD * limits.height_sd
-    steepest = TruncatedExponential(finest, limits.span).asymptotic_slope(mixture.radius, mixture.law)
+    steepest = ExponentialDensity(finest, limits.span).asymptotic_slope(mixture.radius, mixture.law)
     return (
         Note(
             f"the scale {scale:.4g} mm is below {FINEST_SCALE_IN_SD:g} times height_sd, {finest:.4g} mm: "
