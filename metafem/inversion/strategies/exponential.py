@@ -53,34 +53,16 @@ def candidate(target: StraightLaw, problem: Problem) -> Candidate:
 
 
 def _of_mixture(target: StraightLaw, mixture: Mixture, limits: Limits) -> Candidate:
-    asperities, count = (mixture.carrying, mixture.radius, mixture.law), mixture.count
+    asperities = mixture.carrying, mixture.radius, mixture.law
     plain = ExponentialDensity(_scale(target, mixture, limits), limits.span)
-    density = plain
-    intercept, starts, edges, numbers = None, [0.0], [limits.span, 0.0], [count]
-    parameters: dict[str, Parameter] = {"scale": plain.scale}
-    if len(target.lines) == 2:
-        density = two_branches(target, plain, mixture)
-        upper = min(max(round(count * density.upper_mass), 1), count - 1)  # N_1 of regime 1, h > h_c
-        starts, numbers = [0.0, target.lines[1][1]], [upper, count - upper]
-        edges.insert(1, density.crossover_height)
-        parameters |= {
-            "weight": density.weight,
-            "crossover_height": limits.foot + density.crossover_height,
-            "counts": np.array(numbers),
-        }
-    else:
-        intercept = plain.intercept(*asperities)
-        parameters["intercept"] = intercept
+    density = plain if len(target.lines) == 1 else two_branches(target, plain, mixture)
     end = float(density.rescaled_load(0.0, *asperities))
-    parameters["foot_load"] = end
-    stepped = limits.height_step is not None and density is plain
-    if stepped:
-        levels, counts = level_counts(density, count, limits.height_step or 0.0)
-        height = np.repeat(levels, counts)[::-1]
-        parameters |= {"levels": limits.foot + levels[counts > 0], "counts": counts[counts > 0]}
-    else:
-        pieces = zip(pairwise(edges), numbers, strict=True)
-        height = np.concatenate([_middles(density, low, high, n) for (high, low), n in pieces])
+    intercept = plain.intercept(*asperities) if density is plain else None
+    parameters: dict[str, Parameter] = {"scale": plain.scale}
+    if intercept is not None:
+        parameters |= {"intercept": intercept, "foot_load": end}
+    height, found = _heights(density, mixture.count, limits)
+    starts = [start for _, start in target.lines]
     branches = tuple(
         Branch(slope, (start + BRANCH_START * (stop - start), stop), intercept)
         for (slope, _), (start, stop) in zip(target.lines, pairwise([*starts, end]), strict=True)
@@ -88,13 +70,31 @@ def _of_mixture(target: StraightLaw, mixture: Mixture, limits: Limits) -> Candid
     return Candidate(
         height=limits.foot + height,
         radius=mixture.mixed(),
-        parameters=parameters,
+        parameters={**parameters, **found, "foot_load": end},
         target_law=law_of(density, branches, mixture),
         branches=branches,
         density=density,
         notes=_notes(plain.scale, mixture, limits, target.wording),
-        stepped=stepped,
+        stepped=limits.height_step is not None and density is plain,
     )
+
+
+def _heights(
+    density: ExponentialDensity, count: int, limits: Limits
+) -> tuple[FloatArray, dict[str, Parameter]]:
+    """Return heights above the foot, tallest first, and the parameters that state them."""
+    middle, top = density.crossover_height, limits.span
+    if middle > 0.0:
+        upper = min(max(round(count * density.upper_mass), 1), count - 1)  # N_1 of regime 1, h > h_c
+        parts = _middles(density, middle, top, upper), _middles(density, 0.0, middle, count - upper)
+        counts = np.array([upper, count - upper])
+        found = {"weight": density.weight, "crossover_height": limits.foot + middle, "counts": counts}
+        return np.concatenate(parts), found
+    if limits.height_step is None:
+        return _middles(density, 0.0, top, count), {}
+    levels, numbers = level_counts(density, count, limits.height_step)
+    used = numbers > 0
+    return np.repeat(levels, numbers)[::-1], {"levels": limits.foot + levels[used], "counts": numbers[used]}
 
 
 def law_of(density: ExponentialDensity, branches: tuple[Branch, ...], mixture: Mixture) -> TargetLaw:
