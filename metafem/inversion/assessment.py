@@ -191,15 +191,6 @@ def _above(misfit: float) -> list[bool]:
     return [misfit > limit for limit in (REACHED, MISSED)]
 
 
-def misfit_meaning(pointwise: bool, density: bool, fits: Fits, misfit: float) -> str:
-    """Return the definition of the misfit in words."""
-    if pointwise:
-        return "largest difference from the target"
-    if fits and misfit <= max(abs(fit.slope / branch.slope - 1.0) for branch, fit in fits):
-        return "difference of a fitted slope from the target's"
-    return f"rms difference from {'the law of the height density' if density else 'the target'}"
-
-
 def status_of(candidate: Candidate, misfit: float) -> DesignStatus:
     """Return how a design ended; a misfit of nan counts as missed."""
     density = candidate.density is not None

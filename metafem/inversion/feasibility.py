@@ -37,10 +37,10 @@ ELASTIC_LIMIT = 0.6
 
 def broken_bound(
     load: FloatArray, friction: FloatArray, bounds: Bounds, margin: float
-) -> tuple[int, str, float, FloatArray] | None:
-    """Return a bound that points (k,) violate by more than a margin (relative), or None.
+) -> tuple[int, str, float] | None:
+    """Return the first of points (k,) that violates a bound by more than a margin (relative), or None.
 
-    It holds the first such point, the bound in words and in mm^2, and frictions (k,) within the bounds.
+    The bound follows in words and in mm^2.
     """
     low, high = bounds.friction(load)
     exponent, slack = bounds.least_exponent, margin + ROUNDING
@@ -65,8 +65,7 @@ def broken_bound(
     ):
         if broken.any():
             i = int(broken.argmax())
-            clipped = np.clip(scaled, low / least, np.minimum(high, jump) / least)
-            return i, words, float(bound[i]), np.maximum.accumulate(clipped) * least
+            return i, words, float(bound[i])
     return None
 
 
@@ -82,7 +81,7 @@ def broken_sample(
     broken = broken_bound(load, friction, problem.bounds, margin)
     if broken is None:
         return None
-    i, words, bound, _ = broken
+    i, words, bound = broken
     return Message(
         f"{point} is {{words}}, {{bound}}, for any surface of {problem.radii}{margin_words(margin)}",
         {

@@ -21,7 +21,6 @@ from metafem.inversion.assessment import (
     DesignStatus,
     empty_sites_words,
     largest_misfit,
-    misfit_meaning,
     misfit_text,
 )
 from metafem.inversion.candidate import Branch, Parameter
@@ -218,7 +217,14 @@ class Design(Value):
     @property
     def misfit_meaning(self) -> str:
         """Definition of `misfit` for this design, in words."""
-        return misfit_meaning(self.target_law.pointwise, self.density is not None, self.fits, self.misfit)
+        if self.target_law.pointwise:
+            return "largest difference from the target"
+        slopes = [abs(fit.slope / branch.slope - 1.0) for branch, fit in self.fits]
+        if slopes and self.misfit <= max(slopes):
+            return "difference of a fitted slope from the target's"
+        return (
+            f"rms difference from {'the target' if self.density is None else 'the law of the height density'}"
+        )
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the achieved law with the target, rescaled.
