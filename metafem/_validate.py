@@ -7,6 +7,7 @@ import sys
 import warnings
 from collections.abc import Mapping
 from contextlib import suppress
+from types import UnionType
 from typing import Any
 
 import numpy as np
@@ -171,7 +172,7 @@ def loads(name: str, value: Any) -> FloatArray:
     return result
 
 
-def instance(name: str, value: Any, kind: type, required: str) -> None:
+def instance(name: str, value: Any, kind: type | UnionType, required: str) -> None:
     """Refuse a value that is not an instance of `kind`, and a class in place of an instance."""
     wrong = isinstance(value, type) or not isinstance(value, kind)
     refuse_if(wrong, f"must be {required}", key=name, value=shown(value) if wrong else None)

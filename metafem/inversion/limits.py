@@ -11,7 +11,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._given import Given
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 
 # Steps finer than this are below the resolution of any machine and would only cost time.
 MOST_LEVELS = 100_000
@@ -62,9 +62,8 @@ class Limits:
         check.member(self, "max_height", above=0.0)
         for name in ("min_height", "offset"):
             check.member(self, name, at_least=0.0)
-        if self.span <= 0.0:
-            top = Given("max_height", self.max_height)
-            raise InvalidInput("must be below {}", top, key="min_height", value=self.min_height)
+        top = Given("max_height", self.max_height)
+        refuse_if(self.span <= 0.0, "must be below {}", top, key="min_height", value=self.min_height)
         finest = self.span / MOST_LEVELS
         check.member(self, "height_step", optional=True, at_least=finest, at_most=self.span)
         check.member(self, "height_sd", optional=True, at_least=0.0)

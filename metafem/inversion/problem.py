@@ -115,20 +115,21 @@ class Problem:
         check.instance("target", target, Target, kinds)
         check.instance("template", template, Surface, "a metafem.Surface")
         solver: Model = Independent() if model is None else model
-        check.instance("model", solver, Model, "a model such as metafem.Independent()")
         bounds = Limits(max_height=float(template.height.max())) if limits is None else limits
-        check.instance("limits", bounds, Limits, "metafem.Limits")
-        if layout is not None:
-            check.instance("layout", layout, Layout, "metafem.Layout")
-        if robust is not None:
-            check.instance("robust", robust, Tolerances, "metafem.Tolerances")
+        for name, value, kind, words in (
+            ("model", solver, Model, "a model such as metafem.Independent()"),
+            ("limits", bounds, Limits, "metafem.Limits"),
+            ("layout", layout, Layout | None, "metafem.Layout"),
+            ("robust", robust, Tolerances | None, "metafem.Tolerances"),
+        ):
+            check.instance(name, value, kind, words)
         pins = Pins.given(template, bounds)
         template = pins.reduced
         choice = Radii.given(radii, template)
         options = DEFAULTS if has_paraboloids(solver) else OTHER_LAWS
         # messages give loads in N and in mm^2
-        kind: Any = target
-        target = replace(kind, wording=target.wording.of_part(template.material))
+        any_kind: Any = target
+        target = replace(any_kind, wording=target.wording.of_part(template.material))
         return cls(target, template, choice, solver, bounds, pins, layout, robust, options, EFFORT.get())
 
     @cached_property

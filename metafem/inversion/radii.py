@@ -10,7 +10,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._given import Given
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.surface import Surface
 
 # Default distance of the radii of a range [mm]: of the order of the tolerance of ball-end tools.
@@ -57,10 +57,10 @@ class RadiusRange:
         check.member(self, "low", above=0.0)
         check.member(self, "high", above=self.low)
         check.member(self, "step", optional=True, above=0.0)
-        if self.step is not None and self.step > (self.high - self.low) * (1.0 + ROUNDING):
-            words = "exceeds the range from {.number} to {.number}; give a smaller step, or none"
-            ends = Given("low", self.low), Given("high", self.high)
-            raise InvalidInput(words, *ends, key="step", value=self.step)
+        wide = self.step is not None and self.step > (self.high - self.low) * (1.0 + ROUNDING)
+        words = "exceeds the range from {.number} to {.number}; give a smaller step, or none"
+        ends = Given("low", self.low), Given("high", self.high)
+        refuse_if(wide, words, *ends, key="step", value=self.step)
 
 
 @dataclass(frozen=True)
@@ -87,15 +87,14 @@ class Radii:
             return cls(radii.low, radii.high, None, radii.step)
         if radii is None and template is not None:
             radius = template.radius
-            if (radius != radius[0]).any():
-                raise InvalidInput(
-                    f"template.radius runs from {radius.min():g} to {radius.max():g} mm; one common radius "
-                    "is needed here, and the argument radii allows several"
-                )
+            refuse_if(
+                (radius != radius[0]).any(),
+                f"template.radius runs from {radius.min():g} to {radius.max():g} mm; one common radius is "
+                "needed here, and the argument radii allows several",
+            )
             return cls.of(float(radius[0]))
         tools = np.unique(check.array("radii", radii, shape=(None,)))
-        if tools[0] <= 0.0:
-            raise InvalidInput(f"radii holds {tools[0]:g}; all must be greater than 0")
+        refuse_if(tools[0] <= 0.0, f"radii holds {tools[0]:g}; all must be greater than 0")
         return cls(float(tools[0]), float(tools[-1]), tuple(tools.tolist()))
 
     @property

@@ -12,7 +12,7 @@ from metafem._validate import FloatArray
 from metafem.errors import NotConverged
 from metafem.inversion.assessment import misfits
 from metafem.inversion.candidate import Branch
-from metafem.inversion.targets.target_law import TargetLaw
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.models import Model
 from metafem.models.model import contact_of
 from metafem.prediction import Tolerances

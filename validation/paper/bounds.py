@@ -6,7 +6,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.drawing import ACHIEVED, QUIET, TARGET
-from metafem.inversion.height_density import TruncatedExponential, slope_excess
+from metafem.inversion.height_density import ExponentialDensity, slope_excess
 from metafem.reference import height_densities as reference
 from validation.check import Claim, Picture, near
 from validation.figures import panels
@@ -73,7 +73,7 @@ def _figure(ax):
     surface, numbers = template("fig4_red"), paper()["bounds"]
     factor, radius = friction_of_slope(surface), float(surface.radius[0])
     scale = np.geomspace(0.005, 1.0, 200)
-    slope = [TruncatedExponential(x, TOP).asymptotic_slope(radius) for x in scale]
+    slope = [ExponentialDensity(x, TOP).asymptotic_slope(radius) for x in scale]
     ax.loglog(1e3 * scale, factor * np.array(slope), color=ACHIEVED, label="density of heights")
     for name in ("smallest", "largest"):
         label = "bounds printed in the paper" if name == "smallest" else None

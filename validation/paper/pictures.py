@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 import metafem as mf
 from metafem.drawing import ACHIEVED, MEASURED, MEASURED_BESIDE, TARGET, new_figure
-from metafem.inversion.picture import draw_laws
+from metafem.inversion.result import draw_laws
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import dataclass, field, replace
-from typing import Protocol
 
 import numpy as np
 
@@ -28,28 +27,12 @@ FORECAST_SITES = 96
 EXCHANGE_GAIN = 1e-9
 
 
-class Forecast(Protocol):
-    """Predicted residuals (q,) of the asperities at their sites."""
-
-    def swapped(self, i: int, j: int) -> Forecast:
-        """Return the forecast with the asperities of two sites exchanged."""
-        ...
-
-    def residual(self) -> FloatArray:
-        """Return the residuals, (q,)."""
-        ...
-
-    def changes(self, sites: IntArray) -> FloatArray:
-        """Return the changes of the residuals by the exchange of each pair of sites, (q, m, m)."""
-        ...
-
-
 @dataclass(frozen=True, eq=False)
 class Coupled:
-    """``sum_ij left_i G_ij right_j``, where left and right (q, m) belong to the asperities.
+    """Predicted residuals ``sum_ij left_i G_ij right_j``.
 
-    The products of G with both, (q, m), are stored: an exchange changes them only by the rows of G for the
-    two sites.
+    Left and right, (q, m), belong to the asperities. The products of G with both, (q, m), are stored: an
+    exchange changes them only by the rows of G for the two sites.
     """
 
     left: FloatArray
@@ -157,6 +140,10 @@ class Joined:
         """Return the changes of the residuals by the exchange of each pair of sites, (q, m, m)."""
         pairs = zip(self.factors, self.parts, strict=True)
         return np.concatenate([f * part.changes(sites) for f, part in pairs])
+
+
+# Predicted residuals (q,) of the asperities at their sites.
+Forecast = Coupled | Tilted | Joined
 
 
 def after(residual: FloatArray, change: FloatArray) -> FloatArray:

@@ -13,7 +13,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._given import Given, shown
 from metafem._validate import FloatArray, IntArray
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.inversion.limits import Limits
 from metafem.surface import Surface
 
@@ -36,22 +36,21 @@ class Pins:
     def given(cls, template: Surface, limits: Limits) -> Pins:
         """Return the pins of the limits, or raise InvalidInput for those that do not fit the template."""
         pinned: Any = limits.pinned
-        if not isinstance(pinned, Mapping):
-            raise InvalidInput(
-                f"pinned = {shown(pinned)} must be a mapping of site numbers to heights [mm] or None, "
-                "for example {9: 0.15, 3: None}"
-            )
+        words = "a mapping of site numbers to heights [mm] or None, for example {9: 0.15, 3: None}"
+        check.instance("pinned", pinned, Mapping, words)  # type: ignore[type-abstract]
         found: dict[int, float | None] = {}
+        last = template.count - 1
         for site, height in pinned.items():
             name = f"pinned[{shown(site)}]"
-            refuse_unknown(name, site, template.count)
-            found[int(site)] = None if height is None else checked_height(name, height, limits)
+            whole = isinstance(site, (int, np.integer)) and not isinstance(site, (bool, np.timedelta64))
+            known = whole and 0 <= site <= last
+            refuse_if(not known, f"{name} is not a site: the template has the sites 0 to {last}")
+            found[int(site)] = None if height is None else _checked_height(name, height, limits)
+            flat = height is not None and found[int(site)] == 0.0 and template.block is not None
+            refuse_if(flat, f"{name} = 0 is no summit of a part; write None for an empty site")
         pins = cls(template, MappingProxyType(dict(sorted(found.items()))))
-        if not pins.open.size:
-            raise InvalidInput(f"pinned leaves all {template.count} sites empty; leave out at least one site")
-        if template.block is not None and pins.heights.size and pins.heights.min() == 0.0:
-            site = next(site for site, height in found.items() if height == 0.0)
-            raise InvalidInput(f"pinned[{site}] = 0 is no summit of a part; write None for an empty site")
+        words = f"pinned leaves all {template.count} sites empty; leave out at least one site"
+        refuse_if(not pins.open.size, words)
         return pins
 
     @cached_property
@@ -89,23 +88,10 @@ class Pins:
         )
 
 
-def refuse_unknown(name: str, site: Any, count: int) -> None:
-    """Raise InvalidInput for a value that is not a site number."""
-    whole = isinstance(site, (int, np.integer)) and not isinstance(site, (bool, np.timedelta64))
-    if not whole or not 0 <= site < count:
-        raise InvalidInput(f"{name} is not a site: the template has the sites 0 to {count - 1}")
-
-
-def checked_height(name: str, height: Any, limits: Limits) -> float:
+def _checked_height(name: str, height: Any, limits: Limits) -> float:
     """Return a height above the base plane [mm], or raise InvalidInput for one outside the limits."""
     found = check.number(name, height, at_least=0.0)
     top = limits.offset + limits.max_height
-    if found > top:
-        raise InvalidInput(
-            "must be at most {.number}, limits.offset + limits.max_height, which are measured from the base "
-            "plane as this height is",
-            Given(name, top),
-            key=name,
-            value=found,
-        )
+    must = "must be at most {.number}, limits.offset + limits.max_height, which are measured from the base "
+    refuse_if(found > top, must + "plane as this height is", Given(name, top), key=name, value=found)
     return found

@@ -15,9 +15,9 @@ from metafem._values import Value
 from metafem.errors import Infeasible
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.feasibility import broken_sample, margin_words, refuse_load
-from metafem.inversion.strategies import operating_points, sampled
+from metafem.inversion.search.target_law import TargetLaw
+from metafem.inversion.strategies import operating_points
 from metafem.inversion.targets.target import Target
-from metafem.inversion.targets.target_law import TargetLaw
 from metafem.inversion.targets.wording import RESCALED, LoadRange, Message, Wording
 from metafem.surface import Friction, Material
 
@@ -91,7 +91,7 @@ class OperatingPoints(Value, Target):
     candidate = operating_points.candidate
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True)
 class PowerLaw(Target):
     """Friction proportional to a power of the load over a range, ``F/(sigma B) = C (P/E*)^beta``.
 
@@ -117,21 +117,16 @@ class PowerLaw(Target):
 
     exponent: float
     load_range: LoadRange
-    prefactor: float | None
+    prefactor: float | None = None
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
 
-    def __init__(
-        self,
-        exponent: float,
-        load_range: ArrayLike,
-        prefactor: float | None = None,
-        wording: Wording = RESCALED,
-    ) -> None:
+    def __post_init__(self) -> None:
+        free = self.prefactor is None
         self._set(
-            wording,
-            exponent=check.number("exponent", exponent, above=0.0),
-            load_range=check.interval("load_range", load_range),
-            prefactor=None if prefactor is None else check.number("prefactor", prefactor, above=0.0),
+            self.wording,
+            exponent=check.number("exponent", self.exponent, above=0.0),
+            load_range=check.interval("load_range", self.load_range),
+            prefactor=None if free else check.number("prefactor", self.prefactor, above=0.0),
         )
 
     @classmethod
@@ -204,8 +199,6 @@ class PowerLaw(Target):
         if broken:  # a prefactor within the bounds may still be unreachable
             words = "{broken}; without prefactor the design chooses it"
             raise Infeasible(Message(words, {"broken": broken}))
-
-    candidate = sampled.candidate
 
 
 def _levels(bounds: tuple[FloatArray, FloatArray], shape: FloatArray) -> tuple[float, float]:

@@ -11,13 +11,12 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import Value, percent
-from metafem.errors import Infeasible, InvalidInput
+from metafem.errors import Infeasible
 from metafem.inversion.assessment import largest_misfit
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.feasibility import broken_sample, margin_words, nearest_within, refuse_load
-from metafem.inversion.strategies import sampled
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.targets.target import Target
-from metafem.inversion.targets.target_law import TargetLaw
 from metafem.inversion.targets.wording import RESCALED, Message, Wording
 from metafem.notes import information
 from metafem.surface import Friction, Material
@@ -86,17 +85,11 @@ class SampledLaw(Value, Target):
         error = None
         if relative_error is not None:
             error = check.array("relative_error", relative_error, shape=each, positive=True)
-            if error.max() >= 1.0:
-                i = int(error.argmax())
-                words = "must be below 1; 3 % is 0.03"
-                raise InvalidInput(words, key=f"relative_error[{i}]", value=error[i])
+            check.refuse_entries("relative_error", error, error >= 1.0, "must be below 1; 3 % is 0.03")
         given = weight
         if given is None:
             given = np.ones(each) if error is None else error**-2.0
-        weights = check.array("weight", given, shape=each)
-        if weights.min() <= 0.0:
-            i = int(weights.argmin())
-            raise InvalidInput("must be greater than 0", key=f"weight[{i}]", value=weights[i])
+        weights = check.array("weight", given, shape=each, positive=True)
         values = {"rescaled_friction": friction, "weight": weights, "relative_error": error}
         self._set(wording, rescaled_load=load, **values)
 
@@ -162,8 +155,6 @@ class SampledLaw(Value, Target):
                 by_search=law.misfit(near * law.base) <= most,
             )
         return replace(candidate, notes=(*candidate.notes, information(_outside(near - 1.0, margin))))
-
-    candidate = sampled.candidate
 
 
 def _outside(difference: FloatArray, margin: float) -> str:
