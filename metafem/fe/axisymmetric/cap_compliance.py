@@ -62,5 +62,5 @@ def measure_pedestal(height_ratio: float, contact_ratio: float, poisson_ratio: f
     edge = float(cap.surface(np.array(a))[0])
     mesh = graded_mesh(edge, EXTENT, EXTENT, cap.foot, contact_edge=EDGE)
     pressed = graded(mesh, cap, DEGREE, nu, lambda r: sphere_profile(r, 1.0), a, EXTENT, False)
-    hertz = float(Hertz().indentation_at_load(pressed.load, 1.0))
-    return float(math.pi * (pressed.indentation - hertz) / pressed.load + SHORTFALL / EXTENT)
+    hertz = float(Hertz().indentation_at_load(pressed.rescaled_load, 1.0))
+    return float(math.pi * (pressed.indentation - hertz) / pressed.rescaled_load + SHORTFALL / EXTENT)
