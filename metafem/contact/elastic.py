@@ -33,10 +33,7 @@ class Hertz(Contact):
     largest_order: ClassVar[int] = 3
     similar: ClassVar[bool] = True
 
-    @property
-    def power(self) -> float:
-        """2, the exponent of a paraboloid."""
-        return 2.0
+    power: ClassVar[float] = 2.0
 
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius a = sqrt(d/(1/R + k)) [mm]; 0 where the contact is open."""
