@@ -132,7 +132,12 @@ class BaseLaw(Value):
         >>> table["area_mm2"].round(4).tolist(), table.attrs["model"]
         ([0.4708, 0.7474], 'Independent()')
         """
-        return tables.dataframe(self.quantities(), self._about())
+        from pandas import DataFrame
+
+        arrays = tables.columns(self.quantities())
+        table = DataFrame({name: values.copy() for name, values in arrays.items()})
+        table.attrs.update(self._about())
+        return table
 
     def to_xarray(self) -> Dataset:
         """Return the law over its rescaled loads.
@@ -153,7 +158,14 @@ class BaseLaw(Value):
         >>> data.sizes["rescaled_load"], data.area.attrs["units"]
         (100, 'mm2')
         """
-        return tables.dataset(self.quantities(), self._about())
+        from xarray import Dataset
+
+        variables = {}
+        for name, values in self.quantities().items():
+            unit, words = tables.described(name)
+            variables[name] = ("rescaled_load", values.copy(), {"units": unit, "long_name": words})
+        coordinate = {"rescaled_load": variables.pop("rescaled_load")}
+        return Dataset(variables, coordinate, dict(self._about()))
 
     def plot(
         self, ax: Axes | None = None, units: Literal["mm^2", "N"] = "mm^2", label: str | None = None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import ClassVar
 
 import numpy as np
 from scipy.special import j0, j1
@@ -60,17 +61,14 @@ class BondedLayer(Radial):
     array([ 0.64 , -0.059])
     """
 
+    name: ClassVar[str] = "layer"
+
     thickness: float | None = None
     poisson_ratio: float | None = None
 
     def __post_init__(self) -> None:
         check.member(self, "thickness", optional=True, above=0.0)
         check.member(self, "poisson_ratio", optional=True, **check.POISSON)
-
-    @property
-    def name(self) -> str:
-        """Name of the substrate."""
-        return "layer"
 
     def for_surface(self, surface: Surface) -> BondedLayer:
         """Return the layer with the thickness and Poisson ratio of a surface."""
