@@ -164,9 +164,9 @@ def loads(name: str, value: Any) -> FloatArray:
     return result
 
 
-def instance(name: str, value: Any, kind: type, required: str) -> None:
-    """Refuse a value that is not an instance of `kind`, and a class in place of an instance."""
-    wrong = isinstance(value, type) or not isinstance(value, kind)
+def instance(name: str, value: Any, kind: type, required: str, *, optional: bool = False) -> None:
+    """Refuse a class, and a value that is not an instance of `kind`; an optional one may be None."""
+    wrong = isinstance(value, type) or not isinstance(value, (kind, type(None)) if optional else kind)
     refuse_if(wrong, f"must be {required}", key=name, value=shown(value) if wrong else None)
 
 

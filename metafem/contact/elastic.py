@@ -66,10 +66,6 @@ class Hertz(Contact):
             math.pi * np.greater(contact_radius, 0.0) / (np.divide(1.0, radius) + np.asarray(curvature))
         )
 
-    def load_at_indentation(self, indentation: Values, radius: Values) -> FloatArray:
-        """Rescaled load P/E* = 4/3 sqrt(R) d^(3/2) [mm^2] of an undisturbed contact; 0 where it is open."""
-        return self.load(self.contact_radius(indentation, radius), radius)
-
     def indentation_at_load(self, load: Values, radius: Values) -> FloatArray:
         """Indentation d = (3/4 P/E* / sqrt(R))^(2/3) [mm] of an undisturbed contact."""
         return np.asarray((0.75 * np.asarray(load) / np.sqrt(radius)) ** (2.0 / 3.0))

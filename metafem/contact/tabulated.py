@@ -15,7 +15,7 @@ from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.contact.by_indentation import LawByIndentation, LogCubic
 from metafem.contact.law import Values, material_of
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.material import Material
 
 # Minimum number of points of a table, without its origin: the slope of a cubic needs three.
@@ -71,9 +71,8 @@ class TabulatedContact(Value, LawByIndentation):
         table = np.array([check.array(name, row, shape=(count,)) for name, row in given.items()])
         zero = int(not table[:, 0].any())
         table = table[:, zero:]
-        if table.shape[1] < FEWEST:
-            words = f"has {table.shape[1]} positive points; a table needs at least {FEWEST}"
-            raise InvalidInput(words, key="indentation")
+        words = f"has {table.shape[1]} positive points; a table needs at least {FEWEST}"
+        refuse_if(table.shape[1] < FEWEST, words, key="indentation")
         for name, row in zip(given, table, strict=True):
             check.increasing(name, row, first=zero)
         table.flags.writeable = False

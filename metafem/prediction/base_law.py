@@ -12,7 +12,7 @@ from metafem import _validate as check
 from metafem import drawing
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.prediction import tables
 from metafem.prediction.branch_fit import BranchFit, fit_branch
 from metafem.surface import Friction, Material
@@ -102,8 +102,7 @@ class BaseLaw(Value):
         >>> law.fit(load=(0.1, 0.2)).points
         11
         """
-        if (load_range is None) == (load is None):
-            raise InvalidInput("a fit needs either load_range [mm^2] or load [N]")
+        refuse_if((load_range is None) == (load is None), "a fit needs either load_range [mm^2] or load [N]")
         if load is None:
             ends = check.array("load_range", load_range, shape=(2,))
         else:
@@ -195,8 +194,9 @@ class BaseLaw(Value):
         >>> ax.get_xlabel()
         'rescaled load  P/E* [mm²]'
         """
-        if units not in ("mm^2", "N"):
-            raise InvalidInput(f'units = {units!r:.40} must be "mm^2" (rescaled) or "N" (forces)')
+        refuse_if(
+            units not in ("mm^2", "N"), f'units = {units!r:.40} must be "mm^2" (rescaled) or "N" (forces)'
+        )
         ax = drawing.axes(ax)
         self._draw(ax, units == "N", label)
         return ax

@@ -14,7 +14,7 @@ from metafem import _validate as check
 from metafem._kernels import layer as kernel
 from metafem._kernels.layer import DEGREE, WIDTH
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.substrate.protocol import agreed
 from metafem.substrate.radial import Radial
 from metafem.surface import Surface
@@ -74,8 +74,10 @@ class BondedLayer(Radial):
         """Return the layer with the thickness and Poisson ratio of a surface."""
         ratio = agreed("BondedLayer", "poisson_ratio", self.poisson_ratio, surface.material.poisson_ratio)
         block = surface.block
-        if block is None and self.thickness is None:
-            raise InvalidInput("BondedLayer() needs the surface's block, or the argument thickness")
+        refuse_if(
+            block is None and self.thickness is None,
+            "BondedLayer() needs the surface's block, or the argument thickness",
+        )
         given = None if block is None else block.thickness
         thickness = agreed("BondedLayer", "thickness", self.thickness, given)
         return replace(self, thickness=thickness, poisson_ratio=ratio)

@@ -11,7 +11,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import foot_radius
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 
 # Imaginary step of the derivatives: f(x + i h) = f(x) + i h f'(x) without cancellation.
 STEP = 1e-30
@@ -109,12 +109,10 @@ def checked_cap(a: float, radius: Any, height: Any, thickness: Any, side_name: s
     h = check.number("height", height, above=0.0, at_most=R)
     t = check.number("thickness", thickness, above=0.0)
     cap = Cap(R, h, check.number(side_name, side, above=0.0), t)
-    if t < h:
-        raise InvalidInput(f"thickness = {t:g} must be at least the cap's height = {h:g}")
-    if cap.foot >= cap.outer:
-        raise InvalidInput(
-            f"the cap's foot of radius {cap.foot:g} must lie within {side_name} = {cap.outer:g}"
-        )
-    if a >= cap.foot:
-        raise InvalidInput(f"contact_radius = {a:g} must lie within the cap's edge at {cap.foot:g}")
+    refuse_if(t < h, f"thickness = {t:g} must be at least the cap's height = {h:g}")
+    refuse_if(
+        cap.foot >= cap.outer,
+        f"the cap's foot of radius {cap.foot:g} must lie within {side_name} = {cap.outer:g}",
+    )
+    refuse_if(a >= cap.foot, f"contact_radius = {a:g} must lie within the cap's edge at {cap.foot:g}")
     return cap

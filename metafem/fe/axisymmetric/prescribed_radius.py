@@ -12,7 +12,7 @@ from skfem import ElementLinePp, MeshQuad
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.fe.axisymmetric.elasticity import Body, hierarchical
 from metafem.fe.axisymmetric.geometry import Flat, Oblate
 from metafem.fe.linear_solve import LinearStatus, Solved
@@ -67,8 +67,10 @@ class PressedContact:
             For radii that are negative or outside the body.
         """
         radius = check.array("r", np.atleast_1d(r), shape=(None,))
-        if radius.min() < 0.0 or radius.max() > self.extent:
-            raise InvalidInput(f"r must lie from 0 to {self.extent:g}, the radius of the body")
+        refuse_if(
+            radius.min() < 0.0 or radius.max() > self.extent,
+            f"r must lie from 0 to {self.extent:g}, the radius of the body",
+        )
         result = np.empty(radius.shape)
         closed = radius <= self.contact_radius
         for name, part in (("contact", closed), ("free", ~closed)):

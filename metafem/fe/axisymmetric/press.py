@@ -10,7 +10,7 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem.contact.cap_geometry import sphere_profile
-from metafem.errors import InvalidInput, NotConverged
+from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.fe.axisymmetric.geometry import Cap, Flat, Oblate, checked_cap
 from metafem.fe.axisymmetric.mesh import graded_mesh, half_space_mesh
 from metafem.fe.axisymmetric.prescribed_radius import PressedContact, Profile, graded, spectral
@@ -111,8 +111,10 @@ def press(
 
 def _result(fine: PressedContact, coarse: PressedContact) -> PressedContact:
     """Return the finer solution, with an error estimate from the coarser one and from the bracket."""
-    if not (fine.rescaled_load > 0.0 and fine.indentation > 0.0):
-        raise InvalidInput("the profile carries no load: it must fall away from the axis")
+    refuse_if(
+        not (fine.rescaled_load > 0.0 and fine.indentation > 0.0),
+        "the profile carries no load: it must fall away from the axis",
+    )
     change = max(
         abs(coarse.rescaled_load / fine.rescaled_load - 1.0), abs(coarse.indentation / fine.indentation - 1.0)
     )
@@ -125,11 +127,12 @@ def _result(fine: PressedContact, coarse: PressedContact) -> PressedContact:
 def _profile(radius: Any, height: Any, profile: Profile | None) -> Profile:
     """Return f(r): the given profile, the sphere of a cap, or the paraboloid on a flat body."""
     if profile is not None:
-        if radius is not None or height is not None:
-            raise InvalidInput("profile replaces radius and height; give one or the other")
+        refuse_if(
+            radius is not None or height is not None,
+            "profile replaces radius and height; give one or the other",
+        )
         return profile
-    if radius is None:
-        raise InvalidInput("radius is missing: give it, or a profile")
+    refuse_if(radius is None, "radius is missing: give it, or a profile")
     big = check.number("radius", radius, above=0.0)
     if height is None:
         return lambda r: r**2 / (2.0 * big)
@@ -148,12 +151,13 @@ def _body(
 ) -> tuple[Cap | Flat, bool]:
     """Check the dimensions; return the body, and whether its side is the wall of a cell."""
     t = check.number("thickness", thickness, above=0.0)
-    if block_radius is not None and cell_radius is not None:
-        raise InvalidInput("block_radius and cell_radius exclude each other: a body has one side")
+    refuse_if(
+        block_radius is not None and cell_radius is not None,
+        "block_radius and cell_radius exclude each other: a body has one side",
+    )
     name = "block_radius" if cell_radius is None else "cell_radius"
     side = check.number(name, _extent(t, block_radius, cell_radius), above=0.0)
-    if a >= side:
-        raise InvalidInput(f"contact_radius = {a:g} must be smaller than {name} = {side:g}")
+    refuse_if(a >= side, f"contact_radius = {a:g} must be smaller than {name} = {side:g}")
     if height is None:
         return Flat(), cell_radius is not None
     return checked_cap(a, radius, height, t, name, side), cell_radius is not None

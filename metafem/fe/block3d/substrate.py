@@ -73,8 +73,7 @@ class Block3D:
     edge_cell: float = 0.006
 
     def __post_init__(self) -> None:
-        if not (self.block is None or isinstance(self.block, Block)):
-            raise InvalidInput(f"block = {self.block!r} must be a metafem.Block")
+        check.instance("block", self.block, Block, "a metafem.Block", optional=True)
         check.member(self, "poisson_ratio", optional=True, **check.POISSON)
         check.member(self, "cell", above=0.0, at_most=1.0)
         check.member(self, "edge_cell", above=0.0, at_most=1.0)

@@ -10,7 +10,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import sphere_profile
-from metafem.errors import InvalidInput, NotConverged
+from metafem.errors import NotConverged, refuse_if
 from metafem.fe.axisymmetric.geometry import Cap, checked_cap
 from metafem.fe.axisymmetric.mesh import graded_mesh
 from metafem.fe.large_strain.body import FiniteContact, SoftBody
@@ -91,8 +91,7 @@ def press_finite(
     0.977
     """
     a = check.number("contact_radius", contact_radius, above=0.0)
-    if not isinstance(stick, (bool, np.bool_)):
-        raise InvalidInput(f"stick = {stick!r:.60} must be True or False")
+    check.instance("stick", stick, bool, "True or False")
     cap = checked_cap(a, radius, height, thickness, "block_radius", block_radius)
     radii = a * np.arange(1, HISTORY + 1) / HISTORY if stick else np.array([a])
     return press_sequence(radii, cap, stick)[-1]
@@ -169,8 +168,10 @@ def _contact(a: float, cap: Cap, stick: Stick | None, refinement: int, guess: fl
     state: FiniteContact | None = None
     material, before = guess, (0.0, 0.0)
     for _ in range(SECANT_STEPS):
-        if not material < cap.foot:
-            raise InvalidInput(f"contact_radius = {a:g} brings the cap's edge at {cap.foot:g} into contact")
+        refuse_if(
+            not material < cap.foot,
+            f"contact_radius = {a:g} brings the cap's edge at {cap.foot:g} into contact",
+        )
         state = _flatten(material, cap, stick, refinement, state)
         edge = state.contact_radius
         if abs(edge / a - 1.0) <= RADIUS_ERROR:
