@@ -256,7 +256,7 @@ def spectral_convergence(poisson_ratio: float = 0.5) -> Convergence:
 
     def error(p: int) -> float:
         pressed = spectral(mesh, Oblate(1.0), p, poisson_ratio, lambda r: 0.5 * r**2, 1.0)
-        return abs(0.75 * pressed.load - 1.0)
+        return abs(0.75 * pressed.rescaled_load - 1.0)
 
     errors = np.array([error(int(p)) for p in degree])
     return Convergence(degree, errors, float(np.polyfit(degree, np.log10(errors), 1)[0]))
@@ -286,7 +286,9 @@ def cap_convergence() -> Convergence:
 
     def bracket(smallest: float) -> float:
         mesh = graded_mesh(edge, BLOCK_RADIUS, THICKNESS, cap.foot, contact_edge=smallest)
-        return graded(mesh, cap, 4, 0.5, lambda r: sphere_profile(r, RADIUS), a, cap.outer, False).bracket
+        return graded(
+            mesh, cap, 4, 0.5, lambda r: sphere_profile(r, RADIUS), a, cap.outer, False
+        ).error_estimate
 
     return _order(size, np.array([bracket(float(s)) for s in size]))
 
