@@ -2,6 +2,7 @@
 
 import itertools
 import re
+from dataclasses import replace
 from xml.dom import minidom
 
 import numpy as np
@@ -16,7 +17,7 @@ from validation.cost.times import LEAST, exponent, floor, in_words, machine, ren
 from validation.readme import README
 from validation.results import Evaluated
 from validation.scenes import costs
-from validation.verdicts import Evidence, _cost
+from validation.verdicts import Evidence, answer
 
 PAIR = mf.Surface(np.array([[0.0, 0.0], [1.1, 0.3]]), [0.1, 0.12], [0.5, 0.7], mf.Material(1.36))
 
@@ -219,10 +220,11 @@ def test_the_verdict_quotes_the_smallest_ratio_to_order_3(timed_beside_tamaas):
         for kind, seconds in (("one load", 1e-3), ("each load of a curve", 1e-4))
     ]
     rows = (*times, *timed_beside_tamaas)
-    headline, sentence = _cost(Evidence({name: Evaluated(name, "Cost", "", "A text.", rows, (), 1.0)}))
+    known = Evaluated(name, "Cost", "", "A text.", rows, (), 1.0)
+    headline, sentence = answer("cost", Evidence({name: known}))
     assert headline.startswith("About 100 to 300 µs for each load of a curve")
     assert "takes at least 5,000 times as long on the surface of Fig. 4 red" in sentence
-    _, sentence = _cost(Evidence({name: Evaluated(name, "Cost", "", "A text.", tuple(times), (), 1.0)}))
+    _, sentence = answer("cost", Evidence({name: replace(known, rows=tuple(times))}))
     assert "tamaas is not installed" in sentence
 
 

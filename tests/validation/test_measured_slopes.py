@@ -6,7 +6,7 @@ import pytest
 from validation.check import reported
 from validation.paper import measured_slopes as table
 from validation.results import Evaluated
-from validation.verdicts import Evidence, _contacts
+from validation.verdicts import Evidence, answer
 
 NAME = "contact_laws"
 
@@ -41,7 +41,7 @@ def evidence(hertz):
 
 def test_the_verdict_follows_from_the_differences_of_the_measured_slopes():
     known = evidence(-0.5)
-    headline, sentence = _contacts(known)
+    headline, sentence = answer("contacts", known)
     assert headline == "For the slopes of Fig. 4, yes"
     assert not known.partly
     assert "misses them by up to 3.5 with σ as printed, by up to 1.1 with σ refitted" in sentence
@@ -53,7 +53,7 @@ def test_the_verdict_follows_from_the_differences_of_the_measured_slopes():
 
 def test_the_verdict_is_no_where_hertz_misses_a_measured_slope():
     known = evidence(1.2)
-    assert _contacts(known)[0] == "Not for the slopes of Fig. 4"
+    assert answer("contacts", known)[0] == "Not for the slopes of Fig. 4"
     assert known.partly
 
 

@@ -21,7 +21,7 @@ from validation.scenes.models import (
     LOAD_ERROR,
 )
 from validation.sources import known_input
-from validation.verdicts import Evidence, _exact
+from validation.verdicts import Evidence, answer
 
 GUIDE = Path(against.__file__).parents[1] / "guide" / "models.md"
 
@@ -63,7 +63,7 @@ def verdict(*more):
         "stability_map": (reported("order 3, 64 equal contacts: error of A0 [%]", 0.19, ""),),
         "order3_independent": (reported(against.COUNT, len(more), ""), *more),
     }
-    return _exact(Evidence({k: Evaluated(k, k, "", "A text.", v, (), 1.0) for k, v in rows.items()}))
+    return answer("exact", Evidence({k: Evaluated(k, k, "", "A text.", v, (), 1.0) for k, v in rows.items()}))
 
 
 def test_the_verdict_states_the_documented_error_and_the_worst_of_the_samples():
