@@ -18,6 +18,8 @@ from validation.verdicts import Evidence, NotEvaluated
 
 PAPER = verdicts.QUESTIONS["paper"]
 
+LEAST = ["fe_hertz", "least", "scale", "[µm]"]
+
 ROWS = (
     near("slope <m>", 6.9, 6.87, 0.05, printed("Fig. 4 caption")),
     below("error", 1e-12, 1e-9, publication("10.1098/rspa.1971.0141", "eq. 15")),
@@ -45,8 +47,12 @@ def one_question(monkeypatch):
         "question": "Is it so?",
         "page": "finite_elements.html",
         "headline": "Yes",
-        "answer": "The scale is {scale} and more.",
+        "answer": "The scale is {scale} and more.{shown}{absent}",
         "numbers": {"scale": ["fe_hertz", "value", "error"]},
+        "parts": {
+            "shown": {"shown": ["fe_hertz", "sc"], "text": " At most {low:2}.", "numbers": {"low": LEAST}},
+            "absent": {"shown": ["fe_hertz", "nowhere"], "text": "", "otherwise": " Nothing else."},
+        },
     }
     monkeypatch.setattr(verdicts, "QUESTIONS", {"asked": asked})
 
@@ -195,7 +201,7 @@ def test_a_failed_check_is_shown_first_and_fails_its_verdict(results):
 
 
 def test_verdicts_say_what_is_absent_and_refuse_rows_that_do_not_exist(results, monkeypatch):
-    assert readme_table(results).splitlines()[2].startswith("| Is it so? | **Yes.** The scale is 1.0 × 10⁻¹²")
+    assert readme_table(results).splitlines()[2].endswith("1.0 × 10⁻¹² and more. At most 20. Nothing else. |")
     (found,) = verdicts.verdicts(results)
     assert (found.state, found.link) == ("holds", "finite_elements.html#fe_hertz-error")
     (absent,) = verdicts.verdicts({"fig4_linear": results["fig4_linear"]})

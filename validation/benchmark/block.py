@@ -11,7 +11,7 @@ import numpy as np
 import metafem as mf
 from metafem import _caches
 from metafem.fe.block3d.substrate import _solution
-from validation.methods.contact_equations import layer_influence
+from validation.methods.contact_equations import influence
 from validation.timing import Row, best, peak_memory, took
 
 THICKNESS, POISSON_RATIO = 7.2, 0.5
@@ -44,7 +44,7 @@ def rows() -> list[Row]:
         refined = mf.fe.Block3D(**REFINED).influence_matrix(surface)
         wide = mf.fe.Block3D(**WIDE).influence_matrix(lattice(90.0))
         _solution.cache_clear()
-    layer = layer_influence(surface.position, THICKNESS, POISSON_RATIO)
+    layer = influence(surface, "layer")
     return [
         Row("largest difference from a refined solution", 3e-5, np.abs(found.matrix - refined).max(), "/mm"),
         Row("error estimate of the default solution", 3e-5, found.error_estimate, "/mm"),
