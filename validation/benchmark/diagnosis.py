@@ -20,7 +20,7 @@ def rows() -> Iterator[Row]:
     for areas, what, required in ((True, "with areas", 0.04), (False, "F(P) alone", 0.04)):
         shares = covered(trials(PARTS, areas))
         yield from (
-            Row(f"{name}, {what}: coverage of 68 % off by", required, abs(float(share) - 0.68), "")
+            Row(f"{name}, {what}: coverage of 68 % off by", required, abs(float(share) - 0.68))
             for name, share in zip(NAMES, shares, strict=True)
         )
 

@@ -92,7 +92,7 @@ def rows() -> Iterator[Row]:
     name = f"{IMAGES} images of {SHAPE[0]}², {found[-1].count} contacts in the last"
     yield Row(f"{name}: processor time", 30.0, seconds, "s")
     yield Row(f"{name}: peak memory, with {DRAWN} drawn pictures", 1.0, peak, "GiB")
-    yield Row(f"{name}: steps that were not reported", 0.0, float(IMAGES - len(steps)), "")
+    yield Row(f"{name}: steps that were not reported", 0.0, float(IMAGES - len(steps)))
     yield Row(
         f"metafem images, TIFF stack of {IMAGES} images of {SHAPE[0]}²: elapsed time",
         30.0,
@@ -107,4 +107,4 @@ def rows() -> Iterator[Row]:
         what = (
             f"radius {radius:g}, noise {noise:g}, blur {blur:g}: rms of error over reported error, off 1 by"
         )
-        yield Row(what, 0.2, abs(ratio - 1.0), "")
+        yield Row(what, 0.2, abs(ratio - 1.0))
