@@ -1,4 +1,4 @@
-"""Targets given by points, samples or a power of the load: rescaled load P/E* and friction F/(sigma B) [mm^2]."""
+"""Targets given by points, samples or a power of the load, in P/E* and F/(sigma B) [mm^2]."""
 
 from __future__ import annotations
 
