@@ -19,10 +19,9 @@ from metafem.inversion.assessment import EXACT, assess
 from metafem.inversion.candidate import Parameter
 from metafem.inversion.design_notes import design_notes
 from metafem.inversion.feasibility import achievable_friction_coefficients
-from metafem.inversion.limits import Limits
+from metafem.inversion.limits import Limits, RadiusRange
 from metafem.inversion.placement.layout import Layout, arranged
 from metafem.inversion.problem import Problem
-from metafem.inversion.radii import RadiusRange
 from metafem.inversion.result import Design
 from metafem.inversion.strategies.mixture import unreachable
 from metafem.inversion.targets.target import Target

@@ -12,7 +12,7 @@ from metafem.errors import Infeasible
 from metafem.inversion.assessment import DesignStatus
 from metafem.inversion.design import design
 from metafem.inversion.feasibility import ELASTIC_LIMIT, roughness
-from metafem.inversion.radii import Radii, RadiusRange
+from metafem.inversion.limits import Radii, RadiusRange
 from metafem.inversion.result import Design
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import Message

@@ -19,8 +19,7 @@ from metafem.contact import Contact
 from metafem.errors import Infeasible, InvalidInput, MetafemWarning
 from metafem.inversion.bounds import ROUNDING, Bounds
 from metafem.inversion.height_density import FINEST_SCALE_IN_SD, ExponentialDensity, uniform_slope
-from metafem.inversion.limits import Limits
-from metafem.inversion.radii import Radii, RadiusRange
+from metafem.inversion.limits import Limits, Radii, RadiusRange
 from metafem.inversion.targets.wording import Message, Wording
 from metafem.models.model import PARABOLOID, checked_contact
 from metafem.surface import Surface

@@ -14,10 +14,8 @@ import numpy as np
 from metafem import _validate as check
 from metafem.contact import Contact
 from metafem.inversion.bounds import Bounds
-from metafem.inversion.limits import Limits
+from metafem.inversion.limits import Limits, Pins, Radii, RadiusRange
 from metafem.inversion.placement.layout import Layout
-from metafem.inversion.placement.pins import Pins
-from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.search.levenberg_marquardt import DEFAULTS, OTHER_LAWS, SearchOptions
 from metafem.inversion.targets.target import Target
 from metafem.models import Independent, Model

@@ -25,10 +25,8 @@ from metafem.inversion.assessment import (
 )
 from metafem.inversion.candidate import Branch, Parameter
 from metafem.inversion.height_density import ExponentialDensity
-from metafem.inversion.limits import Limits
+from metafem.inversion.limits import Limits, Pinned, RadiusRange
 from metafem.inversion.placement.layout import Layout
-from metafem.inversion.placement.pins import Pinned
-from metafem.inversion.radii import RadiusRange
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies import exponential
 from metafem.inversion.strategies.mixture import Mixture

@@ -71,6 +71,8 @@ def test_branches_that_meet_share_one_intercept():
             mf.PowerLaw(1.0, (0.1, 0.4), prefactor=100.0),
             "prefactor = 100: .* at 0.1 mm.* above that of 64 equal asperities",
         ),
+        (mf.PowerLaw(1.2, (0.1, 0.4), 0.01), "^prefactor = 0.01: the friction at"),
+        (mf.PowerLaw(1.2, (0.1, 0.4), 50.0), "^prefactor = 50: the friction at"),
         (mf.SampledLaw([0.1, 0.2], [0.1, 1.0]), "sample 1 .* below that of a single asperity"),
         (mf.SampledLaw([0.1, 0.2, 0.3], [0.8, 2.0, 2.2]), "sample 3 .*F/P.* cannot fall"),
         (mf.MultilinearLaw([1.0], [], (0.1, 0.4)), "branch 1 of slope 1 .* for every intercept"),
@@ -83,13 +85,8 @@ def test_what_cannot_be_reached_says_why_and_what_is_near(target, words):
         mf.design(target, LATTICE, limits=LIMITS)
     if caught.value.nearest is not None:
         mf.design(caught.value.nearest, LATTICE, limits=LIMITS)
-
-
-@pytest.mark.parametrize("prefactor", [0.01, 50.0])
-def test_a_prefactor_that_may_be_missed_is_not_offered(prefactor):
-    with pytest.raises(mf.Infeasible, match=f"^prefactor = {prefactor:g}: the friction at") as caught:
-        mf.design(mf.PowerLaw(1.2, (0.1, 0.4), prefactor), LATTICE, limits=LIMITS)
-    assert caught.value.nearest is None
+    # a prefactor that may be missed is not offered
+    assert caught.value.nearest is None or not words.startswith("^prefactor")
 
 
 def test_under_interaction_the_bound_has_a_margin():

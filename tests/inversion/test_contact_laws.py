@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import metafem as mf
 from metafem.inversion.bounds import Bounds
 from metafem.inversion.height_density import ExponentialDensity
-from metafem.inversion.radii import Radii
+from metafem.inversion.limits import Radii
 from metafem.inversion.strategies.mixture import Mixture
 from validation.scenes.random_laws import LATTICE, RADIUS
 

@@ -6,7 +6,7 @@ import pytest
 import metafem as mf
 from metafem.inversion import DesignStatus
 from metafem.inversion.height_density import ExponentialDensity
-from metafem.inversion.radii import Radii
+from metafem.inversion.limits import Radii
 from metafem.inversion.search.nearest_law import Asperities
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies.mixture import Mixture

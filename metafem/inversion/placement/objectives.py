@@ -14,8 +14,7 @@ from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
 from metafem.contact import Contact
 from metafem.errors import refuse_if
-from metafem.inversion.placement.exchange import Coupled, Forecast, Joined, Tilted
-from metafem.inversion.placement.sites import Sites
+from metafem.inversion.placement.exchange import Coupled, Forecast, Joined, Sites, Tilted
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of
 from metafem.surface import STEEPEST, Surface

@@ -18,7 +18,7 @@ from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.law import contacts
 from metafem.inversion.bounds import at_load, depth_at_pressure, relative_depth
-from metafem.inversion.radii import Radii
+from metafem.inversion.limits import Radii
 
 # Smallest and largest indentation over R of the tabulated contacts for a first guess, and their number.
 TABLE, TABULATED = (1e-9, 10.0), 400

@@ -12,7 +12,7 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.contact.law import contacts
 from metafem.errors import InvalidInput
-from metafem.inversion.radii import Radii
+from metafem.inversion.limits import Radii
 from metafem.inversion.search.initial_guess import initial_heights, slowest_law
 from metafem.inversion.search.levenberg_marquardt import search
 from metafem.inversion.search.spaces import Heights, LateResidual, Residual, moved

@@ -26,9 +26,8 @@ from metafem.models.model import has_paraboloids
 from metafem.notes import information
 
 if TYPE_CHECKING:
-    from metafem.inversion.limits import Limits
+    from metafem.inversion.limits import Limits, Radii
     from metafem.inversion.problem import Problem
-    from metafem.inversion.radii import Radii
     from metafem.inversion.targets.laws import OperatingPoints
 
 # Relative increase of the friction between points that would otherwise not increase.

@@ -43,8 +43,7 @@ RANGE_START = 1.4
 
 if TYPE_CHECKING:
     from metafem.contact import Contact
-    from metafem.inversion.limits import Limits
-    from metafem.inversion.radii import RadiusRange
+    from metafem.inversion.limits import Limits, RadiusRange
     from metafem.inversion.targets.straight import BilinearLaw, LinearLaw, StraightLaw
     from metafem.surface import Surface
 

@@ -6,7 +6,7 @@ import pytest
 import metafem as mf
 from metafem.inversion import DesignStatus
 from metafem.inversion.bounds import Bounds
-from metafem.inversion.radii import Radii
+from metafem.inversion.limits import Radii
 from metafem.inversion.strategies.proportional import line_range
 
 TALL, DEMO = mf.Limits(0.27), mf.Limits(0.12, offset=0.084)
