@@ -5,16 +5,17 @@ from __future__ import annotations
 import os
 import re
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
+from typing import Any, BinaryIO
 
 # Environment variable with the folder of all caches; default: the user's cache folder.
 VARIABLE = "METAFEM_CACHE_DIR"
 
 # Names of the files that metafem writes there; other files are never removed.
 _KERNELS = _STUDY = re.compile(r"[0-9a-f]{32}")
-_BLOCK = re.compile(r"\.?block-.*\.npz")
+_BLOCK = re.compile(r"\.?block-.*\.npz.*")
 
 
 def cache_folder() -> Path:
@@ -79,6 +80,18 @@ def remove(paths: list[Path]) -> int:
             with suppress(OSError):
                 path.unlink()
     return before - size(paths)
+
+
+def write_whole(path: Path, write: Callable[[BinaryIO], Any]) -> None:
+    """Write a file under a hidden name and rename it, so that no process reads an incomplete file."""
+    fresh = path.with_name(f".{path.name}-{os.getpid()}")
+    try:
+        with fresh.open("wb") as file:
+            write(file)
+        fresh.replace(path)
+    except BaseException:
+        fresh.unlink(missing_ok=True)
+        raise
 
 
 def _children(folder: Path, name: re.Pattern[str]) -> Iterator[Path]:

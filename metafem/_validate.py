@@ -7,6 +7,7 @@ import sys
 import warnings
 from collections.abc import Mapping
 from contextlib import suppress
+from types import UnionType
 from typing import Any
 
 import numpy as np
@@ -28,16 +29,9 @@ PROPORTION = 1.0 / sys.float_info.epsilon
 # Bounds of Poisson's ratio of a block: 0.5 is incompressible.
 POISSON: Mapping[str, Any] = {"at_least": 0.0, "at_most": 0.5}
 
-# Refused kinds of arrays, by numpy's letter.
-FOREIGN = {
-    "b": "a truth value",
-    "c": "complex",
-    "M": "a date",
-    "m": "a duration",
-    "S": "bytes",
-    "U": "a text",
-    "V": "a structured array",
-}
+# Kinds of arrays that are no numbers, by numpy's letter: truth values, complex numbers, dates, durations,
+# bytes, texts and structures.
+FOREIGN = "bcMmSUV"
 
 
 def number(
@@ -171,9 +165,9 @@ def loads(name: str, value: Any) -> FloatArray:
     return result
 
 
-def instance(name: str, value: Any, kind: type, required: str) -> None:
-    """Refuse a value that is not an instance of `kind`, and a class in place of an instance."""
-    wrong = isinstance(value, type) or not isinstance(value, kind)
+def instance(name: str, value: Any, kind: type | UnionType, required: str, *, optional: bool = False) -> None:
+    """Refuse a class, and a value that is not an instance of `kind`; an optional one may be None."""
+    wrong = isinstance(value, type) or not isinstance(value, (kind, type(None)) if optional else kind)
     refuse_if(wrong, f"must be {required}", key=name, value=shown(value) if wrong else None)
 
 
@@ -189,17 +183,17 @@ def depth(value: Any) -> int:
     return int(getattr(value, "ndim", 0))
 
 
-def increasing(name: str, value: FloatArray) -> FloatArray:
-    """Return `value`, whose entries must be positive and strictly increasing."""
-    refuse_if(value[0] <= 0.0, "must be greater than 0", key=f"{name}[0]", value=value[0])
+def increasing(name: str, value: FloatArray, *, first: int = 0) -> FloatArray:
+    """Return `value`, whose entries must be positive and strictly increasing; its first index is `first`."""
+    refuse_if(value[0] <= 0.0, "must be greater than 0", key=f"{name}[{first}]", value=value[0])
     if value[0] < SMALLEST and unit_of(name) != "1":
-        raise _beyond(f"{name}[0]", value[0])
+        raise _beyond(f"{name}[{first}]", value[0])
     bad = np.flatnonzero(np.diff(value) <= 0.0)
     if bad.size:
-        i = int(bad[0]) + 1
-        before = Given(f"{name}[{i - 1}]", value[i - 1])
+        i = int(bad[0])
+        before = Given(f"{name}[{i + first}]", value[i])
         words = "does not exceed {}; the values must increase"
-        raise InvalidInput(words, before, key=f"{name}[{i}]", value=value[i])
+        raise InvalidInput(words, before, key=f"{name}[{i + first + 1}]", value=value[i + 1])
     return value
 
 
@@ -247,7 +241,7 @@ def _plain(name: str, value: Any) -> Any:
         raise TypeError(f"{name} is {shown(value)}")
     array = np.asarray(value)
     if array.dtype.kind in FOREIGN:
-        raise TypeError(f"{name} is {FOREIGN[array.dtype.kind]}")
+        raise TypeError(f"{name} is {array.dtype}")
     if array.dtype.kind != "O":
         return array if array.ndim else array[()]
     if array.ndim == 0:

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
+from functools import partial
 from typing import Any, cast
 
 from metafem._given import AS_IN_PYTHON, Given, Names
@@ -145,22 +146,11 @@ def late_notes() -> Any:
     return LateNotes()
 
 
-@dataclass(frozen=True)
-class Later:
-    """A placeholder for notes of a result with a number `size` of asperities and loads."""
-
-    function: Callable[..., tuple[Note, ...]]
-    arguments: tuple[Any, ...]
-    size: int
-
-    def __call__(self) -> tuple[Note, ...]:
-        """Return the notes."""
-        return self.function(*self.arguments)
-
-
 def when_read(function: Callable[..., tuple[Note, ...]], *arguments: Any, size: int) -> Any:
-    """Return a placeholder for a tuple of notes, computed when it is first read."""
-    return Later(function, arguments, size)
+    """Return a placeholder for the notes of a result with a number `size` of asperities and loads."""
+    later: Any = partial(function, *arguments)
+    later.size = size
+    return later
 
 
 def printed_count(*results: Any) -> str:
@@ -175,6 +165,6 @@ def printed_count(*results: Any) -> str:
     """
     for result in results:
         notes = result.__dict__["_notes"]
-        if isinstance(notes, Later) and notes.size > FEW:
+        if callable(notes) and notes.size > FEW:
             return "notes not estimated yet"
     return counted(dict.fromkeys(note for result in results for note in result.notes))

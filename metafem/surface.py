@@ -16,7 +16,7 @@ from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem._values import MICROMETRES, Value, span
 from metafem.drawing import card
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Block, Friction, Material
 
 if TYPE_CHECKING:
@@ -92,10 +92,9 @@ class Surface(Value):
         _refuse_coincident(positions)
         _refuse_disproportion(radii, {"radius": radii, "height": heights, "position": positions})
         check.instance("material", material, Material, "a metafem.Material")
-        if friction is not None:
-            check.instance("friction", friction, Friction, "a metafem.Friction")
+        check.instance("friction", friction, Friction, "a metafem.Friction", optional=True)
+        check.instance("block", block, Block, "a metafem.Block", optional=True)
         if block is not None:
-            check.instance("block", block, Block, "a metafem.Block")
             for name in ("width", "length", "thickness"):
                 check.proportion(f"block.{name}", getattr(block, name), "radius", float(radii.min()))
         values = {"position": positions, "height": heights, "radius": radii}
@@ -143,10 +142,10 @@ class Surface(Value):
             raise InvalidInput(f"shape = {shape!r} must be (rows, columns)") from None
         rows = check.integer("shape[0]", rows, at_least=1)
         columns = check.integer("shape[1]", columns, at_least=1)
-        if rows * columns > MOST_SITES:
-            raise InvalidInput(
-                f"shape = {shape!r} has {rows * columns:.3g} sites; at most {MOST_SITES:.0g} are allowed"
-            )
+        refuse_if(
+            rows * columns > MOST_SITES,
+            f"shape = {shape!r} has {rows * columns:.3g} sites; at most {MOST_SITES:.0g} are allowed",
+        )
         step = check.number("pitch", pitch, above=0.0)
         if check.scalar(radius):
             radius = np.full(rows * columns, check.number("radius", radius, above=0.0))

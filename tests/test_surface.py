@@ -103,9 +103,3 @@ def test_a_material_of_a_youngs_modulus(ratio):
     assert material.young_modulus == pytest.approx(1.02, rel=1e-15)
     assert material.composite_modulus == pytest.approx(1.02 / (1.0 - ratio**2), rel=1e-15)
     assert material.poisson_ratio == ratio
-
-
-def test_perturbed_heights_have_the_stated_deviation():
-    found = pair().perturbed(0.003, rng=5).height
-    drawn = np.random.default_rng(5).standard_normal(2)
-    np.testing.assert_allclose(found, pair().height + 0.003 * drawn, rtol=1e-14)

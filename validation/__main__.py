@@ -11,7 +11,7 @@ import click
 import metafem as mf
 from metafem.drawing import svg
 from metafem.report.figures import law_figure
-from validation import explorer_picture, printed_numbers
+from validation import explorer_picture
 from validation.cost import model_table
 from validation.discovery import Listed
 from validation.numbers import computed, expected
@@ -20,18 +20,23 @@ from validation.paper.surfaces import fig4
 from validation.published import REFERENCE
 from validation.readme import renew
 from validation.results import Evaluated, claims, collected, evaluate, is_slow, known, selected
+from validation.verdicts import printed_table
 
-__all__ = ["MARKS", "claims", "evaluate", "is_slow", "main"]
+__all__ = ["MARKS", "PRINTED_MARKS", "claims", "evaluate", "is_slow", "main"]
 
 PICTURE = Path(__file__).parent / "first_minute.svg"
 
 MARKS = ("<!-- validation table: python -m validation --readme -->", "<!-- end of the validation table -->")
+PRINTED_MARKS = (
+    "<!-- printed numbers: python -m validation --readme -->",
+    "<!-- end of the printed numbers -->",
+)
 
 
 def renew_readme(results: dict[str, Evaluated]) -> None:
     """Write the README's tables and pictures."""
     renew(MARKS, readme_table(results))
-    renew(printed_numbers.MARKS, printed_numbers.printed_table(results))
+    renew(PRINTED_MARKS, printed_table(results))
     model_table.renew_readme()
     PICTURE.write_text(svg(_first_minute(), "Target, achieved law and finite elements"), "utf-8")
     explorer_picture.renew_picture()

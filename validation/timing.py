@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import resource
 import subprocess
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -25,18 +27,25 @@ class Row:
     what: str
     required: float
     measured: float
-    unit: str
+    unit: str = ""
 
 
 def best(work: Callable[[], object], repeats: int) -> float:
     """Shortest time of several runs [s], after one run that is not timed."""
     work()
-    times = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        work()
-        times.append(time.perf_counter() - start)
-    return min(times)
+    return min(took(work)[0] for _ in range(repeats))
+
+
+def took(work: Callable[[], Any]) -> tuple[float, Any]:
+    """Seconds of one run, and its result."""
+    start = time.perf_counter()
+    result = work()
+    return time.perf_counter() - start, result
+
+
+def peak_memory() -> float:
+    """Peak memory of this process until now [GiB]."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
 
 
 @dataclass(frozen=True)
@@ -50,11 +59,9 @@ class Spent:
 
 def spent(command: Sequence[str], **options: Any) -> Spent:
     """Run a command, with options of `subprocess.Popen`, and measure what it takes; it must end with 0."""
-    start = time.perf_counter()
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     process = subprocess.Popen(command, **quiet, **options)
-    _, status, used = os.wait4(process.pid, 0)
-    seconds = time.perf_counter() - start
+    seconds, (_, status, used) = took(lambda: os.wait4(process.pid, 0))
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode:
         raise subprocess.CalledProcessError(process.returncode, command)
@@ -69,17 +76,6 @@ def kernel_time(model: mf.Interacting, surface: mf.Surface, loads: int) -> float
     workspace = continuation.empty_workspace(surface.count, model.order)
     rising = np.linspace(0.5 / loads, 0.5, loads)
     law = tables(model.contact.for_material(surface.material), surface.radius[None])
-    gap = surface.gap[None]
-    arguments = (
-        coupling,
-        model.order,
-        law,
-        self_influence[None],
-        gap,
-        rising,
-        True,
-        results,
-        *workspace,
-        NOT_RECORDED,
-    )
-    return best(lambda: continuation.curves(*arguments), 20) / loads
+    scene = (coupling, model.order, law, self_influence[None], surface.gap[None], rising)
+    work = partial(continuation.curves, *scene, True, results, *workspace, NOT_RECORDED)
+    return best(work, 20) / loads

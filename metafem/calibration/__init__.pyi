@@ -13,11 +13,11 @@ from .images.areas import contact_areas as contact_areas
 from .images.areas import stack_areas as stack_areas
 from .images.contact_areas import ContactAreas as ContactAreas
 from .joint import joint_covariance as joint_covariance
-from .measured_law.agreement import Comparison as Comparison
 from .measured_law.agreement import compare as compare
 from .measured_law.branches import Branches as Branches
 from .measured_law.branches import branches as branches
-from .measured_law.features import Feature as Feature
+from .measured_law.comparison import Comparison as Comparison
+from .measured_law.comparison import Feature as Feature
 from .measured_law.law import MeasuredLaw as MeasuredLaw
 from .measured_law.segmented import SegmentedFit as SegmentedFit
 from .measured_law.segmented import fit_segments as fit_segments

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from metafem._given import printable
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.notes import Note, information
 
 # Largest number of images or contacts named in a sentence.
@@ -104,6 +104,16 @@ def listed(names: Sequence[str]) -> str:
     return ", ".join(printable(name, 60) for name in names[:NAMED]) + more
 
 
+def _images(table: ContactTable, which: NDArray[np.bool_]) -> str:
+    """Return the names of some images (k,) in a sentence."""
+    return listed([table.image[i] for i in np.flatnonzero(which).tolist()])
+
+
+def _contacts(table: ContactTable, which: Any) -> str:
+    """Return the names of some contacts (n,) in a sentence."""
+    return listed([table.name_of(j) for j in np.flatnonzero(which).tolist()])
+
+
 def pressed_images(table: ContactTable) -> tuple[NDArray[np.intp], tuple[Note, ...]]:
     """Return the numbers of the images that are used, and notes on those that are left out.
 
@@ -113,31 +123,30 @@ def pressed_images(table: ContactTable) -> tuple[NDArray[np.intp], tuple[Note, .
     loaded, known = np.isfinite(table.load), np.isfinite(table.area)
     whole = loaded & known.all(axis=1)
     touching = (table.area > 0.0).any(axis=1)
-    notes = []
-    left = np.flatnonzero(loaded & ~whole)
-    if left.size:
-        missing = np.flatnonzero(~known[left].all(axis=0)).tolist()
+    used, notes = np.flatnonzero(whole & touching), []
+    left = loaded & ~whole
+    if left.any():
+        missing = _contacts(table, ~known[left].all(axis=0))
         notes.append(
             information(
-                f"E* is fitted to {int((whole & touching).sum())} of the {int(loaded.sum())} images with a "
-                f"load: in {listed([table.image[i] for i in left.tolist()])} the area of "
-                f"{listed([table.name_of(j) for j in missing])} could not be measured, and the load is that "
-                "of all contacts"
+                f"E* is fitted to {len(used)} of the {int(loaded.sum())} images with a load: in "
+                f"{_images(table, left)} the area of {missing} could not be measured, and the load is "
+                "that of all contacts"
             )
         )
-    never = np.flatnonzero(~known[loaded].any(axis=0)).tolist() if loaded.any() else []
-    if never:
+    never = loaded.any() & ~known[loaded].any(axis=0)
+    if never.any():
         notes.append(
             Note(
-                f"no image with a load has the area of {listed([table.name_of(j) for j in never])}, so that "
-                "E* cannot be fitted: take images of all contacts"
+                f"no image with a load has the area of {_contacts(table, never)}, so that E* cannot be "
+                "fitted: take images of all contacts"
             )
         )
-    empty = np.flatnonzero(whole & ~touching).tolist()
-    if empty:
-        names = listed([table.image[i] for i in empty])
-        notes.append(information(f"E* is fitted without {names}: no contact was found there"))
-    return np.flatnonzero(whole & touching), tuple(notes)
+    empty = whole & ~touching
+    if empty.any():
+        without = f"E* is fitted without {_images(table, empty)}: no contact was found there"
+        notes.append(information(without))
+    return used, tuple(notes)
 
 
 def sheared_points(table: ContactTable) -> tuple[FloatArray, NDArray[np.intp], tuple[Note, ...]]:
@@ -178,23 +187,21 @@ def sheared_points(table: ContactTable) -> tuple[FloatArray, NDArray[np.intp], t
             rows.append((np.nan, total[i], force[i], i))
     columns = np.array(rows, dtype=np.float64).reshape(-1, 4).T
     notes = []
-    mixed = np.flatnonzero(one.any(axis=1) & of_ratio)
-    if mixed.size:
+    mixed = one.any(axis=1) & of_ratio
+    if mixed.any():
         notes.append(
             information(
-                f"{listed([table.image[i] for i in mixed.tolist()])}: contacts are below the smallest area "
-                "that is found in one of the images before and after shear; B is fitted to those that both "
-                "show"
+                f"{_images(table, mixed)}: contacts are below the smallest area that is found in one of the "
+                "images before and after shear; B is fitted to those that both show"
             )
         )
-    unused = np.flatnonzero(np.isfinite(force) & np.isfinite(after).any(axis=1) & ~of_strength)
-    if unused.size:
-        images = listed([table.image[i] for i in unused.tolist()])
-        missing = [table.name_of(j) for j in np.flatnonzero(~np.isfinite(after[unused]).all(axis=0)).tolist()]
+    unused = np.isfinite(force) & np.isfinite(after).any(axis=1) & ~of_strength
+    if unused.any():
+        missing = _contacts(table, ~np.isfinite(after[unused]).all(axis=0)) or "all contacts"
         notes.append(
             information(
-                f"sigma is fitted without {images}: the sheared area of {listed(missing) or 'all contacts'} "
-                "could not be measured, and the friction force is that of all contacts"
+                f"sigma is fitted without {_images(table, unused)}: the sheared area of {missing} could not "
+                "be measured, and the friction force is that of all contacts"
             )
         )
     return columns[:3], columns[3].astype(np.intp), tuple(notes)
@@ -215,9 +222,8 @@ def of_contacts(
     known = ~np.isnan(table.area)
     usable = known[:, ~sites].all(axis=1) & known.any(axis=1)
     used: NDArray[np.bool_] = np.isfinite(table.load) & (forces if by_force else usable)
-    if not used.any():
-        what = "a friction force" if by_force else "the areas of all its contacts"
-        raise InvalidInput(f"none of the {len(used)} images has a load and {what}")
+    what = "a friction force" if by_force else "the areas of all its contacts"
+    refuse_if(not used.any(), f"none of the {len(used)} images has a load and {what}")
     notes = [
         Note(f"image {table.image[i]} is left out: it has no {_missing(table, i, by_force)}")
         for i in np.flatnonzero(~used).tolist()
@@ -253,33 +259,23 @@ def _asperities(sites: NDArray[np.intp], numbers: IntArray | None) -> NDArray[np
     order = np.argsort(numbers)
     place = np.minimum(np.searchsorted(numbers, sites, sorter=order), len(numbers) - 1)
     found = order[place]
-    for site in sites[numbers[found] != sites][:1]:
-        raise InvalidInput(f"the contacts have site {site}, which the design leaves empty or does not have")
+    wrong = listed([str(site) for site in sites[numbers[found] != sites]])
+    refuse_if(wrong, f"the contacts have site {wrong}, which the design leaves empty or does not have")
     return found
 
 
 def _unknown(table: ContactTable, used: NDArray[np.bool_], unknown: NDArray[np.bool_]) -> list[Note]:
     """Return notes on the unknown areas of contacts (k, n), one for all images with the same ones."""
-    images: dict[str, list[str]] = {}
+    images: dict[tuple[int, ...], list[str]] = {}
     for i in np.flatnonzero(used & unknown.any(axis=1)).tolist():
-        sites = table.site[unknown[i]].tolist()
-        several = "s" if len(sites) > 1 else ""
+        images.setdefault(tuple(table.site[unknown[i]].tolist()), []).append(table.image[i])
+    notes = []
+    for sites, names in images.items():
+        several, are = ("s", "are") if len(sites) > 1 else ("", "is")
+        of = f"image {names[0]}" if len(names) == 1 else f"{len(names)} images, {names[0]} to {names[-1]}"
         where = f"area{several} of the contact{several} at site{several} {', '.join(map(str, sites))}"
-        images.setdefault(where, []).append(table.image[i])
-    return [
-        Note(
-            f"{_named(names)}: the {where} {'are' if where.startswith('areas') else 'is'} unknown; the other "
-            "contacts are used"
-        )
-        for where, names in images.items()
-    ]
-
-
-def _named(images: list[str]) -> str:
-    """Return the names of images; only the first and the last of many."""
-    if len(images) == 1:
-        return f"image {images[0]}"
-    return f"{len(images)} images, {images[0]} to {images[-1]}"
+        notes.append(Note(f"{of}: the {where} {are} unknown; the other contacts are used"))
+    return notes
 
 
 def _missing(table: ContactTable, i: int, by_force: bool) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,7 @@ from metafem.drawing import contacts as drawing
 from metafem.drawing import new_figure, topography
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from metafem.calibration.compression.result import ContactCalibration
@@ -35,29 +37,23 @@ def calibration_figure(
     contact: ContactCalibration | None, shear: ShearCalibration | None, strength: StrengthFit | None = None
 ) -> Figure:
     """Return the figure of the calibrations that are not None."""
-    columns = (contact is not None) + 2 * (shear is not None) + (strength is not None)
-    figure, axes = lines.with_residuals(columns)
-    places = iter(axes)
+    fits: list[tuple[Callable[[Axes], Any], FloatArray, FloatArray, str]] = []
     if contact is not None:
-        law, below = next(places)
-        contact.plot(law)
-        lines.residuals(below, contact.load, contact.residual)
-        law.set_title(f"E* = {contact.composite_modulus:.4g} MPa")
+        title = f"E* = {contact.composite_modulus:.4g} MPa"
+        fits.append((contact.plot, contact.load, contact.residual, title))
     if shear is not None:
-        law, below = next(places)
-        shear.plot(law, "area")
-        lines.residuals(below, shear.area_before, shear.area_residual)
-        law.set_title(f"B = {shear.area_ratio:.4g}")
-        law, below = next(places)
-        shear.plot(law, "friction")
-        lines.residuals(below, shear.area_sheared, shear.friction_residual)
-        law.set_title(f"σ = {shear.shear_strength:.4g} MPa")
+        area, friction = (partial(shear.plot, line=line) for line in ("area", "friction"))
+        title = f"σ = {shear.shear_strength:.4g} MPa"
+        fits.append((area, shear.area_before, shear.area_residual, f"B = {shear.area_ratio:.4g}"))
+        fits.append((friction, shear.area_sheared, shear.friction_residual, title))
     if strength is not None:
-        law, below = next(places)
-        strength.plot(law)
-        lines.residuals(below, strength.area, strength.residual)
-        law.set_title(f"full contact: σ = {strength.shear_strength:.4g} MPa")
-    for law, below in axes:
+        title = f"full contact: σ = {strength.shear_strength:.4g} MPa"
+        fits.append((strength.plot, strength.area, strength.residual, title))
+    figure, axes = lines.with_residuals(len(fits))
+    for (law, below), (plot, x, residual, title) in zip(axes, fits, strict=True):
+        plot(law)
+        lines.residuals(below, x, residual)
+        law.set_title(title)
         below.set_xlabel(law.get_xlabel())
         law.set_xlabel("")
     return figure
@@ -72,32 +68,25 @@ def found_figure(
     figure = drawing.picture_figure(*image.shape[::-1])
     ax = figure.add_subplot()
     drawing.picture(ax, image, pixel)
-    measured = np.zeros(areas.count, dtype=bool) if placed is None else placed.site >= 0
+    matched = np.zeros(areas.count, dtype=bool) if placed is None else placed.site >= 0
     flagged = ~areas.complete
     for which, colour, label in (
-        (measured & ~areas.saturated, drawing.MEASURED, "measured"),
-        (flagged | (measured & areas.saturated), drawing.FLAGGED, "at the edge, merged or saturated"),
-        (~measured & ~flagged, drawing.STRAY, "of no site"),
+        (matched & ~areas.saturated, drawing.MEASURED, "measured"),
+        (flagged | (matched & areas.saturated), drawing.FLAGGED, "at the edge, merged or saturated"),
+        (~matched & ~flagged, drawing.STRAY, "of no site"),
     ):
         drawing.outlines(ax, areas.centre[which], areas.axes[which], areas.angle[which], colour, label)
     if placed is not None:
         table = tracked.table
         number = table.site if table.matched else table.site + 1
-        spoilt = {site for site, _ in placed.spoilt}
-        sites = np.arange(len(number))
-        away = placed.position.copy()
-        matched = placed.site >= 0
+        sites, away = np.arange(len(number)), placed.position.copy()
         # next to a contact, outside its outline
         half = 0.75 * areas.axes[matched, :1] * [1.0, -1.0]
         away[placed.site[matched]] = areas.centre[matched] + half
-        closed, flagged = np.isin(sites, placed.site), np.isin(sites, list(spoilt))
-        opened = ~closed & ~flagged & ~placed.outside
+        closed, spoilt = np.isin(sites, placed.site), np.isin(sites, [site for site, _ in placed.spoilt])
+        opened = ~closed & ~spoilt & ~placed.outside
         drawing.crosses(ax, placed.position[opened], "open")
-        for which, colour in (
-            (closed, drawing.MEASURED),
-            (flagged, drawing.FLAGGED),
-            (opened, drawing.OPEN),
-        ):
+        for which, colour in ((closed, drawing.MEASURED), (spoilt, drawing.FLAGGED), (opened, drawing.OPEN)):
             drawing.numbers(ax, away[which], [str(n) for n in number[which]], colour)
     what = "site" if tracked.table.matched else "contact"
     drawing.heading(ax, f"{tracked.table.image[index]}: numbers are those of the column {what}")

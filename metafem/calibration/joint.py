@@ -12,7 +12,7 @@ from scipy.linalg import block_diag
 from metafem import _validate as check
 from metafem._given import shown
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 
 if TYPE_CHECKING:
     from metafem.calibration.compression.result import ContactCalibration
@@ -59,16 +59,14 @@ def joint_covariance(
     names: list[str] = []
     blocks = []
     for calibration in calibrations:
-        if isinstance(calibration, type) or not hasattr(calibration, "parameter_covariance"):
-            raise InvalidInput(
-                f"{shown(calibration)} must be a result of metafem.calibration.fit_compression or "
-                "metafem.calibration.shear"
-            )
-        twice = [name for name in calibration.parameters if name in names]
-        if twice:
-            raise InvalidInput(
-                f"{twice[0]} is a parameter of two calibrations; pool their tests in one calibration"
-            )
+        refuse_if(
+            isinstance(calibration, type) or not hasattr(calibration, "parameter_covariance"),
+            f"{shown(calibration)} must be a result of metafem.calibration.fit_compression or "
+            "metafem.calibration.shear",
+        )
+        for name in calibration.parameters:
+            twice = f"{name} is a parameter of two calibrations; pool their tests in one calibration"
+            refuse_if(name in names, twice)
         names += calibration.parameters
         blocks.append(calibration.parameter_covariance)
     return tuple(names), np.asarray(block_diag(*blocks)) if blocks else np.zeros((0, 0))
@@ -80,12 +78,17 @@ def checked_covariance(names: Sequence[str], covariance: ArrayLike) -> FloatArra
     # in units of the standard deviations of the parameters
     scale = np.sqrt(np.abs(np.diagonal(matrix)))
     scaled = matrix / np.outer(*[np.where(scale > 0.0, scale, 1.0)] * 2)
-    if (
-        not np.allclose(scaled, scaled.T, rtol=0.0, atol=ASYMMETRY)
-        or np.linalg.eigvalsh(scaled).min() < -ASYMMETRY
-    ):
-        raise InvalidInput(
-            f"covariance = {shown(matrix.tolist())} of {', '.join(names)} must be symmetric and positive "
-            "semidefinite"
-        )
+    symmetric = np.allclose(scaled, scaled.T, rtol=0.0, atol=ASYMMETRY)
+    refuse_if(
+        not symmetric or np.linalg.eigvalsh(scaled).min() < -ASYMMETRY,
+        f"covariance = {shown(matrix.tolist())} of {', '.join(names)} must be symmetric and positive "
+        "semidefinite",
+    )
     return matrix
+
+
+def propagated(covariance: FloatArray, *rows: Sequence[ArrayLike]) -> FloatArray:
+    """Return ``J C J^T`` of covariances C (..., p, p), for the rows of the matrix J of derivatives."""
+    entries = [np.stack(np.broadcast_arrays(*row, covariance[..., 0, 0])[:-1], axis=-1) for row in rows]
+    jacobian = np.stack(entries, axis=-2)
+    return np.asarray(jacobian @ covariance @ np.swapaxes(jacobian, -1, -2))

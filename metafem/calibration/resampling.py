@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from metafem import _validate as check
 from metafem._given import shown
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 
 
 @dataclass(frozen=True)
@@ -46,15 +46,13 @@ class Bootstrap:
     def rows(self, group: Sequence[Hashable], at_once: int) -> Iterator[NDArray[np.intp]]:
         """Yield the points (m, k) of m draws, `at_once` or fewer; each draw keeps the size of each group."""
         rng = check.generator(self.rng)
-        members: dict[Hashable, list[int]] = {}
-        for i, label in enumerate(group):
-            members.setdefault(label, []).append(i)
+        members = [
+            np.array([i for i, each in enumerate(group) if each == one]) for one in dict.fromkeys(group)
+        ]
         step = max(at_once, 1)
         for start in range(0, self.draws, step):
             number = min(step, self.draws - start)
-            drawn = [
-                np.array(own)[rng.integers(len(own), size=(number, len(own)))] for own in members.values()
-            ]
+            drawn = [own[rng.integers(len(own), size=(number, len(own)))] for own in members]
             yield np.concatenate(drawn, axis=1)
 
 
@@ -62,6 +60,6 @@ def labels_of(test: Any, count: int) -> tuple[str, ...]:
     """Return the test of each point, "" without tests."""
     if test is None:
         return ("",) * count
-    if isinstance(test, str) or np.ndim(test) != 1 or len(test) != count:
-        raise InvalidInput(f"test = {shown(test)} must hold a label for each of the {count} points")
+    wrong = isinstance(test, str) or np.ndim(test) != 1 or len(test) != count
+    refuse_if(wrong, f"test = {shown(test)} must hold a label for each of the {count} points")
     return tuple(str(name) for name in test)

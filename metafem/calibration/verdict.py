@@ -200,21 +200,18 @@ def _chi_probability(square: float, freedom: int) -> float:
 def _runs_probability(positive: int, count: int, runs: int) -> float:
     """Return the probability of at most `runs` runs among `positive` plus signs and the minus signs.
 
-    Wald and Wolfowitz, Ann. Math. Statist. 11, 147 (1940), doi:10.1214/aoms/1177731909: 2 j runs have the
-    weight ``2 C(p-1, j-1) C(m-1, j-1)``, and 2 j + 1 runs
-    ``C(p-1, j) C(m-1, j-1) + C(p-1, j-1) C(m-1, j)``.
+    Wald and Wolfowitz, Ann. Math. Statist. 11, 147 (1940), doi:10.1214/aoms/1177731909: i runs of plus signs
+    and j of minus signs, i and j equal or next to each other, have the weight ``C(p-1, i-1) C(m-1, j-1)``;
+    for i = j it counts twice, as either sign may come first.
     """
     negative = count - positive
     if min(positive, negative) == 0:
         return 1.0 if count < 2 else 2.0 ** (1 - count)  # one run of equally likely signs
-    weight = 0
-    for number in range(2, runs + 1):
-        j, odd = divmod(number, 2)
-        if odd:
-            weight += math.comb(positive - 1, j) * math.comb(negative - 1, j - 1)
-            weight += math.comb(positive - 1, j - 1) * math.comb(negative - 1, j)
-        else:
-            weight += 2 * math.comb(positive - 1, j - 1) * math.comb(negative - 1, j - 1)
+    weight = sum(
+        math.comb(positive - 1, of_plus - 1) * math.comb(negative - 1, number - of_plus - 1)
+        for number in range(2, runs + 1)
+        for of_plus in (number // 2, (number + 1) // 2)
+    )
     return weight / math.comb(count, positive)
 
 

@@ -17,7 +17,7 @@ from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import CapShape
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import Contact, Values, material_of
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Material
 
 # Twice the width of the first bracket of an indentation, in the logarithm.
@@ -75,8 +75,7 @@ class JKR(Contact):
         check.member(self, "adhesion_energy", at_least=0.0)
         laws = "an elastic law without adhesion, such as metafem.Hertz() or metafem.PowerCap(4)"
         check.instance("cap", self.cap, Contact, laws)
-        if self.cap.adhesive or self.cap.largest_order < 3:
-            raise InvalidInput(f"cap = {shown(self.cap)} must be {laws}")
+        refuse_if(self.cap.adhesive or self.cap.largest_order < 3, f"cap = {shown(self.cap)} must be {laws}")
 
     @property
     def without_adhesion(self) -> Contact:

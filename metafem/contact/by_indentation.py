@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from typing import ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -30,17 +30,47 @@ class LawByIndentation(Contact):
 
     largest_order: ClassVar[int] = 1
 
+    if TYPE_CHECKING:  # of laws whose load and area are such functions
+
+        @property
+        def _load(self) -> LogCubic:
+            """P over d, in units of `_scales`."""
+
+        @property
+        def _area(self) -> LogCubic:
+            """A over d, in units of `_scales`."""
+
     @abstractmethod
+    def _scales(self, radius: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Units of d [mm], of P/E* [mm^2] and of A [mm^2]."""
+
+    def _scaled_load(self, d: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """P and d ln P/d ln d, in units of `_scales`."""
+        return self._load.at(d)
+
     def _load_at(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
         """P/E* [mm^2] and its derivative [mm] at indentations depth > 0 [mm]."""
+        length, unit, _ = self._scales(radius)
+        scaled, slope = self._scaled_load(depth / length)
+        load = unit * scaled
+        return load, load * slope / depth
 
-    @abstractmethod
     def _area_at(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
         """A [mm^2] and its derivative [mm] at indentations depth > 0 [mm]."""
+        length, _, unit = self._scales(radius)
+        scaled, slope = self._area.at(depth / length)
+        area = unit * scaled
+        return area, area * slope / depth
 
-    @abstractmethod
     def _depth_at(self, area: FloatArray, radius: FloatArray) -> FloatArray:
         """Indentation d [mm] at areas > 0 [mm^2]."""
+        length, _, unit = self._scales(radius)
+        return np.asarray(length * self._area.inverse(area / unit))
+
+    def breaks(self, radius: float) -> FloatArray:
+        """Contact radii [mm] at the ends of the panels of A."""
+        _, _, unit = self._scales(radius)
+        return np.asarray(np.sqrt(unit * np.exp(self._area.y) / math.pi))
 
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius sqrt(A/pi) [mm]; 0 where the contact is open."""

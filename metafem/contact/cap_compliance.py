@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import foot_radius
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 
 # Range of the fit: h/R, and the largest contact radius over that of the cap's foot.
 LOWEST, TALLEST, WIDEST = 0.05, 0.6, 0.6
@@ -68,11 +68,15 @@ def pedestal_compliance(height: ArrayLike, radius: ArrayLike, contact_radius: Ar
     """
     size = np.asarray(radius, dtype=np.float64)
     ratio = np.asarray(height, dtype=np.float64) / size
-    if not ((ratio >= LOWEST) & (ratio <= TALLEST)).all():
-        raise InvalidInput(f"height/radius must lie from {LOWEST:g} to {TALLEST:g}, the range of the fit")
+    refuse_if(
+        not ((ratio >= LOWEST) & (ratio <= TALLEST)).all(),
+        f"height/radius must lie from {LOWEST:g} to {TALLEST:g}, the range of the fit",
+    )
     x = np.asarray(contact_radius, dtype=np.float64) / size
-    if not ((x >= 0.0) & (x <= WIDEST * foot_radius(ratio, 1.0))).all():
-        raise InvalidInput(f"contact_radius must lie from 0 to {WIDEST:g} of the radius of the cap's foot")
+    refuse_if(
+        not ((x >= 0.0) & (x <= WIDEST * foot_radius(ratio, 1.0))).all(),
+        f"contact_radius must lie from 0 to {WIDEST:g} of the radius of the cap's foot",
+    )
     angle = np.arccos(1.0 - ratio)
     terms = [c * angle**i * x**j for c, (i, j) in zip(COEFFICIENTS, POWERS, strict=True)]
     return np.asarray(np.sum(terms, axis=0) / size)

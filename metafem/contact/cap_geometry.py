@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import elementwise
 
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 
 Values = FloatArray | float
 
@@ -166,11 +166,11 @@ class ProfileCaps:
     def _foot(self, height: FloatArray) -> FloatArray:
         """Distance at which the depth is the height, to rounding; all divided by the scale."""
         most = float(self.profile(np.array(self.extent))) if math.isfinite(self.extent) else math.inf
-        if (height > most).any():
-            raise InvalidInput(
-                f"contact.profile: the profile ends {most:.4g} mm below the summit, at its extent of "
-                f"{self.extent:g} mm; a cap of the height {height.max():.4g} mm needs a wider profile"
-            )
+        refuse_if(
+            (height > most).any(),
+            f"contact.profile: the profile ends {most:.4g} mm below the summit, at its extent of "
+            f"{self.extent:g} mm; a cap of the height {height.max():.4g} mm needs a wider profile",
+        )
 
         def missing(distance: FloatArray, height: FloatArray) -> FloatArray:
             return self.profile(distance) - height

@@ -33,10 +33,7 @@ class Hertz(Contact):
     largest_order: ClassVar[int] = 3
     similar: ClassVar[bool] = True
 
-    @property
-    def power(self) -> float:
-        """2, the exponent of a paraboloid."""
-        return 2.0
+    power: ClassVar[float] = 2.0
 
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius a = sqrt(d/(1/R + k)) [mm]; 0 where the contact is open."""
@@ -68,10 +65,6 @@ class Hertz(Contact):
         return np.asarray(
             math.pi * np.greater(contact_radius, 0.0) / (np.divide(1.0, radius) + np.asarray(curvature))
         )
-
-    def load_at_indentation(self, indentation: Values, radius: Values) -> FloatArray:
-        """Rescaled load P/E* = 4/3 sqrt(R) d^(3/2) [mm^2] of an undisturbed contact; 0 where it is open."""
-        return self.load(self.contact_radius(indentation, radius), radius)
 
     def indentation_at_load(self, load: Values, radius: Values) -> FloatArray:
         """Indentation d = (3/4 P/E* / sqrt(R))^(2/3) [mm] of an undisturbed contact."""

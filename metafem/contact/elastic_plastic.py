@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from dataclasses import replace
-from typing import ClassVar, NamedTuple, Self
+from functools import cached_property
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
+from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import percent
-from metafem.contact.by_indentation import LawByIndentation, LogCubic
+from metafem.contact.by_indentation import LawByIndentation
 from metafem.contact.flattened import FlattenedContact
-from metafem.contact.law import Values
+from metafem.contact.law import Values, material_of
 from metafem.errors import InvalidInput
 from metafem.material import Material
 from metafem.notes import Note, information
@@ -51,33 +53,39 @@ class ElasticPlastic(LawByIndentation):
     plastic: ClassVar[bool] = True
     material: Material | None
 
+    strength_ratio: ClassVar[float] = 1.0  # the strength that the law is given over the yield strength
+
+    def __post_init__(self) -> None:
+        check.member(self, self._name, above=0.0)
+
     @property
-    @abstractmethod
+    def _name(self) -> str:
+        """Name of the strength that the law is given [MPa], its first field."""
+        return str(next(iter(self.__dataclass_fields__)))  # type: ignore[attr-defined]
+
+    @property
+    def _strength(self) -> float:
+        """The strength over E* [-]."""
+        return float(getattr(self, self._name) / material_of(self).composite_modulus)
+
+    @property
     def _strain(self) -> float:
         """Yield strength over E* [-]."""
+        return self._strength / self.strength_ratio
 
     @property
     @abstractmethod
+    def _factor(self) -> float:
+        """Mean pressure at yield, times 3/2 and over the strength [-]."""
+
+    @cached_property
     def _yield(self) -> float:
         """Indentation at yield over the summit radius, w_c/R [-]."""
-
-    @property
-    @abstractmethod
-    def _load(self) -> LogCubic:
-        """P/P_c over w/w_c, up to the end of the last blend."""
-
-    @property
-    @abstractmethod
-    def _area(self) -> LogCubic:
-        """A/A_c over w/w_c."""
+        return (0.5 * math.pi * self._factor * self._strength) ** 2
 
     @abstractmethod
     def _published(self, w: FloatArray) -> tuple[FloatArray, FloatArray]:
         """P/P_c and A/A_c over w/w_c by the published formulas, with their jumps."""
-
-    def _scaled_load(self, w: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return P/P_c over w/w_c, and d ln P/d ln w."""
-        return self._load.at(w)
 
     def for_material(self, material: Material) -> Self:
         """Return the law for E* and nu of a material; the law itself if it has a material."""
@@ -85,11 +93,10 @@ class ElasticPlastic(LawByIndentation):
             return self
         bound: Self = replace(self, material=material)  # type: ignore[type-var]
         if bound._strain < LEAST_STRAIN:
-            name = next(iter(self.__dataclass_fields__))  # type: ignore[attr-defined]
-            value, modulus = getattr(self, name), material.composite_modulus
+            value, modulus = getattr(self, self._name), material.composite_modulus
             least = value * LEAST_STRAIN / bound._strain
             raise InvalidInput(
-                f"{name} = {value:g} MPa is too low for E* = {modulus:g} MPa: it must be at least "
+                f"{self._name} = {value:g} MPa is too low for E* = {modulus:g} MPa: it must be at least "
                 f"{least:.4g} MPa, {least / modulus:.3g} E*, the softest material for which the law was "
                 "computed; use a harder material or a smaller modulus"
             )
@@ -134,10 +141,6 @@ class ElasticPlastic(LawByIndentation):
         """Indentation w_c at which the material yields below the contact [mm]."""
         return np.multiply(self._yield, radius)
 
-    def breaks(self, radius: float) -> FloatArray:
-        """Contact radii [mm] at the ends of the blends."""
-        return np.asarray(radius * np.sqrt(self._yield * np.exp(self._area.y)))
-
     def unloaded(self, indentation: FloatArray, radius: FloatArray) -> tuple[FlattenedContact, FloatArray]:
         """Return the elastic law of flattened asperities (n,), and their loss of height [mm].
 
@@ -179,16 +182,6 @@ class ElasticPlastic(LawByIndentation):
         parts = 0.5 * (high - low) * ((self._scaled_load(inside)[0] * inside) @ weight)
         return np.asarray(np.exp(2.5 * np.minimum(end, edge[0])) / 2.5 + parts.sum(axis=-1))
 
-    def _load_at(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        scaled, slope = self._scaled_load(depth / (self._yield * radius))
-        load = 4.0 / 3.0 * self._yield**1.5 * radius**2 * scaled
-        return load, load * slope / depth
-
-    def _area_at(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        scaled, slope = self._area.at(depth / (self._yield * radius))
-        area = math.pi * self._yield * radius**2 * scaled
-        return area, area * slope / depth
-
-    def _depth_at(self, area: FloatArray, radius: FloatArray) -> FloatArray:
-        scaled = area / (math.pi * self._yield * radius**2)
-        return np.asarray(self._yield * radius * self._area.inverse(scaled))
+    def _scales(self, radius: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
+        square = self._yield * radius**2
+        return self._yield * radius, 4.0 / 3.0 * self._yield**0.5 * square, math.pi * square

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -98,32 +98,31 @@ class FlattenedContact(Value, LawByIndentation):
         )
         return FlattenedContact(self.law, *parts), np.where(further, loss - self.residual, 0.0)
 
+    def _scales(self, radius: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
+        return self.law._scales(radius)
+
     def _load_at(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        elastic, share = self._share(depth)
-        load = self.load_before * share**self.load_exponent
         later = self.law._load_at(depth + self.residual, radius)
-        return _chosen(elastic, (load, load * self.load_exponent / depth), later)
+        return self._unloading(depth, self.load_before, self.load_exponent, later)
 
     def _area_at(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        elastic, share = self._share(depth)
-        area = self.area_before * share**self.area_exponent
         later = self.law._area_at(depth + self.residual, radius)
-        return _chosen(elastic, (area, area * self.area_exponent / depth), later)
+        return self._unloading(depth, self.area_before, self.area_exponent, later)
 
-    def _share(self, depth: FloatArray) -> tuple[np.ndarray, FloatArray]:
-        """Return whether each contact is elastic, and e/depth for those that are."""
+    def _unloading(
+        self,
+        depth: FloatArray,
+        before: FloatArray,
+        exponent: FloatArray,
+        later: tuple[FloatArray, FloatArray],
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return value and derivative of the elastic part, and beyond it those of the original law."""
         elastic = depth < self.depth
-        return elastic, np.where(elastic, depth / np.where(elastic, self.depth, 1.0), 1.0)
+        value = before * np.where(elastic, depth / np.where(elastic, self.depth, 1.0), 1.0) ** exponent
+        return np.where(elastic, value, later[0]), np.where(elastic, value * exponent / depth, later[1])
 
     def _depth_at(self, area: FloatArray, radius: FloatArray) -> FloatArray:
         elastic = area < self.area_before
         share = np.where(elastic, area / np.where(elastic, self.area_before, 1.0), 1.0)
         later = self.law._depth_at(area, radius) - self.residual
         return np.where(elastic, self.depth * share ** (1.0 / self.area_exponent), later)
-
-
-def _chosen(
-    elastic: np.ndarray, inside: tuple[FloatArray, FloatArray], later: tuple[FloatArray, FloatArray]
-) -> tuple[FloatArray, FloatArray]:
-    """Return value and derivative of the elastic part, or of the original law beyond it."""
-    return np.where(elastic, inside[0], later[0]), np.where(elastic, inside[1], later[1])

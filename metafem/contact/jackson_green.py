@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 
-from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact.by_indentation import LogCubic
 from metafem.contact.elastic_plastic import AFTER_YIELD, ElasticPlastic
@@ -73,21 +72,10 @@ class JacksonGreen(ElasticPlastic):
     yield_strength: float
     material: Material | None = field(default=None, repr=False)
 
-    def __post_init__(self) -> None:
-        check.member(self, "yield_strength", above=0.0)
-
-    @property
-    def _strain(self) -> float:
-        return self.yield_strength / material_of(self).composite_modulus
-
     @property
     def _factor(self) -> float:
         """C [-]."""
         return 1.295 * math.exp(0.736 * material_of(self).poisson_ratio)
-
-    @cached_property
-    def _yield(self) -> float:
-        return (0.5 * math.pi * self._factor * self._strain) ** 2
 
     @cached_property
     def _exponent(self) -> float:

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
-from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact.by_indentation import LogCubic
 from metafem.contact.elastic_plastic import AFTER_YIELD, ElasticPlastic
 from metafem.contact.law import material_of
 from metafem.material import Material
-
-# Hardness over yield strength in the formulas of Kogut and Etsion.
-HARDNESS_RATIO = 2.8
 
 # The other blends extend from the break divided by this number to the break times this number. Wider blends
 # change the load more; with narrower ones the slope of ln P exceeds 1.5 by more.
@@ -73,21 +68,12 @@ class KogutEtsion(ElasticPlastic):
     hardness: float
     material: Material | None = field(default=None, repr=False)
 
-    def __post_init__(self) -> None:
-        check.member(self, "hardness", above=0.0)
-
-    @property
-    def _strain(self) -> float:
-        return self.hardness / (HARDNESS_RATIO * material_of(self).composite_modulus)
+    strength_ratio: ClassVar[float] = 2.8
 
     @property
     def _factor(self) -> float:
         """K [-]."""
         return 0.454 + 0.41 * material_of(self).poisson_ratio
-
-    @cached_property
-    def _yield(self) -> float:
-        return (0.5 * math.pi * self._factor * self.hardness / material_of(self).composite_modulus) ** 2
 
     @cached_property
     def _loads(self) -> list[tuple[float, float]]:

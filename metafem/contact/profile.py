@@ -18,7 +18,7 @@ from metafem._values import Value
 from metafem.contact.cap_geometry import CapShape, ProfileCaps
 from metafem.contact.caps import ElasticCap, root
 from metafem.contact.law import Values
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator
@@ -96,8 +96,9 @@ class AxisymmetricCap(Value, ElasticCap):
 
     def __post_init__(self) -> None:
         if callable(self.profile):
-            if self.extent is None:
-                raise InvalidInput("extent must be given with a function: the largest contact radius [mm]")
+            refuse_if(
+                self.extent is None, "extent must be given with a function: the largest contact radius [mm]"
+            )
             check.member(self, "extent", above=0.0)
         else:
             table = check.array("profile", self.profile, shape=(2, None))
@@ -105,15 +106,17 @@ class AxisymmetricCap(Value, ElasticCap):
                 if len(row) < 3 or row[0] != 0.0 or not (np.diff(row) > 0.0).all():
                     words = "must begin with 0 and increase over at least 3 points"
                     raise InvalidInput(words, key=name, value=shown(row.tolist(), 80))
-            if self.extent is not None and self.extent != table[0, -1]:
-                raise InvalidInput(
-                    f"extent = {self.extent} must be the last rho of the table, {table[0, -1]:g}"
-                )
+            refuse_if(
+                self.extent is not None and self.extent != table[0, -1],
+                f"extent = {self.extent} must be the last rho of the table, {table[0, -1]:g}",
+            )
             object.__setattr__(self, "profile", table)
             object.__setattr__(self, "extent", float(table[0, -1]))
         found = self._panels
-        if not (np.diff(found.depth) > 0.0).all():
-            raise InvalidInput("profile: the contact radius does not grow with the indentation")
+        refuse_if(
+            not (np.diff(found.depth) > 0.0).all(),
+            "profile: the contact radius does not grow with the indentation",
+        )
 
     def __repr__(self) -> str:
         """Return the constructor's call, with the name of a function or the size of a table."""
@@ -165,11 +168,11 @@ class AxisymmetricCap(Value, ElasticCap):
         vandermonde = chebyshev.chebvander(x, DEGREE)
         given = self._integral(middle + half * x[:, None])
         value: FloatArray = np.asarray(np.linalg.solve(vandermonde, given), dtype=np.float64)
-        if callable(self.profile) and (np.abs(value[-2:]) > SMOOTH * value[0]).any():
-            raise InvalidInput(
-                "profile: the function is not smooth up to the extent; use a smaller one, or give it as a "
-                "table (rho, f)"
-            )
+        refuse_if(
+            callable(self.profile) and (np.abs(value[-2:]) > SMOOTH * value[0]).any(),
+            "profile: the function is not smooth up to the extent; use a smaller one, or give it as a "
+            "table (rho, f)",
+        )
         slope: FloatArray = np.asarray(chebyshev.chebder(value) / half)
         bend: FloatArray = np.asarray(chebyshev.chebder(slope) / half)
         product = np.zeros((DEGREE + 2, len(half)))  # s F = middle F + half x F

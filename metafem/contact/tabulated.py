@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.contact.by_indentation import LawByIndentation, LogCubic
 from metafem.contact.law import Values, material_of
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.material import Material
 
 # Minimum number of points of a table, without its origin: the slope of a cubic needs three.
@@ -68,36 +67,14 @@ class TabulatedContact(Value, LawByIndentation):
         self, indentation: ArrayLike, load: ArrayLike, area: ArrayLike, *, material: Material | None = None
     ) -> None:
         given = {"indentation": indentation, "load": load, "area": area}
-        rows = {name: check.array(name, row, shape=(None,)) for name, row in given.items()}
-        lengths = {name: len(row) for name, row in rows.items()}
-        if len(set(lengths.values())) > 1:
-            counts = ", ".join(f"{count} of {name}" for name, count in lengths.items())
-            raise InvalidInput(f"the table has {counts}; give as many of all")
-        table = np.array(list(rows.values()))
-        if not table[:, 0].any():
-            table = table[:, 1:]
-        if table.shape[1] < FEWEST:
-            words = f"has {table.shape[1]} positive points; a table needs at least {FEWEST}"
-            raise InvalidInput(words, key="indentation")
-        skipped = lengths["indentation"] - table.shape[1]
-        for name, row in zip(rows, table, strict=True):
-            if row[0] <= 0.0:
-                raise InvalidInput(
-                    "must be greater than 0, as only a first point of the table may be zero, in all three "
-                    "columns",
-                    key=f"{name}[{skipped}]",
-                    value=row[0],
-                )
-            fall = np.diff(row) <= 0.0
-            if fall.any():
-                i = int(fall.argmax())
-                raise InvalidInput(
-                    "must be greater than the {.number} before it: indentation, load and area must increase "
-                    "together; leave out or smooth such points",
-                    Given(name, row[i]),
-                    key=f"{name}[{i + 1 + skipped}]",
-                    value=row[i + 1],
-                )
+        count = np.size(check.array("indentation", indentation, shape=(None,)))
+        table = np.array([check.array(name, row, shape=(count,)) for name, row in given.items()])
+        zero = int(not table[:, 0].any())
+        table = table[:, zero:]
+        words = f"has {table.shape[1]} positive points; a table needs at least {FEWEST}"
+        refuse_if(table.shape[1] < FEWEST, words, key="indentation")
+        for name, row in zip(given, table, strict=True):
+            check.increasing(name, row, first=zero)
         table.flags.writeable = False
         object.__setattr__(self, "table", table)
         object.__setattr__(self, "material", material)
@@ -120,24 +97,13 @@ class TabulatedContact(Value, LawByIndentation):
         """A [mm^2] over d [mm]."""
         return _monotone(self.table[0], self.table[2])
 
-    def breaks(self, radius: float) -> FloatArray:
-        """Contact radii [mm] at the points of the table."""
-        return np.asarray(np.sqrt(self.table[2] / math.pi))
-
     def largest_indentation(self, radius: Values) -> FloatArray:
         """Last indentation of the table [mm]."""
         return np.full(np.shape(radius), self.table[0, -1])[()]
 
-    def _load_at(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        load, slope = self._load.at(depth)
-        return load, load * slope / depth
-
-    def _area_at(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        area, slope = self._area.at(depth)
-        return area, area * slope / depth
-
-    def _depth_at(self, area: FloatArray, radius: FloatArray) -> FloatArray:
-        return self._area.inverse(area)
+    def _scales(self, radius: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
+        one = np.ones_like(radius)
+        return one, one, one
 
 
 def _monotone(x: FloatArray, y: FloatArray) -> LogCubic:

@@ -8,16 +8,14 @@ from metafem.inversion.feasibility import (
     feasible_region,
     plasticity_index,
 )
-from metafem.inversion.limits import Limits
+from metafem.inversion.limits import Limits, RadiusRange
 from metafem.inversion.placement.arrange import Arrangement, arrange
 from metafem.inversion.placement.layout import Layout
 from metafem.inversion.placement.objectives import FollowLaw, InsensitiveToTilt, Objective, WeightedObjectives
-from metafem.inversion.radii import RadiusRange
 from metafem.inversion.result import Design
 from metafem.inversion.strategies.proportional import achievable_load_range
-from metafem.inversion.targets.laws import OperatingPoints, PowerLaw
+from metafem.inversion.targets.laws import OperatingPoints, PowerLaw, SampledLaw
 from metafem.inversion.targets.multilinear import MultilinearLaw
-from metafem.inversion.targets.sampled import SampledLaw
 from metafem.inversion.targets.straight import BilinearLaw, LinearLaw
 from metafem.inversion.targets.target import Target
 

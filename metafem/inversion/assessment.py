@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem._values import percent
-from metafem.inversion.candidate import LEVELS, Branch, Candidate, Parameter
+from metafem.inversion.candidate import LEVELS, Branch, Candidate
 from metafem.inversion.problem import Problem
-from metafem.inversion.targets.target_law import TargetLaw
-from metafem.models import Independent, Model
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.models.model import contact_of
-from metafem.prediction import BranchFit, FrictionLaw, default_loads, fit_branch, law_of_curve
+from metafem.prediction import BranchFit, default_loads, fit_branch, law_of_curve
 from metafem.progress import doing
 from metafem.surface import Surface
 
@@ -62,20 +61,12 @@ class DesignStatus(Enum):
     )
 
 
-@dataclass(frozen=True, eq=False)
-class Assessment:
-    """The law of a candidate under the model of its problem, and derived quantities."""
-
-    law: FrictionLaw
-    fits: Fits
-    misfit: float
-    status: DesignStatus
-    parameters: dict[str, Parameter]
-
-
 @doing("computing the law of the heights")
-def assess(problem: Problem, candidate: Candidate, surface: Surface) -> Assessment:
-    """Return the assessment of a candidate, from one curve at the loads of the law, target and fits."""
+def assess(problem: Problem, candidate: Candidate, surface: Surface) -> dict[str, Any]:
+    """Return the law, fits, misfit, status and parameters of a design with the heights of a candidate.
+
+    They follow from one curve at the loads of the law, of the target and of the fits.
+    """
     target_law, branches, last = candidate.target_law, candidate.branches, problem.target.last_load
     if last is None:
         grid = default_loads(surface, problem.model)
@@ -97,7 +88,8 @@ def assess(problem: Problem, candidate: Candidate, surface: Surface) -> Assessme
         parameters |= problem.target.open_parameters(target_law, area[at_target])
     if candidate.unrounded is not None:
         parameters["step_loss"] = misfit - candidate.unrounded
-    return Assessment(law, fits, misfit, status_of(candidate, misfit), parameters)
+    status = status_of(candidate, misfit)
+    return {"law": law, "fits": fits, "misfit": misfit, "status": status, "parameters": parameters}
 
 
 def reassessed(design: Design) -> Design:
@@ -119,15 +111,7 @@ def reassessed(design: Design) -> Design:
     template, model, limits = design.template, design.law.model, design.limits
     problem = Problem.checked(design.target, template, model, limits, radii=design.radii)
     found = assess(problem, candidate, surface)
-    return replace(
-        design,
-        law=found.law,
-        misfit=found.misfit,
-        status=found.status,
-        parameters=found.parameters,
-        fits=found.fits,
-        notes=found.law.notes,
-    )
+    return replace(design, **found, notes=found["law"].notes)
 
 
 def empty_sites_words(design: Design) -> str:
@@ -152,15 +136,16 @@ def misfit_of(candidate: Candidate, area: Callable[[FloatArray], FloatArray]) ->
     return _misfit(candidate, found[at_target], slopes)
 
 
-def independent_misfit(candidate: Candidate, model: Independent) -> float:
+def independent_misfit(problem: Problem, candidate: Candidate) -> float:
     """Return the misfit of independent asperities; it does not depend on the sites."""
     height, radius = candidate.height, candidate.radius
-    return misfit_of(candidate, lambda load: model.curve_of(height, radius, load).area)
+    return misfit_of(candidate, lambda load: problem.independent.curve_of(height, radius, load).area)
 
 
-def model_misfit(candidate: Candidate, surface: Surface, model: Model) -> float:
-    """Return the misfit of a candidate's surface under a model."""
-    return misfit_of(candidate, lambda load: model.curve(surface, load).checked().area)
+def model_misfit(problem: Problem, candidate: Candidate) -> float:
+    """Return the misfit of a candidate under the model of the problem."""
+    surface = candidate.surface(problem.template)
+    return misfit_of(candidate, lambda load: problem.model.curve(surface, load).checked().area)
 
 
 def _united(loads: list[FloatArray]) -> tuple[FloatArray, list[IntArray]]:
@@ -204,15 +189,6 @@ def misfit_text(misfit: float, digits: int = 2) -> str:
 def _above(misfit: float) -> list[bool]:
     """Return whether a misfit exceeds each of the limits of a status."""
     return [misfit > limit for limit in (REACHED, MISSED)]
-
-
-def misfit_meaning(pointwise: bool, density: bool, fits: Fits, misfit: float) -> str:
-    """Return the definition of the misfit in words."""
-    if pointwise:
-        return "largest difference from the target"
-    if fits and misfit <= max(abs(fit.slope / branch.slope - 1.0) for branch, fit in fits):
-        return "difference of a fitted slope from the target's"
-    return f"rms difference from {'the law of the height density' if density else 'the target'}"
 
 
 def status_of(candidate: Candidate, misfit: float) -> DesignStatus:

@@ -40,8 +40,7 @@ from scipy.optimize import brentq
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.law import Contacts, contacts
-from metafem.inversion.limits import Limits
-from metafem.inversion.radii import Radii
+from metafem.inversion.limits import Limits, Radii
 from metafem.models import Independent
 
 # A value this close to a bound counts as equal: values computed from a surface must not fail by rounding.

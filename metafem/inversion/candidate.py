@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
-from metafem.inversion.height_density import PiecewiseExponential
+from metafem.inversion.height_density import ExponentialDensity
 from metafem.inversion.limits import Limits
-from metafem.inversion.targets.target_law import TargetLaw
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.notes import Note
 from metafem.surface import Surface
 
@@ -61,7 +61,7 @@ class Candidate:
     parameters: Mapping[str, Parameter]
     target_law: TargetLaw
     branches: tuple[Branch, ...] = ()
-    density: PiecewiseExponential | None = None
+    density: ExponentialDensity | None = None
     notes: tuple[Note, ...] = ()
     stepped: bool = False
     lowest_level: float | None = None

@@ -14,20 +14,19 @@ from metafem.errors import Infeasible
 from metafem.inversion.adjustment.height_steps import rounded_to_steps
 from metafem.inversion.adjustment.pinned import with_pinned
 from metafem.inversion.adjustment.refinement import refined
-from metafem.inversion.adjustment.robustness import compared, made_robust
+from metafem.inversion.adjustment.robustness import made_robust
 from metafem.inversion.assessment import EXACT, assess
 from metafem.inversion.candidate import Parameter
 from metafem.inversion.design_notes import design_notes
 from metafem.inversion.feasibility import achievable_friction_coefficients
-from metafem.inversion.limits import Limits
+from metafem.inversion.limits import Limits, RadiusRange
 from metafem.inversion.placement.layout import Layout, arranged
 from metafem.inversion.problem import Problem
-from metafem.inversion.radii import RadiusRange
 from metafem.inversion.result import Design
 from metafem.inversion.strategies.mixture import unreachable
 from metafem.inversion.targets.target import Target
 from metafem.models import Model
-from metafem.notes import Note, information, when_read
+from metafem.notes import information, when_read
 from metafem.prediction.perturbation import Tolerances
 from metafem.progress import doing, each
 from metafem.surface import Surface
@@ -181,38 +180,26 @@ def design(
     plain = rounded_to_steps(problem, candidate)
     if problem.pins.rows.size:
         plain, candidate = with_pinned(problem, plain, candidate, generator)
-    if robust is None:
-        candidate = plain
-    else:
-        trial = rounded_to_steps(problem, made_robust(problem, candidate, generator))
-        with doing("measuring the expected misfit"):
-            candidate = compared(problem, plain, trial, generator)
+    candidate = plain if robust is None else made_robust(problem, plain, candidate, generator)
     surface = candidate.surface(problem.template)
     found = assess(problem, candidate, surface)
-
-    def notes() -> tuple[Note, ...]:
-        """Return all notes, including the achievable part of a line that is missed."""
-        later = (*design_notes(problem, candidate, surface, found), *found.law.notes)
-        return tuple(dict.fromkeys((*candidate.notes, *later)))
-
-    return Design(
+    if radii is not None:
+        found["parameters"] |= _radii_in_use(problem, surface)
+    result = Design(
         surface=surface,
-        law=found.law,
-        misfit=found.misfit,
-        status=found.status,
-        parameters=found.parameters | ({} if radii is None else _radii_in_use(problem, surface)),
         sites=problem.pins.open[candidate.sites],
         target=target,
         template=template,
         limits=problem.limits,
-        fits=found.fits,
         density=candidate.density,
-        notes=when_read(notes, size=surface.count + found.law.load.size),
         radii=None if radii is None else problem.radii.given_as,
         layout=layout,
         robust=robust,
         pinned=problem.pins.pinned,
+        **found,
     )
+    size = surface.count + result.law.load.size
+    return replace(result, notes=when_read(design_notes, problem, candidate, result, size=size))
 
 
 def _refuse_infeasible(problem: Problem) -> None:
@@ -256,14 +243,12 @@ def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
     if problem.layout is not None or problem.robust is not None:
         attempt(np.array([best]), problem.layout, problem.robust)
     radii: dict[str, Parameter] = {"radius": best, "tried_radii": tried, "radius_misfits": misfits}
-    result = found[best]
-    parameters = {**result.parameters, **radii, **_coefficients(problem, tried)}
-    notes: list[Note] = []
-    if refused:
-        which = ", ".join(f"{radius:.4g}" for radius in sorted(refused))
-        notes = [information(f"radii that cannot reach the target [mm]: {which}; {refused[min(refused)]}")]
-    later = when_read(lambda: (*result.notes, *notes), size=result.surface.count)
-    return replace(result, parameters=parameters, notes=later)
+    result = replace(found[best], parameters=found[best].parameters | radii | _coefficients(problem, tried))
+    if not refused:
+        return result
+    which = ", ".join(f"{radius:.4g}" for radius in sorted(refused))
+    note = information(f"radii that cannot reach the target [mm]: {which}; {refused[min(refused)]}")
+    return replace(result, notes=when_read(lambda: (*found[best].notes, note), size=result.surface.count))
 
 
 def _radii_in_use(problem: Problem, surface: Surface) -> dict[str, Parameter]:

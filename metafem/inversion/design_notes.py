@@ -10,19 +10,16 @@ from metafem._values import percent
 from metafem.inversion.assessment import (
     MISSED,
     REACHED,
-    Assessment,
     DesignStatus,
     independent_misfit,
-    largest_misfit,
-    misfit_meaning,
     misfit_text,
 )
 from metafem.inversion.candidate import Candidate
 from metafem.inversion.limits import Limits
 from metafem.inversion.problem import Problem
+from metafem.inversion.result import Design
 from metafem.inversion.strategies.proportional import reached_line
 from metafem.notes import Level, Note, information
-from metafem.surface import Surface
 
 # Heights should be larger than the height errors by at least this factor.
 HEIGHT_TO_ERROR = 10.0
@@ -31,13 +28,16 @@ HEIGHT_TO_ERROR = 10.0
 ALL_OF_IT = 1e-6
 
 
-def design_notes(
-    problem: Problem, candidate: Candidate, surface: Surface, found: Assessment
-) -> tuple[Note, ...]:
-    """Return notes on height steps, given heights, heights that are hard to make, and a missed line."""
+def design_notes(problem: Problem, candidate: Candidate, found: Design) -> tuple[Note, ...]:
+    """Return all notes on a design: those of the candidate, of the heights and of the law.
+
+    The notes on the heights state height steps, given heights, heights that are hard to make, and the part of
+    a missed line that can be met.
+    """
     limits, before, unpinned = problem.limits, candidate.unrounded, candidate.unpinned
+    surface = found.surface
     notes = [] if before is None else [step_note(limits, before, found.misfit)]
-    most = largest_misfit(candidate.target_law, candidate.density is not None)
+    most = found.largest_misfit
     by_pins = unpinned is not None and unpinned <= most < found.misfit
     if unpinned is not None:
         notes.append(_pins(len(candidate.held), unpinned, found))
@@ -57,17 +57,17 @@ def design_notes(
         law = candidate.target_law
         if candidate.density is not None:
             notes.append(_density(problem, found))
-        elif candidate.branches and law.pointwise and not by_pins and _missed(problem, candidate):
+        elif (
+            candidate.branches
+            and law.pointwise
+            and not by_pins
+            and independent_misfit(problem, candidate) > REACHED
+        ):
             notes.append(_line(problem, held))
-    return tuple(notes)
+    return tuple(dict.fromkeys((*candidate.notes, *notes, *found.law.notes)))
 
 
-def _missed(problem: Problem, candidate: Candidate) -> bool:
-    """Whether independent asperities of these heights miss the target."""
-    return independent_misfit(candidate, problem.independent) > REACHED
-
-
-def _pins(count: int, unpinned: float, found: Assessment) -> Note:
+def _pins(count: int, unpinned: float, found: Design) -> Note:
     """Return a note on the misfit with and without the given heights."""
     many = "the height of 1 site" if count == 1 else f"the heights of {count} sites"
     after, before = (misfit_text(misfit) for misfit in (found.misfit, unpinned))
@@ -88,14 +88,13 @@ def step_note(limits: Limits, before: float, after: float) -> Note:
     )
 
 
-def _density(problem: Problem, found: Assessment) -> Note:
+def _density(problem: Problem, found: Design) -> Note:
     """Return a note on the misfit of the density's heights, and on load_range for a line as target."""
     name, misfit = problem.target.wording.name(len(found.fits)), found.misfit
-    meaning = misfit_meaning(False, True, found.fits, misfit)
     return Note(
-        f"the {meaning} is {misfit_text(misfit)}: the heights follow a density, whose law has the {name} at "
-        "large loads and its own intercept. Give load_range: heights are then found whose friction is within "
-        f"{percent(REACHED, 'g')} of the line through the origin over those loads",
+        f"the {found.misfit_meaning} is {misfit_text(misfit)}: the heights follow a density, whose law has "
+        f"the {name} at large loads and its own intercept. Give load_range: heights are then found whose "
+        f"friction is within {percent(REACHED, 'g')} of the line through the origin over those loads",
         Level.INFORMATION if misfit <= MISSED else Level.WARNING,
     )
 

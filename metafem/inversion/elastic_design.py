@@ -12,7 +12,7 @@ from metafem.errors import Infeasible
 from metafem.inversion.assessment import DesignStatus
 from metafem.inversion.design import design
 from metafem.inversion.feasibility import ELASTIC_LIMIT, roughness
-from metafem.inversion.radii import Radii, RadiusRange
+from metafem.inversion.limits import Radii, RadiusRange
 from metafem.inversion.result import Design
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import Message
@@ -84,33 +84,33 @@ def design_for_hardness(
     def under(surface: Surface, model: Model, **options: Any) -> Design:
         return design(target, surface, model, **others, **options)
 
+    def index(found: Design) -> float:
+        return template.material.composite_modulus / h * roughness(found.surface)
+
     first = under(template, solver, radii=radii, common_radius=common_radius)
-    ratio = template.material.composite_modulus / h
-    psi = ratio * roughness(first.surface)
+    psi = index(first)
     given = f"with H = {h:g} MPa"
     if contact_of(solver).for_material(template.material).plastic:
         return _noted(first, h, information(f"the contacts are those of {contact_of(solver)!r}"))
     if psi < ELASTIC_LIMIT:
         text = f"the contacts stay elastic: the plasticity index is {psi:.3g}, below {ELASTIC_LIMIT}, {given}"
         return _noted(first, h, information(text))
-    tried, elastic = [first], []
+    reached = [first]
     for radius in () if radii is None else Radii.given(radii).tried:
         try:
             one = under(template.replaced(radius=float(radius)), solver)
         except Infeasible:
             continue
-        tried.append(one)
-        if ratio * roughness(one.surface) < ELASTIC_LIMIT and one.status is not DesignStatus.MISSED:
-            elastic.append(one)
+        if one.status is not DesignStatus.MISSED:
+            reached.append(one)
     why = f"the plasticity index {psi:.3g} is not below {ELASTIC_LIMIT} {given}"
-    if elastic:
+    if elastic := [one for one in reached if index(one) < ELASTIC_LIMIT]:
         best = min(elastic, key=lambda one: one.misfit)
         text = (
             f"{why}; with the radius {float(best.surface.radius[0]):g} mm for all asperities it is "
-            f"{ratio * roughness(best.surface):.3g}, and the contacts stay elastic"
+            f"{index(best):.3g}, and the contacts stay elastic"
         )
         return _noted(best, h, information(text))
-    reached = [one for one in tried if one is first or one.status is not DesignStatus.MISSED]
     least = ELASTIC_LIMIT / min(roughness(one.surface) for one in reached)
     besides = "" if radii is None else ", nor with any of the radii"
     law = KogutEtsion(h)
@@ -135,9 +135,5 @@ def _noted(found: Design, hardness: float, note: Note) -> Design:
     parameters = {**found.parameters, "plasticity_index": index}
     if rough > 0.0:
         parameters["largest_modulus_ratio"] = ELASTIC_LIMIT / rough
-    later = when_read(_all_notes, note, found, size=found.surface.count)
+    later = when_read(lambda: (note, *found.notes), size=found.surface.count)
     return replace(found, parameters=parameters, notes=later)
-
-
-def _all_notes(first: Note, found: Design) -> tuple[Note, ...]:
-    return (first, *found.notes)

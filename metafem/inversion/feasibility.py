@@ -18,9 +18,8 @@ from metafem._values import percent
 from metafem.contact import Contact
 from metafem.errors import Infeasible, InvalidInput, MetafemWarning
 from metafem.inversion.bounds import ROUNDING, Bounds
-from metafem.inversion.height_density import FINEST_SCALE_IN_SD, TruncatedExponential, uniform_slope
-from metafem.inversion.limits import Limits
-from metafem.inversion.radii import Radii, RadiusRange
+from metafem.inversion.height_density import FINEST_SCALE_IN_SD, ExponentialDensity, uniform_slope
+from metafem.inversion.limits import Limits, Radii, RadiusRange
 from metafem.inversion.targets.wording import Message, Wording
 from metafem.models.model import PARABOLOID, checked_contact
 from metafem.surface import Surface
@@ -37,10 +36,10 @@ ELASTIC_LIMIT = 0.6
 
 def broken_bound(
     load: FloatArray, friction: FloatArray, bounds: Bounds, margin: float
-) -> tuple[int, str, float, FloatArray] | None:
-    """Return a bound that points (k,) violate by more than a margin (relative), or None.
+) -> tuple[int, str, float] | None:
+    """Return the first of points (k,) that violates a bound by more than a margin (relative), or None.
 
-    It holds the first such point, the bound in words and in mm^2, and frictions (k,) within the bounds.
+    The bound follows in words and in mm^2.
     """
     low, high = bounds.friction(load)
     exponent, slack = bounds.least_exponent, margin + ROUNDING
@@ -65,8 +64,7 @@ def broken_bound(
     ):
         if broken.any():
             i = int(broken.argmax())
-            clipped = np.clip(scaled, low / least, np.minimum(high, jump) / least)
-            return i, words, float(bound[i]), np.maximum.accumulate(clipped) * least
+            return i, words, float(bound[i])
     return None
 
 
@@ -82,7 +80,7 @@ def broken_sample(
     broken = broken_bound(load, friction, problem.bounds, margin)
     if broken is None:
         return None
-    i, words, bound, _ = broken
+    i, words, bound = broken
     return Message(
         f"{point} is {{words}}, {{bound}}, for any surface of {problem.radii}{margin_words(margin)}",
         {
@@ -179,9 +177,7 @@ def feasible_region(
     """
     check.instance("template", template, Surface, "a metafem.Surface")
     check.instance("limits", limits, Limits, "metafem.Limits")
-    load = check.array("rescaled_load", rescaled_load, shape=(None,))
-    if load.min() <= 0.0:
-        check.number("rescaled_load", float(load.min()), above=0.0)
+    load = check.array("rescaled_load", rescaled_load, shape=(None,), positive=True)
     law = checked_contact(contact).for_material(template.material)
     bounds = Bounds(law, Radii.given(radii, template), template.count, float(load.max()))
     within = load <= bounds.largest_load(limits)
@@ -250,7 +246,7 @@ def achievable_friction_coefficients(
     low = uniform_slope(choice.low, limits.span, law)
     high = math.inf
     if limits.height_sd:
-        finest = TruncatedExponential(FINEST_SCALE_IN_SD * limits.height_sd, limits.span)
+        finest = ExponentialDensity(FINEST_SCALE_IN_SD * limits.height_sd, limits.span)
         high = finest.asymptotic_slope(choice.high, law)
     return low * per_slope, high * per_slope
 

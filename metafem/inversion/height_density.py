@@ -26,20 +26,8 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.law import Contacts, contacts
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.models.model import PARABOLOID
-
-__all__ = [
-    "FINEST_SCALE_IN_SD",
-    "TIGHTEST",
-    "PiecewiseExponential",
-    "TruncatedExponential",
-    "TwoBranchExponential",
-    "equal_masses",
-    "scale_from_slope",
-    "slope_excess",
-    "uniform_slope",
-]
 
 # With a scale below this many standard deviations of the manufactured heights, the density is no longer
 # exponential: rule of thumb of Aymard et al., doi:10.1126/science.adk4234.
@@ -98,7 +86,7 @@ def scale_from_slope(slope: float, radius: float, max_height: float, law: Contac
         return max_height / float(x)  # eq. S3 solved for lambda
 
     def missing(logarithm: float) -> float:
-        density = TruncatedExponential(max_height * math.exp(-logarithm), max_height)
+        density = ExponentialDensity(max_height * math.exp(-logarithm), max_height)
         return density.asymptotic_slope(radius, law) / slope - 1.0
 
     low, high = math.log(excess), 1.0
@@ -132,16 +120,56 @@ class Piece:
     alpha: float
 
 
-class PiecewiseExponential:
-    """A height density of exponential pieces with one scale."""
+@dataclass(frozen=True)
+class ExponentialDensity:
+    """Exponential density of heights up to a maximum, with another weight below a crossover height.
 
-    scale: float
-    max_height: float
+    ``alpha_2 exp(-h/lambda)`` on [h_c, h_m] and ``alpha_1 exp(-h/lambda)`` on [0, h_c], with
+    ``alpha_2 = u / (lambda (1 - exp(-h_m/lambda)))`` and alpha_1 from the unit mass (eq. S6). Without a
+    crossover height it is the truncated exponential.
+
+    Examples
+    --------
+    >>> density = ExponentialDensity(0.040, 0.120)
+    >>> round(density.asymptotic_slope(0.526), 3), round(density.intercept(64, 0.526), 4)
+    (6.875, 0.2617)
+    >>> round(float(ExponentialDensity(0.0357, 0.120, 0.0153, 0.149).mass(0.0, 0.120)), 12)
+    1.0
+    """
+
+    scale: float  # lambda [mm], positive
+    max_height: float  # h_m [mm], positive
+    crossover_height: float = 0.0  # h_c [mm], below h_m
+    weight: float = 1.0  # u [-], positive, and so small that the mass of the upper branch is at most 1
+
+    def __post_init__(self) -> None:
+        check.number("scale", self.scale, above=0.0)
+        top = check.number("max_height", self.max_height, above=0.0)
+        middle = check.number("crossover_height", self.crossover_height, at_least=0.0)
+        check.number("weight", self.weight, above=0.0)
+        refuse_if(middle >= top, f"crossover_height = {middle:g} must be below max_height = {top:g}")
+        refuse_if(
+            self.upper_mass > 1.0 + 1e-12,  # allows for rounding of a weight at its limit
+            f"weight = {self.weight:g} puts {self.upper_mass:.4g} of the asperities above the crossover "
+            "height; it must be small enough for at most 1",
+        )
+
+    @property
+    def upper_mass(self) -> float:
+        """Fraction of the asperities above the crossover height."""
+        whole = _exponential_mass(0.0, self.max_height, self.scale)
+        upper = _exponential_mass(self.crossover_height, self.max_height, self.scale)
+        return self.weight * float(upper / whole)
 
     @property
     def pieces(self) -> tuple[Piece, ...]:
-        """The pieces from the foot upwards."""
-        raise NotImplementedError
+        """The branches from the foot upwards."""
+        lam, top, mid = self.scale, self.max_height, self.crossover_height
+        upper = self.weight / (lam * float(_exponential_mass(0.0, top, lam)))  # eq. S6, alpha_2
+        if mid == 0.0:
+            return (Piece(0.0, top, upper),)
+        lower = max(0.0, 1.0 - self.upper_mass) / (lam * float(_exponential_mass(0.0, mid, lam)))  # alpha_1
+        return Piece(0.0, mid, lower), Piece(mid, top, upper)
 
     def density(self, height: ArrayLike) -> FloatArray:
         """Probability density of the height [1/mm]."""
@@ -169,9 +197,9 @@ class PiecewiseExponential:
         ``gamma(q+1, (b - delta)/lambda) - gamma(q+1, (a - delta)/lambda)``.
         """
         delta = np.asarray(separation, dtype=np.float64)
-        if not ((delta >= 0.0) & (delta <= self.max_height)).all():
-            ends = f"from 0 to {self.max_height:g} mm"
-            raise InvalidInput(f"separation = {separation!r:.60} must lie within the density, {ends}")
+        outside = not ((delta >= 0.0) & (delta <= self.max_height)).all()
+        words = f"must lie within the density, from 0 to {self.max_height:g} mm"
+        refuse_if(outside, words, key="separation", value=f"{separation!r:.60}")
         lam, q = self.scale, power
         total = np.zeros_like(delta)
         for piece in self.pieces:
@@ -237,46 +265,30 @@ class PiecewiseExponential:
                 total[k] += wide * ((density * values) @ weights)
         return total[0], total[1]
 
-
-@dataclass(frozen=True)
-class TruncatedExponential(PiecewiseExponential):
-    """Exponential density up to a maximum height, ``exp(-h/lambda) / (lambda (1 - exp(-x)))``.
-
-    With x = h_m/lambda, on [0, h_m].
-
-    Examples
-    --------
-    >>> density = TruncatedExponential(0.040, 0.120)
-    >>> round(density.asymptotic_slope(0.526), 3), round(density.intercept(64, 0.526), 4)
-    (6.875, 0.2617)
-    """
-
-    scale: float  # lambda [mm], positive
-    max_height: float  # h_m [mm], positive
-
-    def __post_init__(self) -> None:
-        check.number("scale", self.scale, above=0.0)
-        check.number("max_height", self.max_height, above=0.0)
-
-    @property
-    def pieces(self) -> tuple[Piece, ...]:
-        """The single piece from 0 to h_m."""
-        top = self.max_height
-        alpha = 1.0 / (self.scale * float(_exponential_mass(0.0, top, self.scale)))
-        return (Piece(0.0, top, alpha),)
-
     def asymptotic_slope(self, radius: float, law: Contact = PARABOLOID) -> float:
-        """Slope m of the law for large loads [-] (eq. S3), where the plane reaches the foot."""
+        """Slope of the only or first branch for large loads [-] (eqs. S3, S7).
+
+        It is that of the truncated exponential where the plane reaches the foot.
+        """
         if law.power != PARABOLOID.power:
-            return float(self.slope(0.0, radius, law))
+            whole = ExponentialDensity(self.scale, self.max_height)
+            return float(whole.slope(0.0, radius, law))
         excess = float(slope_excess(self.max_height / self.scale))
         return uniform_slope(radius, self.max_height, law) * (1.0 + excess)  # eq. S3
 
-    def intercept(self, count: float, radius: float, law: Contact = PARABOLOID) -> float:
-        """Intercept of the asymptote [mm^2]; with Hertz contacts alpha = pi N R lambda Gamma(x).
+    def asymptotic_slopes(self, radius: float, law: Contact = PARABOLOID) -> tuple[float, float]:
+        """Slopes m_1 and m_2 of two branches for large loads [-] (eqs. S7, S8).
 
-        ``Gamma(x) = x e^-x/(1 - e^-x) (4/(3 sqrt(pi)) sqrt(x) g(x) - 1)``, whose bracket is
-        `slope_excess`.
+        m_2 is the slope where the plane reaches the foot.
+        """
+        first = self.asymptotic_slope(radius, law)  # eq. S7
+        return first, float(self.slope(0.0, radius, law))  # eq. S8, m_2
+
+    def intercept(self, count: float, radius: float, law: Contact = PARABOLOID) -> float:
+        """Intercept of the asymptote of a truncated exponential [mm^2].
+
+        With Hertz contacts it is ``pi N R lambda Gamma(x)`` with x = h_m/lambda and
+        ``Gamma(x) = x e^-x/(1 - e^-x) (4/(3 sqrt(pi)) sqrt(x) g(x) - 1)``, whose bracket is `slope_excess`.
         """
         if law.power != PARABOLOID.power:
             load, area = self._means(0.0, radius, law)
@@ -284,65 +296,6 @@ class TruncatedExponential(PiecewiseExponential):
         x = self.max_height / self.scale
         factor = x * math.exp(-x) / -math.expm1(-x) * float(slope_excess(x))
         return count * float(_contact(law, 1.0, radius).area) * self.scale * factor
-
-
-@dataclass(frozen=True)
-class TwoBranchExponential(PiecewiseExponential):
-    """Exponential density with a different weight below a crossover height (eq. S6).
-
-    ``alpha_1 exp(-h/lambda)`` on [0, h_c] and ``alpha_2 exp(-h/lambda)`` on [h_c, h_m], with
-    ``alpha_2 = u / (lambda (1 - exp(-h_m/lambda)))`` and alpha_1 from the unit mass.
-
-    Examples
-    --------
-    >>> density = TwoBranchExponential(0.0357, 0.120, 0.0153, 0.149)
-    >>> round(float(density.mass(0.0, 0.120)), 12)
-    1.0
-    """
-
-    scale: float  # lambda [mm], positive
-    max_height: float  # h_m [mm], positive
-    crossover_height: float  # h_c [mm], above 0 and below h_m
-    # u [-], positive, and so small that the mass of the upper branch is at most 1; u = 1 is the truncated
-    # exponential
-    weight: float
-
-    def __post_init__(self) -> None:
-        check.number("scale", self.scale, above=0.0)
-        top = check.number("max_height", self.max_height, above=0.0)
-        middle = check.number("crossover_height", self.crossover_height, above=0.0)
-        check.number("weight", self.weight, above=0.0)
-        if middle >= top:
-            raise InvalidInput(f"crossover_height = {middle:g} must be below max_height = {top:g}")
-        if self.upper_mass > 1.0 + 1e-12:  # allows for rounding of a weight at its limit
-            raise InvalidInput(
-                f"weight = {self.weight:g} puts {self.upper_mass:.4g} of the asperities above the "
-                "crossover height; it must be small enough for at most 1"
-            )
-
-    @property
-    def upper_mass(self) -> float:
-        """Fraction of the asperities above the crossover height."""
-        whole = _exponential_mass(0.0, self.max_height, self.scale)
-        upper = _exponential_mass(self.crossover_height, self.max_height, self.scale)
-        return self.weight * float(upper / whole)
-
-    @property
-    def pieces(self) -> tuple[Piece, ...]:
-        """The lower and the upper branch."""
-        lam, top, mid = self.scale, self.max_height, self.crossover_height
-        upper = self.weight / (lam * float(_exponential_mass(0.0, top, lam)))  # eq. S6, alpha_2
-        lower = max(0.0, 1.0 - self.upper_mass) / (lam * float(_exponential_mass(0.0, mid, lam)))  # alpha_1
-        return Piece(0.0, mid, lower), Piece(mid, top, upper)
-
-    def asymptotic_slopes(self, radius: float, law: Contact = PARABOLOID) -> tuple[float, float]:
-        """Slopes m_1 and m_2 of the two branches for large loads [-] (eqs. S7, S8).
-
-        m_2 is the slope where the plane reaches the foot. m_1 is the same for the upper density continued
-        down to the foot.
-        """
-        first = TruncatedExponential(self.scale, self.max_height).asymptotic_slope(radius, law)  # eq. S7
-        return first, float(self.slope(0.0, radius, law))  # eq. S8, m_2
 
     def crossover_load(self, count: float, radius: float, law: Contact = PARABOLOID) -> float:
         """Load P_c/E* [mm^2] at which the plane reaches the crossover height (eq. S8)."""

@@ -1,20 +1,39 @@
-"""Manufacturing limits."""
+"""Manufacturing limits: heights, given and empty sites, and allowed radii."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
 from metafem import _validate as check
-from metafem._given import Given
-from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem._given import Given, shown
+from metafem._validate import FloatArray, IntArray
+from metafem.errors import InvalidInput, refuse_if
+from metafem.surface import Surface
 
 # Steps finer than this are below the resolution of any machine and would only cost time.
 MOST_LEVELS = 100_000
+
+# Default distance of the radii of a range [mm]: of the order of the tolerance of ball-end tools.
+STEP = 0.01
+
+# Decimals of a radius in mm: removes the rounding error of a multiple of a step.
+DECIMALS = 12
+
+# Relative excess of a step over its range that is treated as rounding.
+ROUNDING = 1e-9
+
+# Number of single radii of a range that are tried, evenly spaced in the logarithm.
+TRIED_RADII = 7
+
+# Heights [mm] above the base plane by site, None for a site without an asperity.
+Pinned = Mapping[int, float | None]
 
 
 @dataclass(frozen=True)
@@ -62,9 +81,8 @@ class Limits:
         check.member(self, "max_height", above=0.0)
         for name in ("min_height", "offset"):
             check.member(self, name, at_least=0.0)
-        if self.span <= 0.0:
-            top = Given("max_height", self.max_height)
-            raise InvalidInput("must be below {}", top, key="min_height", value=self.min_height)
+        top = Given("max_height", self.max_height)
+        refuse_if(self.span <= 0.0, "must be below {}", top, key="min_height", value=self.min_height)
         finest = self.span / MOST_LEVELS
         check.member(self, "height_step", optional=True, at_least=finest, at_most=self.span)
         check.member(self, "height_sd", optional=True, at_least=0.0)
@@ -86,3 +104,207 @@ class Limits:
     def foot(self) -> float:
         """Height of the lowest possible summit above the base plane, offset + min_height [mm]."""
         return self.offset + self.min_height
+
+
+@dataclass(frozen=True, eq=False)
+class Pins:
+    """All sites of a template, and those that are empty or have a given height.
+
+    An inversion uses only the other sites, with new numbers: `open` (m,) holds their numbers in the
+    template. Of these, the ones with indices `rows` (k,) have the heights `heights` (k,) [mm].
+    """
+
+    template: Surface
+    pinned: Pinned
+
+    @classmethod
+    def given(cls, template: Surface, limits: Limits) -> Pins:
+        """Return the pins of the limits, or raise InvalidInput for those that do not fit the template."""
+        pinned: Any = limits.pinned
+        words = "a mapping of site numbers to heights [mm] or None, for example {9: 0.15, 3: None}"
+        check.instance("pinned", pinned, Mapping, words)  # type: ignore[type-abstract]
+        found: dict[int, float | None] = {}
+        last = template.count - 1
+        for site, height in pinned.items():
+            name = f"pinned[{shown(site)}]"
+            whole = isinstance(site, (int, np.integer)) and not isinstance(site, (bool, np.timedelta64))
+            known = whole and 0 <= site <= last
+            refuse_if(not known, f"{name} is not a site: the template has the sites 0 to {last}")
+            found[int(site)] = None if height is None else _checked_height(name, height, limits)
+            flat = height is not None and found[int(site)] == 0.0 and template.block is not None
+            refuse_if(flat, f"{name} = 0 is no summit of a part; write None for an empty site")
+        pins = cls(template, MappingProxyType(dict(sorted(found.items()))))
+        words = f"pinned leaves all {template.count} sites empty; leave out at least one site"
+        refuse_if(not pins.open.size, words)
+        return pins
+
+    @cached_property
+    def open(self) -> IntArray:
+        """Sites of the template that may have an asperity, increasing, (m,)."""
+        empty = [site for site, height in self.pinned.items() if height is None]
+        return np.setdiff1d(np.arange(self.template.count), np.array(empty, dtype=np.int64))
+
+    @cached_property
+    def rows(self) -> IntArray:
+        """Indices in `open` of the sites whose heights are given, increasing, (k,)."""
+        sites = [site for site, height in self.pinned.items() if height is not None]
+        return np.searchsorted(self.open, np.array(sites, dtype=np.int64))
+
+    @cached_property
+    def heights(self) -> FloatArray:
+        """Given heights above the base plane at the sites `rows`, (k,) [mm]."""
+        return np.array([height for height in self.pinned.values() if height is not None], dtype=np.float64)
+
+    def placed(self, permutation: IntArray) -> IntArray:
+        """Return a permutation of all template sites without the empty ones, numbered as in `open`."""
+        number = np.full(self.template.count, -1)
+        number[self.open] = np.arange(len(self.open))
+        found = number[permutation]
+        return np.asarray(found[found >= 0])
+
+    @cached_property
+    def reduced(self) -> Surface:
+        """The template without the empty sites."""
+        template, some = self.template, self.open
+        if len(some) == template.count:
+            return template
+        return template.replaced(
+            position=template.position[some], height=template.height[some], radius=template.radius[some]
+        )
+
+
+def _checked_height(name: str, height: Any, limits: Limits) -> float:
+    """Return a height above the base plane [mm], or raise InvalidInput for one outside the limits."""
+    found = check.number(name, height, at_least=0.0)
+    top = limits.offset + limits.max_height
+    must = "must be at most {.number}, limits.offset + limits.max_height, which are measured from the base "
+    refuse_if(found > top, must + "plane as this height is", Given(name, top), key=name, value=found)
+    return found
+
+
+@dataclass(frozen=True)
+class RadiusRange:
+    """Range of allowed radii of each asperity.
+
+    Parameters
+    ----------
+    low, high : float
+        Smallest and largest radius [mm], positive and increasing.
+    step : float, optional
+        Radii between them are multiples of this [mm]; default: 0.01, of the order of the tolerance of
+        ball-end tools. None allows any radius.
+
+    Raises
+    ------
+    InvalidInput
+        If `low` or `step` is not positive, `high` does not exceed `low`, or `step` exceeds ``high - low``.
+
+    Examples
+    --------
+    >>> RadiusRange(0.2, 0.8).high
+    0.8
+    """
+
+    low: float
+    high: float
+    step: float | None = STEP
+
+    def __post_init__(self) -> None:
+        check.member(self, "low", above=0.0)
+        check.member(self, "high", above=self.low)
+        check.member(self, "step", optional=True, above=0.0)
+        wide = self.step is not None and self.step > (self.high - self.low) * (1.0 + ROUNDING)
+        words = "exceeds the range from {.number} to {.number}; give a smaller step, or none"
+        ends = Given("low", self.low), Given("high", self.high)
+        refuse_if(wide, words, *ends, key="step", value=self.step)
+
+
+@dataclass(frozen=True)
+class Radii:
+    """Allowed radii of each asperity [mm]: one of the tools, increasing, or any from low to high.
+
+    With a `step` [mm] the radii between low and high are multiples of it.
+    """
+
+    low: float
+    high: float
+    tools: tuple[float, ...] | None
+    step: float | None = None
+
+    @classmethod
+    def of(cls, radius: float) -> Radii:
+        """One radius for all."""
+        return cls(radius, radius, (radius,))
+
+    @classmethod
+    def given(cls, radii: RadiusRange | Sequence[float] | None, template: Surface | None = None) -> Radii:
+        """A range, a list of tools, or by default the common radius of a template."""
+        if isinstance(radii, RadiusRange):
+            return cls(radii.low, radii.high, None, radii.step)
+        if radii is None and template is not None:
+            radius = template.radius
+            refuse_if(
+                (radius != radius[0]).any(),
+                f"template.radius runs from {radius.min():g} to {radius.max():g} mm; one common radius is "
+                "needed here, and the argument radii allows several",
+            )
+            return cls.of(float(radius[0]))
+        tools = np.unique(check.array("radii", radii, shape=(None,)))
+        refuse_if(tools[0] <= 0.0, f"radii holds {tools[0]:g}; all must be greater than 0")
+        return cls(float(tools[0]), float(tools[-1]), tuple(tools.tolist()))
+
+    @property
+    def single(self) -> bool:
+        """Whether only one radius is possible."""
+        return self.low == self.high
+
+    @property
+    def tried(self) -> FloatArray:
+        """The tools, or some radii of the range, increasing [mm]."""
+        if self.tools is None:
+            between = self.nearest(np.geomspace(self.low, self.high, TRIED_RADII))
+            return np.union1d([self.low, self.high], between)
+        return np.array(self.tools)
+
+    @property
+    def continuous(self) -> bool:
+        """Whether radii can change by any amount."""
+        return self.tools is None and self.step is None
+
+    def tried_beside(self, best: float, count: int) -> FloatArray:
+        """Return at most `count` radii between a tried radius and its neighbours [mm]."""
+        tried = self.tried
+        i = int(np.argmin(np.abs(tried - best)))
+        low, high = tried[max(i - 1, 0)], tried[min(i + 1, len(tried) - 1)]
+        sides = [np.geomspace(low, best, 2 + count // 2), np.geomspace(best, high, 2 + count // 2)]
+        between = np.concatenate([side[1:-1] for side in sides])
+        return np.setdiff1d(self.nearest(between), tried)
+
+    @property
+    def given_as(self) -> RadiusRange | tuple[float, ...]:
+        """The range or the tools."""
+        return RadiusRange(self.low, self.high, self.step) if self.tools is None else self.tools
+
+    @property
+    def between(self) -> Radii:
+        """Any radius from the smallest to the largest."""
+        return Radii(self.low, self.high, None)
+
+    @property
+    def extremes(self) -> Radii:
+        """Only the smallest and the largest radius."""
+        return Radii(self.low, self.high, (self.low, self.high))
+
+    def nearest(self, radius: FloatArray) -> FloatArray:
+        """Return the allowed radii nearest, by ratio, to given ones [mm]."""
+        if self.tools is None:
+            if self.step is not None:
+                radius = np.round(self.step * np.rint(radius / self.step), DECIMALS)
+            return np.clip(radius, self.low, self.high)
+        tools = np.array(self.tools)
+        return np.asarray(tools[np.abs(np.log(radius[:, None] / tools)).argmin(axis=1)])
+
+    def __str__(self) -> str:
+        if self.single:
+            return f"radius {self.low:g} mm"
+        return f"radii from {self.low:g} to {self.high:g} mm"

@@ -14,10 +14,8 @@ import numpy as np
 from metafem import _validate as check
 from metafem.contact import Contact
 from metafem.inversion.bounds import Bounds
-from metafem.inversion.limits import Limits
+from metafem.inversion.limits import Limits, Pins, Radii, RadiusRange
 from metafem.inversion.placement.layout import Layout
-from metafem.inversion.placement.pins import Pins
-from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.search.levenberg_marquardt import DEFAULTS, OTHER_LAWS, SearchOptions
 from metafem.inversion.targets.target import Target
 from metafem.models import Independent, Model
@@ -115,20 +113,21 @@ class Problem:
         check.instance("target", target, Target, kinds)
         check.instance("template", template, Surface, "a metafem.Surface")
         solver: Model = Independent() if model is None else model
-        check.instance("model", solver, Model, "a model such as metafem.Independent()")
         bounds = Limits(max_height=float(template.height.max())) if limits is None else limits
-        check.instance("limits", bounds, Limits, "metafem.Limits")
-        if layout is not None:
-            check.instance("layout", layout, Layout, "metafem.Layout")
-        if robust is not None:
-            check.instance("robust", robust, Tolerances, "metafem.Tolerances")
+        for name, value, kind, words in (
+            ("model", solver, Model, "a model such as metafem.Independent()"),
+            ("limits", bounds, Limits, "metafem.Limits"),
+            ("layout", layout, Layout | None, "metafem.Layout"),
+            ("robust", robust, Tolerances | None, "metafem.Tolerances"),
+        ):
+            check.instance(name, value, kind, words)
         pins = Pins.given(template, bounds)
         template = pins.reduced
         choice = Radii.given(radii, template)
         options = DEFAULTS if has_paraboloids(solver) else OTHER_LAWS
         # messages give loads in N and in mm^2
-        kind: Any = target
-        target = replace(kind, wording=target.wording.of_part(template.material))
+        any_kind: Any = target
+        target = replace(any_kind, wording=target.wording.of_part(template.material))
         return cls(target, template, choice, solver, bounds, pins, layout, robust, options, EFFORT.get())
 
     @cached_property

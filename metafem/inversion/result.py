@@ -14,26 +14,23 @@ from metafem import drawing
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value, span
 from metafem.contact import Contact
+from metafem.drawing import TARGET
 from metafem.drawing.card import card
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.inversion.assessment import (
     DesignStatus,
     empty_sites_words,
     largest_misfit,
-    misfit_meaning,
     misfit_text,
 )
 from metafem.inversion.candidate import Branch, Parameter
-from metafem.inversion.height_density import PiecewiseExponential
-from metafem.inversion.limits import Limits
-from metafem.inversion.picture import draw_laws
+from metafem.inversion.height_density import ExponentialDensity
+from metafem.inversion.limits import Limits, Pinned, RadiusRange
 from metafem.inversion.placement.layout import Layout
-from metafem.inversion.placement.pins import Pinned
-from metafem.inversion.radii import RadiusRange
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies import exponential
 from metafem.inversion.strategies.mixture import Mixture
 from metafem.inversion.targets.target import Target
-from metafem.inversion.targets.target_law import TargetLaw
 from metafem.models.model import contact_of
 from metafem.notes import Note, late_notes, printed_count
 from metafem.prediction import BranchFit, FrictionLaw
@@ -42,6 +39,9 @@ from metafem.surface import Surface
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+# Maximum number of loads of a target that are marked individually.
+MOST_MARKED = 10
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -71,7 +71,7 @@ class Design(Value):
         Straight branches of the target, each with the fit of the law.
     radii : RadiusRange, tuple of float or None
         Allowed radii of each asperity [mm]; None for one common radius.
-    density : PiecewiseExponential or None
+    density : ExponentialDensity or None
         The height density behind the heights, measured from `limits.foot`.
     notes : tuple of Note
         Limits of the design and of its model that matter for manufacturing.
@@ -113,7 +113,7 @@ class Design(Value):
     template: Surface
     limits: Limits
     fits: tuple[tuple[Branch, BranchFit], ...] = ()
-    density: PiecewiseExponential | None = None
+    density: ExponentialDensity | None = None
     notes: tuple[Note, ...] = late_notes()
     radii: RadiusRange | tuple[float, ...] | None = None
     layout: Layout | None = None
@@ -122,19 +122,19 @@ class Design(Value):
 
     def __post_init__(self) -> None:
         count = self.surface.count
-        if self.sites.shape != (count,) or len(np.unique(self.sites)) != count:
-            raise InvalidInput(f"sites must hold {count} different sites, one for each asperity")
-        if self.sites.min() < 0 or self.sites.max() >= self.template.count:
-            raise InvalidInput(f"sites must be from 0 to {self.template.count - 1}, as the template has them")
-        if not np.array_equal(self.surface.position, self.template.position[self.sites]):
-            raise InvalidInput("surface.position must be that of the template at the sites")
-        if not self.misfit >= 0.0:
-            raise InvalidInput(f"misfit = {self.misfit:g} must be at least 0")
+        differ = self.sites.shape == (count,) and len(np.unique(self.sites)) == count
+        refuse_if(not differ, f"sites must hold {count} different sites, one for each asperity")
+        last = self.template.count - 1
+        inside = self.sites.min() >= 0 and self.sites.max() <= last
+        refuse_if(not inside, f"sites must be from 0 to {last}, as the template has them")
+        moved = not np.array_equal(self.surface.position, self.template.position[self.sites])
+        refuse_if(moved, "surface.position must be that of the template at the sites")
+        refuse_if(not self.misfit >= 0.0, f"misfit = {self.misfit:g} must be at least 0")
         pair = self.surface.material, self.surface.friction
-        if (self.law.material, self.law.friction) != pair:
-            raise InvalidInput("law.material and law.friction must be those of the surface")
-        if self.density is not None and not self.fits:
-            raise InvalidInput("fits must hold the branches of the height density")
+        other = (self.law.material, self.law.friction) != pair
+        refuse_if(other, "law.material and law.friction must be those of the surface")
+        bare = self.density is not None and not self.fits
+        refuse_if(bare, "fits must hold the branches of the height density")
         for value in (self.sites, *self.parameters.values()):
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
@@ -152,9 +152,8 @@ class Design(Value):
         """Refuse asperities on sites pinned as empty, and heights that differ from the given ones."""
         found = dict(zip(self.sites.tolist(), self.surface.height.tolist(), strict=True))
         for site, height in self.pinned.items():
-            if found.get(site) != height:
-                wanted = "empty" if height is None else f"{height:g} mm high"
-                raise InvalidInput(f"site {site} must be {wanted}, as pinned states")
+            wanted = "empty" if height is None else f"{height:g} mm high"
+            refuse_if(found.get(site) != height, f"site {site} must be {wanted}, as pinned states")
 
     def __repr__(self) -> str:
         lines = [f"  {name:<11} {words}" for name, words in self._facts().items()]
@@ -216,7 +215,14 @@ class Design(Value):
     @property
     def misfit_meaning(self) -> str:
         """Definition of `misfit` for this design, in words."""
-        return misfit_meaning(self.target_law.pointwise, self.density is not None, self.fits, self.misfit)
+        if self.target_law.pointwise:
+            return "largest difference from the target"
+        slopes = [abs(fit.slope / branch.slope - 1.0) for branch, fit in self.fits]
+        if slopes and self.misfit <= max(slopes):
+            return "difference of a fitted slope from the target's"
+        return (
+            f"rms difference from {'the target' if self.density is None else 'the law of the height density'}"
+        )
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the achieved law with the target, rescaled.
@@ -248,3 +254,52 @@ class Design(Value):
 
 def _restored(members: dict[str, Any]) -> Design:
     return Design(**members)
+
+
+def few(law: TargetLaw) -> bool:
+    """Whether each load of a target is marked."""
+    return len(law.load) <= MOST_MARKED
+
+
+def draw_laws(design: Design, ax: Axes, label: str = "achieved") -> None:
+    """Draw the achieved law with its label, and the target or the law of its height density."""
+    design.law.plot(ax, label=label)
+    if design.density is None:
+        law = design.target_law
+        draw_target(design, ax, law.load, law.law(design.target_area) if law.is_open else law.base)
+    else:
+        _draw_density(design, ax)
+    for branch, _ in design.fits:
+        ax.axvspan(*branch.load_range, color=TARGET, alpha=0.06, lw=0)
+    ax.legend(frameon=False, loc="upper left")
+
+
+def draw_target(design: Design, ax: Axes, load: FloatArray, friction: FloatArray) -> None:
+    """Draw a target: marks if it has few loads, otherwise a line for each branch.
+
+    `load` and `friction`, (k,), are those of `design.target_law` in any units.
+    """
+    law = design.target_law
+    if few(law):
+        ax.plot(load, friction, "o", ms=7, color=TARGET, label="target", zorder=3)
+        return
+    ends = [branch.load_range for branch, _ in design.fits] or [(law.load[0], law.load[-1])]
+    for i, (low, high) in enumerate(ends):
+        on = (law.load >= low) & (law.load <= high)
+        label = "target" if i == 0 else None
+        ax.plot(load[on], friction[on], "--", lw=1.8, color=TARGET, label=label, zorder=3)
+
+
+def _draw_density(design: Design, ax: Axes) -> None:
+    """Draw the law of the height density, and straight lines with the target slopes along its branches."""
+    law, words = design.target_law, "law of the height density"
+    ax.plot(law.load, law.base, color="black", ls=(0, (2, 3)), lw=1.0, label=words)
+    for i, (branch, fit) in enumerate(design.fits):
+        load = np.array(branch.load_range)
+        middle = fit.intercept + fit.slope * load.mean()
+        through = middle - branch.slope * load.mean() if branch.intercept is None else branch.intercept
+        label = "target slope" + (", asymptote" if branch.intercept is not None else "") if i == 0 else None
+        wide = np.array([0.0 if branch.intercept is not None else load[0], load[1]])
+        ax.plot(wide, through + branch.slope * wide, color=TARGET, lw=1.4, label=label)
+    for branch, _ in design.fits[:-1]:
+        ax.axvline(branch.load_range[1], color=TARGET, ls=":", lw=1.2, label="target crossover")

@@ -12,7 +12,7 @@ from metafem import _validate as check
 from metafem import drawing
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.prediction import tables
 from metafem.prediction.branch_fit import BranchFit, fit_branch
 from metafem.surface import Friction, Material
@@ -102,8 +102,7 @@ class BaseLaw(Value):
         >>> law.fit(load=(0.1, 0.2)).points
         11
         """
-        if (load_range is None) == (load is None):
-            raise InvalidInput("a fit needs either load_range [mm^2] or load [N]")
+        refuse_if((load_range is None) == (load is None), "a fit needs either load_range [mm^2] or load [N]")
         if load is None:
             ends = check.array("load_range", load_range, shape=(2,))
         else:
@@ -132,7 +131,12 @@ class BaseLaw(Value):
         >>> table["area_mm2"].round(4).tolist(), table.attrs["model"]
         ([0.4708, 0.7474], 'Independent()')
         """
-        return tables.dataframe(self.quantities(), self._about())
+        from pandas import DataFrame
+
+        arrays = tables.columns(self.quantities())
+        table = DataFrame({name: values.copy() for name, values in arrays.items()})
+        table.attrs.update(self._about())
+        return table
 
     def to_xarray(self) -> Dataset:
         """Return the law over its rescaled loads.
@@ -153,7 +157,14 @@ class BaseLaw(Value):
         >>> data.sizes["rescaled_load"], data.area.attrs["units"]
         (100, 'mm2')
         """
-        return tables.dataset(self.quantities(), self._about())
+        from xarray import Dataset
+
+        variables = {}
+        for name, values in self.quantities().items():
+            unit, words = tables.described(name)
+            variables[name] = ("rescaled_load", values.copy(), {"units": unit, "long_name": words})
+        coordinate = {"rescaled_load": variables.pop("rescaled_load")}
+        return Dataset(variables, coordinate, dict(self._about()))
 
     def plot(
         self, ax: Axes | None = None, units: Literal["mm^2", "N"] = "mm^2", label: str | None = None
@@ -183,8 +194,9 @@ class BaseLaw(Value):
         >>> ax.get_xlabel()
         'rescaled load  P/E* [mm²]'
         """
-        if units not in ("mm^2", "N"):
-            raise InvalidInput(f'units = {units!r:.40} must be "mm^2" (rescaled) or "N" (forces)')
+        refuse_if(
+            units not in ("mm^2", "N"), f'units = {units!r:.40} must be "mm^2" (rescaled) or "N" (forces)'
+        )
         ax = drawing.axes(ax)
         self._draw(ax, units == "N", label)
         return ax

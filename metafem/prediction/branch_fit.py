@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.surface import Friction, Material
 
 # Probability below the upper end of a two-sided 68 % interval of Student's distribution.
@@ -67,16 +67,15 @@ def fit_branch(
 ) -> BranchFit:
     """Fit areas (k,) [mm^2] to rescaled loads (k,) [mm^2] between two loads by least squares."""
     low, high = load_range
-    if high <= low:
-        raise InvalidInput(f"load_range = ({low:g}, {high:g}) must increase")
+    refuse_if(high <= low, f"load_range = ({low:g}, {high:g}) must increase")
     chosen = (load >= low) & (load <= high) & ~np.isnan(area)  # areas of a measured law may be unknown
     count = int(chosen.sum())
-    if count < 3 or np.ptp(load[chosen]) == 0.0:
-        raise InvalidInput(
-            f"load_range = ({low:g}, {high:g}) holds {count} of the law's points, which run from "
-            f"{load.min():g} to {load.max():g} mm^2; a fit needs at least 3 points, "
-            "at different loads"
-        )
+    refuse_if(
+        count < 3 or np.ptp(load[chosen]) == 0.0,
+        f"load_range = ({low:g}, {high:g}) holds {count} of the law's points, which run from "
+        f"{load.min():g} to {load.max():g} mm^2; a fit needs at least 3 points, "
+        "at different loads",
+    )
     x, y = load[chosen], area[chosen]
     centre, spread = x.mean(), ((x - x.mean()) ** 2).sum()
     slope = float(((x - centre) * (y - y.mean())).sum() / spread)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from metafem import _validate as check
-from metafem.errors import InvalidInput, NotConverged
+from metafem.errors import NotConverged, refuse_if
 from metafem.models import Independent, Model
 from metafem.models.model import checked_model
 from metafem.notes import when_read
@@ -61,10 +61,9 @@ def equilibrium(
     solver = checked_model(Independent() if model is None else model)
     given = {"load": load, "approach": approach, "separation": separation}
     named = [name for name, value in given.items() if value is not None]
-    if len(named) != 1:
-        raise InvalidInput(
-            f"exactly one of load, approach and separation must be given; got {named or 'none'}"
-        )
+    refuse_if(
+        len(named) != 1, f"exactly one of load, approach and separation must be given; got {named or 'none'}"
+    )
     modulus = surface.material.composite_modulus
     top = float(surface.height.max())
     if load is not None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.models import Independent, Model
 from metafem.models.curve import Curve
 from metafem.models.model import checked_model, contact_of, with_contact
@@ -79,11 +79,11 @@ def unloading_curve(
         load if load is None else load[-1:],
         approach=approach if approach is None else approach[-1:],
     )
-    if not first.checked().load[0] > 0.0:
-        raise InvalidInput(
-            "unloading = True: no asperity is in contact at the largest load; unloading begins there, and it "
-            "must be greater than 0 N"
-        )
+    refuse_if(
+        not first.checked().load[0] > 0.0,
+        "unloading = True: no asperity is in contact at the largest load; unloading begins there, and it "
+        "must be greater than 0 N",
+    )
     after, second = flattened_by(surface, model, first.last.indentation)
     lowered = float(surface.height.max() - after.height.max())
     curve = second.curve(after, load, approach=approach if approach is None else approach - lowered)

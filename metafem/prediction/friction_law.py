@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput, NotConverged
+from metafem.errors import NotConverged, refuse_if
 from metafem.models import Curve, Independent, Model
 from metafem.models.model import checked_model, contact_of, with_contact
 from metafem.notes import when_read
@@ -88,31 +88,32 @@ def friction_law(
     """
     check.instance("surface", surface, Surface, "a metafem.Surface")
     solver = checked_model(Independent() if model is None else model)
-    if load is not None and separation is not None:
-        raise InvalidInput("only one of load and separation can be given")
+    refuse_if(load is not None and separation is not None, "only one of load and separation can be given")
     check.instance("unloading", unloading, bool, "True or False")
     law = contact_of(solver).for_material(surface.material)
-    if unloading and not getattr(solver, "unloads", False):
-        raise InvalidInput(
-            f"unloading = True: the model {solver.name} has no unloading; use independent, mean-field, "
-            "half-space or layer"
-        )
+    refuse_if(
+        unloading and not getattr(solver, "unloads", False),
+        f"unloading = True: the model {solver.name} has no unloading; use independent, mean-field, "
+        "half-space or layer",
+    )
     values: dict[str, FloatArray]
     distance = None
     if separation is not None:
-        if law.adhesive:
-            raise InvalidInput(
-                "separation cannot be given with adhesive contacts: at a given separation their load falls "
-                "where they jump into contact; give load"
-            )
+        refuse_if(
+            law.adhesive,
+            "separation cannot be given with adhesive contacts: at a given separation their load falls "
+            "where they jump into contact; give load",
+        )
         distance = np.sort(check.array("separation", separation, shape=(None,)))[::-1]
         values = {"approach": surface.height.max() - distance}
     elif load is None:
         values = {"load": default_loads(surface, solver)}
     else:
         newtons = np.sort(check.array("load", load, shape=(None,)))
-        if newtons[0] < 0.0 and not (unloading and law.adhesive):
-            raise InvalidInput(f"load holds {newtons[0]:g} N; loads must be at least 0 N")
+        refuse_if(
+            newtons[0] < 0.0 and not (unloading and law.adhesive),
+            f"load holds {newtons[0]:g} N; loads must be at least 0 N",
+        )
         values = {"load": newtons / surface.material.composite_modulus}
     if not unloading:
         curve = solver.curve(surface, **values)

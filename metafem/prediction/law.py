@@ -12,7 +12,7 @@ from metafem import drawing
 from metafem._validate import FloatArray
 from metafem._values import span
 from metafem.drawing import card
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.models import Model, Status
 from metafem.notes import Note, late_notes, printed_count, to_lines
 from metafem.prediction import tables
@@ -88,10 +88,10 @@ class FrictionLaw(BaseLaw):
     def __post_init__(self) -> None:
         arrays = {name: getattr(self, name) for name in ARRAYS}
         for name, values in arrays.items():
-            if values.ndim != 1 or values.shape != self.rescaled_load.shape or not values.size:
-                raise InvalidInput(
-                    f"{name} has shape {values.shape}; the arrays of a law have one entry for each load"
-                )
+            refuse_if(
+                values.ndim != 1 or values.shape != self.rescaled_load.shape or not values.size,
+                f"{name} has shape {values.shape}; the arrays of a law have one entry for each load",
+            )
             values.flags.writeable = False
         if self.status is Status.CONVERGED:  # the last state of a failed solver may be arbitrary
             self._refuse_impossible(arrays)
@@ -103,8 +103,7 @@ class FrictionLaw(BaseLaw):
             if bad.any():
                 i = int(bad.argmax())
                 raise InvalidInput(f"{name}[{i}] = {values[i]:g} is impossible in a converged law")
-        if (np.diff(self.rescaled_load) < 0.0).any():
-            raise InvalidInput("the loads of a law must not decrease")
+        refuse_if((np.diff(self.rescaled_load) < 0.0).any(), "the loads of a law must not decrease")
 
     def __repr__(self) -> str:
         facts = self._facts()

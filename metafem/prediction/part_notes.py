@@ -12,51 +12,40 @@ from metafem.surface import Surface
 
 def part_notes(surface: Surface, shape: CapShape) -> list[Note]:
     """Return notes on features of the surface that cannot be manufactured."""
-    notes = []
-    low = int((surface.height < 0.0).sum())
-    if low:
-        notes.append(
-            Note(
-                f"{low} of {surface.count} summits lie below the base plane, the lowest at "
-                f"{float(surface.height.min()):.4g} mm, and cannot be made as caps: raise them above 0 mm"
-            )
-        )
-    most = shape.tallest(surface.radius)
-    high = int((surface.height > most).sum())
-    if high and shape is not SPHERES:
-        notes.append(
-            Note(
-                f"{high} of {surface.count} summits stand higher than their profile is deep and cannot be "
-                f"made as caps: lower them to {float(most.min()):.4g} mm, or give a wider profile"
-            )
-        )
-    elif high:
-        notes.append(
-            Note(
-                f"{high} of {surface.count} summits stand higher than their radius and cannot be made as "
-                f"caps: lower them to {float(surface.radius.min()):g} mm, or use larger radii"
-            )
-        )
+    height, radius, block = surface.height, surface.radius, surface.block
+    most = shape.tallest(radius)
+    low, high = int((height < 0.0).sum()), int((height > most).sum())
     buried = _overlapping_caps(surface, shape)
-    if buried:
-        notes.append(
-            Note(
-                f"the caps of {buried} {'pair' if buried == 1 else 'pairs'} of summits overlap on the base "
-                "plane and cannot be made as separate caps: increase the pitch, or lower the summits"
-            )
-        )
-    block = surface.block
+    if shape is SPHERES:
+        too_high = "their radius", f"{float(radius.min()):g} mm, or use larger radii"
+    else:
+        too_high = "their profile is deep", f"{float(most.min()):.4g} mm, or give a wider profile"
+    features = [
+        (
+            low,
+            f"{low} of {surface.count} summits lie below the base plane, the lowest at "
+            f"{float(height.min()):.4g} mm, and cannot be made as caps: raise them above 0 mm",
+        ),
+        (
+            high,
+            f"{high} of {surface.count} summits stand higher than {too_high[0]} and cannot be made as caps: "
+            f"lower them to {too_high[1]}",
+        ),
+        (
+            buried,
+            f"the caps of {buried} {'pair' if buried == 1 else 'pairs'} of summits overlap on the base plane "
+            "and cannot be made as separate caps: increase the pitch, or lower the summits",
+        ),
+    ]
     if block is not None:
-        outside = np.abs(surface.position) > 0.5 * np.array([block.width, block.length])
-        count = int(outside.any(axis=1).sum())
-        if count:
-            notes.append(
-                Note(
-                    f"{count} of {surface.count} summits stand outside the block of {block.width:g} by "
-                    f"{block.length:g} mm, whose centre is at (0, 0): make it larger, or move them"
-                )
-            )
-    return notes
+        half = 0.5 * np.array([block.width, block.length])
+        outside = int((np.abs(surface.position) > half).any(axis=1).sum())
+        text = (
+            f"{outside} of {surface.count} summits stand outside the block of {block.width:g} by "
+            f"{block.length:g} mm, whose centre is at (0, 0): make it larger, or move them"
+        )
+        features.append((outside, text))
+    return [Note(text) for count, text in features if count]
 
 
 def _overlapping_caps(surface: Surface, shape: CapShape) -> int:

@@ -12,7 +12,7 @@ from scipy.special import ndtri
 from metafem import _validate as check
 from metafem._given import Given
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.surface import STEEPEST, Surface
 
 # Minimum distance of a radius from zero, in standard deviations. The smallest number that is drawn from
@@ -124,12 +124,15 @@ class Tolerances:
         Perturbed
         """
         n, used = surface.count, 0
-        if unit.ndim != 2 or unit.shape[1] != self.dimensions(surface):
-            raise InvalidInput(f"unit has shape {unit.shape}; it must be (m, {self.dimensions(surface)})")
+        refuse_if(
+            unit.ndim != 2 or unit.shape[1] != self.dimensions(surface),
+            f"unit has shape {unit.shape}; it must be (m, {self.dimensions(surface)})",
+        )
         smallest = float(surface.radius.min())
-        if WIDEST_RADIUS * self.radius_sd > smallest:
-            words = "must be at most a tenth of the smallest radius, {.number}"
-            raise InvalidInput(words, Given("radius", smallest), key="radius_sd", value=self.radius_sd)
+        words, wide = "must be at most a tenth of the smallest radius, {.number}", self.radius_sd
+        refuse_if(
+            WIDEST_RADIUS * wide > smallest, words, Given("radius", smallest), key="radius_sd", value=wide
+        )
 
         def columns(number: int) -> FloatArray:
             nonlocal used

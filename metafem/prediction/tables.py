@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 from metafem._validate import FloatArray
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
-    from xarray import Dataset
 
 # Quantities of a law, in the order of their columns, with unit and meaning.
 QUANTITIES = {
@@ -46,24 +41,3 @@ def columns(quantities: Mapping[str, FloatArray], without: tuple[str, ...] = ())
         if name not in without:
             found[name if unit == "1" else f"{name}_{unit}"] = values
     return found
-
-
-def dataframe(quantities: Mapping[str, FloatArray], about: Mapping[str, str]) -> DataFrame:
-    """Return the arrays of a law as a table with a row for each load."""
-    from pandas import DataFrame
-
-    table = DataFrame({name: values.copy() for name, values in columns(quantities).items()})
-    table.attrs.update(about)
-    return table
-
-
-def dataset(quantities: Mapping[str, FloatArray], about: Mapping[str, str]) -> Dataset:
-    """Return the arrays of a law over the dimension ``rescaled_load``."""
-    from xarray import Dataset
-
-    variables = {}
-    for name, values in quantities.items():
-        unit, words = described(name)
-        variables[name] = ("rescaled_load", values.copy(), {"units": unit, "long_name": words})
-    coordinate = {"rescaled_load": variables.pop("rescaled_load")}
-    return Dataset(variables, coordinate, dict(about))

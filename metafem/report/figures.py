@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
 from metafem.inversion import Design, feasible_region
-from metafem.inversion.picture import draw_laws, draw_target, few
+from metafem.inversion.result import draw_laws, draw_target, few
 from metafem.report.comparison import Comparison
 from metafem.report.names import model_words
 

@@ -11,9 +11,8 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._given import Given
-from metafem._validate import FloatArray
 from metafem._values import percent
-from metafem.errors import InvalidInput, NotConverged
+from metafem.errors import NotConverged, refuse_if
 from metafem.inversion import Design
 from metafem.inversion.assessment import MISSED
 from metafem.models import Model
@@ -21,16 +20,15 @@ from metafem.models.model import checked_model
 from metafem.notes import Note, information
 from metafem.prediction import Tolerances
 from metafem.progress import doing
-from metafem.studies.largest_tolerances import ALL, Largest, factors, quantile
-from metafem.studies.made_laws import MadeLaws, Runs, share_error
+from metafem.studies.largest_tolerances import ALL, factors, quantile
+from metafem.studies.made_laws import MadeLaws, described, share_error
 from metafem.studies.sampling.batches import Execution, opened
 from metafem.studies.sampling.dataset import QUANTILES, Variables, dataset, of_law, with_error
-from metafem.studies.sampling.inputs import Inputs
-from metafem.studies.sampling.moments import moments
+from metafem.studies.sampling.inputs import NO_INPUTS, Inputs, values_of
+from metafem.studies.sampling.moments import Estimate, moments
 from metafem.studies.sampling.points import Draws, batch_size, entropy
 from metafem.studies.sampling.slope import Slope
 from metafem.studies.sampling.store import inputs_hash
-from metafem.surface import Surface
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -71,9 +69,9 @@ class Requirement:
     def __post_init__(self) -> None:
         check.member(self, "misfit", above=0.0)
         check.member(self, "probability", above=0.0)
-        if self.probability >= 1.0:
-            most = Given("probability", 1.0)
-            raise InvalidInput("must be below {.number}", most, key="probability", value=self.probability)
+        most = Given("probability", 1.0)
+        beyond = self.probability >= 1.0
+        refuse_if(beyond, "must be below {.number}", most, key="probability", value=self.probability)
 
 
 @doing("drawing made surfaces")
@@ -157,8 +155,6 @@ def combined(
     >>> found.tolerance.values.tolist(), bool(0.0 < found.probability < 1.0)
     (['all', 'height_sd'], True)
     """
-    check.instance("design", design, Design, "a metafem.Design")
-    check.instance("tolerances", tolerances, Tolerances, "metafem.Tolerances")
     wish, number = requirement or Requirement(), Draws.of(draws)
     allowed, wanted, goal = wish.misfit, wish.probability, number.error
     surface = design.surface
@@ -169,7 +165,7 @@ def combined(
         surface,
         used,
         tolerances,
-        _inputs(surface, parameters),
+        Inputs.of(parameters, None, values_of(surface)) if parameters else NO_INPUTS,
         design.target_law,
         tuple(branch for branch, _ in design.fits),
         slope,
@@ -179,30 +175,31 @@ def combined(
     )
     key = inputs_hash((task, allowed, wanted, goal))
     with opened(execution, "combined", key) as compute:
-        runs = Runs(compute)
-        drawn, sums = runs.described(task, allowed, goal)
-        found = factors(runs, task, drawn, allowed, wanted)
-    if sums.count[0] < 2:
+        drawn, sums = described(compute, task, allowed, goal)
+        found = factors(
+            lambda task: np.concatenate([batch["misfit"] for batch in compute(task, task.batches)]),
+            task, drawn, allowed, wanted,
+        )  # fmt: skip
+    if sums["count"] < 2:
         raise NotConverged("fewer than two draws have a solution")
     notes += _notes(found, wanted, allowed)
     if slope is not None:
         notes.append(slope.note)
-    if sums.failed.any():
-        notes.append(Note(f"{sums.failed[0]} draws have no solution under this model: they miss the target"))
+    if sums["failed"]:
+        notes.append(Note(f"{sums['failed']} draws have no solution under this model: they miss the target"))
     met, count = float((drawn <= allowed).mean()), len(drawn)
     if goal is not None and share_error(met, count) > goal:
         notes.append(Note(f"the error {goal:g} of the probability is not reached within {count} draws"))
-    factors_found = np.array([value[:2] for value in found.values()]).reshape(-1, 2)
     levels, load, over = [quantile(drawn, share) for share in QUANTILES], "rescaled_load", ("tolerance",)
     variables: Variables = {
         **with_error("probability", (), (met, share_error(met, count))),
         **with_error("misfit_quantile", ("quantile",), list(np.transpose(levels))),
-        **with_error("factor", over, list(factors_found.T)),
+        **with_error("factor", over, np.array(list(found.values())).reshape(-1, 2).T),
         "nominal_misfit": ((), task.nominal[0]),
         "given": (over, [1.0 if name == ALL else getattr(tolerances, name) for name in found]),
-        "failed": ((), sums.failed[0]),
-        "draws": ((), sums.count[0]),
-        **of_law(moments(sums, plain=True), task.nominal[1], slope=slope is not None),
+        "failed": ((), sums["failed"]),
+        "draws": ((), sums["count"]),
+        **of_law(moments(sums, plain=True)[:2], task.nominal[1], slope=slope is not None),
     }
     result = dataset(
         "combined",
@@ -223,27 +220,13 @@ def combined(
     )
 
 
-def _inputs(surface: Surface, parameters: Mapping[str, float] | None) -> Inputs | None:
-    """Return the errors of the parameters."""
-    if parameters is None:
-        return None
-    mean: dict[str, float | FloatArray] = {
-        "composite_modulus": surface.material.composite_modulus,
-        "radius": float(surface.radius.mean()),
-    }
-    if surface.friction is not None:
-        mean |= {name: float(getattr(surface.friction, name)) for name in ("shear_strength", "area_ratio")}
-    missing = dict.fromkeys(("shear_strength", "area_ratio"), "a surface with a Friction")
-    return Inputs.of(parameters, None, mean, {k: v for k, v in missing.items() if k not in mean})
-
-
-def _notes(found: Mapping[str, Largest], wanted: float, allowed: float) -> Iterator[Note]:
+def _notes(found: Mapping[str, Estimate], wanted: float, allowed: float) -> Iterator[Note]:
     """Yield a note for each tolerance without a largest value."""
     meets = f"a probability of {percent(wanted, '.3g')} of a misfit of at most {percent(allowed, '.3g')}"
     for name, value in found.items():
-        if math.isnan(value.factor):
+        if math.isnan(value.value):
             without = "errors of the surface" if name == ALL else f"{name}, with the other errors as given"
             yield Note(f"{meets} is not reached even without {without}")
-        elif math.isinf(value.factor):
+        elif math.isinf(value.value):
             what = "all tolerances" if name == ALL else name
             yield information(f"{meets} is exceeded up to the largest multiple of {what} that was tried")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -247,6 +248,7 @@ def cell_check() -> list[Check]:
     return checks
 
 
+@cache
 def spectral_convergence(poisson_ratio: float = 0.5) -> Convergence:
     """Error of Hertz's load on the half-space as a function of the degree of the elements."""
     degree = np.array([4, 5, 6, 7, 8])
@@ -254,12 +256,13 @@ def spectral_convergence(poisson_ratio: float = 0.5) -> Convergence:
 
     def error(p: int) -> float:
         pressed = spectral(mesh, Oblate(1.0), p, poisson_ratio, lambda r: 0.5 * r**2, 1.0)
-        return abs(0.75 * pressed.load - 1.0)
+        return abs(0.75 * pressed.rescaled_load - 1.0)
 
     errors = np.array([error(int(p)) for p in degree])
     return Convergence(degree, errors, float(np.polyfit(degree, np.log10(errors), 1)[0]))
 
 
+@cache
 def search_convergence(poisson_ratio: float = 0.5) -> tuple[Convergence, Convergence]:
     """Errors of the active set's load and radius as functions of the cell, in contact radii.
 
@@ -283,7 +286,9 @@ def cap_convergence() -> Convergence:
 
     def bracket(smallest: float) -> float:
         mesh = graded_mesh(edge, BLOCK_RADIUS, THICKNESS, cap.foot, contact_edge=smallest)
-        return graded(mesh, cap, 4, 0.5, lambda r: sphere_profile(r, RADIUS), a, cap.outer, False).bracket
+        return graded(
+            mesh, cap, 4, 0.5, lambda r: sphere_profile(r, RADIUS), a, cap.outer, False
+        ).error_estimate
 
     return _order(size, np.array([bracket(float(s)) for s in size]))
 

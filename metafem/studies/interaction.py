@@ -68,7 +68,6 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     >>> dict(interaction(design, placements=5).sizes)
     {'substrate': 1, 'order': 2, 'rescaled_load': 100, 'placement': 5}
     """
-    check.instance("design", design, Design, "a metafem.Design")
     count = check.integer("placements", placements, at_least=1)
     seed = entropy(rng)
     # not the random stream of the assignment in `design`: its first permutation would undo that of a design

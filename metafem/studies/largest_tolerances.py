@@ -5,14 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.inversion.assessment import REACHED
-from metafem.studies.made_laws import MadeLaws, Runs
+from metafem.studies.made_laws import MadeLaws
+from metafem.studies.sampling.moments import Estimate
 from metafem.surface import STEEPEST
+
+# The quantile of the misfit at the wanted probability, or a scatter, at a factor, with its error [-].
+Level = Callable[[float], Estimate]
+
+# The misfits of all draws.
+Misfits = Callable[[MadeLaws], FloatArray]
 
 # Allowed relative scatter of the slope of a part: a law within it counts as reached.
 ALLOWED = REACHED
@@ -52,27 +59,7 @@ FRACTION, STEPS = 0.2, 12
 SMALLEST = 1e-9
 
 
-class Level(NamedTuple):
-    """Quantile of the misfit at the wanted probability, or a scatter, and its standard sampling error [-]."""
-
-    value: float
-    error: float
-
-
-class Largest(NamedTuple):
-    """A multiple of a tolerance, and its standard sampling error [-].
-
-    The error is infinite if the result depends on draws without a solution. The factor is nan if the level
-    exceeds the wanted one even without this error, and infinite if it does not at the largest multiple tried.
-    The rate is the derivative of the level by the factor at this factor.
-    """
-
-    factor: float
-    error: float
-    rate: float = math.inf
-
-
-def quantile(misfit: FloatArray, probability: float) -> Level:
+def quantile(misfit: FloatArray, probability: float) -> Estimate:
     """Return the smallest misfit that is not exceeded by at least a fraction of the draws.
 
     Its error is half the distance of the misfits at one standard error of the fraction on both sides.
@@ -82,25 +69,28 @@ def quantile(misfit: FloatArray, probability: float) -> Level:
     place = probability * count
     index = (np.array([place, place - half, place + half]) - 1e-9).astype(np.int64)
     value, low, high = ordered[np.clip(index, 0, count - 1)].tolist()
-    return Level(value, 0.5 * (high - low) if math.isfinite(high) else math.inf)
+    return Estimate(value, 0.5 * (high - low) if math.isfinite(high) else math.inf)
 
 
-def largest(level: Callable[[float], Level], given: Level, wanted: float, most: float) -> Largest:
-    """Return the largest factor, up to `most`, at which a level equals the wanted one.
+def largest(
+    level: Level, given: Estimate, wanted: float, most: float, whole: Level | None = None
+) -> Estimate:
+    """Return the largest factor, up to `most`, at which a level equals the wanted one, and its error.
 
     The level of each draw is a continuous function of the factor, and so is the level of all draws with
     common random numbers: the root is bracketed and found by the method of false position in its Illinois
-    form.
+    form. The factor is nan if the level exceeds the wanted one even without this error, and infinite if it
+    does not at the largest multiple. Its error is infinite if it depends on draws without a solution.
 
-    level: the level at a factor; given: the level at 1.
+    level: the level at a factor; given: the level at 1; whole: the level of more draws, for one last step.
     """
     low, at_low = 0.0, level(0.0)
     high, at_high = 1.0, given
     if min(at_low.value, at_high.value) > wanted:
-        return Largest(math.nan, 0.0)
+        return Estimate(math.nan, 0.0)
     while at_high.value <= wanted:
         if high >= most:
-            return Largest(math.inf, 0.0)
+            return Estimate(math.inf, 0.0)
         rise = max(at_high.value - at_low.value, SMALLEST * wanted)
         ahead = (wanted - at_high.value) * (high - low) / rise
         new = min((1.0 + BEYOND) * min(high + ahead, 2.0 * high), most)
@@ -127,39 +117,39 @@ def largest(level: Callable[[float], Level], given: Level, wanted: float, most: 
     apart = min(near, default=min((1.0 + BEYOND) * factor, most))
     rise = (above[apart] if near else level(apart).value) - found.value
     if not 0.0 < rise < math.inf:
-        return Largest(factor, math.inf)
+        return Estimate(factor, math.inf)
     rate = rise / (apart - factor)
-    return Largest(factor, found.error / rate, rate)
+    error = found.error / rate
+    if whole is None or not 0.0 < error < math.inf:
+        return Estimate(factor, error)
+    value, error = whole(factor)
+    return Estimate(factor - (value - wanted) / rate, error / rate)
 
 
 def factors(
-    runs: Runs, task: MadeLaws, drawn: FloatArray, allowed: float, wanted: float
-) -> dict[str, Largest]:
+    misfits: Misfits, task: MadeLaws, drawn: FloatArray, allowed: float, wanted: float
+) -> dict[str, Estimate]:
     """Return the largest factor of all tolerances and of each that is not 0.
 
-    drawn: misfits under the given tolerances.
+    drawn: misfits under the given tolerances; misfits: computes those of other tolerances.
     """
     given = {name: getattr(task.tolerances, name) for name in BOUNDS if getattr(task.tolerances, name) > 0.0}
     count = min(len(drawn), task.size * math.ceil(SHARE * len(drawn) / task.size))
     at_given = quantile(drawn[:count], wanted)
 
-    def factor(names: list[str]) -> Largest:
+    def factor(names: list[str]) -> Estimate:
         # a little less than the bound, for rounding
         most = min(MOST, *(0.999 * BOUNDS[name](task.surface) / given[name] for name in names))
 
-        def level(times: float, draws: int = count) -> Level:
-            if times == 0.0 and task.inputs is None and len(names) == len(given):
-                return Level(task.nominal[0], 0.0)
+        def level(times: float, draws: int = count) -> Estimate:
+            if times == 0.0 and not task.inputs.names and len(names) == len(given):
+                return Estimate(task.nominal[0], 0.0)
             scaled = {name: max(times, NOTHING) * given[name] for name in names}
-            changed = replace(task, tolerances=replace(task.tolerances, **scaled), draws=draws)
-            return quantile(runs.misfits(changed), wanted)
+            changed = replace(task.tolerances, **scaled)
+            return quantile(misfits(replace(task, tolerances=changed, draws=draws, described=False)), wanted)
 
-        found = largest(level, at_given, allowed, most)
-        if not 0.0 < found.error < math.inf:
-            return found
         # one step with all draws, as the level of a part of them already equals the wanted one
-        value, error = level(found.factor, len(drawn))
-        return Largest(found.factor - (value - allowed) / found.rate, error / found.rate, found.rate)
+        return largest(level, at_given, allowed, most, lambda times: level(times, len(drawn)))
 
     if not given:
         return {}

@@ -16,11 +16,11 @@ from metafem.models.model import checked_model
 from metafem.notes import Note
 from metafem.prediction import Tolerances
 from metafem.progress import doing
-from metafem.studies.largest_tolerances import ALLOWED, MOST, Largest, Level, largest
+from metafem.studies.largest_tolerances import ALLOWED, MOST, largest
 from metafem.studies.sampling.batches import Execution, opened
 from metafem.studies.sampling.dataset import QUANTILES, dataset, of_law, with_error
 from metafem.studies.sampling.draws import ROUND_POINTS, SlopeDraws, linear_response, summed
-from metafem.studies.sampling.moments import Sums, moments, quantiles
+from metafem.studies.sampling.moments import Estimate, moments, quantiles
 from metafem.studies.sampling.points import FEWEST_BATCHES, Draws, batch_size, entropy
 from metafem.studies.sampling.schedulers import Run
 from metafem.studies.sampling.slope import Slope
@@ -110,7 +110,6 @@ def manufacturing(
     >>> study.slope_sd.values.round(3)
     array([0.   , 0.041])
     """
-    check.instance("surface", surface, Surface, "a metafem.Surface")
     used = checked_model(Independent() if model is None else model)
     deviations = np.atleast_1d(check.array("height_sd", np.atleast_1d(height_sd), shape=(None,)))
     tolerances = tuple(replace(others, height_sd=float(sd)) for sd in deviations)
@@ -119,34 +118,37 @@ def manufacturing(
     dimensions = replace(others, height_sd=1.0).dimensions(surface)
     size = batch_size(wanted.number, dimensions) if error is None else ROUND_POINTS
     task = SlopeDraws(
-        surface, used, slope, tolerances, *linear_response(used, surface, slope), seed, size, wanted.number,
-        plain, (True,) * len(tolerances),
+        surface, used, slope, others, *linear_response(used, surface, slope), seed, size, wanted.number,
+        plain, dimensions,
     )  # fmt: skip
     own = (surface, used, slope.load_range, tolerances, seed, size, wanted)
     inputs = inputs_hash(("manufacturing", *own))
     with opened(execution, "manufacturing", inputs) as compute:
-        sums, done = summed(compute, task, error)
-        limit = _largest_height_sd(compute, task, done, error)
-    for deviation in deviations[sums.batches < 2]:
+        levels = [summed(compute, replace(task, tolerances=each), error) for each in tolerances]
+        limit = _largest_height_sd(compute, task, error)
+    count, failed, batches = (
+        np.array([sums[name] for sums in levels]) for name in ("count", "failed", "batches")
+    )
+    for deviation in deviations[batches < 2]:
         raise NotConverged(f"fewer than two batches of draws have a solution at height_sd = {deviation:g} mm")
-    found, levels = moments(sums, plain=plain), quantiles(sums, np.array(QUANTILES))
-    nominal = task.nominal[0]
+    found = [moments(sums, plain=plain) for sums in levels]
+    value, errors, saving = (np.array(parts) for parts in zip(*found, strict=True))
+    quantile = np.array([quantiles(sums, np.array(QUANTILES)) for sums in levels]).swapaxes(0, 1)
     notes = []
-    if sums.failed.any():
-        notes.append(Note(f"{sums.failed.sum()} draws have no solution under this model and are left out"))
-    if error is not None and (found.sd.error[:, 0] > error * found.sd.value[:, 0]).any():
+    if failed.any():
+        notes.append(Note(f"{failed.sum()} draws have no solution under this model and are left out"))
+    if error is not None and (errors[:, 1, 0] > error * value[:, 1, 0]).any():
         notes.append(
-            Note(f"the relative error {error:g} of slope_sd is not reached within {sums.count.max()} draws")
+            Note(f"the relative error {error:g} of slope_sd is not reached within {count.max()} draws")
         )
     notes.append(slope.note)
-    saving = np.column_stack([found.saving_of_mean[:, 0], found.saving_of_sd[:, 0]])
     variables = {
-        **of_law(found, task.nominal, ("height_sd",)),
-        **with_error("slope_quantile", ("height_sd", "quantile"), levels, nominal, 1.0),
-        **with_error("largest_height_sd", (), limit[:2]),
-        "saving": (("height_sd", "moment"), saving),
-        "failed": (("height_sd",), sums.failed),
-        "draws": (("height_sd",), sums.count),
+        **of_law((value, errors), task.nominal, ("height_sd",)),
+        **with_error("slope_quantile", ("height_sd", "quantile"), quantile, task.nominal[0], 1.0),
+        **with_error("largest_height_sd", (), limit),
+        "saving": (("height_sd", "moment"), saving[..., 0]),
+        "failed": (("height_sd",), failed),
+        "draws": (("height_sd",), count),
     }
     coordinates = {
         "height_sd": deviations,
@@ -156,35 +158,29 @@ def manufacturing(
     }
     return dataset(
         "manufacturing", variables, coordinates, model=used, load_range=slope.load_range, seed=seed,
-        draws=int(sums.count.max()), inputs=inputs, notes=notes,
+        draws=int(count.max()), inputs=inputs, notes=notes,
     ).assign_attrs(allowed_scatter=ALLOWED)  # fmt: skip
 
 
-def _largest_height_sd(compute: Run, task: SlopeDraws, first: int, error: float | None) -> Largest:
+def _largest_height_sd(compute: Run, task: SlopeDraws, error: float | None) -> Estimate:
     """Return the deviation of the heights at which the slope scatters by `ALLOWED`, and its error [mm].
 
-    first: number of the first batch that is free; error: as for `summed`.
+    error: as for `summed`.
     """
-    others = replace(task.tolerances[0], height_sd=0.0)
 
-    def scatter(height_sd: float) -> Level:
-        nonlocal first
-        sums, first = summed(compute, task.at(replace(others, height_sd=height_sd), first), error)
-        return _scatter(sums, task.plain)
+    def scatter(height_sd: float) -> Estimate:
+        """Return the relative deviation of the slope; infinite without enough solutions for its error."""
+        sums = summed(compute, replace(task, tolerances=replace(task.tolerances, height_sd=height_sd)), error)
+        if sums["batches"] < FEWEST_BATCHES:
+            return Estimate(math.inf, math.inf)
+        found = moments(sums, plain=task.plain)
+        return Estimate(float(found.value[1, 0]), float(found.error[1, 0]))
 
     if error is None and task.draws < FEWEST_BATCHES:
-        return Largest(0.0, math.inf)
+        return Estimate(0.0, math.inf)
     # half the value by linear response, and not more than the same fraction of the radius
     response = float(np.linalg.norm(task.response[0]))
     most = ALLOWED * float(task.surface.radius.mean())
     start = min(0.5 * ALLOWED / response, most) if response > 0.0 else most
     found = largest(lambda factor: scatter(factor * start), scatter(start), ALLOWED, MOST)
-    return Largest(found.factor * start, found.error * start)
-
-
-def _scatter(sums: Sums, plain: bool) -> Level:
-    """Return the relative deviation of the slope; it is infinite without enough solutions for its error."""
-    if sums.batches[0] < FEWEST_BATCHES:
-        return Level(math.inf, math.inf)
-    found = moments(sums, plain=plain).sd
-    return Level(float(found.value[0, 0]), float(found.error[0, 0]))
+    return Estimate(found.value * start, found.error * start)

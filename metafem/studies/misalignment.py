@@ -8,14 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._given import shown
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.models import Independent, Model
 from metafem.models.model import checked_model, contact_of
 from metafem.notes import Note, information
 from metafem.progress import doing
-from metafem.studies.largest_tolerances import ALLOWED, Largest
+from metafem.studies.largest_tolerances import ALLOWED
 from metafem.studies.sampling.batches import Execution, opened
 from metafem.studies.sampling.dataset import QUANTILES, Variables, dataset, with_error
 from metafem.studies.sampling.moments import Estimate
@@ -114,9 +113,8 @@ def misalignment(
     >>> dict(found.slope_sd.sizes), found.slope_sd[0].round(3).values
     ({'placement': 4, 'angle': 2}, array([0.025, 0.065]))
     """
-    check.instance("surface", surface, Surface, "a metafem.Surface")
-    if not isinstance(axes, str) or axes not in DIRECTIONS:
-        raise InvalidInput(f"axes = {shown(axes)} must be one of {', '.join(map(repr, DIRECTIONS))}")
+    words = f"must be one of {', '.join(map(repr, DIRECTIONS))}"
+    refuse_if(axes not in DIRECTIONS, words, key="axes", value=repr(axes))
     signed = both_signs(_angles(angle))
     used = checked_model(Independent() if model is None else model)
     fit = Slope.of(surface, load_range, used)
@@ -149,7 +147,7 @@ def _angles(angle: ArrayLike) -> FloatArray:
 
 
 def _dataset(
-    task: Tilts, slopes: FloatArray, area: FloatArray, failed: int, limit: Largest, inputs: str
+    task: Tilts, slopes: FloatArray, area: FloatArray, failed: int, limit: Estimate, inputs: str
 ) -> xr.Dataset:
     """Return the dataset of slopes (p, a) and of the areas as made (a, k)."""
     middle = len(task.angle) // 2
@@ -167,19 +165,18 @@ def _dataset(
         quantile = _quantiles(by_slope[1].value[1:])
         variables |= with_error("slope_sd_quantile", ("quantile", "angle"), quantile)
         coordinates["quantile"] = list(QUANTILES)
-    variables |= with_error("largest_angle", (), limit[:2])
+    variables |= with_error("largest_angle", (), limit)
     variables["nominal_slope"] = (), slopes[0, middle]
     variables["nominal_area"] = ("rescaled_load",), area[middle]
     variables["failed"] = (), failed
     notes = [information("the errors of means and deviations are their changes with half as many angles")]
     if middle < FEWEST_ANGLES:
-        notes.append(
-            Note(
-                f"errors estimated from {middle} angles can be several times too small; give one angle, "
-                f"which is reached in {STEPS} steps, or at least {FEWEST_ANGLES}"
-            )
-        )
-    notes += _base_contact(task)
+        few = f"errors estimated from {middle} angles can be several times too small; give one angle"
+        notes.append(Note(f"{few}, which is reached in {STEPS} steps, or at least {FEWEST_ANGLES}"))
+    if _touches(task):
+        at = f"{task.angle[-1]:.3g} rad and a load of {task.fit.load[-1]:.3g} mm^2"
+        words = "the edge of the base plane would touch; the laws have no such contact"
+        notes.append(Note(f"at {at} {words}"))
     if failed:
         notes.append(Note(f"{failed} laws have no solution; they are interpolated from neighbouring angles"))
     return dataset(
@@ -188,25 +185,18 @@ def _dataset(
     ).assign_attrs(allowed_scatter=ALLOWED)  # fmt: skip
 
 
-def _base_contact(task: Tilts) -> list[Note]:
-    """Return a warning if the inclined base plane would touch at the largest angle and load."""
+def _touches(task: Tilts) -> bool:
+    """Whether the inclined base plane would touch at the largest angle and load."""
     surface, rise = task.surface, task.tilt[-1]
     tilted = surface.height + surface.position @ rise
-    load = task.fit.load[-1:]
     law = contact_of(task.model).for_material(surface.material)
-    approach = Independent(contact=law).curve_of(tilted, surface.radius, load).approach[0]
+    approach = Independent(contact=law).curve_of(tilted, surface.radius, task.fit.load[-1:]).approach[0]
     separation = float(tilted.max() - approach)  # at the origin, from the base plane
+    block = surface.block
     sides = np.abs(surface.position).max(axis=0)
-    if surface.block is not None:
-        sides = np.array([surface.block.width, surface.block.length]) / 2.0
-    if float(rise @ sides) < separation:
-        return []
-    return [
-        Note(
-            f"at {task.angle[-1]:.3g} rad and a load of {load[0]:.3g} mm^2 the edge of the base plane would "
-            "touch; the laws have no such contact"
-        )
-    ]
+    if block is not None:
+        sides = np.array([block.width, block.length]) / 2.0
+    return not float(rise @ sides) < separation
 
 
 def _quantiles(value: FloatArray) -> Estimate:

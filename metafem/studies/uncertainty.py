@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.models import Independent, Model
 from metafem.models.model import checked_model, contact_of
 from metafem.notes import Note
@@ -19,7 +18,7 @@ from metafem.prediction.friction_law import default_loads
 from metafem.progress import doing
 from metafem.studies.sampling.batches import Execution, opened
 from metafem.studies.sampling.dataset import Variables, dataset, with_error
-from metafem.studies.sampling.inputs import Inputs
+from metafem.studies.sampling.inputs import Inputs, values_of
 from metafem.studies.sampling.law_draws import LawDraws, Response
 from metafem.studies.sampling.points import MOST_DRAWS, Draws, entropy
 from metafem.studies.sampling.slope import Slope
@@ -114,36 +113,29 @@ def uncertainty(
     >>> found.area_sd.round(4).values, found.area_total[:, 0].round(2).values
     (array([0.0035]), array([0.09, 0.91]))
     """
-    check.instance("surface", surface, Surface, "a metafem.Surface")
     used = checked_model(Independent() if model is None else model)
     number = Draws.of(draws)
     wanted = number.error
     errors, covariance = parameters if isinstance(parameters, tuple) else (parameters, None)
-    modulus = surface.material.composite_modulus
+    words = "friction_force must be given with the load of each measured pair"
+    refuse_if(load is None and friction_force is not None, words)
     if load is None:
-        if friction_force is not None:
-            raise InvalidInput("friction_force must be given with the load of each measured pair")
-        loads = modulus * default_loads(surface, used)
+        loads = surface.material.composite_modulus * default_loads(surface, used)
     else:
         loads = check.array("load", load, shape=(None,), positive=True)
-    forces = None
+    means, forces = {**values_of(surface), "load": loads}, None
     if friction_force is not None:
         forces = check.array("friction_force", friction_force, shape=(len(loads),), positive=True)
-        if surface.friction is None:
-            raise InvalidInput("friction_force needs a surface with a Friction")
-    means = _means(surface, loads, forces)
-    needs = "a surface with a Friction" if surface.friction is None else "measured friction forces"
-    missing = {
-        name: needs for name in ("shear_strength", "area_ratio", "friction_force") if name not in means
-    }
-    inputs = Inputs.of(errors, covariance, means, missing)
+        refuse_if(surface.friction is None, "friction_force needs a surface with a Friction")
+        means["friction_force"] = forces
+    inputs = Inputs.of(errors, covariance, means)
     law = contact_of(used)
-    if "composite_modulus" in inputs.names and law.scales_with_stress:
-        raise InvalidInput(
-            f"parameters: composite_modulus also changes the law {law!r}, whose energy or stress is compared "
-            "with it; take a law without them (contact hertz), use the study combined, which solves each "
-            "draw with its own modulus, or leave the modulus out"
-        )
+    refuse_if(
+        "composite_modulus" in inputs.names and law.scales_with_stress,
+        f"parameters: composite_modulus also changes the law {law!r}, whose energy or stress is compared "
+        "with it; take a law without them (contact hertz), use the study combined, which solves each "
+        "draw with its own modulus, or leave the modulus out",
+    )
     fit, notes = Slope.if_any(surface, load_range, used)
     groups = len(inputs.groups)
     size = plan(number.number if wanted is None else FIRST_DRAWS, groups)
@@ -164,21 +156,6 @@ def uncertainty(
     if not enough:
         notes.append(Note(f"the sampling error of area_sd exceeds {wanted:g} after {size.draws} draws"))
     return _dataset(task, found, used, size.draws, key, notes)
-
-
-def _means(surface: Surface, load: FloatArray, force: FloatArray | None) -> dict[str, float | FloatArray]:
-    """Return the values of all parameters that can have an error."""
-    material, friction = surface.material, surface.friction
-    mean: dict[str, float | FloatArray] = {
-        "radius": float(surface.radius.mean()),
-        "composite_modulus": material.composite_modulus,
-        "load": load,
-    }
-    if friction is not None:
-        mean |= {"shear_strength": friction.shear_strength, "area_ratio": friction.area_ratio}
-    if force is not None:
-        mean["friction_force"] = force
-    return mean
 
 
 def _dataset(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import ClassVar
 
 import numpy as np
 from scipy.special import j0, j1
@@ -13,7 +14,7 @@ from metafem import _validate as check
 from metafem._kernels import layer as kernel
 from metafem._kernels.layer import DEGREE, WIDTH
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.substrate.protocol import agreed
 from metafem.substrate.radial import Radial
 from metafem.surface import Surface
@@ -60,6 +61,8 @@ class BondedLayer(Radial):
     array([ 0.64 , -0.059])
     """
 
+    name: ClassVar[str] = "layer"
+
     thickness: float | None = None
     poisson_ratio: float | None = None
 
@@ -67,17 +70,14 @@ class BondedLayer(Radial):
         check.member(self, "thickness", optional=True, above=0.0)
         check.member(self, "poisson_ratio", optional=True, **check.POISSON)
 
-    @property
-    def name(self) -> str:
-        """Name of the substrate."""
-        return "layer"
-
     def for_surface(self, surface: Surface) -> BondedLayer:
         """Return the layer with the thickness and Poisson ratio of a surface."""
         ratio = agreed("BondedLayer", "poisson_ratio", self.poisson_ratio, surface.material.poisson_ratio)
         block = surface.block
-        if block is None and self.thickness is None:
-            raise InvalidInput("BondedLayer() needs the surface's block, or the argument thickness")
+        refuse_if(
+            block is None and self.thickness is None,
+            "BondedLayer() needs the surface's block, or the argument thickness",
+        )
         given = None if block is None else block.thickness
         thickness = agreed("BondedLayer", "thickness", self.thickness, given)
         return replace(self, thickness=thickness, poisson_ratio=ratio)

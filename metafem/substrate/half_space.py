@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -23,20 +24,9 @@ class HalfSpace(Radial):
     array([0.31831 , 0.159155])
     """
 
-    @property
-    def name(self) -> str:
-        """Name of the substrate."""
-        return "half-space"
-
-    @property
-    def self_influence(self) -> float:
-        """Zero [1/mm]: Hertz's law contains the response of the half-space."""
-        return 0.0
-
-    @property
-    def self_curvature(self) -> float:
-        """Zero [1/mm^3]."""
-        return 0.0
+    name: ClassVar[str] = "half-space"
+    self_influence: ClassVar[float] = 0.0  # Hertz's law contains the response of the half-space
+    self_curvature: ClassVar[float] = 0.0
 
     def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return zeros."""

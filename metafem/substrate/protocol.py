@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol, TypeVar, runtime_checkable
 
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.surface import Surface
 
 T = TypeVar("T")
@@ -13,8 +13,10 @@ T = TypeVar("T")
 
 def agreed(substrate: str, name: str, stated: T | None, given: T | None) -> T | None:
     """Return a value defined by the substrate or by the surface; if by both, the two must be equal."""
-    if stated is not None and given is not None and stated != given:
-        raise InvalidInput(f"{substrate} has {name} = {stated}, but the surface has {given}")
+    refuse_if(
+        stated is not None and given is not None and stated != given,
+        f"{substrate} has {name} = {stated}, but the surface has {given}",
+    )
     return given if stated is None else stated
 
 

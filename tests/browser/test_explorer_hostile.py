@@ -6,7 +6,6 @@ from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.link import to_link
 from metafem.files import demo_text
-from validation.scenes.explorer import TYPED
 
 pytestmark = pytest.mark.slow
 
@@ -42,7 +41,7 @@ def visit(visit):
 def typed(visit, key, text):
     """Type a value into a field, and wait for its answer."""
     before = visit.asked
-    visit.page.evaluate(TYPED, [key, text])
+    visit.page.evaluate("probe.typed", [key, text])
     visit.settled(before)
 
 

@@ -8,7 +8,7 @@ import pytest
 from metafem.calibration import Sample, fit_compression
 from metafem.calibration.serial_correlation import Succession
 from metafem.calibration.verdict import judged_in_order
-from validation.scenes.compression_tests import ENERGY, ERRORS, MODULUS, RADII, RADIUS, compression_tests
+from validation.scenes.compression_tests import ENERGY, ERRORS, RADII, RADIUS, compression_tests
 from validation.scenes.drift import RHO, drifting
 
 TEST = np.repeat(["b", "a", "c"], 20)
@@ -79,19 +79,6 @@ def test_drifting_loads_are_noticed_and_widen_the_interval():
     steady = fit_compression(*measured, RADIUS, Sample(contacts=5), test=TEST)
     assert steady.verdict.fits
     assert found.root_covariance[0, 0] > 2.0 * steady.root_covariance[0, 0]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("contacts", "covered"), [(1, 0.68), (5, 0.64)])
-def test_three_hundred_calibrations_with_drifting_loads(contacts, covered):
-    rng = np.random.default_rng(5)
-    found = [
-        fit_compression(*drifting(rng, contacts), RADIUS, sample=Sample(contacts=contacts), test=TEST)
-        for _ in range(300)
-    ]
-    assert np.mean([not each.verdict.fits for each in found]) >= 0.9
-    inside = [low <= MODULUS <= high for low, high in (each.composite_modulus_interval for each in found)]
-    assert np.mean(inside) == pytest.approx(covered, abs=3.0 * math.sqrt(0.68 * 0.32 / 300))
 
 
 def test_the_synthetic_drift_has_the_errors_of_independent_loads():

@@ -109,6 +109,8 @@ def test_the_energy_of_a_contact(cap, energy):
     slope = derivative(lambda b: law.load(b, RADIUS, k), a, 1e-4 * a)
     slope /= derivative(lambda b: law.indentation(b, RADIUS, k), a, 1e-4 * a)
     assert law.stiffness(a, RADIUS, k) == pytest.approx(slope, rel=1e-7)
+    area = derivative(lambda e: law.area(law.contact_radius(e, RADIUS, k)), d, 1e-3 * d)
+    assert law.area_slope(a, RADIUS, k) == pytest.approx(area, rel=1e-7)
 
 
 def derivative(function, at, by):

@@ -100,10 +100,3 @@ def test_a_third_loading_depends_on_the_largest_alone():
     rows = total > 0.0
     for name in ("residual", "depth", "load_before", "area_before", "load_exponent", "area_exponent"):
         assert_allclose(getattr(found, name)[rows], getattr(expected, name)[rows], rtol=1e-12)
-
-
-@pytest.mark.parametrize("law", [mf.Hertz(), mf.PowerCap(4), mf.SphericalCap()], ids=repr)
-def test_an_elastic_law_unloads_as_it_was_loaded(law):
-    after, loss = law.unloaded(np.array([0.1, -0.1]), np.array([0.5, 0.5]))
-    assert after is law
-    assert not loss.any()

@@ -5,7 +5,6 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.contact import Contact
 from metafem.contact.cap_geometry import sphere_profile
 from tests.models.scenes import scene
 
@@ -24,6 +23,8 @@ def sphere(rho):
 
 CASES = [(mf.AxisymmetricCap(power(n), EXTENT), mf.PowerCap(n)) for n in (1, 1.5, 2, 3, 4, 8)]
 CASES.append((mf.AxisymmetricCap(sphere, EXTENT), mf.SphericalCap()))
+PARABOLOID = np.linspace(0.0, EXTENT, 5) ** np.array([[1.0], [2.0]]) / np.array([[1.0], [2.0 * RADIUS]])
+CASES.append((mf.AxisymmetricCap(PARABOLOID), mf.Hertz()))
 
 
 @pytest.mark.parametrize(("cap", "closed"), CASES, ids=lambda case: repr(case))
@@ -49,26 +50,6 @@ def test_tables_approach_their_profile(points, error):
         found, expected = (getattr(law, name)(CONTACT_RADII, RADIUS) for law in (cap, mf.SphericalCap()))
         assert_allclose(found, expected, rtol=error)
     assert (np.diff(cap.indentation(np.sort(CONTACT_RADII), RADIUS)) > -1e-15).all()
-
-
-def test_a_table_of_a_paraboloid_is_hertz():
-    rho = np.linspace(0.0, EXTENT, 5)
-    cap = mf.AxisymmetricCap([rho, rho**2 / (2 * RADIUS)])
-    for name in QUANTITIES:
-        found, expected = (getattr(law, name)(CONTACT_RADII, RADIUS) for law in (cap, mf.Hertz()))
-        assert_allclose(found, expected, rtol=1e-12)
-
-
-def test_independent_asperities_with_a_profile():
-    surface, loads = scene(radius=np.full(6, RADIUS)), np.geomspace(1e-8, 0.1, 20)
-    models = [mf.Independent(contact=law) for law in CASES[4]]
-    found, expected = (model.curve(surface, loads) for model in models)
-    assert found.converged
-    for name in ("approach", "area", "stiffness"):
-        assert_allclose(getattr(found, name), getattr(expected, name), rtol=1e-11)
-    gradients = (model.sensitivity(surface, loads).gradient for model in models)
-    assert_allclose(*gradients, rtol=1e-8, atol=1e-10)
-    assert isinstance(CASES[4][0], Contact)
 
 
 @pytest.mark.parametrize("table", [False, True])

@@ -71,6 +71,8 @@ def test_branches_that_meet_share_one_intercept():
             mf.PowerLaw(1.0, (0.1, 0.4), prefactor=100.0),
             "prefactor = 100: .* at 0.1 mm.* above that of 64 equal asperities",
         ),
+        (mf.PowerLaw(1.2, (0.1, 0.4), 0.01), "^prefactor = 0.01: the friction at"),
+        (mf.PowerLaw(1.2, (0.1, 0.4), 50.0), "^prefactor = 50: the friction at"),
         (mf.SampledLaw([0.1, 0.2], [0.1, 1.0]), "sample 1 .* below that of a single asperity"),
         (mf.SampledLaw([0.1, 0.2, 0.3], [0.8, 2.0, 2.2]), "sample 3 .*F/P.* cannot fall"),
         (mf.MultilinearLaw([1.0], [], (0.1, 0.4)), "branch 1 of slope 1 .* for every intercept"),
@@ -83,13 +85,8 @@ def test_what_cannot_be_reached_says_why_and_what_is_near(target, words):
         mf.design(target, LATTICE, limits=LIMITS)
     if caught.value.nearest is not None:
         mf.design(caught.value.nearest, LATTICE, limits=LIMITS)
-
-
-@pytest.mark.parametrize("prefactor", [0.01, 50.0])
-def test_a_prefactor_that_may_be_missed_is_not_offered(prefactor):
-    with pytest.raises(mf.Infeasible, match=f"^prefactor = {prefactor:g}: the friction at") as caught:
-        mf.design(mf.PowerLaw(1.2, (0.1, 0.4), prefactor), LATTICE, limits=LIMITS)
-    assert caught.value.nearest is None
+    # a prefactor that may be missed is not offered
+    assert caught.value.nearest is None or not words.startswith("^prefactor")
 
 
 def test_under_interaction_the_bound_has_a_margin():
@@ -102,29 +99,6 @@ def test_feasible_region_ends_where_the_base_plane_begins():
     assert high[0] / low[0] == pytest.approx(4.0, rel=1e-12)
     assert np.isnan(low[1])
     assert np.isnan(high[1])
-
-
-@pytest.mark.parametrize(
-    ("build", "words"),
-    [
-        (lambda: mf.SampledLaw([0.2, 0.1], [1, 2]), r"rescaled_load\[1\] = 0.1 does not exceed"),
-        (lambda: mf.SampledLaw([0.1, 0.2], [2, 0]), r"rescaled_friction\[1\] = 0 .*must be greater"),
-        (
-            lambda: mf.SampledLaw([0.1, 0.2], [1, 2], None, [0.1, 3]),
-            r"relative_error\[1\] = 3 must be below 1",
-        ),
-        (lambda: mf.SampledLaw([0.1, np.nan], [1, 2]), "rescaled_load holds nan"),
-        (lambda: mf.SampledLaw([0.1, 0.2], [1, 2], [1, 0]), r"weight\[1\] = 0 must be greater"),
-        (lambda: mf.PowerLaw(-1.0, (0.1, 0.4)), "exponent = -1 must be greater"),
-        (lambda: mf.PowerLaw(1.0, (0.4, 0.1)), r"load_range\[1\] = 0.1 does not exceed"),
-        (lambda: mf.MultilinearLaw([1, 2], [], (0.1, 0.4)), "must hold 1 loads or pairs"),
-        (lambda: mf.MultilinearLaw([1, -2], [0.2], (0.1, 0.4)), "slopes holds -2"),
-        (lambda: mf.MultilinearLaw([1, 2], [0.5], (0.1, 0.4)), "branch 2 would run from 0.5 to 0.4"),
-    ],
-)
-def test_bad_targets_are_named(build, words):
-    with pytest.raises(mf.InvalidInput, match=words):
-        build()
 
 
 def test_laws_from_forces():

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 import metafem as mf
 from metafem.inversion.bounds import Bounds
-from metafem.inversion.height_density import TruncatedExponential
-from metafem.inversion.radii import Radii
+from metafem.inversion.height_density import ExponentialDensity
+from metafem.inversion.limits import Radii
 from metafem.inversion.strategies.mixture import Mixture
 from validation.scenes.random_laws import LATTICE, RADIUS
 
@@ -115,7 +115,7 @@ def test_coefficients_that_densities_of_flat_caps_reach():
 
 def test_tools_are_mixed_by_the_power_of_the_caps():
     mixture = Mixture((0.2, 0.8), (3000, 1000), mf.PowerCap(4))
-    density = TruncatedExponential(0.03, 0.12)
+    density = ExponentialDensity(0.03, 0.12)
     height = np.sort(-0.03 * np.log1p(-np.linspace(0.0, -np.expm1(-4.0), 4001)[1:]))[::-1]
     load, law = np.linspace(1.0, 10.0, 5), mixture.law
     area = mf.Independent(contact=law).curves(height, mixture.mixed(), load)[2][0]

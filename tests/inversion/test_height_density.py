@@ -12,8 +12,7 @@ from scipy.integrate import quad
 import metafem as mf
 from metafem.contact.law import contacts
 from metafem.inversion.height_density import (
-    TruncatedExponential,
-    TwoBranchExponential,
+    ExponentialDensity,
     equal_masses,
     scale_from_slope,
     slope_excess,
@@ -64,11 +63,11 @@ def test_slope_inversion_recovers_the_scale(x):
 @pytest.mark.parametrize(
     "density",
     [
-        TruncatedExponential(TOP / 1e-3, TOP),
-        TruncatedExponential(0.04, TOP),
-        TruncatedExponential(TOP / 400.0, TOP),
-        TwoBranchExponential(0.03568, TOP, 0.0153, 0.149),
-        TwoBranchExponential(0.02, TOP, 0.05, 3.0),
+        ExponentialDensity(TOP / 1e-3, TOP),
+        ExponentialDensity(0.04, TOP),
+        ExponentialDensity(TOP / 400.0, TOP),
+        ExponentialDensity(0.03568, TOP, 0.0153, 0.149),
+        ExponentialDensity(0.02, TOP, 0.05, 3.0),
     ],
 )
 def test_moments_agree_with_quadrature(density, power):
@@ -79,7 +78,7 @@ def test_moments_agree_with_quadrature(density, power):
 
 @given(st.floats(0.005, 1.0), st.floats(0.02, 0.9), st.floats(0.05, 1.0))
 def test_two_branches_have_unit_mass_and_the_printed_slopes(scale, share, weight):
-    density = TwoBranchExponential(scale, TOP, share * TOP, weight)
+    density = ExponentialDensity(scale, TOP, share * TOP, weight)
     assert float(density.mass(0.0, TOP)) == pytest.approx(1.0, rel=1e-12)
     form = printed.second_slope(scale, RADIUS, TOP, share * TOP, weight)
     # the printed form loses digits where its k cancels: x^(3/2) of a unit in the last place
@@ -92,7 +91,7 @@ def test_two_branches_have_unit_mass_and_the_printed_slopes(scale, share, weight
 
 
 def test_slope_is_the_derivative_of_the_law():
-    density, delta = TwoBranchExponential(0.03568, TOP, 0.0153, 0.149), 0.01
+    density, delta = ExponentialDensity(0.03568, TOP, 0.0153, 0.149), 0.01
     step = 1e-4 * TOP  # central differences: second order
     area = density.area(np.array([delta - step, delta + step]), 64, RADIUS)
     load = density.rescaled_load(np.array([delta - step, delta + step]), 64, RADIUS)
@@ -101,7 +100,7 @@ def test_slope_is_the_derivative_of_the_law():
 
 
 def test_plain_and_weighted_density_agree_at_unit_weight():
-    plain, same = TruncatedExponential(0.04, TOP), TwoBranchExponential(0.04, TOP, 0.05, 1.0)
+    plain, same = ExponentialDensity(0.04, TOP), ExponentialDensity(0.04, TOP, 0.05, 1.0)
     heights = np.linspace(0.0, TOP, 7)
     np.testing.assert_allclose(same.density(heights), plain.density(heights), rtol=1e-12)
     np.testing.assert_allclose(same.moment(1.5, heights[:-1]), plain.moment(1.5, heights[:-1]), rtol=1e-12)
@@ -110,17 +109,17 @@ def test_plain_and_weighted_density_agree_at_unit_weight():
 @given(st.floats(1e-3, 10.0), st.integers(1, 80))
 def test_equal_masses_are_equal(scale, parts):
     ends = equal_masses(scale, 0.02, TOP, parts)
-    masses = TruncatedExponential(scale, TOP).mass(ends[:-1], ends[1:])
+    masses = ExponentialDensity(scale, TOP).mass(ends[:-1], ends[1:])
     np.testing.assert_allclose(masses, masses.mean(), rtol=1e-9)  # differences of close heights
 
 
 @pytest.mark.parametrize(
     ("build", "words"),
     [
-        (lambda: TruncatedExponential(0.0, TOP), "scale = 0 must be greater"),
-        (lambda: TwoBranchExponential(0.04, TOP, TOP, 0.5), "crossover_height = 0.12 must be below"),
-        (lambda: TwoBranchExponential(0.04, TOP, 0.01, 5.0), "puts 3.836 of the asperities above"),
-        (lambda: TruncatedExponential(0.04, TOP).moment(1.0, 0.2), "must lie within the density"),
+        (lambda: ExponentialDensity(0.0, TOP), "scale = 0 must be greater"),
+        (lambda: ExponentialDensity(0.04, TOP, TOP, 0.5), "crossover_height = 0.12 must be below"),
+        (lambda: ExponentialDensity(0.04, TOP, 0.01, 5.0), "puts 3.836 of the asperities above"),
+        (lambda: ExponentialDensity(0.04, TOP).moment(1.0, 0.2), "must lie within the density"),
     ],
 )
 def test_bad_densities_are_refused(build, words):
@@ -129,8 +128,8 @@ def test_bad_densities_are_refused(build, words):
 
 
 def test_intercept_vanishes_at_both_ends():
-    assert TruncatedExponential(TOP / 700.0, TOP).intercept(64, RADIUS) < 1e-12
-    thin = TruncatedExponential(TOP * 1e9, TOP)
+    assert ExponentialDensity(TOP / 700.0, TOP).intercept(64, RADIUS) < 1e-12
+    thin = ExponentialDensity(TOP * 1e9, TOP)
     # lambda Gamma(x) tends to h_m/x * x/10 = h_m/10
     assert thin.intercept(64, RADIUS) == pytest.approx(math.pi * 64 * RADIUS * TOP / 10.0, rel=1e-8)
 
@@ -153,7 +152,7 @@ def law_named(kind):
 @pytest.mark.parametrize("delta", [0.001, 0.03, 0.08])
 def test_means_and_slopes_of_any_law(kind, delta):
     """Against adaptive quadrature and differences; the law of a table has kinks in its derivatives."""
-    law, density = law_named(kind), TwoBranchExponential(0.03, TOP, 0.05, 0.5)
+    law, density = law_named(kind), ExponentialDensity(0.03, TOP, 0.05, 0.5)
     exact = kind is not mf.TabulatedContact
 
     def mean(index):
@@ -181,7 +180,7 @@ def test_means_and_slopes_of_any_law(kind, delta):
 def test_scales_of_any_law_have_the_slope(kind, share):
     law = law_named(kind)
     slope = share * uniform_slope(RADIUS, TOP, law)
-    density = TruncatedExponential(scale_from_slope(slope, RADIUS, TOP, law), TOP)
+    density = ExponentialDensity(scale_from_slope(slope, RADIUS, TOP, law), TOP)
     assert density.asymptotic_slope(RADIUS, law) == pytest.approx(slope, rel=1e-9)
     load, area = density.rescaled_load(0.0, 64, RADIUS, law), density.area(0.0, 64, RADIUS, law)
     assert density.intercept(64, RADIUS, law) == pytest.approx(float(area - slope * load), abs=1e-8 * area)
@@ -189,6 +188,6 @@ def test_scales_of_any_law_have_the_slope(kind, share):
 
 def test_exponential_heights_have_a_straight_law_whatever_the_contacts():
     for kind in LAWS:
-        law, density = law_named(kind), TruncatedExponential(0.003, TOP)
+        law, density = law_named(kind), ExponentialDensity(0.003, TOP)
         slope = density.slope(np.array([0.0, 0.02, 0.04]), RADIUS, law)
         np.testing.assert_allclose(slope, slope[0], rtol=1e-6)

@@ -178,12 +178,6 @@ def test_laws_and_approaches_follow_the_chosen_model():
     assert apart.load[1] == pytest.approx(state.load, rel=1e-10)
 
 
-@pytest.mark.parametrize("arguments", [{"tolerance": 0.0}, {"tolerance": "low"}, {"substrate": 3}])
-def test_refuses_what_it_cannot_use(arguments):
-    with pytest.raises(mf.InvalidInput):
-        mf.Automatic(**arguments)
-
-
 @pytest.mark.parametrize("ratio", [0.3, 0.5, 0.7, 0.9])
 def test_the_estimate_covers_a_small_contact_beside_a_large_one(ratio):
     # Hertz's displacement outside of a contact, and the terms of it that order 3 includes

@@ -93,6 +93,8 @@ def test_open_surface_carries_nothing(model):
 def test_load_and_approach_are_inverse(model):
     under_load = mf.equilibrium(scene(), model, load=0.1)
     assert under_load.load == pytest.approx(0.1, rel=1e-12)
+    assert under_load.asperity_load.sum() == pytest.approx(0.1, rel=1e-11)
+    assert under_load.asperity_area.sum() == pytest.approx(under_load.area, rel=1e-12)
     rtol = rounding(model)
     same_contact(under_load, mf.equilibrium(scene(), model, approach=under_load.approach), rtol=rtol)
     # the separation carries the rounding of the height
@@ -297,3 +299,42 @@ def test_a_design_under_every_model_meets_its_target(model):
     if model.couples:  # the design does more than repeat that of independent asperities
         alone = mf.friction_law(design.surface, load=law.load)
         assert abs(alone.area[0] / law.area[0] - 1) > 1e-3
+
+
+class Sticky(mf.PowerCap):
+    adhesive = True
+
+
+LAW, CAP = r"contact = .* must be a contact law", r"contact = .* must be an elastic cap without adhesion"
+WRONG = [
+    *((kind, {"contact": 4}, LAW) for kind in (mf.Independent, mf.Interacting, mf.MeanField, mf.Automatic)),
+    (mf.Independent, {"contact": mf.PowerCap}, LAW),
+    *((mf.Interacting, {"order": order}, "order") for order in (2, True, np.array([1, 3]), 1.0)),
+    (mf.Interacting, {"substrate": mf.HalfSpace}, "substrate"),
+    (mf.Interacting, {"pedestal": 1}, "pedestal"),
+    *((mf.Automatic, {"tolerance": tolerance}, "tolerance") for tolerance in (0.0, "low")),
+    (mf.Automatic, {"substrate": 3}, "substrate"),
+    *((mf.BoundaryElements, {"cell": cell}, "cell") for cell in (0.0, -1.0, np.nan, "x")),
+    (mf.BoundaryElements, {"cell": 0.01, "substrate": 3}, "distance alone"),
+    *((mf.BoundaryElements, {"cell": 0.01, "contact": law}, CAP) for law in (Sticky(4.0), 4, mf.Hertz)),
+]
+
+
+@pytest.mark.parametrize(("kind", "arguments", "words"), WRONG)
+def test_models_that_do_not_exist_are_refused(kind, arguments, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        kind(**arguments)
+
+
+QUARTIC = "PowerCap(exponent=4.0, coefficient=0.5)"
+
+
+def test_names_state_what_differs_from_the_default():
+    cap = mf.PowerCap(4)
+    assert mf.BoundaryElements(0.01).name == "resolved"
+    assert mf.BoundaryElements(0.01, mf.BondedLayer(), cap).name == f"resolved, layer, {QUARTIC}"
+    for kind, name in ((mf.Independent, "independent"), (mf.MeanField, "mean-field")):
+        assert repr(kind()) == f"{kind.__name__}()"
+        assert repr(kind(cap)) == f"{kind.__name__}(contact={QUARTIC})"
+        assert (kind().name, kind(cap).name) == (name, f"{name}, {QUARTIC}")
+        assert kind(mf.Hertz()) == kind() != kind(cap)

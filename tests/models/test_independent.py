@@ -37,19 +37,6 @@ def test_load_equation_holds_from_light_to_heavy_loads(rough):
         assert math.fsum(state.asperity_load) == pytest.approx(load, rel=1e-12)
 
 
-def test_approach_load_and_separation_agree(rough):
-    state = mf.equilibrium(rough, load=0.3)
-    assert mf.equilibrium(rough, approach=state.approach).load == pytest.approx(0.3, rel=1e-12)
-    # the separation holds the approach to a unit in the last place of the height
-    assert mf.equilibrium(rough, separation=state.separation).load == pytest.approx(0.3, rel=1e-12)
-
-
-def test_open_contact_carries_nothing(rough):
-    for given_ in ({"load": 0.0}, {"separation": 1.0}, {"approach": -0.1}):
-        state = mf.equilibrium(rough, **given_)
-        assert (state.load, state.area, state.stiffness) == (0.0, 0.0, 0.0)
-
-
 def test_base_contact_is_said(rough):
     assert "base plane" not in " ".join(map(str, mf.equilibrium(rough, separation=0.01).notes))
     assert "base plane would touch" in mf.equilibrium(rough, separation=-0.001).notes[0].text

@@ -61,12 +61,3 @@ def test_approaches_beyond_the_law_are_refused():
     cap = mf.AxisymmetricCap([RHO, sphere_profile(RHO, 0.526)])
     with pytest.raises(mf.InvalidInput, match=r"the approach 2 mm needs more than .* to the sunken base"):
         mf.MeanField(cap).curve(lattice(np.full(9, 0.1)), approach=np.array([0.1, 2.0]))
-
-
-def test_names_state_the_law():
-    model = mf.MeanField(mf.PowerCap(4))
-    assert repr(mf.MeanField()) == "MeanField()"
-    assert repr(model) == "MeanField(contact=PowerCap(exponent=4.0, coefficient=0.5))"
-    assert model.name == "mean-field, PowerCap(exponent=4.0, coefficient=0.5)"
-    assert mf.MeanField().name == "mean-field"
-    assert mf.MeanField(mf.Hertz()) == mf.MeanField() != model

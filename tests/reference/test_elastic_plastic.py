@@ -4,8 +4,6 @@ import pytest
 
 from metafem.reference.elastic_plastic import jackson_green, kogut_etsion
 
-EPS = 1e-12
-
 
 @pytest.mark.parametrize("law", [lambda w: kogut_etsion(w, 0.3), lambda w: jackson_green(w, 0.3, 2e-3)])
 def test_below_yield_the_contact_is_hertz(law):
@@ -24,9 +22,3 @@ def test_pressure_of_a_deep_contact_tends_to_the_hardness_of_jackson_and_green()
     load, area = jackson_green(1e6, 0.3, 1e-9)
     mean = load / area * (1e6 / 1.9) ** 0.14  # the formula multiplies H by w*, not by A/A_c
     assert mean == pytest.approx(4.0 * 2.84 / factor, rel=1e-6)
-
-
-@pytest.mark.parametrize("at", [1.0, 6.0, 110.0])
-def test_formulas_of_kogut_and_etsion_jump(at):
-    before, after = kogut_etsion(at * (1.0 - EPS), 0.3), kogut_etsion(at * (1.0 + EPS), 0.3)
-    assert 0.01 < max(abs(b / a - 1.0) for a, b in zip(before, after, strict=True)) < 0.08

@@ -196,7 +196,6 @@ def test_a_study_states_where_its_numbers_come_from(linear):
             "must be at most a tenth of the smallest radius",
         ),
         ({"height_sd": 0.001, "model": "layer"}, "model = 'layer' must be a model"),
-        ({"height_sd": 0.001, "execution": 2}, "execution = 2 must be a metafem.studies.Execution"),
         ({"height_sd": 0.001, "rng": -1}, "rng = -1 must be a non-negative seed"),
     ],
 )

@@ -1,11 +1,14 @@
 """Studies of a small design: what they hold, and what they must agree with."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.studies import cap_contact as caps_module
 from metafem.studies import summary
-from metafem.studies.cap_contact import CapContact, Caps, cap_contact, caps_of
+from metafem.studies.cap_contact import CapContact, Caps, caps_of
 from metafem.studies.fidelity import _law_of_caps
 
 
@@ -125,29 +128,38 @@ def test_fidelity_leaves_the_caps_of_many_radii_out(design):
 
 @pytest.mark.slow
 def test_each_radius_has_its_own_table(design):
+    # of one height each, for which a table needs a third of the finite elements
     surface = design.template.replaced(
-        height=[0.12, 0.11, 0.12, 0.11, 0.12, 0.06], radius=[0.3, 0.3, 0.8, 0.8, 0.3, 0.5]
+        height=[0.12, 0.12, 0.11, 0.11, 0.12, 0.06], radius=[0.3, 0.3, 0.8, 0.8, 0.3, 0.5]
     )
     indentation = np.array([0.02, 0.01, 0.02, 0.01, 0.02, -0.04])
     caps = caps_of(surface, indentation)
     np.testing.assert_array_equal(caps.table, [0, 0, 1, 1, 0, -1])
     found, load = caps.solve(indentation)
-    for i, radius in ((0, 0.3), (2, 0.8)):
-        single = mf.fe.press(found[i], radius, height=0.12, thickness=7.2, block_radius=20.0 / np.sqrt(np.pi))
+    for i, radius, height in ((0, 0.3, 0.12), (2, 0.8, 0.11)):
+        block_radius = 20.0 / np.sqrt(np.pi)
+        single = mf.fe.press(found[i], radius, height=height, thickness=7.2, block_radius=block_radius)
         assert load[i] == pytest.approx(single.rescaled_load, rel=30.0 * caps.error)
         assert single.indentation == pytest.approx(0.02, rel=30.0 * caps.error)
     assert found[5] == load[5] == 0.0
 
 
 @pytest.fixture(scope="module")
-def contact(design):
-    surface = design.surface
-    law = mf.friction_law(surface, load=[float(design.law.load[-1])])
-    return cap_contact(surface, surface.height - law.separation[0])
+def fidelity(design, tmp_path_factory):
+    """The laws under all models, on a block of large cells, and the table of its caps by finite elements."""
+    tables, made = [], caps_module.cap_contact
+    with pytest.MonkeyPatch.context() as patch:
+        folder = tmp_path_factory.mktemp("cache")
+        patch.setattr("metafem.fe.block3d.cache.cache_folder", lambda: folder)
+        patch.setattr("metafem.fe.Block3D", partial(mf.fe.Block3D, cell=0.5, edge_cell=0.05))
+        patch.setattr(caps_module, "cap_contact", lambda *both: tables.append(made(*both)) or tables[-1])
+        found = mf.studies.fidelity(design)
+    return found, *tables
 
 
 @pytest.mark.slow
-def test_tabulated_caps_are_those_of_the_finite_elements(contact):
+def test_tabulated_caps_are_those_of_the_finite_elements(fidelity):
+    _, contact = fidelity
     h, a = np.mean(contact.height), 0.08
     side = 20.0 / np.sqrt(np.pi)
     single = mf.fe.press(a, 0.526, height=h, thickness=7.2, block_radius=side)
@@ -159,9 +171,8 @@ def test_tabulated_caps_are_those_of_the_finite_elements(contact):
 
 
 @pytest.mark.slow
-def test_fidelity_holds_all_models(design, tmp_path, monkeypatch):
-    monkeypatch.setattr("metafem.fe.block3d.cache.cache_folder", lambda: tmp_path)
-    found = mf.studies.fidelity(design)
+def test_fidelity_holds_all_models(fidelity):
+    found, _ = fidelity
     assert list(found.model.values) == ["independent", "half-space", "layer", "block", "fe"]
     # the block lies between layer and half-space; each model sinks less than the half-space does
     sinking = found.sinking.isel(rescaled_load=-1)

@@ -120,18 +120,15 @@ def test_gradient_points_away_from_the_source():
     assert_allclose(laplacian, [[0, 1 / (np.pi * 125)], [1 / (np.pi * 125), 0]], rtol=1e-14)
 
 
-@pytest.mark.parametrize("build", [lambda: mf.BondedLayer(0.0), lambda: mf.BondedLayer(1.0, 0.51)])
-def test_refuses_values_out_of_range(build):
-    with pytest.raises(mf.InvalidInput):
+@pytest.mark.parametrize(
+    ("build", "words"),
+    [
+        (lambda: mf.BondedLayer(0.0), "thickness = 0 must be greater"),
+        (lambda: mf.BondedLayer(1.0, 0.51), "poisson_ratio = 0.51 must be at most"),
+        (lambda: mf.BondedLayer().influence(1.0), "for_surface"),
+        *((lambda r=r: mf.HalfSpace().influence(r), "distance") for r in (0.0, -1.0, np.nan, "far")),
+    ],
+)
+def test_refuses_values_out_of_range(build, words):
+    with pytest.raises(mf.InvalidInput, match=words):
         build()
-
-
-@pytest.mark.parametrize("distance", [0.0, -1.0, np.nan, "far"])
-def test_refuses_distances_that_are_not_positive(distance):
-    with pytest.raises(mf.InvalidInput, match="distance"):
-        mf.HalfSpace().influence(distance)
-
-
-def test_bare_layer_needs_explicit_values():
-    with pytest.raises(mf.InvalidInput, match="for_surface"):
-        mf.BondedLayer().influence(1.0)

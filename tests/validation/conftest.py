@@ -6,6 +6,8 @@ from functools import cache
 
 import pytest
 
+from validation.calibration import diagnosis, shear_calibration
+from validation.inversion import layout
 from validation.results import evaluate
 from validation.scenes import stability_points
 from validation.stability import random_scenes
@@ -13,13 +15,17 @@ from validation.stability import random_scenes
 
 @pytest.fixture(scope="session", autouse=True)
 def few_scenes():
-    """Evaluate the claims of the stability with fewer scenes than the report takes."""
+    """Evaluate claims whose numbers the README does not show with fewer scenes than the report takes."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(random_scenes, "SCENES", 300)
         patch.setattr(stability_points, "SIDE", 3)
         patch.setattr(stability_points, "WIDTHS", (0.3, 0.44))
         patch.setattr(stability_points, "SPREADS", (0.5,))
         patch.setattr(stability_points, "LAYERS", (0.3, 1.5))
+        patch.setattr(diagnosis, "PARTS", 400)
+        patch.setattr(diagnosis, "FORCE_PARTS", 40)
+        patch.setattr(shear_calibration, "SURFACES", 1000)
+        patch.setattr(layout, "SEEDS", 2)
         yield
 
 

@@ -1,9 +1,9 @@
-"""The smallest standard errors of a cap agree with a dense computation and with their limit."""
+"""The smallest standard errors of a cap agree with a dense computation."""
 
 import numpy as np
 import pytest
 
-from validation.scenes.cap_bound import smallest_errors, white_errors
+from validation.scenes.cap_bound import smallest_errors
 from validation.scenes.height_maps import Roughness
 
 
@@ -27,10 +27,3 @@ def test_the_rings_agree_with_generalised_least_squares_on_a_grid(common):
     assert found[2] == pytest.approx(errors[1], rel=0.08)
     if not common:
         assert found[1] == pytest.approx(errors[3], rel=0.12)
-
-
-def test_short_correlations_on_a_flat_cap_act_as_white_noise():
-    rough = Roughness(1.2e-3, 2e-3)
-    found = smallest_errors(0.005, 5.26, rough, noise=1e-3, pixel=1e-4)
-    # corrections of the orders l / a = 0.009 and (a / R)^2 = 0.002
-    np.testing.assert_allclose(found, white_errors(0.005, 5.26, rough), rtol=0.04)

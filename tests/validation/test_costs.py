@@ -8,15 +8,13 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from validation.check import Check, reported
+from validation.check import Check
 from validation.cost import model_table, peers, scaling, work_precision
 from validation.cost.measured import Point, fastest_within
 from validation.cost.peers import Grid
 from validation.cost.times import LEAST, exponent, floor, in_words, machine, renewed, rounded, timed
 from validation.readme import README
-from validation.results import Evaluated
 from validation.scenes import costs
-from validation.verdicts import Evidence, _cost
 
 PAIR = mf.Surface(np.array([[0.0, 0.0], [1.1, 0.3]]), [0.1, 0.12], [0.5, 0.7], mf.Material(1.36))
 
@@ -56,9 +54,6 @@ def test_a_time_is_the_median_of_several_runs():
     seconds, last = timed(lambda run: runs.append(run) or run)
     assert seconds > 0.0
     assert last + 1 >= LEAST
-
-
-def test_the_floor_is_a_time():
     assert floor(64) > 0.0
 
 
@@ -208,22 +203,6 @@ def test_a_ratio_of_times_is_no_check_and_states_tolerance_threads_and_error(tim
         assert f"tolerance {peers.TAMAAS_TOLERANCE:g}" in row.method
         assert f"threads: {peers.THREADS}" in row.method
         assert re.search(r"error 0\.\d+ %", row.method)
-
-
-def test_the_verdict_quotes_the_smallest_ratio_to_order_3(timed_beside_tamaas):
-    name = "work_precision"
-    small = [scene.title for scene in costs.SCENES.values() if scene.title.endswith(" 64 asperities")]
-    times = [
-        reported(f"{title}: {costs.ORDER_3}, {kind} [s]", seconds * (1 + k), "")
-        for k, title in enumerate(small)
-        for kind, seconds in (("one load", 1e-3), ("each load of a curve", 1e-4))
-    ]
-    rows = (*times, *timed_beside_tamaas)
-    headline, sentence = _cost(Evidence({name: Evaluated(name, "Cost", "", "A text.", rows, (), 1.0)}))
-    assert headline.startswith("About 100 to 300 µs for each load of a curve")
-    assert "takes at least 5,000 times as long on the surface of Fig. 4 red" in sentence
-    _, sentence = _cost(Evidence({name: Evaluated(name, "Cost", "", "A text.", tuple(times), (), 1.0)}))
-    assert "tamaas is not installed" in sentence
 
 
 @pytest.mark.slow

@@ -23,18 +23,6 @@ def test_every_file_is_found_once(attribute, definition):
     assert len(set(found)) == len(found)
 
 
-def test_claims_are_grouped_by_subject():
-    assert list(groups("claim")) == [
-        "calibration",
-        "contact",
-        "fidelity",
-        "finite_elements",
-        "inversion",
-        "paper",
-        "stability",
-    ]
-
-
 def test_names_select_claims_and_groups():
     assert chosen(("fig4_linear",), "claim") == ["fig4_linear"]
     assert chosen(("fidelity", "bounds"), "claim") == [*groups("claim")["fidelity"], "bounds"]

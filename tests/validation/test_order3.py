@@ -7,11 +7,9 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from validation.check import below, reported
 from validation.cost import model_table
 from validation.fidelity import order3_independent as against
 from validation.readme import README
-from validation.results import Evaluated
 from validation.scenes.models import (
     AREA_ERROR,
     CAP_ERROR,
@@ -20,8 +18,6 @@ from validation.scenes.models import (
     LAYER_ERROR,
     LOAD_ERROR,
 )
-from validation.sources import known_input
-from validation.verdicts import Evidence, _exact
 
 GUIDE = Path(against.__file__).parents[1] / "guide" / "models.md"
 
@@ -45,39 +41,6 @@ def test_all_documents_state_one_error_of_order_3():
         f"A0 to {stated} up to a/r = 0.32" in {row[0]: row[-1] for row in model_table.TABLE}["Interacting()"]
     )
     assert f"A0 to {stated} up to a/r = 0.32" in README.read_text("utf-8")
-
-
-def verdict(*more):
-    source = known_input("a test")
-    rows = {
-        "order3_against_resolved": (
-            below("a lattice, order 3: error of A0", 7e-4, 1e-2, source),
-            reported("3 x 3, approach 300 µm, order 1: error of A0 [%]", 0.5, ""),
-            reported("3 x 3, approach 300 µm: largest a/r", 0.222, ""),
-            reported("3 x 3, a/r = 0.319, paraboloid, order 1: error of A0 [%]", 1.5, ""),
-            *(
-                below(f"3 x 3, a/r = 0.319, {shape}, order 3: error of A0", error, 4e-3, source)
-                for shape, error in (("sphere", 2.1e-3), ("power 3", 3.3e-3), ("power 4", 3.8e-3))
-            ),
-        ),
-        "stability_map": (reported("order 3, 64 equal contacts: error of A0 [%]", 0.19, ""),),
-        "order3_independent": (reported(against.COUNT, len(more), ""), *more),
-    }
-    return _exact(Evidence({k: Evaluated(k, k, "", "A text.", v, (), 1.0) for k, v in rows.items()}))
-
-
-def test_the_verdict_states_the_documented_error_and_the_worst_of_the_samples():
-    headline, sentence = verdict(
-        reported(f"a pair, {against.AGAINST}", 1e-4, ""), reported("a pair: uncertainty of A0 [%]", 0.08, "")
-    )
-    assert headline == "Order 3: A0 of paraboloids to 0.25 %"
-    assert "A0 of paraboloids on a half-space by at most 0.25 % where contact radii" in sentence
-    assert "the worst of the sampled scenes of paraboloids, 64 equal contacts, has 0.19 %" in sentence
-    assert "by at most 0.12 % with up to nine" in sentence
-    assert "spheres have 0.21 %, caps of power 3 0.33 % and of power 4 0.38 %" in sentence
-    assert "by 0.5 % where contact radii are 0.22 of the distances and by 1.5 % at 0.32" in sentence
-    assert "tamaas agrees within 0.01 % on 2 scenes, with an uncertainty of up to 0.08 %" in sentence
-    assert "is not installed" in verdict()[1]
 
 
 def test_the_scenes_of_tamaas_are_unlike_and_inside_the_stated_range():

@@ -16,6 +16,10 @@ from validation.results import Evaluated
 from validation.sources import printed, publication
 from validation.verdicts import Evidence, NotEvaluated
 
+PAPER = verdicts.QUESTIONS["paper"]
+
+LEAST = ["fe_hertz", "least", "scale", "[µm]"]
+
 ROWS = (
     near("slope <m>", 6.9, 6.87, 0.05, printed("Fig. 4 caption")),
     below("error", 1e-12, 1e-9, publication("10.1098/rspa.1971.0141", "eq. 15")),
@@ -39,11 +43,18 @@ def results():
 
 @pytest.fixture(autouse=True)
 def one_question(monkeypatch):
-    def answer(evidence):
-        return "Yes", f"The scale is {evidence.value('fe_hertz', 'error')} and more."
-
-    asked = (verdicts.Question("Is it so?", answer, "finite_elements.html"),)
-    monkeypatch.setattr(verdicts, "QUESTIONS", asked)
+    asked = {
+        "question": "Is it so?",
+        "page": "finite_elements.html",
+        "headline": "Yes",
+        "answer": "The scale is {scale} and more.{shown}{absent}",
+        "numbers": {"scale": ["fe_hertz", "value", "error"]},
+        "parts": {
+            "shown": {"shown": ["fe_hertz", "sc"], "text": " At most {low:2}.", "numbers": {"low": LEAST}},
+            "absent": {"shown": ["fe_hertz", "nowhere"], "text": "", "otherwise": " Nothing else."},
+        },
+    }
+    monkeypatch.setattr(verdicts, "QUESTIONS", {"asked": asked})
 
 
 def test_there_is_a_page_for_each_chapter_and_the_numbers_beside(results):
@@ -78,7 +89,8 @@ def test_checks_results_and_differences_stand_apart(results):
     assert text.count("as above") == 1  # the method of the second result
 
 
-def test_the_answer_on_the_paper_says_what_is_reproduced_and_what_is_not(results):
+def test_the_answer_on_the_paper_says_what_is_reproduced_and_what_is_not(results, monkeypatch):
+    monkeypatch.setitem(verdicts.QUESTIONS, "paper", PAPER)
     fig5 = {
         "red: fitted slope 2, deviation from the target [%]": 6.13,
         "blue: crossover load of the predicted law [mm²]": 0.085,
@@ -103,7 +115,7 @@ def test_the_answer_on_the_paper_says_what_is_reproduced_and_what_is_not(results
     numbers = (printed("Table S1", "numbers of asperities", 3), printed("Fig. 4 caption", "measured slope"))
     checks = tuple(near("number", 7.0, 7.0, 0.0, source) for source in numbers)
     results["table_s1"] = replace(results["fig4_linear"], name="table_s1", rows=checks)
-    headline, sentence = verdicts._reproduced(Evidence(results))
+    headline, sentence = verdicts.answer("paper", Evidence(results))
     assert headline == "Mostly; not the crossover measured for the blue law of Fig. 5"
     for words in (
         "4 distinct printed numbers, 3 of them in Tables",
@@ -115,7 +127,7 @@ def test_the_answer_on_the_paper_says_what_is_reproduced_and_what_is_not(results
         assert words in sentence
     assert "deviations" not in sentence  # the printed error of a crossover is no standard deviation
     without = {name: each for name, each in results.items() if name != "segmented_regression"}
-    assert "rule" not in verdicts._reproduced(Evidence(without))[1]
+    assert "rule" not in verdicts.answer("paper", Evidence(without))[1]
     index = report(results)["index.html"]
     assert "listed as 2 differences</a>" in index
     assert "2 numbers or statements printed in the paper are not reproduced" in index
@@ -189,15 +201,14 @@ def test_a_failed_check_is_shown_first_and_fails_its_verdict(results):
 
 
 def test_verdicts_say_what_is_absent_and_refuse_rows_that_do_not_exist(results, monkeypatch):
-    assert readme_table(results).splitlines()[2].startswith("| Is it so? | **Yes.** The scale is 1e-12")
+    assert readme_table(results).splitlines()[2].endswith("1.0 × 10⁻¹² and more. At most 20. Nothing else. |")
     (found,) = verdicts.verdicts(results)
     assert (found.state, found.link) == ("holds", "finite_elements.html#fe_hertz-error")
     (absent,) = verdicts.verdicts({"fig4_linear": results["fig4_linear"]})
     assert (absent.state, absent.link) == ("absent", "")
     assert "The claim fe_hertz was left out of this run" in absent.sentence
     # what ran of the chapter is the answer
-    asked = (verdicts.Question("Is it?", verdicts.QUESTIONS[0].answer, "paper.html"),)
-    monkeypatch.setattr(verdicts, "QUESTIONS", asked)
+    monkeypatch.setitem(verdicts.QUESTIONS["asked"], "page", "paper.html")
     (part,) = verdicts.verdicts({"fig4_linear": results["fig4_linear"]})
     assert (part.headline, part.state) == ("In part: 2 of 2 checks passed", "absent")
     assert part.link == "paper.html"
@@ -209,8 +220,8 @@ def test_verdicts_say_what_is_absent_and_refuse_rows_that_do_not_exist(results, 
     (failed,) = verdicts.verdicts({"fig4_linear": bad})
     assert (failed.headline, failed.state) == ("1 check failed", "failed")
     evidence = Evidence(results)
-    assert evidence.largest("fig4_linear", "scale") == 40.083
-    assert evidence.least("fig4_linear", "sc", "[µm]") == 20.015
+    assert evidence.number("fig4_linear", "largest", "scale") == 40.083
+    assert evidence.number("fig4_linear", "least", "sc", "[µm]") == 20.015
     with pytest.raises(
         LookupError, match=r"fig4_linear has no row named 'slope'; .* Its rows: slope <m>; error"
     ):

@@ -1,8 +1,7 @@
-"""Synthetic pictures against exact areas, moments and a picture that is drawn point by point."""
+"""Synthetic pictures against exact areas and moments."""
 
 import numpy as np
 import pytest
-from scipy.ndimage import gaussian_filter
 
 from validation.scenes.pictures import BRIGHT, DARK, coverage, illumination, picture
 
@@ -33,21 +32,6 @@ def test_area_centre_and_moments_are_those_of_the_ellipse(blur):
         [(a * cos) ** 2 + (b * sin) ** 2, (a * sin) ** 2 + (b * cos) ** 2, (a**2 - b**2) * sin * cos]
     )
     assert second == pytest.approx(wanted / 4.0 + (blur**2 + 1.0 / 12.0) * np.array([1, 1, 0]), rel=1e-6)
-
-
-@pytest.mark.slow
-def test_the_picture_is_that_of_many_points_per_pixel():
-    fine = 25
-    x = (np.arange(SHAPE[1] * fine) + 0.5) / fine - CENTRE[0]
-    y = SHAPE[0] - (np.arange(SHAPE[0] * fine)[:, None] + 0.5) / fine - CENTRE[1]
-    cos, sin = np.cos(ANGLE), np.sin(ANGLE)
-    along, across = x * cos + y * sin, y * cos - x * sin
-    inside = (along / AXES[0]) ** 2 + (across / AXES[1]) ** 2 < 1.0
-    smooth = gaussian_filter(inside.astype(float), 1.5 * fine, truncate=6.0)
-    expected = smooth.reshape(SHAPE[0], fine, SHAPE[1], fine).mean(axis=(1, 3))
-    found = coverage(SHAPE, [CENTRE], [AXES], ANGLE)
-    # each point of the fine grid is in or out: an error of half a step in one of many rows
-    assert np.abs(found - expected).max() < 1e-3
 
 
 def test_levels_noise_and_bits():

@@ -11,7 +11,7 @@ from validation.check import prose
 from validation.results import Evaluated
 from validation.scenes.random_contacts import random_scene
 from validation.stability import random_scenes
-from validation.verdicts import Evidence, _fails
+from validation.verdicts import Evidence, answer
 
 SCENE = random_scene(7)
 
@@ -84,7 +84,7 @@ def test_failures_of_solver_and_search_are_counted_as_failures_of_their_own():
     inside = random_scenes.Outcome(9, True, "order 3", "Hertz", "converged", error=0.0)
     rows = (*random_scenes._checks([*found, inside]), *random_scenes._results([*found, inside]))
     evidence = Evidence({"random_scenes": Evaluated("random_scenes", "", "", "A text.", rows, (), 1.0)})
-    headline, sentence = _fails(evidence)
+    headline, sentence = answer("fails", evidence)
     assert headline == "None of the scenes inside the documented ranges, 2 of those outside"
     assert "no solution of 1 and the search of a design missed the target of 1; none of these" in sentence
     assert "None ended without a stated reason, and none inside the ranges were refused" in sentence

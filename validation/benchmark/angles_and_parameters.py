@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -44,12 +45,9 @@ def rows() -> Iterator[Row]:
     for name, surface in surfaces().items():
         sd = errors(name)
         for model in (mf.Independent(), LAYER):
-            seconds = best(
-                lambda s=surface, m=model, e=sd: mf.studies.uncertainty(s, e, model=m, draws=DRAWS), 2
-            )
+            seconds = best(partial(mf.studies.uncertainty, surface, sd, model=model, draws=DRAWS), 2)
             yield Row(f"{name}: bars of the law at 100 loads, {model.name}", 2.0, seconds, "s")
-        load = largest(name) * np.arange(1, 21) / 20
-        seconds = best(lambda n=name, p=load: measured(n, p), 2)
+        seconds = best(partial(measured, name, largest(name) * np.arange(1, 21) / 20), 2)
         yield Row(f"{name}: bars of 20 measured pairs", 2.0, seconds, "s")
 
 
@@ -59,7 +57,7 @@ def long_rows() -> list[Row]:
     memory = spent([sys.executable, "-c", MANY]).memory
     what = f"coverage of the 68 % intervals over {REPETITIONS} repetitions: largest difference"
     return [
-        Row(f"{what}, Ishigami function", OFF, float(off[:, 0].max()), ""),
-        Row(f"{what}, linear law", OFF, float(off[:, 1].max()), ""),
+        Row(f"{what}, Ishigami function", OFF, off[:, 0].max()),
+        Row(f"{what}, linear law", OFF, off[:, 1].max()),
         Row(f"error bars with {MANY_DRAWS:.0e} draws: peak memory", 1.0, memory, "GiB"),
     ]

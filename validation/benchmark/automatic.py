@@ -45,8 +45,8 @@ def rows() -> list[Row]:
     one, law = np.median(ratios, axis=0)
     what = f"median time over that of order 3, {len(ratios)} surfaces"
     return [
-        Row(f"{what}, one load", 1.1, float(one), ""),
-        Row(f"{what}, each of {LOADS} loads", 1.1, float(law), ""),
+        Row(f"{what}, one load", 1.1, one),
+        Row(f"{what}, each of {LOADS} loads", 1.1, law),
     ]
 
 
@@ -63,15 +63,10 @@ def summary(found: list[tuple[float, float]], start: int = 0) -> list[Row]:
     largest = int(np.where(certain, error, -1.0).argmax())
     what = f"{certain.sum()} surfaces of 3 to 16 asperities"
     return [
-        Row(f"{what}: largest error of A0, seed {start + largest}", TOLERANCE, float(error[largest]), ""),
-        Row(f"{what}: errors above the tolerance", 0, float((error[certain] > TOLERANCE).sum()), ""),
-        Row(f"{len(found)} surfaces: not converged", 0, float(np.isnan(error).sum()), ""),
-        Row(
-            f"{len(found)} surfaces: uncertain references",
-            0,
-            float((uncertainty > TOLERANCE / 3.0).sum()),
-            "",
-        ),
+        Row(f"{what}: largest error of A0, seed {start + largest}", TOLERANCE, error[largest]),
+        Row(f"{what}: errors above the tolerance", 0, (error[certain] > TOLERANCE).sum()),
+        Row(f"{len(found)} surfaces: not converged", 0, np.isnan(error).sum()),
+        Row(f"{len(found)} surfaces: uncertain references", 0, (uncertainty > TOLERANCE / 3.0).sum()),
     ]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from itertools import chain
 
 from validation.scenes.damaged_files import LIMIT, measure
 from validation.timing import Row
@@ -14,13 +15,12 @@ COUNT = 3_000
 def rows(count: int = COUNT) -> list[Row]:
     """Count the damaged files whose command does not end as it must."""
     tally = measure(count)
-    for found in (tally.tracebacks, tally.hangs, tally.codes, tally.lines):
-        for text in found:
-            print(text, file=sys.stderr)
+    faults = {
+        "tracebacks, or warnings of libraries": tally.tracebacks,
+        f"processor time above {LIMIT} s": tally.hangs,
+        "exit codes other than 0, 1 and 2": tally.codes,
+        "messages with other than one line per problem": tally.lines,
+    }
+    print(*chain(*faults.values()), sep="\n", file=sys.stderr)
     of = f"{count} damaged records, specifications and tables"
-    return [
-        Row(f"{of}: tracebacks, or warnings of libraries", 0, len(tally.tracebacks), ""),
-        Row(f"{of}: processor time above {LIMIT} s", 0, len(tally.hangs), ""),
-        Row(f"{of}: exit codes other than 0, 1 and 2", 0, len(tally.codes), ""),
-        Row(f"{of}: messages with other than one line per problem", 0, len(tally.lines), ""),
-    ]
+    return [Row(f"{of}: {what}", 0, len(found)) for what, found in faults.items()]

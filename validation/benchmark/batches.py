@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Iterator
+from contextlib import nullcontext
 from pathlib import Path
 
 import metafem as mf
@@ -24,18 +25,18 @@ def rows() -> Iterator[Row]:
     with tempfile.TemporaryDirectory() as name:
         task, deadly = Waiting(Path(name)), Waiting(Path(name), BATCHES // 2)
         expected = collected(Execution(), task, BATCHES)
-        yield Row("this process: overhead", 0.05, overhead(Execution(), task, BATCHES // 2, 1), "")
+        yield Row("this process: overhead", 0.05, overhead(Execution(), task, BATCHES // 2, 1))
         two = Execution(workers=2)
-        yield Row("2 processes: overhead", 0.05, overhead(two, task, BATCHES, 2), "")
+        yield Row("2 processes: overhead", 0.05, overhead(two, task, BATCHES, 2))
+        died = Path(name, "died")
         for execution, what, count in _executions():
             with execution as used:
                 if count <= 2 and used.scheduler:
                     cost = overhead(used, task, BATCHES // (3 - count), count)
-                    yield Row(f"{what}: overhead", 0.05, cost, "")
-                (Path(name) / "died").unlink(missing_ok=True)
-                wrong = float((collected(used, deadly, BATCHES) != expected).sum())
-                killed = float(not (Path(name) / "died").exists())
-            yield Row(f"{what}, one killed: numbers that differ", 0.0, wrong + killed, "")
+                    yield Row(f"{what}: overhead", 0.05, cost)
+                died.unlink(missing_ok=True)
+                wrong = (collected(used, deadly, BATCHES) != expected).sum() + (not died.exists())
+            yield Row(f"{what}, one killed: numbers that differ", 0.0, wrong)
     start = time.perf_counter()
     surface = mf.Surface([[0.0, 0.0], [1.5, 0.0]], [0.1, 0.12], 0.526, mf.Material(1.36))
     try:
@@ -47,8 +48,6 @@ def rows() -> Iterator[Row]:
 
 def _executions():
     """Return runs in processes and on clusters, with their names and numbers of workers."""
-    from contextlib import nullcontext
-
     yield nullcontext(Execution(workers=2)), "2 processes", 2
     for workers in (1, 2, 4):
         yield cluster(workers), f"cluster of {workers}", workers

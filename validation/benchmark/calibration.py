@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from metafem.calibration import Bootstrap, Sample, fit_compression
@@ -9,15 +11,7 @@ from metafem.calibration.compression.distance_fit import adhesive_load
 from metafem.calibration.compression.scene import cap_curve
 from metafem.contact import Hertz
 from validation.calibration.contact_calibration import TRIALS
-from validation.scenes.compression_tests import (
-    ENERGY,
-    ERRORS,
-    RADII,
-    RADIUS,
-    TESTS,
-    compression_tests,
-    fitted,
-)
+from validation.scenes import compression_tests as scene
 from validation.timing import Row, best
 
 # Fits of which ODRPACK's mean time is taken.
@@ -26,20 +20,11 @@ SOME = 200
 
 def rows() -> list[Row]:
     """Time many fits at once, the same by ODRPACK one by one, and one calibration with its tests."""
-    load, area = compression_tests(TRIALS, 5, ENERGY, np.random.default_rng(0))
-    test = np.repeat(np.arange(TESTS), len(RADII))
-
-    def whole() -> object:
-        return fit_compression(
-            load[0],
-            area[0],
-            RADIUS,
-            sample=Sample(contacts=5, radius_sd=0.005),
-            test=test,
-            bootstrap=Bootstrap(1000, 0),
-        )
-
-    together = best(lambda: fitted(load, area, 5), 3)
+    load, area = scene.compression_tests(TRIALS, 5, scene.ENERGY, np.random.default_rng(0))
+    test = np.repeat(np.arange(scene.TESTS), len(scene.RADII))
+    options = {"sample": Sample(contacts=5, radius_sd=0.005), "test": test, "bootstrap": Bootstrap(1000, 0)}
+    whole = partial(fit_compression, load[0], area[0], scene.RADIUS, **options)
+    together = best(lambda: scene.fitted(load, area, 5), 3)
     alone = best(lambda: _odrpack(load[:SOME] / 5.0, area[:SOME] / 5.0), 1) * TRIALS / SOME
     return [
         Row(f"{TRIALS:,} fits of {load.shape[1]} points", 2.0, together, "s"),
@@ -52,7 +37,7 @@ def _odrpack(load: np.ndarray, area: np.ndarray) -> None:
     """Fit sets of data with analytic derivatives."""
     import odrpack
 
-    curve = cap_curve(Hertz(), RADIUS).load_and_slope
+    curve = cap_curve(Hertz(), scene.RADIUS).load_and_slope
 
     def law(x: np.ndarray, beta: np.ndarray) -> np.ndarray:
         return np.asarray(beta[0] * curve(x)[0] - beta[1] * adhesive_load(x)[0])
@@ -66,6 +51,6 @@ def _odrpack(load: np.ndarray, area: np.ndarray) -> None:
     for one, other in zip(load, area, strict=True):
         odrpack.odr_fit(
             law, other, one, np.array([1.0, 0.0]),
-            weight_x=ERRORS.of_area(other) ** -2, weight_y=(ERRORS.load / 5.0) ** -2,
+            weight_x=scene.ERRORS.of_area(other) ** -2, weight_y=(scene.ERRORS.load / 5.0) ** -2,
             jac_beta=by_parameters, jac_x=by_area,
         )  # fmt: skip

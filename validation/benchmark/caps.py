@@ -124,15 +124,15 @@ def rows() -> Iterator[Row]:
     }
     for name, (law, contact_radius) in ones.items():
         found = np.abs(one_contact(law, RADIUS, contact_radius)).max()
-        yield Row(f"one resolved contact, {name}: load and area", ONE_ERROR, float(found), "")
+        yield Row(f"one resolved contact, {name}: load and area", ONE_ERROR, float(found))
     for name, law_of in LAWS.items():
         for where, scene in SCENES.items():
             load, area = np.abs([at(law_of, scene, ratio) for ratio in RATIOS]).T
             what = f"order 3, {name}, {where}"
-            yield Row(f"{what}: load, a/L <= {RATIOS[-1]:g}", LOAD_ERROR, float(load.max()), "")
+            yield Row(f"{what}: load, a/L <= {RATIOS[-1]:g}", LOAD_ERROR, float(load.max()))
             for most, required in AREA_ERROR.items():
                 largest = float(area[np.array(RATIOS) <= most].max())
-                yield Row(f"{what}: A0, a/L <= {most:g}", required, largest, "")
+                yield Row(f"{what}: A0, a/L <= {most:g}", required, largest)
 
 
 def long_rows() -> Iterator[Row]:

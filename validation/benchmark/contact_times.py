@@ -56,12 +56,12 @@ def rows() -> list[Row]:
         found.append(Row(f"order {order}: Hertz, each load", np.inf, 1e6 * hertz, "us"))
         for name, time in times.items():
             most = ELASTIC if laws[name].largest_order > 1 else PLASTIC
-            found.append(Row(f"order {order}: {name} over Hertz", most, time / hertz, ""))
+            found.append(Row(f"order {order}: {name} over Hertz", most, time / hertz))
     alone = {
         name: best(lambda law=law: mf.Independent(law).curve(scene, loads), 30) for name, law in LAWS.items()
     }
     hertz = alone.pop("Hertz")
     found.append(Row("independent: Hertz, each load", np.inf, 1e6 * hertz / LOADS, "us"))
     for name, time in alone.items():
-        found.append(Row(f"independent: {name} over Hertz", np.inf, time / hertz, ""))
+        found.append(Row(f"independent: {name} over Hertz", np.inf, time / hertz))
     return found

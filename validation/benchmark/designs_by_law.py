@@ -73,5 +73,5 @@ def _designs(name: str, model: mf.Independent | mf.Interacting) -> Iterator[Row]
         law = design.target_law
         misfit = design.misfit if law.pointwise else law.misfit(design.target_area)
         allowed = MISFIT + jump / float(law.law(design.target_area)[0])
-        yield Row(f"{kind}, {name}: misfit", allowed, misfit, "")
+        yield Row(f"{kind}, {name}: misfit", allowed, misfit)
         yield Row(f"{kind}, {name}: time", SECONDS, min(seconds), "s")

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from metafem.calibration import Priors, explain
-from validation.calibration.diagnosis import ALONE, HALF, NAMES, covered, design, measured, part, trials
+from metafem.calibration.bounded_interval import WIDTH
+from validation.calibration.diagnosis import ALONE, NAMES, covered, design, measured, part, trials
 from validation.timing import Row
 
 # Parts measured with the areas of their contacts and by friction alone, and those with errors of every height
@@ -20,7 +21,7 @@ def rows() -> Iterator[Row]:
     for areas, what, required in ((True, "with areas", 0.04), (False, "F(P) alone", 0.04)):
         shares = covered(trials(PARTS, areas))
         yield from (
-            Row(f"{name}, {what}: coverage of 68 % off by", required, abs(float(share) - 0.68), "")
+            Row(f"{name}, {what}: coverage of 68 % off by", required, abs(float(share) - 0.68))
             for name, share in zip(NAMES, shares, strict=True)
         )
 
@@ -42,7 +43,7 @@ def long_rows() -> list[Row]:
         found = explain(measured(made, friction, rng, True), design(), priors, model=ALONE)
         for name, values in inside.items():
             one = found.single[name]
-            values.append(np.abs(one.mean - errors[name]) <= HALF * one.sd)
+            values.append(np.abs(one.mean - errors[name]) <= WIDTH * one.sd)
     return [
         Row(
             f"single summits, {name}: coverage off by",

@@ -77,9 +77,9 @@ def rows() -> list[Row]:
         measured += [
             Row("from `metafem explore` to the first law, quickest of three", 3.0, min(starts), "s"),
             Row("size of the page", 1.0, size / 1e6, "MB"),
-            Row("requests of the page", 40.0, count, ""),
-            Row("requests that leave the machine", 0.0, len(foreign), ""),
-            Row("two pages at once: changes of one by drags in the other", 0.0, disturbed(browser), ""),
+            Row("requests of the page", 40.0, count),
+            Row("requests that leave the machine", 0.0, len(foreign)),
+            Row("two pages at once: changes of one by drags in the other", 0.0, disturbed(browser)),
         ]
     return measured
 

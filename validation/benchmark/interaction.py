@@ -63,10 +63,10 @@ def rows() -> Iterator[Row]:
         for side in SIDES:
             count = products(lattice(side), substrate, 1)
             what = f"lattice of {side} x {side}, one load, order 1, {name}: FFT products"
-            yield Row(what, products_allowed, count, "")
+            yield Row(what, products_allowed, count)
         count = products(lattice(SIDES[1]), substrate, 3)
         what = f"lattice of {SIDES[1]} x {SIDES[1]}, one load, order 3, {name}: FFT products"
-        yield Row(what, EXPANSION * products_allowed, count, "")
+        yield Row(what, EXPANSION * products_allowed, count)
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     yield Row(f"memory after the lattice of {SIDES[-1]} x {SIDES[-1]}", 3.0, memory, "GiB")
     for name, substrate in SUBSTRATES.items():
@@ -99,4 +99,4 @@ def growth(name: str, counts: Sequence[int], seconds: Sequence[float]) -> Row:
     """Return the row of the exponent of the time between two counts."""
     exponent = np.log(seconds[1] / seconds[0]) / np.log(counts[1] / counts[0])
     what = f"growth of the time from {counts[0]} to {counts[1]}, exponent, {name}"
-    return Row(what, 1.15, float(exponent), "")
+    return Row(what, 1.15, float(exponent))

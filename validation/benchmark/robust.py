@@ -47,9 +47,9 @@ def rows() -> Iterator[Row]:
         share = robust.parameters["irreducible_share"]
         what = f"robust design, {name}, layer"
         yield Row(f"{what}: time", 30.0, taken, "s")
-        yield Row(f"{what}: three errors of the gain over the gain", 1.0, float(3.0 * error / gain), "")
-        yield Row(f"{what}: expected misfit, plain", math.sqrt(before.mean()), math.sqrt(after.mean()), "")
-        yield Row(f"{what}: share that no heights remove", 1.0, float(share), "")
+        yield Row(f"{what}: three errors of the gain over the gain", 1.0, float(3.0 * error / gain))
+        yield Row(f"{what}: expected misfit, plain", math.sqrt(before.mean()), math.sqrt(after.mean()))
+        yield Row(f"{what}: share that no heights remove", 1.0, float(share))
 
 
 def long_rows() -> Iterator[Row]:

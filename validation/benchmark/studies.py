@@ -41,9 +41,9 @@ def rows() -> Iterator[Row]:
         study = found / float(found.nominal_slope)
         made = float(study.slope_sd.sel(height_sd=9e-4, method="nearest"))
         mean = float(abs(study.slope_mean - 1.0).max())
-        yield Row(f"{colour}: scatter of the slope at 0.9 um", 0.005, made, "")
-        yield Row(f"{colour}: scatter of the slope up to 3 um", 0.015, float(study.slope_sd.max()), "")
-        yield Row(f"{colour}: change of the mean slope", 0.002, mean, "")
+        yield Row(f"{colour}: scatter of the slope at 0.9 um", 0.005, made)
+        yield Row(f"{colour}: scatter of the slope up to 3 um", 0.015, float(study.slope_sd.max()))
+        yield Row(f"{colour}: change of the mean slope", 0.002, mean)
 
 
 def long_rows() -> list[Row]:
@@ -62,7 +62,7 @@ def long_rows() -> list[Row]:
             apart = np.abs(here[name].values - plain[name].values)
             apart /= np.hypot(here[f"{name}_error"].values, plain[f"{name}_error"].values)
             measured += [
-                Row(f"{what}: error of {name} over slope_sd", bound, error, ""),
+                Row(f"{what}: error of {name} over slope_sd", bound, error),
                 Row(f"{what}: {name}, difference from plain draws", 3.0, float(apart.max()), "errors"),
             ]
     return [

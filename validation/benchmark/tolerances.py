@@ -33,4 +33,4 @@ def _rows(designs: int, draws: int) -> list[Row]:
             for what, value in (("between spans", spans), (f"from {draws:,} plain draws", drawn)):
                 key = f"{study}, {designs} designs: largest difference {what}"
                 largest[key] = max(largest[key], abs(value))
-    return [Row(what, ALLOWED, value, "") for what, value in largest.items()]
+    return [Row(what, ALLOWED, value) for what, value in largest.items()]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -44,16 +45,13 @@ MODELS = {
 # Contact radii over R at which finite elements at large strain are computed anew.
 SOFT = np.array([0.095, 0.19, 0.35, 0.43])
 
+# Contact radii [mm] up to a quarter of R, and up to half of it.
+LIGHT, HALF = RADII[RADII < 0.25 * RADIUS], np.linspace(RADII[0], 0.5 * RADIUS, len(RADII))
+
 FITTED = "data of the named model without noise, fitted by Hertz's law of contacts far apart"
 STATED = "bias over ±0.04 MPa, which the paper states for batch 1"
 SAME = known_input("E* and w of the synthetic data, which are fitted by the model that made them")
 DIAGONAL = known_input("identity: a compliance that is equal for all caps changes the approach alone")
-
-
-@cache
-def fitted_by_hertz(effect: str) -> ContactCalibration:
-    """Return the fit of Hertz's law of contacts far apart to data of an effect, for the effect of a model."""
-    return fit_compression(*data(MODELS[effect]), RADIUS, sample=Sample(contacts=5))
 
 
 @cache
@@ -63,15 +61,26 @@ def data(model: mf.Interacting) -> tuple[FloatArray, FloatArray]:
     return load, mf.friction_law(SAMPLE, model, load=load).area
 
 
-def of_cap(cap: mf.contact.Contact, radii: FloatArray = RADII, energy: float = 0.0) -> ContactCalibration:
-    """Return the fit of Hertz's law to the data of five caps of another law."""
-    return fit_compression(*pressed(cap, radii, energy), RADIUS, sample=Sample(contacts=5))
-
-
 def pressed(cap: mf.contact.Contact, radii: FloatArray, energy: float = 0.0) -> tuple[FloatArray, FloatArray]:
     """Return loads and total areas of five caps."""
     lowered = np.sqrt(8.0 * math.pi * energy * MODULUS * radii**3)
     return 5.0 * (MODULUS * cap.load(radii, RADIUS) - lowered), 5.0 * math.pi * radii**2
+
+
+def fitted(points: tuple[FloatArray, FloatArray], **sample: Any) -> ContactCalibration:
+    """Return the fit to loads and total areas of five contacts, by default with Hertz's law."""
+    return fit_compression(*points, RADIUS, Sample(contacts=5, **sample))
+
+
+def of_cap(cap: mf.contact.Contact, radii: FloatArray = RADII) -> ContactCalibration:
+    """Return the fit of Hertz's law to the data of five caps of another law."""
+    return fitted(pressed(cap, radii))
+
+
+@cache
+def by_model() -> dict[str, float]:
+    """Return the relative error of E* that Hertz's law of contacts far apart has under each model."""
+    return {name: shift(fitted(data(model))) for name, model in MODELS.items()}
 
 
 @cache
@@ -113,13 +122,12 @@ def claim() -> Claim:
 
 
 def _interaction() -> Iterator[Row]:
-    shifts = {name: shift(fitted_by_hertz(name)) for name in MODELS}
     for name, model in MODELS.items():
-        own = fit_compression(*data(model), RADIUS, sample=Sample(contacts=5, model=model, surface=SAMPLE))
-        yield reported(f"{name}: bias of E*", shifts[name], FITTED)
-        yield reported(f"{name}: bias over the published uncertainty", abs(shifts[name]) / PUBLISHED, STATED)
+        own, bias = fitted(data(model), model=model, surface=SAMPLE), by_model()[name]
+        yield reported(f"{name}: bias of E*", bias, FITTED)
+        yield reported(f"{name}: bias over the published uncertainty", abs(bias) / PUBLISHED, STATED)
         yield near(f"{name}: E* by the same model [MPa]", own.composite_modulus, MODULUS, 1e-6, SAME)
-    half, layer, pedestals, block = shifts.values()
+    half, layer, pedestals, block = by_model().values()
     a, third = RADII, np.array([hertz(radius, RADIUS)[0] for radius in RADII])
     distance = np.hypot(*(POSITION[:, None] - POSITION).transpose(2, 0, 1)) + np.diag(np.full(5, np.inf))
     curvature = third * (distance**-3.0).sum(axis=1).mean() / (2.0 * math.pi)
@@ -127,74 +135,51 @@ def _interaction() -> Iterator[Row]:
     # P ~ A^(3/2) is convex: unequal contacts bear more at the same total area
     unequal = 0.375 * (sinking / (a**2 / RADIUS)) ** 2
     expected = by_hand(third * (1.0 + RADIUS * curvature + unequal))
-    yield near(
-        "half-space: bias of E* against the expansion",
-        *(half, expected, 0.1 * expected),
-        second_method(by_hand, "line through P(1 + R Σ P_j/(2πE*r³) + 3/8 of the variance of sinkings/d²)"),
-    )
-    yield near(
-        "block with free sides: bias of E* against that of the layer",
-        *(block, layer, 2e-4),
-        second_method(mf.BondedLayer, "the layer without sides, which are 5 mm from the outer caps"),
-    )
+    words = "line through P(1 + R Σ P_j/(2πE*r³) + 3/8 of the variance of sinkings/d²)"
+    line, name = second_method(by_hand, words), "half-space: bias of E* against the expansion"
+    yield near(name, half, expected, 0.1 * expected, line)
+    sides = second_method(mf.BondedLayer, "the layer without sides, which are 5 mm from the outer caps")
+    yield near("block with free sides: bias of E* against that of the layer", block, layer, 2e-4, sides)
     yield below("change of the bias by pedestals", abs(pedestals - layer), 1e-6, DIAGONAL)
 
 
 def _sphere() -> list[Row]:
-    found = of_cap(mf.SphericalCap())
-    own = fit_compression(
-        *pressed(mf.SphericalCap(), RADII),
-        RADIUS,
-        sample=Sample(contacts=5, model=mf.Independent(contact=mf.SphericalCap())),
-    )
-    light = RADII[RADII < 0.25 * RADIUS]
-    expected = by_hand(np.array([sneddon_sphere(radius, RADIUS)[0] for radius in light]), light)
+    sphere = mf.SphericalCap()
+    found, own = of_cap(sphere), fitted(pressed(sphere, RADII), model=mf.Independent(contact=sphere))
+    expected = by_hand(np.array([sneddon_sphere(radius, RADIUS)[0] for radius in LIGHT]), LIGHT)
+    line = closed_form(sneddon_sphere, "line through E*[(a² + R²)/2 ln((R + a)/(R − a)) − aR]")
+    light, name = shift(of_cap(sphere, LIGHT)), "small-strain sphere: bias of E*, a/R up to"
     return [
-        reported("small-strain sphere: bias of E*, a/R up to 0.76", shift(found), FITTED),
+        reported(f"{name} 0.76", shift(found), FITTED),
         reported("small-strain sphere: apparent w [mJ/m²], true 0", 1e6 * found.adhesion_energy, FITTED),
-        near(
-            "small-strain sphere: bias of E*, a/R up to 0.25",
-            *(shift(of_cap(mf.SphericalCap(), light)), expected, 0.02 * expected),
-            closed_form(sneddon_sphere, "line through E*[(a² + R²)/2 ln((R + a)/(R − a)) − aR]"),
-        ),
+        near(f"{name} 0.25", light, expected, 0.02 * expected, line),
         near("small-strain sphere: E* by the same law [MPa]", own.composite_modulus, MODULUS, 1e-9, SAME),
     ]
 
 
 def _large_strain() -> Iterator[Row]:
-    half = np.linspace(RADII[0], 0.5 * RADIUS, len(RADII))
+    shifts = []
     for height in deep_caps():
-        name = f"large strain, cap {height:g} mm high"
-        cap = soft_cap(height)
-        small, large = of_cap(cap, half), of_cap(cap)
-        own = fit_compression(
-            *pressed(cap, RADII, ENERGY), RADIUS, sample=Sample(contacts=5, model=mf.Independent(contact=cap))
-        )
+        name, cap = f"large strain, cap {height:g} mm high", soft_cap(height)
+        small, large = of_cap(cap, HALF), of_cap(cap)
+        own = fitted(pressed(cap, RADII, ENERGY), model=mf.Independent(contact=cap))
+        shifts.append(abs(shift(small)))
+        apparent, line = 1e6 * large.adhesion_energy, 1e6 * large.line.adhesion_energy
         yield reported(f"{name}: bias of E*, a/R up to 0.5", shift(small), FITTED)
         yield reported(f"{name}: bias of E*, a/R up to 0.76", shift(large), FITTED)
-        yield reported(
-            f"{name}: apparent w [mJ/m²], a/R up to 0.76, true 0", 1e6 * large.adhesion_energy, FITTED
-        )
-        yield reported(
-            f"{name}: the same by the paper's line [mJ/m²]", 1e6 * large.line.adhesion_energy, FITTED
-        )
+        yield reported(f"{name}: apparent w [mJ/m²], a/R up to 0.76, true 0", apparent, FITTED)
+        yield reported(f"{name}: the same by the paper's line [mJ/m²]", line, FITTED)
         yield near(f"{name}: E* by the same law [MPa]", own.composite_modulus, MODULUS, 1e-9, SAME)
         yield near(f"{name}: w by the same law [mJ/m²]", 1e6 * own.adhesion_energy, 1e6 * ENERGY, 1e-6, SAME)
     pressed_anew = press_sequence(SOFT * RADIUS, Cap(RADIUS, SOFT_HEIGHT, BLOCK_RADIUS, THICKNESS), False)
-    radii = np.array([each.contact_radius for each in pressed_anew])
-    anew = by_hand(np.array([each.rescaled_load for each in pressed_anew]), radii)
+    radii, loads = np.array([(each.contact_radius, each.rescaled_load) for each in pressed_anew]).T
     table = mf.TabulatedContact(*np.loadtxt(FOLDER / "soft_cap.csv", delimiter=",", skiprows=1).T)
     found = by_hand(table.for_material(mf.Material(1.0)).load(radii, RADIUS), radii)
-    yield near(
-        "large strain, cap 0.2 mm high: bias of E* by its table, a/R up to 0.43",
-        # the loads of either have errors of 0.1 %, which the two fitted numbers double
-        *(found, anew, 3e-3, second_method(press_sequence, "finite elements at four contact radii")),
-    )
-    yield reported(
-        "large strain: largest bias of E*, a/R up to 0.5, over the published uncertainty",
-        max(abs(shift(of_cap(soft_cap(height), half))) for height in deep_caps()) / PUBLISHED,
-        STATED,
-    )
+    # the loads of either have errors of 0.1 %, which the two fitted numbers double
+    anew = by_hand(loads, radii), 3e-3, second_method(press_sequence, "finite elements at four contact radii")
+    yield near("large strain, cap 0.2 mm high: bias of E* by its table, a/R up to 0.43", found, *anew)
+    name = "large strain: largest bias of E*, a/R up to 0.5, over the published uncertainty"
+    yield reported(name, max(shifts) / PUBLISHED, STATED)
 
 
 @panels(6.4, 3.6)
@@ -207,9 +192,8 @@ def _figure(ax):
     alone = mf.Hertz().load(a, RADIUS)
     ax.plot(a / RADIUS, mf.SphericalCap().load(a, RADIUS) / alone, label="sphere at small strain")
     for height in deep_caps():
-        ax.plot(
-            a / RADIUS, soft_cap(height).load(a, RADIUS) / alone, label=f"large strain, {height:g} mm high"
-        )
+        over = soft_cap(height).load(a, RADIUS) / alone
+        ax.plot(a / RADIUS, over, label=f"large strain, {height:g} mm high")
     load, area = data(MODELS["interaction on the block with free sides"])
     radii = np.sqrt(area / (5.0 * math.pi))
     alone = 5.0 * MODULUS * mf.Hertz().load(radii, RADIUS)
@@ -224,14 +208,11 @@ def _biases(ax):
     """Bias of E* where Hertz's law of caps far apart is fitted to data of another law, by the effect left out
     and the largest contact radius. The grey band is the uncertainty that the paper states.
     """
-    half = np.linspace(RADII[0], 0.5 * RADIUS, len(RADII))
-    shifts = {name: shift(fitted_by_hertz(name)) for name in MODELS}
-    shifts["small-strain sphere, a/R up to 0.25"] = shift(
-        of_cap(mf.SphericalCap(), RADII[RADII < 0.25 * RADIUS])
-    )
-    shifts["small-strain sphere, a/R up to 0.76"] = shift(of_cap(mf.SphericalCap()))
+    sphere, shifts = mf.SphericalCap(), dict(by_model())
+    shifts["small-strain sphere, a/R up to 0.25"] = shift(of_cap(sphere, LIGHT))
+    shifts["small-strain sphere, a/R up to 0.76"] = shift(of_cap(sphere))
     for height in deep_caps():
-        for end, radii in (("0.5", half), ("0.76", RADII)):
+        for end, radii in (("0.5", HALF), ("0.76", RADII)):
             name = f"large strain, {height:g} mm high, a/R up to {end}"
             shifts[name] = shift(of_cap(soft_cap(height), radii))
     ax.axvspan(-100.0 * PUBLISHED, 100.0 * PUBLISHED, color=QUIET, alpha=0.25, lw=0)

@@ -11,7 +11,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.calibration import fit_compression
 from metafem.calibration.bounded_interval import bounded_interval
-from metafem.calibration.compression.adhesive_line import line_points, straight_lines
+from metafem.calibration.compression.adhesive_line import adhesive_line
 from metafem.calibration.compression.distance_fit import DistanceFit, adhesive_load, distance_fit
 from metafem.calibration.compression.scene import cap_curve
 from metafem.contact import Hertz
@@ -36,6 +36,8 @@ CONTACTS, ENERGIES = (1, 5), (ENERGY, 0.0)
 # True values of the estimates with adhesion.
 TRUE = (("E*", MODULUS), ("√w", math.sqrt(ENERGY)))
 
+METHODS = {"fit": "fit with errors on both axes", "line": "straight line of the paper"}
+
 FIT = "mean of 5,000 fits with errors of load and area"
 LINE = "least squares of the paper's straight line on the same data"
 CHI_SQUARE = known_input("noise of known size in 60 points, two numbers fitted: chi-square of mean 58")
@@ -47,12 +49,12 @@ def results(contacts: int, energy: float) -> tuple[DistanceFit, dict[str, Errors
     """Return the fits of all trials, and the errors of E* and sqrt(w) by the fit and by the line."""
     load, area = compression_tests(TRIALS, contacts, energy, np.random.default_rng(0))
     fit = fitted(load, area, contacts)
-    line = straight_lines(*line_points(load / contacts, area / contacts, RADIUS))
+    line = adhesive_line(load / contacts, area / contacts, RADIUS)
     true = np.array([MODULUS, math.sqrt(energy)])
     errors = {}
     for name, estimate, covariance in (
         ("fit", np.stack([fit.modulus, fit.root], axis=-1), fit.root_covariance),
-        ("line", np.stack(line[2:4], axis=-1), line[4]),
+        ("line", np.stack([line.composite_modulus, line.adhesion_root], axis=-1), line.root_covariance),
     ):
         sd = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
         for i, quantity in enumerate(("E*", "√w")):
@@ -68,57 +70,42 @@ def claim() -> Claim:
     the load, its mean E* is {modulus_of_one} and its mean √w {root_of_one} times the true one; with five
     contacts under one load, as in the paper, {modulus_of_five} and {root_of_five} times.
     """
-    checks: list[Row] = []
-    for contacts in CONTACTS:
-        for energy in ENERGIES:
-            checks += _checks(contacts, energy)
-    one, five = (
-        [f"{1 + results(n, ENERGY)[1][f'line, {name}'].error.mean() / true:.3f}" for name, true in TRUE]
-        for n in CONTACTS
-    )
+    rows = [row for contacts in CONTACTS for energy in ENERGIES for row in _checks(contacts, energy)]
+    values = {
+        f"{key}_of_{word}": f"{1 + results(n, ENERGY)[1][f'line, {name}'].error.mean() / true:.3f}"
+        for n, word in zip(CONTACTS, ("one", "five"), strict=True)
+        for key, (name, true) in zip(("modulus", "root"), TRUE, strict=True)
+    }
     return Claim(
         "E* and adhesion energy from loads and areas",
-        [*checks, *_regressions()],
-        {
-            "errors over their stated uncertainty": Picture(_figure),
-            "bias and coverage": Picture(_biases),
-        },
-        {
-            "modulus_of_one": one[0],
-            "root_of_one": one[1],
-            "modulus_of_five": five[0],
-            "root_of_five": five[1],
-        },
+        [*rows, *_regressions()],
+        {"errors over their stated uncertainty": Picture(_figure), "bias and coverage": Picture(_biases)},
+        values,
     )
+
+
+def _case(contacts: int, energy: float) -> str:
+    return f"{contacts} contact{'s' * (contacts > 1)}, w = {1e6 * energy:g} mJ/m²"
 
 
 def _checks(contacts: int, energy: float) -> Iterator[Row]:
     fit, errors = results(contacts, energy)
-    case = f"{contacts} contact{'s' * (contacts > 1)}, w = {1e6 * energy:g} mJ/m²"
+    case = _case(contacts, energy)
     for name in ("E*", "√w"):
         yield from judged(case, name, errors[f"fit, {name}"])
     low, high = bounded_interval(fit.root, np.sqrt(fit.root_covariance[:, 1, 1]))
     covered = float(((low**2 <= energy) & (energy <= high**2)).mean())
     yield near(f"{case}: 68 % intervals of w that hold it", covered, NOMINAL, ALLOWED, COVERED)
-    yield near(
-        f"{case}: mean chi-square",
-        *(float((fit.residual**2).sum(axis=1).mean()), 58.0),
-        *(4.0 * math.sqrt(116.0 / TRIALS), CHI_SQUARE),
-    )
-    yield reported(
-        f"{case}: stated uncertainty of E* [MPa]",
-        float(errors["fit, E*"].sd.mean()),
-        FIT,
-    )
+    square, off = float((fit.residual**2).sum(axis=1).mean()), 4.0 * math.sqrt(116.0 / TRIALS)
+    yield near(f"{case}: mean chi-square", square, 58.0, off, CHI_SQUARE)
+    yield reported(f"{case}: stated uncertainty of E* [MPa]", float(errors["fit, E*"].sd.mean()), FIT)
     for name in ("E*", "√w"):
-        found = errors[f"line, {name}"]
-        yield reported(f"{case}: paper's line, bias of {name} over its uncertainty", found.bias, LINE)
-        yield reported(f"{case}: paper's line, 68 % intervals of {name} that hold it", found.coverage, LINE)
+        found, line = errors[f"line, {name}"], f"{case}: paper's line"
+        yield reported(f"{line}, bias of {name} over its uncertainty", found.bias, LINE)
+        yield reported(f"{line}, 68 % intervals of {name} that hold it", found.coverage, LINE)
     modulus, root = (float(errors[f"line, {name}"].error.mean()) for name in ("E*", "√w"))
-    yield reported(f"{case}: paper's line, mean E* [MPa]", MODULUS + modulus, LINE)
-    yield reported(
-        f"{case}: paper's line, w of the mean √w [mJ/m²]", 1e6 * (math.sqrt(energy) + root) ** 2, LINE
-    )
+    yield reported(f"{line}, mean E* [MPa]", MODULUS + modulus, LINE)
+    yield reported(f"{line}, w of the mean √w [mJ/m²]", 1e6 * (math.sqrt(energy) + root) ** 2, LINE)
 
 
 def square_variance(mean: float, sd: float) -> float:
@@ -126,7 +113,7 @@ def square_variance(mean: float, sd: float) -> float:
     return float((np.random.default_rng(1).normal(mean, sd, 1_000_000) ** 2).var())
 
 
-def _regressions() -> list[Row]:
+def _regressions() -> Iterator[Row]:
     """Compare single fits with ODRPACK and with the public function."""
     import odrpack
 
@@ -145,30 +132,17 @@ def _regressions() -> list[Row]:
             diff_scheme="central", sstol=1e-15, partol=1e-15,
         )  # fmt: skip
         apart.append(abs(other.beta[0] - fit.modulus[i]) / math.sqrt(fit.covariance[i, 0, 0]))
-    one = fit_compression(load[0], area[0], RADIUS)
-    few = fit_compression(
-        *(each[0] for each in compression_tests(1, 1, 0.0, np.random.default_rng(0))), RADIUS
-    )
+    one = fit_compression(load[0], area[0], RADIUS).composite_modulus
+    few = fit_compression(*np.concatenate(compression_tests(1, 1, 0.0, np.random.default_rng(0))), RADIUS)
     mean, sd = max(few.adhesion_root, 0.0), math.sqrt(few.root_covariance[1, 1])
-    source = second_method(square_variance, "variance of the squares of normal draws of √w")
-    return [
-        below(
-            "largest difference of E* from ODRPACK over the uncertainty, 20 fits",
-            *(
-                float(max(apart)),
-                1e-5,
-                second_method(odrpack.odr_fit, "ODRPACK, variances of the fitted areas"),
-            ),
-        ),
-        near(
-            "contacts without adhesion: variance of w over that of draws",
-            *(float(few.covariance[1, 1]) / square_variance(mean, sd), 1.0, 0.02, source),
-        ),
-        near(
-            "metafem.calibration.fit_compression on the first set of data, E* [MPa]",
-            *(one.composite_modulus, float(fit.modulus[0]), 1e-9, BATCH),
-        ),
-    ]
+    ratio = float(few.covariance[1, 1]) / square_variance(mean, sd)
+    other_fit = second_method(odrpack.odr_fit, "ODRPACK, variances of the fitted areas")
+    draws = second_method(square_variance, "variance of the squares of normal draws of √w")
+    name = "largest difference of E* from ODRPACK over the uncertainty, 20 fits"
+    yield below(name, float(max(apart)), 1e-5, other_fit)
+    yield near("contacts without adhesion: variance of w over that of draws", ratio, 1.0, 0.02, draws)
+    name = "metafem.calibration.fit_compression on the first set of data, E* [MPa]"
+    yield near(name, one, float(fit.modulus[0]), 1e-9, BATCH)
 
 
 @panels(8.0, 3.2, columns=2, sharey=True)
@@ -180,10 +154,7 @@ def _figure(*axes):
     edges = np.linspace(-5.0, 8.0, 66)
     x = np.linspace(-5.0, 8.0, 400)
     for ax, name in zip(axes, ("E*", "√w"), strict=True):
-        for method, label in (
-            ("fit", "fit with errors on both axes"),
-            ("line", "straight line of the paper"),
-        ):
+        for method, label in METHODS.items():
             found = results(1, ENERGY)[1][f"{method}, {name}"]
             ax.hist(
                 np.clip(found.error / found.sd, *edges[[0, -1]]), edges, density=True, alpha=0.6, label=label
@@ -199,15 +170,13 @@ def _biases():
     the true value. The grey bands are allowed. Circles, the fit, must lie in them; squares, the paper's
     straight line, need not.
     """
-    found: dict[str, dict[str, Errors]] = {
-        "fit with errors on both axes": {},
-        "straight line of the paper": {},
+    found = {
+        label: {
+            f"{_case(contacts, energy)}: {name}": results(contacts, energy)[1][f"{method}, {name}"]
+            for contacts in CONTACTS
+            for energy in ENERGIES
+            for name in ("E*", "√w")
+        }
+        for method, label in METHODS.items()
     }
-    for contacts in CONTACTS:
-        for energy in ENERGIES:
-            errors = results(contacts, energy)[1]
-            case = f"{contacts} contact{'s' * (contacts > 1)}, w = {1e6 * energy:g} mJ/m²"
-            for estimates, method in zip(found.values(), ("fit", "line"), strict=True):
-                for name in ("E*", "√w"):
-                    estimates[f"{case}: {name}"] = errors[f"{method}, {name}"]
     return bias_and_coverage(found, 2.6)

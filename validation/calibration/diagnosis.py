@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -13,6 +12,7 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.calibration import MeasuredLaw, MeasurementErrors, Priors, explain
+from metafem.calibration.bounded_interval import WIDTH
 from metafem.drawing import ACHIEVED, MEASURED_BESIDE, QUIET, diagnosis, new_figure
 from validation.check import Check, Claim, Picture, Row, above, below, near, reported
 from validation.figures import panels
@@ -33,9 +33,6 @@ LOADS, NOISE = np.linspace(0.03, 0.6, 20), MeasurementErrors()
 # Errors of the whole part and of the calibration; single asperities are as designed.
 COMMON = Priors(height_sd=0.0, radius_sd=0.0)
 ALONE = mf.Independent()
-
-# Half the width of the central 68 % of a normal distribution, in standard deviations.
-HALF = 0.9944578832
 
 NOMINAL = known_input("nominal 68 % of the intervals, for parts whose errors are drawn from the priors")
 MADE = known_input("errors of the synthetic part")
@@ -68,9 +65,7 @@ def part(rng: np.random.Generator) -> tuple[FloatArray, mf.Surface, float]:
     sd = [COMMON.angle_sd, COMMON.angle_sd, COMMON.height_scale_sd, COMMON.composite_modulus_sd]
     errors = np.array([*sd, COMMON.friction_sd]) * rng.standard_normal(5)
     surface = design()
-    material = replace(
-        surface.material, composite_modulus=(1.0 + errors[3]) * surface.material.composite_modulus
-    )
+    material = mf.Material((1.0 + errors[3]) * surface.material.composite_modulus)
     made = surface.replaced(height=(1.0 + errors[2]) * surface.height, material=material)
     return errors, made.tilted(errors[0], errors[1]), 1.0 + errors[4]
 
@@ -86,13 +81,8 @@ def measured(surface: mf.Surface, friction: float, rng: np.random.Generator, are
     force += NOISE.of_friction_force(force) * rng.standard_normal(LOADS.shape)
     # an area below its error may come out negative: such a contact is not seen
     area = np.maximum(area + NOISE.of_area(area) * rng.standard_normal(area.shape), 0.0)
-    return MeasuredLaw(
-        load,
-        friction_force=force,
-        asperity_area=area if areas else None,
-        material=nominal.material,
-        friction=nominal.friction,
-    )
+    given = {"friction_force": force} | ({"asperity_area": area} if areas else {})
+    return MeasuredLaw(load, **given, material=nominal.material, friction=nominal.friction)
 
 
 @cache
@@ -109,7 +99,7 @@ def trials(count: int, areas: bool) -> Trial:
 
 def covered(found: Trial) -> FloatArray:
     """Return the part of the 68 % intervals of each error that contain the truth."""
-    return (np.abs(found.mean - found.truth) <= HALF * found.sd).mean(axis=0)
+    return (np.abs(found.mean - found.truth) <= WIDTH * found.sd).mean(axis=0)
 
 
 NAMES = ("tilt along x", "tilt along y", "height scale", "E*", "σB")
@@ -122,47 +112,35 @@ def claim() -> Claim:
     right intervals. From friction over load alone only one combination of E*, σB and the height scale can be
     found, and the result says so.
     """
-    return Claim(
-        "What explains a measured law",
-        [*_coverage(), *_forces_alone(), *_recognised(), *_interaction()],
-        {
-            "coverage of the intervals": Picture(_coverages),
-            "errors of a tilted part with a hole": Picture(_posteriors),
-            "heights of that part": Picture(_heights),
-        },
-    )
+    figures = {
+        "coverage of the intervals": Picture(_coverages),
+        "errors of a tilted part with a hole": Picture(_posteriors),
+        "heights of that part": Picture(_heights),
+    }
+    rows = [*_coverage(), *_forces_alone(), *_recognised(), *_interaction()]
+    return Claim("What explains a measured law", rows, figures)
 
 
 def _coverage() -> Iterator[Row]:
     found = trials(PARTS, True)
-    for name, share, bias, left in zip(
-        NAMES,
-        covered(found),
-        ((found.mean - found.truth) / found.sd).mean(axis=0),
-        found.sd.mean(axis=0) / found.truth.std(axis=0),
-        strict=True,
-    ):
-        yield near(
-            f"{name}: 68 % intervals that contain the truth, {PARTS} parts", share, 0.68, 0.04, NOMINAL
-        )
-        yield below(f"{name}: bias over its standard deviation", abs(float(bias)), 0.2, TRUTH)
-        yield reported(f"{name}: standard deviation found over that expected", float(left), FOUND)
+    shares, bias = covered(found), ((found.mean - found.truth) / found.sd).mean(axis=0)
+    left = found.sd.mean(axis=0) / found.truth.std(axis=0)
+    for i, name in enumerate(NAMES):
+        what = f"{name}: 68 % intervals that contain the truth, {PARTS} parts"
+        yield near(what, shares[i], 0.68, 0.04, NOMINAL)
+        yield below(f"{name}: bias over its standard deviation", abs(float(bias[i])), 0.2, TRUTH)
+        yield reported(f"{name}: standard deviation found over that expected", float(left[i]), FOUND)
 
 
-def _forces_alone() -> list[Row]:
-    found = trials(FORCE_PARTS, False)
-    checks = [
-        reported(f"{name}: 68 % intervals that contain the truth, from F(P) alone", float(share), ALONE_FOUND)
-        for name, share in zip(NAMES, covered(found), strict=True)
-    ]
+def _forces_alone() -> Iterator[Row]:
+    for name, share in zip(NAMES, covered(trials(FORCE_PARTS, False)).tolist(), strict=True):
+        what = f"{name}: 68 % intervals that contain the truth, from F(P) alone"
+        yield reported(what, share, ALONE_FOUND)
     named = [{*one.change} for one in explained(False).unresolved]
     together = any({"composite_modulus", "friction"} <= names for names in named)
     scale = any("height_scale" in names for names in named)
-    return [
-        *checks,
-        Check("E* and σB named as not told apart", float(together), "1", together, IDENTICAL),
-        Check("height scale named as not determined", float(scale), "1", scale, IDENTICAL),
-    ]
+    yield Check("E* and σB named as not told apart", float(together), "1", together, IDENTICAL)
+    yield Check("height scale named as not determined", float(scale), "1", scale, IDENTICAL)
 
 
 @cache
@@ -180,18 +158,14 @@ def _recognised() -> list[Row]:
     site = int(design().height.argmax())
     scaled = design().replaced(height=1.05 * design().height)
     scale = explain(measured(scaled, 1.0, np.random.default_rng(2), True), design(), model=ALONE)
-    errors = holed.single["height"]
+    errors, unexplained = holed.single["height"], 1.0 - scale.shares["height_scale"]
+    depth, within = -1e3 * errors.mean[site], 3e3 * errors.sd[site]
     return [
         below("tilted part: share of other errors", 1.0 - tilted.shares["tilt"], 0.3, MADE),
-        below(
-            "scaled part: misfit that the scale does not explain",
-            1.0 - scale.shares["height_scale"],
-            0.3,
-            MADE,
-        ),
+        below("scaled part: misfit that the scale does not explain", unexplained, 0.3, MADE),
         near("part with a hole: outliers", len(holed.outliers), 1, 0.0, MADE),
         near("its site", int(holed.outliers[0]), site, 0.0, MADE),
-        near("its depth [µm]", -1e3 * errors.mean[site], 15.0, 3e3 * errors.sd[site], MADE),
+        near("its depth [µm]", depth, 15.0, within, MADE),
     ]
 
 
@@ -203,18 +177,13 @@ def _interaction() -> list[Row]:
     load = LOADS[1::4] + NOISE.of_load(LOADS[1::4]) * rng.standard_normal(len(states))
     area = np.maximum(area + NOISE.of_area(area) * rng.standard_normal(area.shape), 0.0)
     found = explain(MeasuredLaw(load, asperity_area=area, material=made.material), design())
-    angle = found["angle_x"]
+    angle, evidence = found["angle_x"], found.log_evidence
+    odds = (evidence["layer"] - evidence["independent"]) / math.log(10.0)
     return [
         # a hundred to one
-        above("part on a layer: log10 of the odds of the layer", _odds(found), 2.0, LAYER),
+        above("part on a layer: log10 of the odds of the layer", odds, 2.0, LAYER),
         near("its tilt [°]", math.degrees(angle.mean), 0.03, math.degrees(3.0 * angle.sd), MADE),
     ]
-
-
-def _odds(found: mf.calibration.Explanation) -> float:
-    """Return the logarithm to base 10 of the odds of the layer against independent asperities."""
-    evidence = found.log_evidence
-    return (evidence["layer"] - evidence["independent"]) / math.log(10.0)
 
 
 @panels(6.0, 2.8)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 
@@ -11,7 +11,6 @@ import numpy as np
 import metafem as mf
 from metafem.calibration import MeasuredLaw, Sample, fit_compression, shear, shear_record, shear_strength
 from metafem.drawing import ACHIEVED, QUIET, TARGET
-from metafem.notes import Note
 from validation.check import Claim, Picture, Row, above, near, reported
 from validation.figures import panels
 from validation.paper.surfaces import fig4
@@ -46,18 +45,6 @@ class Outcome:
     ratio: float | None = None
 
 
-def _outcome(call: Callable[[], Outcome]) -> Outcome:
-    try:
-        return call()
-    except mf.InvalidInput:
-        return Outcome(True, True)
-
-
-def _suspected(notes: Iterable[Note]) -> bool:
-    """Whether a note names the unit that would fit."""
-    return any("would fit where a table says" in str(note) for note in notes)
-
-
 @cache
 def outcomes() -> dict[str, Outcome]:
     """Return the outcome of each mistake."""
@@ -71,10 +58,11 @@ def outcomes() -> dict[str, Outcome]:
     )
 
     def pressed(load, area, radius=RADIUS, contacts=CONTACTS) -> Outcome:
-        found = fit_compression(load, area, radius, sample=Sample(contacts=contacts))
-        return Outcome(
-            False, not found.verdict.fits or _suspected(found.notes), found.composite_modulus / MODULUS
+        found = fit_compression(load, area, radius, Sample(contacts=contacts))
+        named = not found.verdict.fits or any(
+            "would fit where a table says" in str(note) for note in found.notes
         )
+        return Outcome(False, named, found.composite_modulus / MODULUS)
 
     def slid(before, after, force) -> Outcome:
         found = shear(before, after, force)
@@ -112,7 +100,13 @@ def outcomes() -> dict[str, Outcome]:
         "areas under shear in place of those before": lambda: pressed(load, 0.85 * area),
         "all areas 5 % too large": lambda: pressed(load, 1.05 * area),
     }
-    return {name: _outcome(call) for name, call in calls.items()}
+    found = {}
+    for name, call in calls.items():
+        try:
+            found[name] = call()
+        except mf.InvalidInput:
+            found[name] = Outcome(True, True)
+    return found
 
 
 # Share of intervals that hold the true value, and the standard deviations within which a share is as stated.
@@ -152,35 +146,31 @@ def claim() -> Claim:
     rows.append(reported("mistakes that are refused", float(count), f"of {len(outcomes())} that were made"))
     for contacts in (1, CONTACTS):
         rows += _statistics(contacts)
-    return Claim(
-        "Mistakes in measured data",
-        rows,
-        {"what mistakes do to E* and σ": Picture(_figure)},
-    )
+    return Claim("Mistakes in measured data", rows, {"what mistakes do to E* and σ": Picture(_figure)})
 
 
-def _statistics(contacts: int) -> list[Row]:
+def _statistics(contacts: int) -> Iterator[Row]:
     """Return how often 300 calibrations notice what is wrong, and how often their intervals hold E*."""
     case = f"{contacts} contact{'s' * (contacts > 1)}"
     clean, drift, outlier = (repeated(scene, contacts) for scene in (steady, drifting, with_outlier))
-    farthest = np.mean([each.verdict["largest"].noticed for each in outlier.found])
-    return [
-        near(f"{case}, nothing wrong: noticed", clean.noticed, 0.04, WITHIN * spread(0.04), LEVEL),
-        near(f"{case}, nothing wrong: E* held", clean.covered, COVERED, WITHIN * spread(COVERED), STATED),
-        above(f"{case}, drifting loads: noticed", drift.noticed, 0.9, DRIFT),
-        near(f"{case}, drifting loads: E* held", drift.covered, COVERED, WITHIN * spread(COVERED), STATED),
-        reported(f"{case}, drifting loads: E* held if the drift is ignored", held(drifting, contacts), FIT),
-        near(f"{case}, an outlier: noticed by its size", float(farthest), power(contacts),
-             WITHIN * spread(0.5), self_consistency(power, "power of the best test of one outlier at 1 %")),
-        reported(f"{case}, an outlier: not noticed by any test", 1.0 - outlier.noticed, FIT),
-        near(f"{case}, an outlier: E* held by the robust fit", held(with_outlier, contacts, robust=True),
-             COVERED, WITHIN * spread(COVERED), STATED),
-        *(
-            reported(f"{case}, an outlier {where}: {fit} holds E*", held(scene, contacts, robust=robust), FIT)
-            for where, scene in (("anywhere", with_outlier), ("at the largest load", last_outlying))
-            for fit, robust in (("least squares", False), ("the robust fit", True))
-        ),
-    ]  # fmt: skip
+    farthest = float(np.mean([each.verdict["largest"].noticed for each in outlier.found]))
+    best = self_consistency(power, "power of the best test of one outlier at 1 %")
+    robustly = held(with_outlier, contacts, robust=True)
+    covered = COVERED, WITHIN * spread(COVERED), STATED
+    yield near(f"{case}, nothing wrong: noticed", clean.noticed, 0.04, WITHIN * spread(0.04), LEVEL)
+    yield near(f"{case}, nothing wrong: E* held", clean.covered, *covered)
+    yield above(f"{case}, drifting loads: noticed", drift.noticed, 0.9, DRIFT)
+    yield near(f"{case}, drifting loads: E* held", drift.covered, *covered)
+    ignored = held(drifting, contacts)
+    yield reported(f"{case}, drifting loads: E* held if the drift is ignored", ignored, FIT)
+    name = f"{case}, an outlier: noticed by its size"
+    yield near(name, farthest, power(contacts), WITHIN * spread(0.5), best)
+    yield reported(f"{case}, an outlier: not noticed by any test", 1.0 - outlier.noticed, FIT)
+    yield near(f"{case}, an outlier: E* held by the robust fit", robustly, *covered)
+    for where, scene in (("anywhere", with_outlier), ("at the largest load", last_outlying)):
+        for fit, robust in (("least squares", False), ("the robust fit", True)):
+            name = f"{case}, an outlier {where}: {fit} holds E*"
+            yield reported(name, held(scene, contacts, robust=robust), FIT)
 
 
 def spread(share: float) -> float:
@@ -197,10 +187,8 @@ def _figure(ax):
     found = outcomes()
     places = -np.arange(len(found))
     for place, (name, each) in zip(places, found.items(), strict=True):
-        if each.ratio is None:
-            ax.plot(1.0, place, "x" if each.refused else "o", color=QUIET if each.refused else ACHIEVED, ms=5)
-        else:
-            ax.plot(each.ratio, place, "o", color=TARGET if name in UNSEEN else ACHIEVED, ms=5)
+        ink = QUIET if each.refused else TARGET if name in UNSEEN else ACHIEVED
+        ax.plot(each.ratio or 1.0, place, "x" if each.refused else "o", color=ink, ms=5)
     ax.axvline(1.0, color=QUIET, lw=0.8, ls=":")
     ax.set_xlim(0.1, 3e3)
     ax.set_yticks(places, list(found), fontsize=8)

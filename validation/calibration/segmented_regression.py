@@ -9,17 +9,18 @@ Table S2, errors those of the paper: ±5 mN, ±(1 mN + 0.01 F).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
 
 import metafem as mf
+from metafem._validate import FloatArray
 from metafem.calibration.measured_law.bent_line import (
     KINK,
     LEFT,
     REGULAR_GROWTH,
     RIGHT,
-    Points,
     fitted,
     growths,
     least,
@@ -63,8 +64,8 @@ STATED = printed("SM, building a bilinear friction law: measured crossover load"
 RULE = "500 synthetic laws, with the rule by which the paper's crossovers can be read"
 
 
-def laws(colour: str, trials: int, noise: float = 1.0, seed: int = 0) -> tuple[Points, mf.Surface]:
-    """Return simulated measurements of a surface, (trials, n), in order of load."""
+def laws(colour: str, trials: int, noise: float = 1.0, seed: int = 0) -> tuple[FloatArray, mf.Surface]:
+    """Return simulated measurements of a surface, (4, trials, n), in order of load."""
     surface, printed = surfaces()[f"Fig. 5 {colour}"], paper()["force_error"]
     modulus = surface.material.composite_modulus
     stress = surface.friction.shear_strength * surface.friction.area_ratio
@@ -80,26 +81,25 @@ def laws(colour: str, trials: int, noise: float = 1.0, seed: int = 0) -> tuple[P
     order = np.argsort(load, axis=1)
     load, force = (np.take_along_axis(values, order, axis=1) for values in (load, force))
     load_sd = np.full(shape, printed["normal_N"])
-    return Points(load / modulus, force / stress, load_sd / modulus, error(force) / stress), surface
+    return np.array([load / modulus, force / stress, load_sd / modulus, error(force) / stress]), surface
 
 
 @cache
 def found(colour: str) -> dict[str, np.ndarray]:
     """Return the true parameters, the estimates, and which intervals contain the truth."""
-    truth = least(laws(colour, 1, noise=0.0)[0], TRIALS).parameters[0]
+    truth = least(laws(colour, 1, noise=0.0)[0], TRIALS)[0][0]
     points, _ = laws(colour, TRIALS)
-    best = least(points, TRIED)
+    estimate, chi_square = least(points, TRIED)
     at = [
         fitted(points, np.full(TRIALS, truth[KINK])),
         least(points, TRIED, left=truth[LEFT]),
         least(points, TRIED, right=truth[RIGHT]),
     ]
-    grown = np.array([one.chi_square for one in at]) - best.chi_square
-    limit = growths(points, best.parameters, DRAWS, np.random.default_rng(1))
+    grown = np.array([value for _, value in at]) - chi_square
+    limit = growths(points, estimate, DRAWS, np.random.default_rng(1))
     return {
         "truth": truth,
-        "estimate": best.parameters,
-        "chi_square": best.chi_square,
+        "estimate": estimate,
         "regular": grown <= REGULAR_GROWTH,
         "covered": grown <= limit,
     }
@@ -113,43 +113,38 @@ def claim() -> Claim:
     not that of the blue one. It contains the target in few of the trials, because the crossover of 64
     asperities lies beyond that of the continuous distribution.
     """
-    checks: list[Row] = []
-    for colour in LOADS:
-        result = found(colour)
-        for i, name in enumerate(NAMES):
-            checks.append(
-                near(f"{colour}: coverage of the {name}", float(result["covered"][i].mean()),
-                     WANTED, TOLERANCE, COVERED)
-            )  # fmt: skip
-        for i, name in enumerate(NAMES):
-            checks.append(
-                reported(f"{colour}: coverage of the {name} with the growth of the regular case",
-                         float(result["regular"][i].mean()), REGULAR)
-            )  # fmt: skip
-        target = paper()["fig5"][colour]["crossover_load_mm2"]
-        checks.append(
-            reported(f"{colour}: crossover without errors over the target",
-                     float(result["truth"][KINK]) / target, "64 asperities of Table S2, without errors")
-        )  # fmt: skip
-    checks += exact()
+    return Claim(
+        "Fig. 5: crossover and slopes of measured laws",
+        [*(row for colour in LOADS for row in _coverage(colour)), *exact(), *_rules()],
+        {"measured laws and their crossovers": Picture(figure)},
+    )
+
+
+def _coverage(colour: str) -> Iterator[Row]:
+    result = found(colour)
+    for name, inside in zip(NAMES, result["covered"].mean(axis=1).tolist(), strict=True):
+        yield near(f"{colour}: coverage of the {name}", inside, WANTED, TOLERANCE, COVERED)
+    for name, inside in zip(NAMES, result["regular"].mean(axis=1).tolist(), strict=True):
+        yield reported(
+            f"{colour}: coverage of the {name} with the growth of the regular case", inside, REGULAR
+        )
+    over = float(result["truth"][KINK]) / paper()["fig5"][colour]["crossover_load_mm2"]
+    words = "64 asperities of Table S2, without errors"
+    yield reported(f"{colour}: crossover without errors over the target", over, words)
+
+
+def _rules() -> Iterator[Row]:
     shares, late = zip(*(rule(colour) for colour in LOADS), strict=True)
-    checks += [
-        reported("share of trials in which the paper's rule contains the target, both colours",
-                 float(np.mean(shares)), RULE),
-        *(reported(f"{colour}: mean of the paper's rule less the target [mm²]", one, RULE)
-          for colour, one in zip(LOADS, late, strict=True)),
-    ]  # fmt: skip
+    name = "share of trials in which the paper's rule contains the target, both colours"
+    yield reported(name, float(np.mean(shares)), RULE)
+    for colour, one in zip(LOADS, late, strict=True):
+        yield reported(f"{colour}: mean of the paper's rule less the target [mm²]", one, RULE)
     for colour, one in zip(LOADS, late, strict=True):
         (measured, error), name = paper()["fig5"][colour]["measured_crossover_mm2"], f"{colour}: {RULED}"
         value = paper()["fig5"][colour]["crossover_load_mm2"] + one
         # that of the blue surface is a difference of the claim of Fig. 5
         agrees = abs(value - measured) <= error
-        checks.append(near(name, value, measured, error, STATED) if agrees else reported(name, value, RULE))
-    return Claim(
-        "Fig. 5: crossover and slopes of measured laws",
-        checks,
-        {"measured laws and their crossovers": Picture(figure)},
-    )
+        yield near(name, value, measured, error, STATED) if agrees else reported(name, value, RULE)
 
 
 def exact() -> list[Row]:
@@ -159,18 +154,19 @@ def exact() -> list[Row]:
     material = surfaces()["Fig. 5 red"].material
     law = mf.calibration.MeasuredLaw(material.composite_modulus * load, area=area, material=material)
     fit = mf.calibration.fit_segments(law)
+    names = "crossover [mm²]", "slope 1", "slope 2"
+    found, true = (fit.crossover_load, *fit.slopes), (crossover, *slopes)
     return [
-        near("points on two lines: crossover [mm²]", fit.crossover_load, crossover, EXACT * crossover, LINES),
-        *(near(f"points on two lines: slope {i + 1}", fit.slopes[i], slopes[i], EXACT * slopes[i], LINES)
-          for i in range(2)),
-    ]  # fmt: skip
+        near(f"points on two lines: {name}", value, exact, EXACT * exact, LINES)
+        for name, value, exact in zip(names, found, true, strict=True)
+    ]
 
 
 def rule(colour: str, trials: int = 500) -> tuple[float, float]:
     """Return in which share of the trials the paper's rule contains the target, and its mean deviation."""
     points, surface = laws(colour, trials, seed=2)
     target, inside, middle = paper()["fig5"][colour]["crossover_load_mm2"], 0, []
-    for x, y, sx, sy in zip(points.x, points.y, points.sx, points.sy, strict=True):
+    for x, y, sx, sy in zip(*points, strict=True):
         modulus = surface.material.composite_modulus
         law = mf.calibration.MeasuredLaw(
             modulus * x, area=y, load_sd=modulus * sx, area_sd=sy, material=surface.material
@@ -193,9 +189,10 @@ def figure(left, right):
     """
     for colour, ink in (("blue", ACHIEVED), ("red", TARGET)):
         points, result = laws(colour, 1, seed=3)[0], found(colour)
-        left.errorbar(points.x[0], points.y[0], points.sy[0], points.sx[0], fmt="o", ms=3, lw=1, color=ink)
-        c, a, low, high = least(points, TRIED).parameters[0]
-        x = np.array([0.0, c, points.x[0, -1]])
+        x, y, sx, sy = points[:, 0]
+        left.errorbar(x, y, sy, sx, fmt="o", ms=3, lw=1, color=ink)
+        c, a, low, high = least(points, TRIED)[0][0]
+        x = np.array([0.0, c, x[-1]])
         left.plot(x, a + np.where(x < c, low, high) * (x - c), color=MEASURED, lw=0.9)
         right.hist(result["estimate"][:, KINK], 50, histtype="step", color=ink, label=colour)
         right.axvline(result["truth"][KINK], color=ink, lw=1)

@@ -11,7 +11,7 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.calibration import MeasuredLaw, shear, shear_strength
-from metafem.calibration.sheared.fits import parameters
+from metafem.calibration.sheared.lines import parameters
 from metafem.calibration.sheared.proportional import proportional
 from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels
@@ -68,47 +68,44 @@ def claim() -> Claim:
     paper, has the uncertainty {known:.2g} MPa if E* and B are known, and {calibrated:.2g} MPa with the
     published errors of E* and B; the paper prints 0.004 to 0.006 MPa.
     """
-    checks: list[Row] = []
-    for contacts in CONTACTS:
-        checks += _checks(contacts)
+    figures = {
+        "errors over their stated uncertainty": Picture(_figure),
+        "bias and coverage": Picture(_biases),
+    }
+    known, calibrated = (found.sd.mean() for found in strengths().values())
+    rows = [row for contacts in CONTACTS for row in (*_checks(contacts), *_other_estimates(contacts))]
     return Claim(
         "Area ratio and shear strength from areas and friction forces",
-        [*checks, *_regressions(), *_full_contact()],
-        {
-            "errors over their stated uncertainty": Picture(_figure),
-            "bias and coverage": Picture(_biases),
-        },
-        {"known": strengths()[0].sd.mean(), "calibrated": strengths()[1].sd.mean()},
+        [*rows, *_regressions(), *_full_contact()],
+        figures,
+        {"known": known, "calibrated": calibrated},
     )
+
+
+def _case(contacts: int) -> str:
+    return f"{contacts} contact{'s' * (contacts > 1)}"
 
 
 def _checks(contacts: int) -> Iterator[Row]:
     errors, found, covariance = results(contacts)
-    case = f"{contacts} contact{'s' * (contacts > 1)}"
+    case = _case(contacts)
     for name, error in errors.items():
         yield from judged(case, name, error)
-    stated = covariance[:, 0, 1] / np.sqrt(covariance[:, 0, 0] * covariance[:, 1, 1])
-    yield near(
-        f"{case}: stated correlation of B and σ",
-        float(stated.mean()),
-        float(np.corrcoef(found.T)[0, 1]),
-        4.0 / math.sqrt(TRIALS),
-        SCATTER,
-    )
+    stated = float((covariance[:, 0, 1] / np.sqrt(covariance[:, 0, 0] * covariance[:, 1, 1])).mean())
+    scatter = float(np.corrcoef(found.T)[0, 1])
+    yield near(f"{case}: stated correlation of B and σ", stated, scatter, 4.0 / math.sqrt(TRIALS), SCATTER)
+    deviation = 4.0 * math.sqrt(2.0 * 59.0 / TRIALS)
     for name, square in zip(("Af = B A0", "F = σ Af"), _chi_squares(contacts), strict=True):
-        deviation = 4.0 * math.sqrt(2.0 * 59.0 / TRIALS)
         yield near(f"{case}: mean chi-square of {name}", square, 59.0, deviation, CHI_SQUARE)
     yield reported(f"{case}: stated uncertainty of B", float(errors["B"].sd.mean()), FIT)
     yield reported(f"{case}: stated uncertainty of σ [MPa]", float(errors["σ"].sd.mean()), FIT)
-    yield from _other_estimates(contacts)
 
 
 def _chi_squares(contacts: int) -> list[float]:
     """Return the mean chi-square of either line."""
     before, areas, force = np.moveaxis(measured(contacts), 1, 0)
-    _, found, _ = results(contacts)
+    found, _, value = parameters(measured(contacts), ERRORS)
     ratio, strength = (each[:, None] for each in found.T)
-    value = parameters(measured(contacts), ERRORS)[2]
     area_sd, sheared_sd = ERRORS.of_area(value), ERRORS.of_area(ratio * value)
     force_sd = ERRORS.of_friction_force(ratio * strength * value)
     first = (areas - ratio * before) ** 2 / (sheared_sd**2 + (ratio * area_sd) ** 2)
@@ -116,86 +113,54 @@ def _chi_squares(contacts: int) -> list[float]:
     return [float(each.sum(axis=1).mean()) for each in (first, second)]
 
 
-def _other_estimates(contacts: int) -> list[Row]:
+def _other_estimates(contacts: int) -> Iterator[Row]:
     """Compare with a fit of each line, with weights at measured values and with plain least squares."""
-    data, case = measured(contacts), f"{contacts} contact{'s' * (contacts > 1)}"
+    data, case = measured(contacts), _case(contacts)
     errors, _, _ = results(contacts)
-    alone = []
-    for rows, friction in ((slice(0, 2), ERRORS.of_area), (slice(1, 3), ERRORS.of_friction_force)):
-        factor, variance, _ = proportional(data[:, rows], (ERRORS.of_area, friction))
-        alone.append((factor[:, 0], np.sqrt(variance[:, 0, 0])))
-    (ratio, ratio_sd), (strength, strength_sd) = alone
+    lines = {"B": (0, RATIO, ERRORS.of_area), "σ": (1, STRENGTH, ERRORS.of_friction_force)}
+    alone = {}
+    for name, (first, _, deviation) in lines.items():
+        factor, variance, _ = proportional(data[:, first : first + 2], (ERRORS.of_area, deviation))
+        alone[name] = Errors(factor[:, 0], np.sqrt(variance[:, 0, 0]))
+        ratio = float(errors[name].error.std() / factor.std())
+        yield reported(f"{case}: scatter of {name} over that of the fit of its line alone", ratio, OTHER)
+    (ratio, ratio_sd), (strength, strength_sd) = alone.values()
     independent = np.hypot(ratio * strength_sd, strength * ratio_sd)
-    checks: list[Row] = [
-        reported(
-            f"{case}: scatter of {name} over that of the fit of its line alone",
-            float(errors[name].error.std() / each.std()),
-            OTHER,
-        )
-        for name, each in (("B", ratio), ("σ", strength))
-    ]
-    checks.append(
-        reported(
-            f"{case}: uncertainty of σB from those of two separate fits over its scatter",
-            float(independent.mean() / (ratio * strength).std()),
-            OTHER,
-        )
-    )
-    for name, first, true, deviation in (
-        ("B", 0, RATIO, ERRORS.of_area),
-        ("σ", 1, STRENGTH, ERRORS.of_friction_force),
-    ):
+    over = float(independent.mean() / (ratio * strength).std())
+    yield reported(f"{case}: uncertainty of σB from those of two separate fits over its scatter", over, OTHER)
+    for name, (first, true, deviation) in lines.items():
         x, y = data[:, first], data[:, first + 1]
         weight = 1.0 / (deviation(y) ** 2 + (true * ERRORS.of_area(x)) ** 2)
         for what, w in (("weights at measured values", weight), ("plain least squares", np.ones_like(x))):
             slope = (w * x * y).sum(axis=1) / (w * x * x).sum(axis=1)
             bias = float((slope.mean() - true) / errors[name].sd.mean())
-            checks.append(reported(f"{case}: {what}, bias of {name} over its uncertainty", bias, OTHER))
-    return checks
+            yield reported(f"{case}: {what}, bias of {name} over its uncertainty", bias, OTHER)
 
 
-def _regressions() -> list[Row]:
+def _regressions() -> Iterator[Row]:
     """Compare lines with ODRPACK, and the public function with the first of all trials."""
     import odrpack
 
     data = measured(1)
     apart = []
-    for i in range(20):
-        x, y = data[i, 1], data[i, 2]
-        deviation = (ERRORS.of_area, ERRORS.of_friction_force)
-        factor, variance, value = proportional(data[i, 1:], deviation)
+    for x, y in data[:20, 1:]:
+        factor, variance, value = proportional(np.stack([x, y]), (ERRORS.of_area, ERRORS.of_friction_force))
         other = odrpack.odr_fit(
-            lambda x, beta: beta[0] * x,
-            x,
-            y,
-            np.array([0.3]),
-            weight_x=ERRORS.of_area(value) ** -2,
+            lambda x, beta: beta[0] * x, x, y, np.array([0.3]), weight_x=ERRORS.of_area(value) ** -2,
             weight_y=ERRORS.of_friction_force(factor[0] * value) ** -2,
-            diff_scheme="central",
-            sstol=1e-15,
-            partol=1e-15,
-        )
+            diff_scheme="central", sstol=1e-15, partol=1e-15,
+        )  # fmt: skip
         apart.append(abs(other.beta[0] - factor[0]) / math.sqrt(variance[0, 0]))
-    one, (_, found, _) = shear(*data[0]), results(1)
-    return [
-        below(
-            "largest difference of σ from ODRPACK over the uncertainty, 20 fits of one line",
-            float(max(apart)),
-            1e-5,
-            second_method(odrpack.odr_fit, "ODRPACK, variances at the fitted values"),
-        ),
-        near(
-            "metafem.calibration.shear on the first set of data, σ [MPa]",
-            one.shear_strength,
-            float(found[0, 1]),
-            1e-9,
-            BATCH,
-        ),
-    ]
+    name = "largest difference of σ from ODRPACK over the uncertainty, 20 fits of one line"
+    source = second_method(odrpack.odr_fit, "ODRPACK, variances at the fitted values")
+    yield below(name, float(max(apart)), 1e-5, source)
+    strength = shear(*data[0]).shear_strength
+    name = "metafem.calibration.shear on the first set of data, σ [MPa]"
+    yield near(name, strength, float(results(1)[1][0, 1]), 1e-9, BATCH)
 
 
 @cache
-def strengths() -> tuple[Errors, Errors]:
+def strengths() -> dict[str, Errors]:
     """Return the errors of sigma of a surface in full contact: with known E* and B, and with errors of both.
 
     The surface has the heights of Fig. 5, blue. E* and B have the published standard deviations.
@@ -203,37 +168,29 @@ def strengths() -> tuple[Errors, Errors]:
     rng = np.random.default_rng(5)
     heights = 1e-3 * np.array(table("table_s2")["blue"])
     surface = template("fig5_blue").replaced(height=heights)
-    true, batch = surface.friction.shear_strength, paper()["batch"]["1"]
+    friction, batch = surface.friction, paper()["batch"]["1"]
+    exact = np.array([surface.material.composite_modulus, friction.area_ratio])
     sd = np.array([batch["composite_modulus_sd"], batch["area_ratio_sd"]])
     least = mf.equilibrium(surface, approach=float(np.ptp(heights))).load
     law = mf.friction_law(surface, load=least * FULL)
-    errors: list[tuple[float, ...]] = []
+    fits = []
     for _ in range(SURFACES):
         load = law.load + ERRORS.of_load(law.load) * rng.standard_normal(law.load.shape)
-        force = law.friction_force + ERRORS.of_friction_force(law.friction_force) * rng.standard_normal(
-            law.load.shape
-        )
-        modulus, ratio = [surface.material.composite_modulus, surface.friction.area_ratio] + sd * (
-            rng.standard_normal(2)
-        )
-        found = MeasuredLaw(load, friction_force=force, material=surface.material, friction=surface.friction)
+        force_sd = ERRORS.of_friction_force(law.friction_force)
+        force = law.friction_force + force_sd * rng.standard_normal(law.load.shape)
+        modulus, ratio = exact + sd * rng.standard_normal(2)
+        found = MeasuredLaw(load, friction_force=force, material=surface.material, friction=friction)
+        pair = {"material": mf.Material(modulus), "friction": mf.Friction(friction.shear_strength, ratio)}
         known = shear_strength(found, surface, 1.5 * least)
-        calibrated = surface.replaced(material=mf.Material(modulus), friction=mf.Friction(true, ratio))
-        whole = shear_strength(found, calibrated, 1.5 * least, covariance=np.diag(sd**2))
-        errors.append(
-            (
-                known.shear_strength - true,
-                math.sqrt(known.covariance[-1, -1]),
-                whole.shear_strength - true,
-                math.sqrt(whole.covariance[-1, -1]),
-            )
-        )
-    columns = np.array(errors).T
-    return Errors(columns[0], columns[1]), Errors(columns[2], columns[3])
+        whole = shear_strength(found, surface.replaced(**pair), 1.5 * least, covariance=np.diag(sd**2))
+        fits.append([(fit.shear_strength, fit.covariance[-1, -1]) for fit in (known, whole)])
+    strength, square = np.transpose(fits)
+    errors = map(Errors, strength - friction.shear_strength, np.sqrt(square))
+    return dict(zip(("E* and B known", "E* and B calibrated"), errors, strict=True))
 
 
 def _full_contact() -> Iterator[Row]:
-    for what, found in zip(("E* and B known", "E* and B calibrated"), strengths(), strict=True):
+    for what, found in strengths().items():
         case = f"full contact, {what}"
         yield from judged(case, "σ", found)
         yield reported(f"{case}: stated uncertainty of σ [MPa]", float(found.sd.mean()), FIT)
@@ -246,8 +203,7 @@ def _figure(*axes):
     """
     edges, x = np.linspace(-4.0, 4.0, 41), np.linspace(-4.0, 4.0, 400)
     errors, _, _ = results(1)
-    full = dict(zip(("E*, B known", "E*, B measured"), strengths(), strict=True))
-    for ax, drawn in zip(axes, (errors, full), strict=True):
+    for ax, drawn in zip(axes, (errors, strengths()), strict=True):
         for name, found in drawn.items():
             ax.hist(found.error / found.sd, edges, density=True, histtype="step", lw=1.4, label=name)
         ax.plot(x, np.exp(-0.5 * x**2) / math.sqrt(2.0 * math.pi), color="black", lw=0.9, label="as stated")
@@ -262,9 +218,9 @@ def _biases():
     the true value. All points must lie in the grey bands.
     """
     found = {
-        f"{contacts} contact{'s' * (contacts > 1)}: {name}": error
+        f"{_case(contacts)}: {name}": error
         for contacts in CONTACTS
         for name, error in results(contacts)[0].items()
     }
-    full = zip(("E* and B known", "E* and B calibrated"), strengths(), strict=True)
-    return bias_and_coverage({"": found | {f"full contact, {what}: σ": error for what, error in full}})
+    full = {f"full contact, {what}: σ": error for what, error in strengths().items()}
+    return bias_and_coverage({"": found | full})

@@ -49,20 +49,15 @@ def claim() -> Claim:
             found = match_sites(centre, sites, viewed_from="block" if mirrored else "glass")
             wrong[mirrored] += not np.array_equal(found.site, site)
             residual.append(found.residual)
-    expected = NOISE * np.sqrt(2.0 * (1.0 - 4.0 / 90.0))
-    return Claim(
-        "Matching of contacts to sites",
-        [
-            below(f"{TRIALS} views through the glass: views with a wrong site", wrong[False], 0, SITES),
-            below(f"{TRIALS // 5} views through the block: views with a wrong site",
-                  wrong[True], 0, SITES),
-            near("root mean square distance from the sites [mm]",
-                 float(np.sqrt(np.mean(np.square(residual)))), expected, 0.02 * expected, ERROR),
-            *_open_rows(sites),
-            *_other_lattices(sites),
-        ],
-        {"a view matched to the sites": Picture(_figure)},
-    )  # fmt: skip
+    expected, found = NOISE * np.sqrt(2.0 * (1.0 - 4.0 / 90.0)), float(np.sqrt(np.mean(np.square(residual))))
+    rows = [
+        below(f"{TRIALS} views through the glass: views with a wrong site", wrong[False], 0, SITES),
+        below(f"{TRIALS // 5} views through the block: views with a wrong site", wrong[True], 0, SITES),
+        near("root mean square distance from the sites [mm]", found, expected, 0.02 * expected, ERROR),
+        *_open_rows(sites),
+        *_other_lattices(sites),
+    ]
+    return Claim("Matching of contacts to sites", rows, {"a view matched to the sites": Picture(_figure)})
 
 
 def _open_rows(sites: np.ndarray) -> list[Row]:
@@ -95,13 +90,13 @@ def _other_lattices(sites: np.ndarray) -> list[Row]:
             pass
     # what cannot be told apart: five by five sites of the same pitch are a part of the lattice
     part = match_sites(seen(lattice((5, 5)), turn=0.03), sites)
+    name, words = (
+        "part of the lattice, 5 × 5 sites: ambiguous (1) or not (0)",
+        "25 neighbouring sites of the 64",
+    )
     return [
         below(f"{len(OTHERS)} other lattices: accepted", accepted, 0, ANOTHER),
-        reported(
-            "part of the lattice, 5 × 5 sites: ambiguous (1) or not (0)",
-            part.ambiguous,
-            "match_sites on 25 neighbouring sites of the 64",
-        ),
+        reported(name, part.ambiguous, f"match_sites on {words}"),
     ]
 
 

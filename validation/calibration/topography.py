@@ -85,11 +85,8 @@ def claim() -> Claim:
         reported("the same with a common radius [µm]", 1e3 * longest[1], WORDS),
         *_correction_checks(parts[0], correction),
     ]
-    return Claim(
-        "Height maps: made surface and corrected heights",
-        checks,
-        {"a measured part": Picture(_figure)},
-    )
+    title = "Height maps: made surface and corrected heights"
+    return Claim(title, checks, {"a measured part": Picture(_figure)})
 
 
 def _correction_checks(part: _Part, correction: Correction) -> Iterator[Row]:
@@ -100,19 +97,12 @@ def _correction_checks(part: _Part, correction: Correction) -> Iterator[Row]:
         i = correction.terms.index(name)
         off = (correction.value[i] - value) / correction.value_sd[i]
         yield near(f"systematic error, {name}: off by standard errors", off, 0.0, 3.0, MADE)
-    after = rms(np.array(following))
-    yield reported(
-        "height errors of this part [µm]",
-        1e3 * correction.error,
-        "difference of the measured heights from the design",
-    )
-    yield near(
-        "next part: expected height errors [µm]",
-        1e3 * correction.expected_error,
-        1e3 * after,
-        0.4e3 * after,  # the standard deviation of 16 random errors, and what four terms of it remove
-        second_method(_made, "200 parts made with the corrected heights"),
-    )
+    words = "difference of the measured heights from the design"
+    yield reported("height errors of this part [µm]", 1e3 * correction.error, words)
+    expected, after = 1e3 * correction.expected_error, 1e3 * rms(np.array(following))
+    source = second_method(_made, "200 parts made with the corrected heights")
+    # the tolerance is the standard deviation of 16 random errors, and what four terms of it remove
+    yield near("next part: expected height errors [µm]", expected, after, 0.4 * after, source)
 
 
 def _errors(part: _Part) -> FloatArray:

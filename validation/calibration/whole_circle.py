@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cache, partial
 
 import numpy as np
+from scipy.linalg import block_diag
 
 import metafem as mf
 from metafem._validate import FloatArray
@@ -54,7 +55,6 @@ class Circle:
     tables: list[ContactTable]
     contacts: ContactCalibration
     sheared: ShearCalibration
-    design: mf.Design
     part: laboratory.Series
     found: ContactTable
     comparison: Comparison
@@ -67,71 +67,46 @@ def claim() -> Claim:
     with errors, photographed and sheared; its measured law is compared with the design and explained. Every
     quantity that is found agrees within three standard deviations with the true one.
     """
-    circle = _circle()
-    causes = {cause.name: cause for cause in circle.explanation.causes}
-    made = laboratory.MADE
-    checks: list[Row] = [
-        below(
-            "areas of the contacts of the sample, largest relative error", _area_error(circle), 0.02, AREAS
-        ),
-        _value("E* [MPa]", circle.contacts.composite_modulus, circle.contacts.covariance[0, 0], 1.36),
-        _value(
-            "sqrt(w) [sqrt(N/mm)]",
-            circle.contacts.adhesion_root,
-            circle.contacts.root_covariance[1, 1],
-            laboratory.ADHESION_ENERGY**0.5,
-        ),
-        _value(
-            "B", circle.sheared.area_ratio, circle.sheared.covariance[0, 0], laboratory.FRICTION.area_ratio
-        ),
-        _value(
-            "sigma [MPa]",
-            circle.sheared.shear_strength,
-            circle.sheared.covariance[1, 1],
-            laboratory.FRICTION.shear_strength,
-        ),
-        near("contacts of the part at their sites", float(circle.found.matched), 1.0, 0.0, SITES),
-        below("areas of the part, largest relative error of the sum", _sum_error(circle), 0.02, AREAS),
-        _value(
-            "height scale", causes["height_scale"].mean, causes["height_scale"].sd ** 2, made["scale"] - 1.0
-        ),
-        _value("tilt along x [rad]", causes["angle_x"].mean, causes["angle_x"].sd ** 2, made["angle"]),
-        _value("tilt along y [rad]", causes["angle_y"].mean, causes["angle_y"].sd ** 2, 0.0),
-        _value(
-            "error of the fitted E*",
-            causes["composite_modulus"].mean,
-            causes["composite_modulus"].sd ** 2,
-            laboratory.MATERIAL.composite_modulus / circle.contacts.composite_modulus - 1.0,
-        ),
-        _value(
-            "error of the fitted sqrt(w)",
-            causes["adhesion_root"].mean,
-            causes["adhesion_root"].sd ** 2,
-            laboratory.ADHESION_ENERGY**0.5 / circle.contacts.adhesion_root - 1.0,
-        ),
-        below("laws that the errors do not explain", float(not circle.explanation.verdict.fits), 0.0, CHI),
-    ]
-    return Claim(
-        "The whole circle from images to an explained law",
-        checks,
-        {"from images to an explained law": Picture(partial(_figure, circle))},
+    circle, made = _circle(), laboratory.MADE
+    contacts, sheared, explanation = circle.contacts, circle.sheared, circle.explanation
+    (modulus_square, _), (_, root_square) = contacts.root_covariance
+    ratio_square, strength_square = np.diag(sheared.covariance)
+    friction, root = laboratory.FRICTION, laboratory.ADHESION_ENERGY**0.5
+    stiffer = laboratory.MATERIAL.composite_modulus / contacts.composite_modulus
+    calibrated = (
+        ("E* [MPa]", contacts.composite_modulus, modulus_square, 1.36),
+        ("sqrt(w) [sqrt(N/mm)]", contacts.adhesion_root, root_square, root),
+        ("B", sheared.area_ratio, ratio_square, friction.area_ratio),
+        ("sigma [MPa]", sheared.shear_strength, strength_square, friction.shear_strength),
     )
+    explained = (
+        ("height scale", "height_scale", made["scale"] - 1.0),
+        ("tilt along x [rad]", "angle_x", made["angle"]),
+        ("tilt along y [rad]", "angle_y", 0.0),
+        ("error of the fitted E*", "composite_modulus", stiffer - 1.0),
+        ("error of the fitted sqrt(w)", "adhesion_root", root / contacts.adhesion_root - 1.0),
+    )
+    errors = ((name, explanation[key].mean, explanation[key].sd ** 2, true) for name, key, true in explained)
+    each = [
+        np.abs(np.sort(table.area, axis=1) / np.sort(series.area, axis=1) - 1.0).max()
+        for table, series in zip(circle.tables, circle.samples, strict=True)
+    ]
+    total = np.abs(circle.found.area.sum(axis=1) / circle.part.area.sum(axis=1) - 1.0).max()
+    checks: list[Row] = [
+        below("areas of the contacts of the sample, largest relative error", max(each), 0.02, AREAS),
+        *(_value(*row) for row in calibrated),
+        near("contacts of the part at their sites", float(circle.found.matched), 1.0, 0.0, SITES),
+        below("areas of the part, largest relative error of the sum", total, 0.02, AREAS),
+        *(_value(*row) for row in errors),
+        below("laws that the errors do not explain", float(not explanation.verdict.fits), 0.0, CHI),
+    ]
+    picture = Picture(partial(_figure, circle))
+    title = "from images to an explained law"
+    return Claim("The whole circle from images to an explained law", checks, {title: picture})
 
 
 def _value(name: str, found: float, variance: float, true: float) -> Check:
     return near(name, found, true, WITHIN * float(variance) ** 0.5, TRUE)
-
-
-def _area_error(circle: Circle) -> float:
-    """Return the largest relative error of an area of the sample, contact by contact."""
-    errors = []
-    for table, series in zip(circle.tables, circle.samples, strict=True):
-        errors.append(np.abs(np.sort(table.area, axis=1) / np.sort(series.area, axis=1) - 1.0).max())
-    return float(max(errors))
-
-
-def _sum_error(circle: Circle) -> float:
-    return float(np.abs(circle.found.area.sum(axis=1) / circle.part.area.sum(axis=1) - 1.0).max())
 
 
 @cache
@@ -143,34 +118,21 @@ def _circle() -> Circle:
         return np.concatenate([getattr(table, name) for table in tables])
 
     test = [str(number) for number, table in enumerate(tables, 1) for _ in table.load]
-    contacts = fit_compression(
-        joined("load"),
-        joined("area"),
-        laboratory.RADIUS,
-        sample=Sample(contacts=5),
-        test=test,
-        area_sd=joined("area_error"),
-    )
-    sheared = shear(joined("area"), joined("sheared_area"), joined("friction_force"), test=test)
-    template = mf.Surface.square_lattice(
-        0.12,
-        radius=laboratory.RADIUS,
-        material=contacts.material,
-        friction=sheared.friction,
-        block=laboratory.BLOCK,
-    )
+    load, area, after, force = map(joined, ("load", "area", "sheared_area", "friction_force"))
+    sample, area_sd = Sample(contacts=5), joined("area_error")
+    contacts = fit_compression(load, area, laboratory.RADIUS, sample, test=test, area_sd=area_sd)
+    sheared = shear(area, after, force, test=test)
+    given = {"material": contacts.material, "friction": sheared.friction, "block": laboratory.BLOCK}
+    template = mf.Surface.square_lattice(0.12, radius=laboratory.RADIUS, **given)
     model = mf.Independent(contact=contacts.contact_law)
     design = mf.design(mf.LinearLaw(6.87), template, model, limits=mf.Limits(0.12, offset=0.084))
     part = laboratory.part_test(design.surface, pixel=PIXEL)
     found = table_of(part, design.surface)
     measured = MeasuredLaw.from_contacts(found, contacts.material, sheared.friction)
-    covariance = np.zeros((3, 3))
-    covariance[0, 0], covariance[1:, 1:] = contacts.covariance[0, 0], sheared.covariance
+    covariance = block_diag(contacts.covariance[:1, :1], sheared.covariance)
     names = ["composite_modulus", "area_ratio", "shear_strength"]
     comparison = compare(measured, design, parameters=names, covariance=covariance)
-    return Circle(
-        samples, tables, contacts, sheared, design, part, found, comparison, explain(measured, design)
-    )
+    return Circle(samples, tables, contacts, sheared, part, found, comparison, explain(measured, design))
 
 
 def table_of(series: laboratory.Series, design: mf.Surface | None = None) -> ContactTable:
@@ -178,14 +140,10 @@ def table_of(series: laboratory.Series, design: mf.Surface | None = None) -> Con
     before, sheared = (
         stack_areas(list(series.images(state)), series.pixel, series.load) for state in (False, True)
     )
-    return track_contacts(
-        before,
-        [f"image {number}" for number in range(1, len(before) + 1)],
-        load=series.load,
-        friction_force=series.friction_force,
-        sheared=sheared,
-        sites=None if design is None else DesignSites(design.position),
-    ).table
+    names = [f"image {number}" for number in range(1, len(before) + 1)]
+    forces = {"load": series.load, "friction_force": series.friction_force}
+    sites = None if design is None else DesignSites(design.position)
+    return track_contacts(before, names, **forces, sheared=sheared, sites=sites).table
 
 
 @panels(10.0, 7.6, rows=2, columns=2)
@@ -198,28 +156,17 @@ def _figure(circle: Circle, image, fit, law, causes) -> None:
     image.set_axis_off()
     image.set_title("the part at its largest load", fontsize=10)
     contacts = circle.contacts
-    order = np.argsort(contacts.area.sum(axis=1))
-    fit.plot(contacts.area.sum(axis=1)[order], contacts.load_fitted[order], color=ACHIEVED)
-    fit.plot(contacts.area.sum(axis=1), contacts.load, "o", ms=3.5, color=MEASURED)
-    fit.set_xlabel("area of five contacts [mm²]")
-    fit.set_ylabel("load [N]")
+    fit.plot(contacts.law_area, contacts.law_load, color=ACHIEVED)
+    fit.plot(contacts.total_area, contacts.load, "o", ms=3.5, color=MEASURED)
+    fit.set(xlabel="area of five contacts [mm²]", ylabel="load [N]")
     fit.set_title(f"E* = {contacts.composite_modulus:.3f} MPa, true 1.36 MPa", fontsize=10)
-    measured, design = circle.comparison.measured, circle.design.law
-    law.plot(design.rescaled_load, design.rescaled_friction, color=ACHIEVED, label="design")
-    law.errorbar(
-        measured.rescaled_load,
-        measured.rescaled_friction,
-        xerr=measured.rescaled_load_sd,
-        yerr=measured.rescaled_friction_sd,
-        fmt="o",
-        ms=3.5,
-        color=MEASURED,
-        label="measured",
-    )
-    law.set_xlim(0.0, 1.05 * measured.rescaled_load.max())
-    law.set_ylim(0.0, 1.1 * measured.rescaled_friction.max())
-    law.set_xlabel("rescaled load  P/E* [mm²]")
-    law.set_ylabel("rescaled friction  F/(σB) [mm²]")
+    measured = circle.comparison.measured
+    x, y = measured.rescaled_load, measured.rescaled_friction
+    sd = measured.rescaled_friction_sd, measured.rescaled_load_sd
+    law.plot(x, circle.comparison.predicted, color=ACHIEVED, label="design")
+    law.errorbar(x, y, *sd, fmt="o", ms=3.5, color=MEASURED, label="measured")
+    law.set(xlim=(0.0, 1.05 * x.max()), ylim=(0.0, 1.1 * y.max()))
+    law.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")
     shares = list(circle.explanation.shares.items())[::-1]
     causes.barh([name.replace("_", " ") for name, _ in shares], [share for _, share in shares], color=QUIET)
     causes.set_xlabel("share of the explained difference")

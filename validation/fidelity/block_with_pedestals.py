@@ -19,14 +19,11 @@ from validation.check import Check, Claim, Picture, Result, below, near, reporte
 from validation.figures import panels
 from validation.methods import contact_equations
 from validation.paper.pictures import INKS
-from validation.paper.surfaces import fig3, fig4, fig5, surfaces, template
+from validation.paper.surfaces import LOADS, RADIUS, designs, surfaces
 from validation.sources import known_input, second_method
 
 # The tests of this claim carry the mark "slow".
 SLOW = True
-
-# Loads P/E* [mm²], from the lightest measured ones to loads beyond full contact of all surfaces.
-LOADS = 0.7 * np.arange(1, 21) / 20
 
 MODELS = {
     "layer": mf.Interacting(substrate=mf.BondedLayer()),
@@ -56,13 +53,6 @@ NEWTON = second_method(
 )
 TARGET = known_input("the target of the design: its points, or the law of its height density")
 METHOD = "order 3 on the block with pedestals, mf.fe.Block3D"
-
-
-def designs() -> dict[str, mf.Design]:
-    """Return the five designs under independent asperities."""
-    found = {"Fig. 3": fig3()}
-    found |= {f"Fig. 4 {colour}": fig4(colour) for colour in ("blue", "red")}
-    return found | {f"Fig. 5 {colour}": fig5(colour) for colour in ("blue", "red")}
 
 
 @cache
@@ -97,15 +87,9 @@ def claim() -> Claim:
         rows += [*_slopes(name, design), *_redesigned(name, design)]
     wide = [row.value for row in rows if isinstance(row, Result) and "actual contact radii" in row.name]
     changed = [100.0 * rms(change(name, WHOLE)) for name in surfaces() if "3" not in name]
-    return Claim(
-        "Block with pedestals: what is left of the paper's laws",
-        rows,
-        {
-            "change": Picture(_change_figure),
-            "redesign": Picture(_redesign_figure),
-        },
-        {"least_rms": min(changed), "most_rms": max(changed), "most_wide": max(wide)},
-    )
+    figures = {"change": Picture(_change_figure), "redesign": Picture(_redesign_figure)}
+    values = {"least_rms": min(changed), "most_rms": max(changed), "most_wide": max(wide)}
+    return Claim("Block with pedestals: what is left of the paper's laws", rows, figures, values)
 
 
 def _changes(name: str) -> list[Result]:
@@ -116,16 +100,13 @@ def _changes(name: str) -> list[Result]:
         reported(f"{name}: rms change of A0 by the block alone", rms(change(name, "block")), METHOD),
         reported(f"{name}: rms change of A0 by the layer alone", rms(change(name, "layer")), METHOD),
         *(
-            reported(
-                f"{name}, {model}: largest relative difference of A0 from the block with pedestals",
-                float(np.abs(law(name, model).area / law(name, WHOLE).area - 1.0).max()),
-                METHOD,
-            )
+            reported(f"{name}, {model}: largest relative difference of A0 from the block with pedestals",
+                     np.abs(law(name, model).area / law(name, WHOLE).area - 1.0).max(), METHOD)
             for model in ("layer", "layer with pedestals")
         ),
         reported(f"{name}: largest change of A0", whole[np.abs(whole).argmax()], METHOD),
         reported(f"{name}: decrease of the separation at {LOADS[-1]:g} mm² [µm]", lower[-1], METHOD),
-    ]
+    ]  # fmt: skip
 
 
 def _second(name: str) -> Iterator[Check]:
@@ -133,29 +114,26 @@ def _second(name: str) -> Iterator[Check]:
     surface = surfaces()[name]
     influence = mf.fe.Block3D().influence_matrix(surface)
     influence[np.diag_indices_from(influence)] += pedestal_compliance(surface.height, surface.radius) / np.pi
-    radius, modulus = float(surface.radius[0]), surface.material.composite_modulus
     model = mf.Interacting(order=1, substrate=mf.fe.Block3D(), pedestal=True)
     for load in LOADS[[1, -1]]:
-        depth, _ = contact_equations.coupled(surface.height, radius, influence, float(load))
-        area = contact_equations.area(depth, radius)
-        found = mf.equilibrium(surface, model, load=modulus * load).area
+        area = contact_equations.coupled(surface.height, RADIUS, influence, float(load)).area
+        found = mf.equilibrium(surface, model, load=surface.material.composite_modulus * load).area
         yield near(f"{name}, order 1, P/E* = {load:g} mm²: A0 [mm²]", found, area, ROUNDING * area, NEWTON)
 
 
 def _wide(name: str) -> Result:
     """Report what the compliance at the actual contact radii, in place of that at light loads, changes."""
-    surface = surfaces()[name]
-    radius, height = float(surface.radius[0]), surface.height
+    surface, height = surfaces()[name], surfaces()[name].height
     block = mf.fe.Block3D().influence_matrix(surface)
-    widest = WIDEST * np.sqrt(height * (2.0 * radius - height))
+    widest = WIDEST * np.sqrt(height * (2.0 * RADIUS - height))
     ratio = []
     for load in LOADS[3::4]:
         contact, areas = np.zeros(surface.count), []
         for _ in range(ROUNDS):
             compliance = pedestal_compliance(height, surface.radius, np.minimum(contact, widest)) / np.pi
-            depth, _ = contact_equations.coupled(height, radius, block + np.diag(compliance), float(load))
-            contact = np.sqrt(radius * np.clip(depth, 0.0, None))
-            areas.append(contact_equations.area(depth, radius))
+            found = contact_equations.coupled(height, RADIUS, block + np.diag(compliance), float(load))
+            contact = np.sqrt(RADIUS * np.clip(found.indentation, 0.0, None))
+            areas.append(found.area)
         ratio.append(areas[-1] / areas[0] - 1.0)
     words = "compliance by finite elements at small strain at each contact radius, order 1, with numpy"
     label = f"{name}: further rms change of A0 by pedestals at the actual contact radii [%]"
@@ -192,24 +170,19 @@ def _lines(name: str, design: mf.Design, model: str) -> list[tuple[float, float]
 def redesigned(name: str) -> mf.Design:
     """Design a surface of the paper again, under the block with pedestals."""
     first = designs()[name]
-    figure = name.lower().replace("fig. ", "fig").replace(" ", "_")
-    return mf.design(first.target, template(figure), MODELS[WHOLE], first.limits)
+    return mf.design(first.target, first.template, MODELS[WHOLE], first.limits)
 
 
 def _redesigned(name: str, first: mf.Design) -> list[Check | Result]:
     target, after = first.target_law, redesigned(name)
-    misfits = [
-        float(target.misfit(MODELS[WHOLE].curve(found.surface, target.load).area)) for found in (first, after)
-    ]
+    curves = (MODELS[WHOLE].curve(found.surface, target.load) for found in (first, after))
+    misfits = [target.misfit(curve.area) for curve in curves]
     rows: list[Check | Result] = [
         below(f"{name}, redesigned: misfit on the block with pedestals", misfits[1], REDESIGNED, TARGET),
         reported(f"{name}, not redesigned: misfit on the block with pedestals", misfits[0], METHOD),
-        reported(
-            f"{name}, not redesigned: misfit of independent asperities",
-            float(target.misfit(first.target_area)),
-            "the design of the paper, independent asperities",
-        ),
-    ]
+        reported(f"{name}, not redesigned: misfit of independent asperities",
+                 target.misfit(first.target_area), "the design of the paper, independent asperities"),
+    ]  # fmt: skip
     if after.surface.count == first.surface.count:
         moved = 1e3 * (after.surface.height - first.surface.height)
         label = f"{name}, redesigned: s.d. of the changes of the heights [µm]"

@@ -9,9 +9,8 @@ from metafem.contact import pedestal_compliance
 from validation.check import Claim, Picture, Row, near, reported, rms
 from validation.figures import panels
 from validation.methods import contact_equations
-from validation.paper.interaction_error import LOADS
 from validation.paper.pictures import INKS
-from validation.paper.surfaces import surfaces
+from validation.paper.surfaces import LOADS, RADIUS, surfaces
 from validation.sources import second_method
 
 MODELS = "order 3 on the bonded layer, 20 loads P/E* to 0.7 mm², with and without pedestals"
@@ -33,16 +32,16 @@ def claim() -> Claim:
     rows: list[Row] = []
     for name in surfaces():
         independent, layer, pedestals = laws(name)
-        added = pedestals.area / layer.area - 1.0
-        coupled = layer.area / independent.area - 1.0
+        added, coupled, both = (
+            rms(after.area / before.area - 1.0)
+            for after, before in ((pedestals, layer), (layer, independent), (pedestals, independent))
+        )
         lower = 1e3 * (layer.separation - pedestals.separation)
         rows += [
             _second(name),
-            reported(f"{name}: rms change of A0 by the pedestals", rms(added), MODELS),
-            reported(f"{name}: rms change of A0 by the layer alone", rms(coupled), MODELS),
-            reported(
-                f"{name}: rms change of A0 by both", rms(pedestals.area / independent.area - 1.0), MODELS
-            ),
+            reported(f"{name}: rms change of A0 by the pedestals", added, MODELS),
+            reported(f"{name}: rms change of A0 by the layer alone", coupled, MODELS),
+            reported(f"{name}: rms change of A0 by both", both, MODELS),
             reported(f"{name}: decrease of separation at the last load [µm]", lower[-1], MODELS),
         ]
     figures = {"Layer and pedestals": Picture(_figure)}
@@ -52,30 +51,21 @@ def claim() -> Claim:
 def _second(name: str) -> Row:
     """Solve order 1 with pedestals a second time, at the last load."""
     surface, load = surfaces()[name], float(LOADS[-1])
-    radius, modulus = float(surface.radius[0]), surface.material.composite_modulus
-    influence = contact_equations.layer_influence(
-        surface.position, surface.block.thickness, surface.material.poisson_ratio
-    )
+    influence = contact_equations.influence(surface, "layer")
     influence[np.diag_indices_from(influence)] += pedestal_compliance(surface.height, surface.radius) / np.pi
-    depth, _ = contact_equations.coupled(surface.height, radius, influence, load)
+    expected = contact_equations.coupled(surface.height, RADIUS, influence, load).area
     model = mf.Interacting(order=1, substrate=mf.BondedLayer(), pedestal=True)
-    found = mf.equilibrium(surface, model, load=modulus * load).area
+    found = mf.equilibrium(surface, model, load=surface.material.composite_modulus * load).area
     label = f"{name}, layer with pedestals, order 1: A0 at P/E* = {load:g} mm² [mm²]"
-    return near(label, found, contact_equations.area(depth, radius), METHODS, NEWTON)
+    return near(label, found, expected, METHODS, NEWTON)
 
 
-def laws(name: str) -> tuple[mf.FrictionLaw, mf.FrictionLaw, mf.FrictionLaw]:
+def laws(name: str) -> list[mf.FrictionLaw]:
     """Laws of independent asperities, of the layer, and of the layer with pedestals."""
-    surface = surfaces()[name]
+    surface, layer = surfaces()[name], mf.BondedLayer()
     load = LOADS * surface.material.composite_modulus
-    layer = mf.BondedLayer()
-    models = (
-        mf.Independent(),
-        mf.Interacting(substrate=layer),
-        mf.Interacting(substrate=layer, pedestal=True),
-    )
-    first, second, third = (mf.friction_law(surface, model, load=load) for model in models)
-    return first, second, third
+    coupled = (mf.Interacting(substrate=layer, pedestal=pedestal) for pedestal in (False, True))
+    return [mf.friction_law(surface, model, load=load) for model in (mf.Independent(), *coupled)]
 
 
 @panels(8.0, 3.2)

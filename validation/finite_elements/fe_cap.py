@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from skfem import MeshQuad
+
 from metafem import fe, studies
 from metafem.report.elements import cap_pressure_figure, mesh_figure
 from metafem.studies.element_checks import BLOCK_RADIUS, CAP_ROWS, RADIUS, THICKNESS
@@ -31,7 +33,7 @@ def _mesh():
     """Left: elements of the cap and the block below it, height over radius [mm]. Right: the elements at the
     edge of the contact, where they become small because the pressure falls there as a square root.
     """
-    return mesh_figure(fe.read_mesh(FOLDER / "cap.vtu"), cap(), CAP_CONTACT)
+    return mesh_figure(MeshQuad.load(FOLDER / "cap.vtu"), cap(), CAP_CONTACT)
 
 
 def _pressure():

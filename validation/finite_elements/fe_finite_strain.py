@@ -75,7 +75,7 @@ def claim() -> Claim:
         ]
     energy = known_input("identity: the work of the plane is the stored elastic energy")
     for name, contacts in (("slip", slip), ("stick", stick)):
-        ratio = work(contacts) / contacts[-1].state.energy
+        ratio = work(contacts) / contacts[-1].energy
         rows.append(near(f"{name}: work of the plane over the elastic energy", ratio, 1.0, WORK, energy))
     worst = max(contact.error_estimate for contact in (*slip, *stick))
     meshes = second_method(press_sequence, "the same contacts on a coarser mesh")
@@ -119,7 +119,7 @@ def cubic_load(contact: FiniteContact) -> float:
     edge = float(CAP.surface(np.array(contact.material_radius))[0])
     mesh = graded_mesh(edge, CAP.outer, CAP.thickness, CAP.foot, **EDGES)
     state = SoftBody(mesh, CAP, 3, 0.5).flatten(lambda r: sphere_profile(r, CAP.radius))
-    return float(state.load * (contact.contact_radius / state.edge) ** 3)
+    return float(state.rescaled_load * (contact.contact_radius / state.contact_radius) ** 3)
 
 
 def work(contacts: list[FiniteContact]) -> float:

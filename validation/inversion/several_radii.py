@@ -8,7 +8,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.inversion.bounds import Bounds
-from metafem.inversion.radii import Radii
+from metafem.inversion.limits import Radii
 from metafem.reference.height_densities import slope, smallest_slope
 from metafem.reference.single_contacts import hertz
 from validation.check import LINE_REQUIRED, REQUIRED, Claim, Picture, Row, above, below, near

@@ -6,12 +6,12 @@ import numpy as np
 
 import metafem as mf
 from metafem.drawing import ACHIEVED, QUIET, TARGET
-from metafem.inversion.height_density import TruncatedExponential, slope_excess
+from metafem.inversion.height_density import ExponentialDensity, slope_excess
 from metafem.reference import height_densities as reference
 from validation.check import Claim, Picture, near
 from validation.figures import panels
 from validation.paper.pictures import INKS
-from validation.paper.surfaces import friction_of_slope, template
+from validation.paper.surfaces import RADIUS, friction_of_slope, template
 from validation.published import paper
 from validation.sources import closed_form, printed
 
@@ -28,27 +28,27 @@ def claim() -> Claim:
     make, ten standard deviations of its heights (9 µm), a rule of thumb of the paper.
     """
     numbers = paper()["bounds"]
-    smallest, largest = numbers["smallest_friction_coefficient"], numbers["largest_friction_coefficient"]
     surface = template("fig4_red")
     limits = mf.Limits(TOP, height_sd=paper()["sample"]["depth_precision_um"] / 1e3)
     low, high = mf.achievable_friction_coefficients(surface, limits)
-    factor, radius = friction_of_slope(surface), float(surface.radius[0])
+    factor = friction_of_slope(surface)
     finest = numbers["smallest_scale_um"] / 1e3
     where = "SM, bounds on achievable friction coefficients"
     tiny = 1e-9
+    ends = {"smallest friction coefficient": low, "largest friction coefficient": high}
     checks = [
-        near("smallest friction coefficient", low, smallest, 0.005,
-             printed(where, "smallest friction coefficient")),
-        near("largest friction coefficient", high, largest, 0.005,
-             printed(where, "largest friction coefficient")),
+        *(
+            near(name, value, numbers[name.replace(" ", "_")], 0.005, printed(where, name))
+            for name, value in ends.items()
+        ),
         near(
             "smallest friction coefficient, all digits", low,
-            factor * reference.smallest_slope(radius, TOP), ROUNDING,
+            factor * reference.smallest_slope(RADIUS, TOP), ROUNDING,
             closed_form(reference.smallest_slope, "μ = σB/E* · 3π/4 √(R/h_m)"),
         ),
         near(
             "largest friction coefficient, all digits", high,
-            factor * reference.slope(finest, radius, TOP), ROUNDING,
+            factor * reference.slope(finest, RADIUS, TOP), ROUNDING,
             closed_form(reference.slope, "μ = σB/E* · m, eqs. S3 to S5 at λ = 9 µm"),
         ),
         near(
@@ -57,11 +57,7 @@ def claim() -> Claim:
             closed_form(reference.slope_series, "series x/10 + 13 x²/1050 in x = h_m/λ"),
         ),
     ]  # fmt: skip
-    return Claim(
-        "Bounds on the friction coefficient",
-        checks,
-        {"Friction coefficient": Picture(_figure)},
-    )
+    return Claim("Bounds on the friction coefficient", checks, {"Friction coefficient": Picture(_figure)})
 
 
 @panels(7.0, 3.6)
@@ -71,22 +67,17 @@ def _figure(ax):
     9 µm (dotted line). The square is the red surface of Fig. 4, designed for m = 6.87.
     """
     surface, numbers = template("fig4_red"), paper()["bounds"]
-    factor, radius = friction_of_slope(surface), float(surface.radius[0])
+    factor = friction_of_slope(surface)
     scale = np.geomspace(0.005, 1.0, 200)
-    slope = [TruncatedExponential(x, TOP).asymptotic_slope(radius) for x in scale]
+    slope = [ExponentialDensity(x, TOP).asymptotic_slope(RADIUS) for x in scale]
     ax.loglog(1e3 * scale, factor * np.array(slope), color=ACHIEVED, label="density of heights")
     for name in ("smallest", "largest"):
         label = "bounds printed in the paper" if name == "smallest" else None
         ax.axhline(numbers[f"{name}_friction_coefficient"], color=TARGET, ls="--", lw=1.2, label=label)
     ax.axvline(numbers["smallest_scale_um"], color=QUIET, ls=":", label="smallest scale that can be made")
     red = paper()["fig4"]["red"]
-    ax.plot(
-        red["scale_um"],
-        factor * red["target_slope"],
-        "s",
-        color=INKS["Fig. 4 red"],
-        label="Fig. 4, red surface",
-    )
+    coefficient, ink = factor * red["target_slope"], INKS["Fig. 4 red"]
+    ax.plot(red["scale_um"], coefficient, "s", color=ink, label="Fig. 4, red surface")
     ax.set(xlabel="scale of the density  λ [µm]", ylabel="friction coefficient  μ")
     ax.set_yticks([1.0, 2.0, 3.0, 4.0], ["1", "2", "3", "4"])
     ax.minorticks_off()

@@ -17,7 +17,8 @@ from validation.figures import panels
 from validation.methods import tabulated_contacts
 from validation.paper.contact_laws import model
 from validation.paper.measured_slopes import tabulated
-from validation.paper.surfaces import fig3, fig4, fig5, words
+from validation.paper.surfaces import designs as printed_designs
+from validation.paper.surfaces import words
 from validation.sources import second_method
 
 # The tests of this claim carry the mark "slow".
@@ -39,9 +40,7 @@ METHODS = 1e-6
 @cache
 def designs() -> dict[str, mf.Design]:
     """Return the designs under Hertz's law."""
-    found = {"Fig. 3": fig3()}
-    for figure, design in (("Fig. 4", fig4), ("Fig. 5", fig5)):
-        found |= {f"{figure} {colour}": design(colour) for colour in ("blue", "red")}
+    found = dict(printed_designs())
     for colour in ("blue", "red"):
         printed = found[f"Fig. 4 {colour}"]
         limits = replace(printed.limits, height_step=None)

@@ -5,6 +5,7 @@ The paper fits E* and the adhesion energy w to single contacts by JKR's theory, 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -13,20 +14,17 @@ from scipy.optimize import brentq
 
 import metafem as mf
 from metafem.drawing import ACHIEVED, TARGET
-from metafem.reference import single_contacts
+from metafem.reference.single_contacts import jkr_contact_radius
 from validation.check import Claim, Difference, Picture, Row, near, reported
 from validation.figures import panels
 from validation.methods import independent
 from validation.paper import measured_slopes
-from validation.paper.measured_slopes import ADHESION, ENERGY, RADIUS, SECOND, strength, tabulated
-from validation.paper.surfaces import fig4, fig5, surfaces, words
+from validation.paper.measured_slopes import ADHESION, ENERGY, SECOND, strength, tabulated
+from validation.paper.surfaces import LOADS, RADIUS, designs, surfaces, words
 from validation.sources import closed_form, printed
 
 # The tests of this claim carry the mark "slow".
 SLOW = True
-
-# Loads P/E* [mm²], from the lightest measured ones to loads beyond full contact of all surfaces.
-LOADS = 0.7 * np.arange(1, 21) / 20
 
 LAWS = {
     ADHESION: mf.JKR(ENERGY),
@@ -89,7 +87,7 @@ def changes(surface: str, name: str, coupled: bool = False) -> np.ndarray:
 
 
 def rms(change: np.ndarray) -> float:
-    """Root mean square over the loads."""
+    """Root mean square over the loads within the range of the table."""
     return float(np.sqrt(np.nanmean(change**2)))
 
 
@@ -137,41 +135,35 @@ def claim() -> Claim:
             else:
                 rows.append(reported(row, value, CHANGE))
             worst = change[np.nanargmax(np.abs(change))]
-            if name == next(iter(LAWS)):
+            if name == ADHESION:
                 rows.append(reported(f"{label}: largest change of A0 [%]", 1e2 * worst, CHANGE))
-    for surface in ("Fig. 4 blue", "Fig. 4 red", "Fig. 5 blue", "Fig. 5 red"):
-        after = strength(surface, ADHESION) * (1.0 + changes(surface, ADHESION)) - 1.0
-        rows.append(
-            reported(f"{surface}, {ADHESION}, σ refitted: rms change of F [%]", 1e2 * rms(after), FRICTION)
-        )
+    for surface in list(surfaces())[1:]:
+        after = 1e2 * rms(strength(surface, ADHESION) * (1.0 + changes(surface, ADHESION)) - 1.0)
+        rows.append(reported(f"{surface}, {ADHESION}, σ refitted: rms change of F [%]", after, FRICTION))
     for surface in ("Fig. 5 blue", "Fig. 5 red"):
-        name = next(iter(LAWS))
-        value = rms(changes(surface, name, coupled=True))
-        label = f"{surface}, {name}, with interaction: rms change of A0 [%]"
-        rows.append(reported(label, 1e2 * value, "both laws with interaction of order 3 on a half-space"))
-    for figure, design in (("4", fig4), ("5", fig5)):
-        for colour in ("blue", "red"):
-            found = design(colour)
-            before = slopes(found, mf.Independent())
-            for name in LAWS:
-                if name in measured_slopes.LAWS:  # in the table of the measured slopes
-                    continue
-                after = slopes(found, model(name, found.surface.material))
-                for i, (old, new) in enumerate(zip(before, after, strict=True)):
-                    which = f" {i + 1}" if len(before) > 1 else ""
-                    label = f"Fig. {figure} {colour}, {name}: change of the fitted slope{which} [%]"
-                    rows.append(reported(label, 1e2 * (new / old - 1.0), SLOPE))
+        value = 1e2 * rms(changes(surface, ADHESION, coupled=True))
+        label = f"{surface}, {ADHESION}, with interaction: rms change of A0 [%]"
+        rows.append(reported(label, value, "both laws with interaction of order 3 on a half-space"))
+    for surface, design in list(designs().items())[1:]:
+        rows += _slopes(surface, design)
     figures = {
         "Measured slopes": Picture(measured_slopes.picture),
         "One contact": Picture(_single, {"limit": one_contact()[2]}),
         "Changes of A0": Picture(_figure),
     }
-    return Claim(
-        "Adhesion and the shape of caps change A0(P)",
-        rows,
-        figures,
-        measured_slopes.answers(),
-    )
+    title = "Adhesion and the shape of caps change A0(P)"
+    return Claim(title, rows, figures, measured_slopes.answers())
+
+
+def _slopes(surface: str, design: mf.Design) -> Iterator[Row]:
+    """Report the changes of the fitted slopes that are not in the table of the measured ones."""
+    before = slopes(design, mf.Independent())
+    for name in (each for each in LAWS if each not in measured_slopes.LAWS):
+        pairs = zip(before, slopes(design, model(name, design.surface.material)), strict=True)
+        for i, (old, new) in enumerate(pairs, 1):
+            which = f" {i}" if len(before) > 1 else ""
+            label = f"{surface}, {name}: change of the fitted slope{which} [%]"
+            yield reported(label, 1e2 * (new / old - 1.0), SLOPE)
 
 
 @cache
@@ -179,14 +171,11 @@ def one_contact() -> tuple[np.ndarray, np.ndarray, float]:
     """Loads of one contact [N], change of its area by adhesion, and the load above which it is below 2 %."""
     one = mf.Surface([[0.0, 0.0]], [0.1], RADIUS, surfaces()["Fig. 3"].material)
     force = np.concatenate([np.geomspace(1e-3, LIGHT, 60)[:-1], [LIGHT], np.geomspace(LIGHT, 0.5, 400)[1:]])
-    adhesive, plain = (
-        mf.friction_law(one, chosen, load=force).area
-        for chosen in (mf.Independent(contact=mf.JKR(ENERGY)), mf.Independent())
-    )
+    models = (mf.Independent(contact=mf.JKR(ENERGY)), mf.Independent())
+    adhesive, plain = (mf.friction_law(one, each, load=force).area for each in models)
 
     def beyond(load: float) -> float:
-        law = (mf.Independent(contact=mf.JKR(ENERGY)), mf.Independent())
-        after, before = (mf.equilibrium(one, each, load=load).area for each in law)
+        after, before = (mf.equilibrium(one, each, load=load).area for each in models)
         return after / before - 1.0 - STATED
 
     return force, adhesive / plain - 1.0, float(brentq(beyond, LIGHT, force[-1], xtol=1e-13))
@@ -198,13 +187,11 @@ def _one_contact() -> list[Row]:
     modulus = surfaces()["Fig. 3"].material.composite_modulus
 
     def exact(load: float) -> float:
-        radii = [
-            single_contacts.jkr_contact_radius(load / modulus, RADIUS, w / modulus) for w in (ENERGY, 0.0)
-        ]
-        return 1e2 * ((radii[0] / radii[1]) ** 2 - 1.0)
+        adhesive, plain = (jkr_contact_radius(load / modulus, RADIUS, w / modulus) for w in (ENERGY, 0.0))
+        return 1e2 * ((adhesive / plain) ** 2 - 1.0)
 
     computed = 1e2 * float(change[force == LIGHT][0])
-    closed = closed_form(single_contacts.jkr_contact_radius, "JKR's contact radius")
+    closed = closed_form(jkr_contact_radius, "JKR's contact radius")
     name = f"one contact at {LIGHT} N, w = 9 mJ/m²: change of A [%]"
     return [
         near(name, computed, exact(LIGHT), 1e-9, closed),

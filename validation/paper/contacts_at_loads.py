@@ -6,7 +6,8 @@ Neither counts nor areas are printed beside them.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, reduce
+from operator import getitem
 
 import numpy as np
 
@@ -16,18 +17,9 @@ from validation.check import Check, Claim, Picture, Result, near, reported
 from validation.figures import panels
 from validation.methods import contact_equations
 from validation.paper.pictures import INKS
-from validation.paper.surfaces import surfaces
+from validation.paper.surfaces import RADIUS, surfaces
 from validation.published import paper
 from validation.sources import second_method
-
-# Loads of the photographs [N], in the order of the surfaces.
-PLACES = {
-    "Fig. 3": ("fig3",),
-    "Fig. 4 blue": ("fig4", "blue"),
-    "Fig. 4 red": ("fig4", "red"),
-    "Fig. 5 blue": ("fig5", "blue"),
-    "Fig. 5 red": ("fig5", "red"),
-}
 
 MODELS = {
     "independent": mf.Independent(),
@@ -52,10 +44,8 @@ def state(name: str, model: str) -> mf.ContactState:
 
 def load(name: str) -> float:
     """Return the load of the photograph of a surface [N]."""
-    found = paper()
-    for key in PLACES[name]:
-        found = found[key]
-    return float(found["inset_load_N"])
+    places = name.lower().replace(". ", "").split()
+    return float(reduce(getitem, places, paper())["inset_load_N"])
 
 
 def claim() -> Claim:
@@ -70,26 +60,24 @@ def claim() -> Claim:
 
 
 def _rows(name: str) -> Iterator[Check | Result]:
-    surface = surfaces()[name]
-    radius, rescaled = float(surface.radius[0]), load(name) / surface.material.composite_modulus
-    block, ratio = surface.block, surface.material.poisson_ratio
-    assert block is not None
-    influence = contact_equations.layer_influence(surface.position, block.thickness, ratio)
+    height, rescaled = surfaces()[name].height, load(name) / surfaces()[name].material.composite_modulus
+    influence = contact_equations.influence(surfaces()[name], "layer")
     methods = {
-        "independent": (SUMS, EXACT, contact_equations.independent(surface.height, radius, rescaled)),
+        "independent": (SUMS, EXACT, contact_equations.independent(height, RADIUS, rescaled)),
         "layer, order 1": (
             NEWTON,
             QUADRATURE,
-            contact_equations.coupled(surface.height, radius, influence, rescaled),
+            contact_equations.coupled(height, RADIUS, influence, rescaled),
         ),
     }
-    for model, (source, tolerance, (indentation, separation)) in methods.items():
-        found, label = state(name, model), f"{name}, {load(name)} N, {model}"
-        count, area = np.count_nonzero(indentation > 0.0), contact_equations.area(indentation, radius)
-        yield near(f"{label}: contacts", _count(found), count, 0, source)
+    for model, (source, tolerance, contacts) in methods.items():
+        found, label, area = state(name, model), f"{name}, {load(name)} N, {model}", contacts.area
+        yield near(
+            f"{label}: contacts", _count(found), np.count_nonzero(contacts.indentation > 0.0), 0, source
+        )
         yield near(f"{label}: A0 [mm²]", found.area, area, tolerance * area, source)
-        yield near(f"{label}: separation [µm]", 1e3 * found.separation, 1e3 * separation,
-                   1e3 * tolerance * radius, source)  # fmt: skip
+        yield near(f"{label}: separation [µm]", 1e3 * found.separation, 1e3 * contacts.separation,
+                   1e3 * tolerance * RADIUS, source)  # fmt: skip
     found, alone = state(name, "layer, order 3"), state(name, "independent")
     radii = 1e3 * np.sqrt(found.asperity_area[found.asperity_area > 0.0] / np.pi)
     label, method = f"{name}, {load(name)} N, layer, order 3", "mf.Interacting(substrate=mf.BondedLayer())"
@@ -112,9 +100,8 @@ def _picture(*axes):
     """
     for ax, name in zip(axes, surfaces(), strict=False):
         found = state(name, "layer, order 3")
-        circles(ax, surfaces()[name].position, 2.0 * np.sqrt(found.asperity_area / np.pi)).set_facecolor(
-            INKS[name]
-        )
+        dots = circles(ax, surfaces()[name].position, 2.0 * np.sqrt(found.asperity_area / np.pi))
+        dots.set_facecolor(INKS[name])
         plan(ax)
         ax.set_title(f"{name}, {load(name)} N: {_count(found)} contacts", fontsize=9)
     axes[-1].set_axis_off()

@@ -9,7 +9,7 @@ from scipy.special import gammainc
 
 import metafem as mf
 from metafem.drawing import ACHIEVED, TARGET
-from metafem.inversion.height_density import PiecewiseExponential, TruncatedExponential, TwoBranchExponential
+from metafem.inversion.height_density import ExponentialDensity
 from metafem.reference import height_densities as reference
 from validation.check import Check, Claim, Picture, below
 from validation.figures import panels
@@ -37,8 +37,8 @@ def claim() -> Claim:
     integrals of eq. S2 for six densities of one branch and three of two, the slope and intercept of eqs. S3
     to S5, and both lines of eq. S8. The largest relative errors over all cases are listed.
     """
-    plain = [TruncatedExponential(TOP / x, TOP) for x in ARGUMENTS]
-    branched = [TwoBranchExponential(scale, TOP, height, weight) for scale, height, weight in BRANCHES]
+    plain = [ExponentialDensity(TOP / x, TOP) for x in ARGUMENTS]
+    branched = [ExponentialDensity(scale, TOP, height, weight) for scale, height, weight in BRANCHES]
     slopes = [d.asymptotic_slope(RADIUS) / reference.slope(d.scale, RADIUS, TOP) for d in plain[1:]]
     intercepts = [
         d.intercept(COUNT, RADIUS) / reference.intercept(d.scale, RADIUS, TOP, COUNT) for d in plain[2:]
@@ -68,7 +68,7 @@ def claim() -> Claim:
     return Claim("Equations S1 to S8", checks, {"Digits of eq. S5": Picture(_figure)})
 
 
-def _printed(d: TwoBranchExponential) -> tuple[float, float, float, float, float]:
+def _printed(d: ExponentialDensity) -> tuple[float, float, float, float, float]:
     return d.scale, RADIUS, d.max_height, d.crossover_height, d.weight
 
 
@@ -86,7 +86,7 @@ def _points_equations() -> Check:
 
 def _integrals(
     name: str,
-    densities: Sequence[PiecewiseExponential],
+    densities: Sequence[ExponentialDensity],
     parameters: Sequence[tuple[float, float, float]],
 ) -> list[Check]:
     """Compare mass, area and load of densities with quadrature."""

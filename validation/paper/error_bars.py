@@ -8,7 +8,6 @@ pairs with the propagation of small errors.
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,9 +19,6 @@ from validation.paper.pictures import INKS
 from validation.paper.surfaces import surfaces, words
 from validation.published import paper
 from validation.sources import known_input, second_method
-
-if TYPE_CHECKING:
-    from xarray import Dataset
 
 # The tests of this claim carry the mark "slow".
 SLOW = True
@@ -65,7 +61,7 @@ LINEAR = known_input("identity: shares of independent parameters of a linear res
 
 
 @cache
-def predicted(name: str) -> Dataset:
+def predicted(name: str):
     """Return the bars of the predicted law at the loads of the checks."""
     return mf.studies.uncertainty(surfaces()[name], errors(name), draws=DRAWS, load=largest(name) * SHARES)
 
@@ -75,7 +71,7 @@ def largest(name: str) -> float:
     return float(mf.friction_law(surfaces()[name]).load[-1])
 
 
-def measured(name: str, load: np.ndarray) -> Dataset:
+def measured(name: str, load: np.ndarray):
     """Return the bars of measured pairs that lie on the law."""
     surface, printed = surfaces()[name], paper()["force_error"]
     force = mf.friction_law(surface, load=load).friction_force

@@ -18,7 +18,7 @@ from validation.check import Check, Claim, Picture, Result, below, near, reporte
 from validation.figures import panels
 from validation.methods import contact_equations
 from validation.paper.pictures import LEVELS
-from validation.paper.surfaces import fig3
+from validation.paper.surfaces import RADIUS, fig3
 from validation.published import paper
 from validation.sources import known_input, printed, second_method
 
@@ -49,10 +49,9 @@ class Levels:
 
     def upper(self, count: int) -> mf.Surface:
         """Return the surface with its first levels only, each with its adjustment asperity."""
-        kept, whole = self.number < count, self.surface
-        return whole.replaced(
-            position=whole.position[kept], height=whole.height[kept], radius=whole.radius[kept]
-        )
+        kept = self.number < count
+        fields = {name: getattr(self.surface, name)[kept] for name in ("position", "height", "radius")}
+        return self.surface.replaced(**fields)
 
 
 @cache
@@ -79,10 +78,7 @@ def claim() -> Claim:
     return Claim(
         "Fig. 3: continued branches, and contacts at 0.92 N",
         [*_continuations(), *_contacts()],
-        {
-            "branches": Picture(_branches),
-            "contacts at 0.92 N": Picture(_inset),
-        },
+        {"branches": Picture(_branches), "contacts at 0.92 N": Picture(_inset)},
     )
 
 
@@ -96,7 +92,8 @@ def _continuations() -> Iterator[Check | Result]:
         before, after = (_slope_beside(part, found.surface, load, side) for side in (-1.0, 1.0))
         new = np.count_nonzero(found.number == i + 1) - 1  # all but the adjustment asperity, which is lower
         last = float(found.loads[-1])
-        area, by_sums = mf.equilibrium(part, load=modulus * last).area, _area(part, last)
+        area = mf.equilibrium(part, load=modulus * last).area
+        by_sums = contact_equations.independent(part.height, RADIUS, last).area
         loss = area / mf.equilibrium(found.surface, load=modulus * last).area - 1.0
         where = f"up to operating point {i + 1}"
         yield below(f"{name}, {where}: largest difference of A0 from the law",
@@ -119,29 +116,23 @@ def _slope_beside(part: mf.Surface, whole: mf.Surface, load: float, side: float)
 def _contacts() -> Iterator[Check | Result]:
     found, state, published = levels(), inset(), paper()["fig3"]
     rescaled = state.load / found.surface.material.composite_modulus
-    yield reported(
-        f"{published['inset_load_N']} N: P/E* [mm²]", rescaled, "load of the inset over E* of batch 1"
-    )
+    inset_load = f"{published['inset_load_N']} N"
+    yield reported(f"{inset_load}: P/E* [mm²]", rescaled, "load of the inset over E* of batch 1")
     for i, count in enumerate(published["counts"]):
         on = (found.number == i) & (state.asperity_area > 0.0)
         radius = 1e3 * np.sqrt(state.asperity_area[on] / np.pi)
-        name = f"level {i + 1} at {published['inset_load_N']} N"
+        name = f"level {i + 1} at {inset_load}"
         yield near(f"{name}: contacts, with the adjustment asperity",
                    np.count_nonzero(on), count + 1, 0, ALL)  # fmt: skip
         yield reported(f"{name}: area [mm²]", float(state.asperity_area[on].sum()), METHOD)
         yield reported(f"{name}: contact radius [µm]", float(radius.max()), METHOD)
         yield reported(f"{name}: contact radius of the adjustment asperity [µm]", float(radius.min()), METHOD)
     largest = float(1e3 * np.sqrt(state.asperity_area.max() / np.pi))
-    area = _area(found.surface, rescaled)
-    yield near(f"A0 at {published['inset_load_N']} N [mm²]", state.area, area, ROUNDING * area, SUMS)
+    area = contact_equations.independent(found.surface.height, RADIUS, rescaled).area
+    yield near(f"A0 at {inset_load} [mm²]", state.area, area, ROUNDING * area, SUMS)
     calibrated = printed("SM, calibration of individual microcontacts, largest calibrated radius")
-    yield below(f"largest contact radius at {published['inset_load_N']} N [µm]", largest,
+    yield below(f"largest contact radius at {inset_load} [µm]", largest,
                 paper()["sample"]["max_contact_radius_um"], calibrated)  # fmt: skip
-
-
-def _area(surface: mf.Surface, load: float) -> float:
-    radius = float(surface.radius[0])
-    return contact_equations.area(contact_equations.independent(surface.height, radius, load)[0], radius)
 
 
 @panels(7.0, 4.6)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,9 +27,6 @@ from validation.methods.level_equations import Levels, levels
 from validation.paper.surfaces import fig3, template
 from validation.published import paper
 from validation.sources import known_input, printed, second_method
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 # Half of the last printed digit of the points [mm²] and of the heights [µm].
 LOAD_DIGIT, FRICTION_DIGIT, HEIGHT_DIGIT = 5e-4, 5e-3, 0.05
@@ -252,7 +248,7 @@ def _measured() -> list[Result]:
     return rows
 
 
-def _figure() -> Figure:
+def _figure():
     """Upper panel: predicted rescaled friction F/(σB) over rescaled load P/E* [mm²] of the design (solid) and
     of the printed heights (dashed, on the solid line), through the three printed points. The bars are the
     largest deviations of the measured forces that the paper states: 2.5 % at the first two points, 5 % at the

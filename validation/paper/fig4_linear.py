@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,9 +14,6 @@ from validation.paper.pictures import law_and_slopes, slope_band
 from validation.paper.surfaces import fig4, friction_of_slope
 from validation.published import paper, table
 from validation.sources import known_input, printed, second_method
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 COLOURS = ("blue", "red")
 
@@ -101,7 +98,7 @@ def _seen(colour: str) -> dict[str, Any]:
     return {"surface": colour.capitalize(), "target": target, "measured": measured, "error": error}
 
 
-def _figure(colour: str) -> Figure:
+def _figure(colour: str):
     """{surface} surface, with the axes of the other one. Left: predicted rescaled friction F/(σB) over
     rescaled load P/E* [mm²], with the law of the continuous density and a straight line of the target slope.
     Right: slopes of both laws over the load. The slope of 64 asperities jumps whenever a level comes into

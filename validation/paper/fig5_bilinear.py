@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +17,6 @@ from validation.paper.surfaces import fig5
 from validation.paper.table_s2 import heights, solved
 from validation.published import paper
 from validation.sources import known_input, printed, second_method
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 COLOURS = ("red", "blue")
 
@@ -204,7 +201,7 @@ def _intersection(colour: str) -> float:
     return (second.intercept - first.intercept) / (first.slope - second.slope)
 
 
-def _figure(colour: str) -> Figure:
+def _figure(colour: str):
     """{surface} surface, with the axes of the other one. Left: predicted rescaled friction F/(σB) over
     rescaled load P/E* [mm²] with the law of the continuous density and lines of the target slopes. Vertical
     lines are the target crossover load (dotted) and the predicted one (solid); the band is the measured one,

@@ -10,7 +10,7 @@ from validation.figures import panels
 from validation.methods import contact_equations
 from validation.paper.fig3_operating_points import METHODS, second
 from validation.paper.pictures import LEVELS
-from validation.paper.surfaces import fig3
+from validation.paper.surfaces import RADIUS, fig3
 from validation.published import paper
 from validation.sources import known_input, second_method
 
@@ -36,14 +36,10 @@ def _planes() -> list[Check]:
     levels = design.parameters["levels"]
     for i, load in enumerate(paper()["fig3"]["load_mm2"][:-1]):
         height = design.surface.height[design.surface.height > levels[i + 1] + 1e-3 * METHODS]
-        plane = contact_equations.independent(height, _radius(), load)[1]
+        plane = contact_equations.independent(height, RADIUS, load).separation
         name = f"h_{i + 2} and the plane at operating point {i + 1}: difference [µm]"
         rows.append(near(name, 1e3 * (levels[i + 1] - plane), 0.0, METHODS, PLANE))
     return rows
-
-
-def _radius() -> float:
-    return float(paper()["sample"]["radius_um"] / 1e3)
 
 
 @panels(9.0, 3.6)
@@ -61,9 +57,8 @@ def _sketch(ax):
         for j, centre in enumerate(centres):
             height = levels[i] if j < count else added[i]
             _cap(ax, centre, height / 1e3, colour, dark=j == count)
-        ax.annotate(
-            f"{count} × $h_{i + 1}$", (centres[:-1].mean(), levels[i] + 7.0), ha="center", color=colour
-        )
+        place = centres[:-1].mean(), levels[i] + 7.0
+        ax.annotate(f"{count} × $h_{i + 1}$", place, ha="center", color=colour)
         ax.annotate(f"$h_{{{i + 1},a}}$", (centres[-1] + 0.4, added[i] - 16.0), color=colour)
         start = centres[-1] + 3.0 * pitch
     for i, plane in enumerate(1e3 * second().plane):
@@ -74,8 +69,7 @@ def _sketch(ax):
 
 def _cap(ax, centre: float, height: float, colour: str, *, dark: bool) -> None:
     """Draw the cap of a sphere above the base plane."""
-    radius = _radius()
-    foot = np.sqrt(height * (2.0 * radius - height))
+    foot = np.sqrt(height * (2.0 * RADIUS - height))
     x = foot * np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, 31))
-    profile = 1e3 * (np.sqrt(radius**2 - x**2) - (radius - height))
+    profile = 1e3 * (np.sqrt(RADIUS**2 - x**2) - (RADIUS - height))
     ax.fill_between(centre + x, 0.0, profile, color=colour, alpha=0.95 if dark else 0.45, lw=0.0)

@@ -7,7 +7,6 @@ located in the distribution over 1,000 random assignments of the heights to site
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,10 +19,6 @@ from validation.paper.pictures import INKS, inked
 from validation.paper.surfaces import fig4, template
 from validation.published import paper
 from validation.sources import printed, second_method
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-    from xarray import Dataset
 
 # The tests of this claim carry the mark "slow".
 SLOW = True
@@ -64,7 +59,7 @@ heights to sites does not, see the checks."""
 
 
 @cache
-def study(colour: str) -> Dataset:
+def study(colour: str):
     """Return the misalignment of a surface of Fig. 4 as made and with its heights shuffled."""
     design = fig4(colour)
     angle = np.radians(STEP * np.arange(1, round(LARGEST / STEP) + 1))
@@ -214,7 +209,7 @@ def relative_scatter(colour: str, degrees: float) -> np.ndarray:
     return np.asarray(at.slope_sd.values / float(found.nominal_slope))
 
 
-def _figure() -> Figure:
+def _figure():
     """Standard deviation of the slope over the nominal slope [%] against the largest angle [degrees]: solid
     for the designs, whose rows have decreasing heights, dashed for 20 random assignments of the heights to
     sites. Dotted lines are the bounds that the paper states, 0.2 % at 0.005° and 2.1 % at 0.1°, and dots mark

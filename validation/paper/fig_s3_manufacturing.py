@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.special import ndtr
@@ -18,10 +17,6 @@ from validation.paper.pictures import INKS, inked
 from validation.paper.surfaces import fig4
 from validation.published import paper
 from validation.sources import known_input, printed, second_method
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-    from xarray import Dataset
 
 COLOURS = ("blue", "red")
 
@@ -44,7 +39,7 @@ WHERE = printed("SM, effect on the friction law of manufacturing errors")
 
 
 @cache
-def study(colour: str) -> Dataset:
+def study(colour: str):
     """Study the errors of the heights of a surface of Fig. 4."""
     design = fig4(colour)
     load_range = design.fits[0][1].load_range
@@ -112,7 +107,7 @@ def claim() -> Claim:
     return Claim("Fig. S3: errors of the heights", checks, figures)
 
 
-def _figure() -> Figure:
+def _figure():
     """Mean slope over the nominal one against the standard deviation of the heights [µm]; the bars are one
     standard deviation of the slope. The dashed line is the precision of the paper's mould, 0.9 µm. The dotted
     lines are the bounds of 0.5 % up to there and of 1.5 % up to 3 µm that the paper states: all bars end

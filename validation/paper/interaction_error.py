@@ -6,8 +6,7 @@ the heights to sites, and for Fig. 5 also that of Table S2 numbered row by row, 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
@@ -15,15 +14,10 @@ import numpy as np
 import metafem as mf
 from validation.check import Claim, Difference, Picture, Reason, Result, Row, below, near, reported
 from validation.figures import panels
-from validation.methods.contact_equations import (
-    area,
-    coupled,
-    half_space_influence,
-    layer_influence,
-)
+from validation.methods.contact_equations import coupled, influence
 from validation.methods.independent import areas
 from validation.paper.pictures import INKS
-from validation.paper.surfaces import surfaces
+from validation.paper.surfaces import LOADS, RADIUS, surfaces
 from validation.published import paper
 from validation.sources import printed, second_method
 
@@ -31,9 +25,6 @@ from validation.sources import printed, second_method
 SLOW = True
 
 ASSIGNMENTS = 1000
-
-# Loads P/E* [mm²], from the lightest measured ones to loads beyond full contact of all surfaces.
-LOADS = 0.7 * np.arange(1, 21) / 20
 
 # End of the lighter half of the loads [mm²].
 LIGHT = 0.35
@@ -87,43 +78,24 @@ def rms(change: np.ndarray) -> np.ndarray:
     return np.sqrt((change**2).mean(axis=-1))
 
 
-@dataclass(frozen=True)
-class Reading:
-    """A meaning of "rms difference": its words, its method, and the number of changes, areas and planes."""
-
-    words: str
-    method: str
-    of: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
-
-
-def _over_largest(change: np.ndarray, area: np.ndarray, plane: np.ndarray) -> np.ndarray:
-    return rms(change * area) / area.max()
+# Other readings of the paper's rms, with their methods.
+READINGS = {
+    "rms over the largest A0": "rms of the change of A0 over A0 at the largest of 20 loads",
+    "rms over the rms of A0": "rms of the change of A0 over the rms of A0, 20 loads",
+    f"rms at loads up to {LIGHT:g} mm²": "rms of the relative change over the loads up to it",
+    "rms even in separation": "rms of the relative change, weighted by the steps of the separation",
+}
 
 
-def _over_rms(change: np.ndarray, area: np.ndarray, plane: np.ndarray) -> np.ndarray:
-    return rms(change * area) / rms(area)
-
-
-def _light(change: np.ndarray, area: np.ndarray, plane: np.ndarray) -> np.ndarray:
-    return rms(change[..., LOADS < LIGHT * (1.0 + 1e-9)])
-
-
-def _even(change: np.ndarray, area: np.ndarray, plane: np.ndarray) -> np.ndarray:
-    weight = np.abs(np.gradient(plane))
-    return np.sqrt((change**2 * weight).sum(axis=-1) / weight.sum())
-
-
-# Other readings of the paper's rms.
-READINGS = (
-    Reading("rms over the largest A0",
-            "rms of the change of A0 over A0 at the largest of 20 loads", _over_largest),
-    Reading("rms over the rms of A0",
-            "rms of the change of A0 over the rms of A0, 20 loads", _over_rms),
-    Reading(f"rms at loads up to {LIGHT:g} mm²",
-            "rms of the relative change over the loads up to it", _light),
-    Reading("rms even in separation",
-            "rms of the relative change, weighted by the steps of the separation", _even),
-)  # fmt: skip
+def readings(change: np.ndarray, area: np.ndarray, plane: np.ndarray) -> list[np.ndarray]:
+    """Return the other readings of changes (m, k), areas (k,) and separations (k,), (m,) each."""
+    step = np.abs(np.gradient(plane))
+    return [
+        rms(change * area) / area.max(),
+        rms(change * area) / rms(area),
+        rms(change[..., LOADS < LIGHT * (1.0 + 1e-9)]),
+        np.sqrt((change**2 * step).sum(axis=-1) / step.sum()),
+    ]
 
 
 def claim() -> Claim:
@@ -140,17 +112,16 @@ def claim() -> Claim:
     rows: list[Row] = []
     for name in surfaces():
         rows += [*_assigned(name), *_second(name), *_designed(name)]
-    medians = [row for row in rows if row.name.startswith("Fig. 3: median rms") and isinstance(row, Result)]
-    shares = [row for row in rows if row.name.startswith("Fig. 3: share") and isinstance(row, Result)]
+    medians, shares = (
+        [row.value for row in rows if row.name.startswith(f"Fig. 3: {words}") and isinstance(row, Result)]
+        for words in ("median rms", "share")
+    )
     numbers = {
-        "least": min(row.value for row in medians),
-        "most": max(row.value for row in medians),
-        "fewest": min(row.value for row in shares),
-        "share": max(row.value for row in shares),
+        "least": min(medians), "most": max(medians), "fewest": min(shares), "share": max(shares),
         "inner": rms(changes("Fig. 5 red", HALF_SPACE)["centred"]),
         "centre": rms(changes("Fig. 3", HALF_SPACE)["centred"]),
         "linear": rms(changes("Fig. 4 red", HALF_SPACE)["random"]).max(),
-    }
+    }  # fmt: skip
     rows.append(_largest())
     percent = {key: 1e2 * value for key, value in numbers.items()}
     label, statement = (
@@ -164,10 +135,7 @@ def claim() -> Claim:
         name = f"Fig. 5 red, {substrate}: largest difference of orders 1 and 3"
         words = "largest difference of the relative changes of A0 over 20 loads, Table S2 row by row"
         rows.append(reported(name, np.abs(orders[0] - orders[1]).max(), words))
-    figures = {
-        "Assignments to sites": Picture(_assignments),
-        "Change over the load": Picture(_laws),
-    }
+    figures = {"Assignments to sites": Picture(_assignments), "Change over the load": Picture(_laws)}
     return Claim("Elastic interaction changes A0(P)", rows, figures, percent)
 
 
@@ -210,11 +178,11 @@ def _readings(name: str) -> Iterator[Row]:
     """Median and share below the paper's number by other readings, on a half-space."""
     limit, surface = paper()["interaction"]["rms_area_difference_below"], surfaces()[name]
     separation, _, alone, _ = mf.Independent().curves(surface.height, surface.radius, LOADS)
-    for reading in READINGS:
-        random = reading.of(changes(name, HALF_SPACE)["random"], alone.ravel(), separation.ravel())
-        method = f"{reading.method}; order 3 on a half-space, {ASSIGNMENTS} random assignments"
-        label = f"{name}: share of assignments below {1e2 * limit:g} %, {reading.words}"
-        yield reported(f"{name}: median {reading.words} of random assignments", np.median(random), method)
+    found = readings(changes(name, HALF_SPACE)["random"], alone.ravel(), separation.ravel())
+    for (words, how), random in zip(READINGS.items(), found, strict=True):
+        method = f"{how}; order 3 on a half-space, {ASSIGNMENTS} random assignments"
+        label = f"{name}: share of assignments below {1e2 * limit:g} %, {words}"
+        yield reported(f"{name}: median {words} of random assignments", np.median(random), method)
         yield reported(label, float((random < limit).mean()), method)
 
 
@@ -239,23 +207,18 @@ def _designed(name: str) -> Iterator[Row]:
 def _second(name: str) -> Iterator[Row]:
     """Compare the rms changes at order 1 on both substrates with those of point loads by a second method."""
     surface = surfaces()[name]
-    influences = {
-        "half-space": half_space_influence(surface.position),
-        "layer": layer_influence(surface.position, surface.block.thickness, surface.material.poisson_ratio),
-    }
-    for substrate, influence in influences.items():
+    for substrate in ("half-space", "layer"):
         computed = rms(changes(name, f"{substrate}, order 1", 0)["designed"])
-        expected = rms(point_load_changes(surface, influence))
+        expected = rms(point_load_changes(surface, influence(surface, substrate)))
         words = f"point loads on a {substrate} by Newton's method in all unknowns"
         label = f"{name}, as designed: rms at order 1, {substrate}"
         yield near(label, computed, expected, METHODS, second_method(coupled, words))
 
 
-def point_load_changes(surface: mf.Surface, influence: np.ndarray) -> np.ndarray:
+def point_load_changes(surface: mf.Surface, matrix: np.ndarray) -> np.ndarray:
     """Relative changes of A0 (k,) by point loads of an influence (n, n) [1/mm], by the second method."""
-    height, radius = surface.height, float(surface.radius[0])
-    after = [area(coupled(height, radius, influence, load)[0], radius) for load in LOADS]
-    return np.array(after) / areas(height, LOADS, radius) - 1.0
+    after = [coupled(surface.height, RADIUS, matrix, load).area for load in LOADS]
+    return np.array(after) / areas(surface.height, LOADS, RADIUS) - 1.0
 
 
 @panels(8.0, 3.4)
@@ -266,10 +229,7 @@ def _assignments(ax):
     exceptions, on both substrates; the median of Fig. 3 lies above it with this norm and these loads.
     """
     for i, name in enumerate(surfaces()):
-        for model, shift, colour in (
-            ("half-space, order 3", -0.2, "#1b6f8a"),
-            ("layer, order 3", 0.2, "#c8553d"),
-        ):
+        for model, shift, colour in ((HALF_SPACE, -0.2, "#1b6f8a"), ("layer, order 3", 0.2, "#c8553d")):
             change = changes(name, model)
             spread = 100.0 * rms(change["random"])
             ax.boxplot([spread], positions=[i + shift], widths=0.3, whis=(0, 100),

@@ -19,16 +19,15 @@ from metafem.drawing import MEASURED, TARGET
 from validation.check import Row, near, reported
 from validation.figures import panels
 from validation.methods import independent, tabulated_contacts
-from validation.paper.surfaces import fig4, fig5, surfaces
+from validation.paper.surfaces import RADIUS, designs, surfaces
 from validation.published import paper
 from validation.scenes.compression_tests import RADII
 from validation.sources import second_method
 
 FloatArray = NDArray[np.float64]
 
-# The paper's adhesion energy [N/mm], and the radius of all asperities [mm].
+# The paper's adhesion energy [N/mm].
 ENERGY = paper()["sample"]["adhesion_energy_mJ_per_m2"] * 1e-6
-RADIUS = paper()["sample"]["radius_um"] / 1e3
 
 ADHESION = "w = 9 mJ/m²"
 LAWS: dict[str, mf.Contact] = {"Hertz": mf.Hertz(), "spheres": mf.SphericalCap(), ADHESION: mf.JKR(ENERGY)}
@@ -59,13 +58,13 @@ def branches() -> dict[str, tuple[str, FloatArray, float, float]]:
     """Return surface, loads of the fit, measured slope and standard deviation; of Fig. 5 target and 5.2 %."""
     printed, found = paper(), {}
     within = printed["fig5"]["measured_within"]
-    for colour in ("blue", "red"):
-        name, ((branch, _),) = f"Fig. 4 {colour}", fig4(colour).fits
-        found[name] = (name, branch.load, *printed["fig4"][colour]["measured_slope"])
-    for colour in ("blue", "red"):
-        for i, (branch, _) in enumerate(fig5(colour).fits, 1):
-            name = f"Fig. 5 {colour}"
-            found[f"{name}, slope {i}"] = (name, branch.load, branch.slope, within * branch.slope)
+    for name, design in designs().items():
+        for i, (branch, _) in enumerate(design.fits, 1):
+            if _linear(name):
+                measured = printed["fig4"][name.split()[-1]]["measured_slope"]
+                found[name] = (name, branch.load, *measured)
+            else:
+                found[f"{name}, slope {i}"] = (name, branch.load, branch.slope, within * branch.slope)
     return found
 
 
@@ -144,10 +143,8 @@ def compared() -> Iterator[Row]:
 
 
 def _sigma(surface: str, law: str) -> Row:
-    load = full_contact(surface)
-    second = refitted(
-        independent.areas(surfaces()[surface].height, load, RADIUS), tabulated(surfaces()[surface], law, load)
-    )
+    load, made = full_contact(surface), surfaces()[surface]
+    second = refitted(independent.areas(made.height, load, RADIUS), tabulated(made, law, load))
     name = f"{surface}, {law}: σ refitted over σ as printed"
     return near(name, strength(surface, law), second, METHODS, SECOND)
 
@@ -155,9 +152,8 @@ def _sigma(surface: str, law: str) -> Row:
 def _slope(branch: str, law: str) -> Row:
     surface, load, *_ = branches()[branch]
     second = float(np.polyfit(load, tabulated(surfaces()[surface], law, load), 1)[0])
-    return near(
-        f"{branch}, {law}, {PRINTED}: slope", slope(branch, law, PRINTED), second, METHODS * second, SECOND
-    )
+    found = slope(branch, law, PRINTED)
+    return near(f"{branch}, {law}, {PRINTED}: slope", found, second, METHODS * second, SECOND)
 
 
 def _deviation(branch: str, law: str, case: str) -> Row:
@@ -214,11 +210,7 @@ def picture(ax) -> None:
     place = np.arange(len(branches()))
     wanted, error = np.array([each[2:] for each in branches().values()]).T
     ax.errorbar(place - 0.36, np.ones(len(place)), error / wanted, fmt="k_", capsize=3, label="measured")
-    marks: dict[str, tuple[str, str]] = {
-        "Hertz": ("o", TARGET),
-        "spheres": ("s", "C2"),
-        ADHESION: ("^", MEASURED),
-    }
+    marks = {"Hertz": ("o", TARGET), "spheres": ("s", "C2"), ADHESION: ("^", MEASURED)}
     for k, (law, case) in enumerate(CASES):
         marker, colour = marks[law]
         value = [slope(name, law, case) for name in branches()]

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 import metafem as mf
 from metafem.drawing import ACHIEVED, MEASURED, MEASURED_BESIDE, TARGET, new_figure
-from metafem.inversion.picture import draw_laws
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from metafem.inversion.result import draw_laws
 
 # Colours of the three levels and operating points of Fig. 3 in the paper.
 LEVELS = ("tab:green", "tab:blue", "tab:red")
@@ -55,11 +52,10 @@ def law_and_slopes(name: str, designs: Mapping[str, mf.Design]) -> tuple[Figure,
     figure = new_figure(9.0, 3.8)
     left, right = figure.subplots(1, 2)
     draw_laws(design, left)
-    ends = {each: END * other.fits[-1][0].load_range[1] for each, other in designs.items()}
-    highest = max(
-        np.interp(ends[each], other.law.rescaled_load, other.law.area) for each, other in designs.items()
-    )
-    end = max(ends.values())
+    ends = [END * other.fits[-1][0].load_range[1] for other in designs.values()]
+    laws = [other.law for other in designs.values()]
+    highest = max(np.interp(x, law.rescaled_load, law.area) for x, law in zip(ends, laws, strict=True))
+    end = max(ends)
     left.set(xlim=(0.0, end), ylim=(0.0, 1.1 * highest))
     load = np.linspace(0.0, end, LOADS + 1)[1:]
     area = mf.friction_law(design.surface, load=load * design.surface.material.composite_modulus).area

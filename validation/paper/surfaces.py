@@ -4,8 +4,16 @@ from __future__ import annotations
 
 from functools import cache
 
+import numpy as np
+
 import metafem as mf
 from validation.published import paper, table
+
+# Radius of all asperities [mm].
+RADIUS = paper()["sample"]["radius_um"] / 1e3
+
+# Loads P/E* [mm²], from the lightest measured ones to loads beyond full contact of all surfaces.
+LOADS = 0.7 * np.arange(1, 21) / 20
 
 
 def template(figure: str) -> mf.Surface:
@@ -18,7 +26,7 @@ def template(figure: str) -> mf.Surface:
         0.0,
         tuple(sample["lattice_shape"]),
         sample["lattice_pitch_mm"],
-        radius=sample["radius_um"] / 1e3,
+        radius=RADIUS,
         material=mf.Material(batch["composite_modulus_MPa"], 0.5),
         friction=mf.Friction(strength, batch["area_ratio"]),
         block=mf.Block(width, width, thickness),
@@ -34,13 +42,9 @@ def fig3() -> mf.Design:
 
 def fig4(colour: str) -> mf.Design:
     """Design a surface of Fig. 4 for a linear law, "blue" or "red"."""
-    printed = paper()["fig4"]
-    law = printed[colour]
-    limits = mf.Limits(
-        max_height=law["max_height_um"] / 1e3,
-        offset=law["offset_um"] / 1e3,
-        height_step=printed["level_step_um"] / 1e3,
-    )
+    law = paper()["fig4"][colour]
+    height, offset = law["max_height_um"] / 1e3, law["offset_um"] / 1e3
+    limits = mf.Limits(height, offset=offset, height_step=paper()["fig4"]["level_step_um"] / 1e3)
     return mf.design(mf.LinearLaw(law["target_slope"]), template(f"fig4_{colour}"), limits=limits)
 
 
@@ -53,16 +57,23 @@ def fig5(colour: str) -> mf.Design:
 
 
 @cache
+def designs() -> dict[str, mf.Design]:
+    """Return the five designs under independent asperities."""
+    linear = {f"Fig. 4 {colour}": fig4(colour) for colour in ("blue", "red")}
+    return {"Fig. 3": fig3(), **linear, **{f"Fig. 5 {colour}": fig5(colour) for colour in ("blue", "red")}}
+
+
+@cache
 def surfaces() -> dict[str, mf.Surface]:
     """Return the five surfaces; those of Fig. 5 with the heights of Table S2.
 
     Table S2 numbers the asperities from 1 to 64 and gives no site. Here Table S2 is numbered row by row, an
     assumption of this check, on which independent asperities do not depend.
     """
-    printed = table("table_s2")
-    found = {"Fig. 3": fig3().surface, "Fig. 4 blue": fig4("blue").surface, "Fig. 4 red": fig4("red").surface}
-    for colour in ("blue", "red"):
-        found[f"Fig. 5 {colour}"] = template(f"fig5_{colour}").replaced(height=printed[colour] / 1e3)
+    found = {name: design.surface for name, design in designs().items()}
+    for colour, height in table("table_s2").items():
+        if colour in ("blue", "red"):
+            found[f"Fig. 5 {colour}"] = template(f"fig5_{colour}").replaced(height=height / 1e3)
     return found
 
 

@@ -25,26 +25,6 @@ OUTSIDE = ("https:", "data:", "mailto:")
 # Height of the longest page on a phone, which is so wide [px].
 TALLEST, PHONE = 20_000, 390
 
-# Height and overflow of the page, pictures without a size, anchors that stand twice, and colours of text and
-# ground.
-MEASURE = """() => {
-  const seen = each => each.checkVisibility();
-  const size = each => { const box = each.getBoundingClientRect(); return Math.min(box.width, box.height); };
-  const ids = [...document.querySelectorAll('[id]')].map(each => each.id);
-  const tone = text => text.match(/[\\d.]+/g).slice(0, 3).reduce((sum, each) => sum + Number(each), 0) / 765;
-  const style = getComputedStyle(document.body);
-  return {
-    tall: document.documentElement.scrollHeight,
-    overflow: document.documentElement.scrollWidth - document.documentElement.clientWidth,
-    empty: [...document.querySelectorAll('img, svg')].filter(seen).filter(each => size(each) < 5).length,
-    broken: [...document.images].filter(each => !each.complete || each.naturalWidth === 0).length,
-    repeated: ids.filter((each, i) => ids.indexOf(each) !== i),
-    ink: tone(style.color), ground: tone(style.backgroundColor),
-  };
-}"""
-
-LINKS = "() => [...new Set([...document.querySelectorAll('a[href]')].map(each => each.getAttribute('href')))]"
-
 
 @dataclass(frozen=True)
 class View:
@@ -80,6 +60,7 @@ def problems(browser: Browser, *paths: Path, views: tuple[View, ...] = VIEWS) ->
     """Open files one after the other, look at each in each view, and return what is wrong with them."""
     found: list[str] = []
     page = browser.new_page()
+    page.add_init_script(path=Path(__file__).with_suffix(".js"))
     page.on("console", lambda said: found.append(f"console: {said.text}") if said.type == "error" else None)
     page.on("pageerror", lambda error: found.append(f"error: {error}"))
     page.on("request", lambda asked: found.extend(_foreign(asked.url, own)))
@@ -90,11 +71,11 @@ def problems(browser: Browser, *paths: Path, views: tuple[View, ...] = VIEWS) ->
             own = path.resolve().as_uri()
             found.clear()
             page.goto(own)
-            links = page.evaluate(LINKS)
+            links = page.evaluate("probe.links")
             for view in views:
                 page.set_viewport_size({"width": view.width, "height": 900})
                 page.emulate_media(color_scheme="dark" if view.dark else "light")
-                found += [f"{view.name}: {each}" for each in _shown(page.evaluate(MEASURE), view)]
+                found += [f"{view.name}: {each}" for each in _shown(page.evaluate("probe.measure"), view)]
             found += [] if page.title() else ["it has no title"]
             found += [each for link in links for each in _broken(link, path, anchors)]
             problems += [f"{path.name}: {each}" for each in found]

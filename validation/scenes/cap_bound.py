@@ -46,16 +46,6 @@ def smallest_errors(
     return np.array([errors[0], 0.0 if common_radius else errors[1], 1.0 / math.sqrt(second[0, 0])])
 
 
-def white_errors(height: float, radius: float, roughness: Roughness, steepest: float = 1.0) -> FloatArray:
-    """Return the same for roughness without correlation of the same intensity, to first order in a / R.
-
-    With ``S = pi s^2 l^2``: height 2 s l / a, radius 4 sqrt(3) s l R^2 / a^3, coordinate 2 s l R / a^2.
-    """
-    a = min(math.sqrt(height * (2.0 * radius - height)), radius * steepest / math.hypot(1.0, steepest))
-    unit = roughness.sd * roughness.length / a
-    return unit * np.array([2.0, 4.0 * math.sqrt(3.0) * (radius / a) ** 2, 2.0 * radius / a])
-
-
 def _information(
     columns: FloatArray, p: FloatArray, step: float, order: int, roughness: Roughness, white: float
 ) -> FloatArray:

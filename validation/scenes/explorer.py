@@ -21,77 +21,11 @@ if TYPE_CHECKING:
 # Seconds within which the server answers its first page, and a page any request.
 PATIENCE = 30.0
 
-# An answer to this event comes after the server has begun with all events before. A step that waited in the
-# browser behind an answer is sent when that has been drawn, so that rest is what so many rounds agree on.
-TAKEN = """() => socket.timeout(30000).emitWithAck(
-  'ack', { client_id: clientId, next_message_id: nextMessageId })"""
+# Rounds of at-rest questions that must agree, see `taken` of the script.
 ROUNDS = 3
 
-# The number of the last step of the history, and whether both pictures show its answer.
-SETTLED = """before => {
-  const asked = Number(document.querySelector('[data-asked]')?.dataset.asked ?? 0);
-  const shown = [...document.querySelectorAll('[data-answered]')].filter(each => each.checkVisibility());
-  return asked > before && shown.length > 0 && shown.every(each => Number(each.dataset.answered) >= asked)
-    && !document.querySelector('[data-busy=true]');
-}"""
-
-# Types a text into a field and leaves it.
-TYPED = """([key, text]) => {
-  const field = document.querySelector(`.fields input[data-key="${key}"]`);
-  field.focus();
-  field.value = text;
-  field.dispatchEvent(new Event('input', { bubbles: true }));
-  field.dispatchEvent(new Event('change', { bubbles: true }));
-}"""
-
-# The states that the browser keeps, and which of them is shown.
-HISTORY = """() => {
-  const { first, end, at } = JSON.parse(sessionStorage.getItem('metafem'));
-  const numbers = Array.from({ length: end - first }, (_, i) => first + i);
-  return { at: at - first, states: numbers.map(each => sessionStorage.getItem(`metafem.${each}`)) };
-}"""
-
-# Times of pointer moves and of the last release, and of the frames after which the answers are on the screen.
-WATCH = """() => {
-  const seen = { moves: [], drawn: [], sent: 0, released: 0 };
-  const emit = socket.emit;
-  socket.emit = function (...given) { seen.sent += given[0] === 'event'; return emit.apply(this, given); };
-  addEventListener('pointermove', () => seen.moves.push(performance.now()), true);
-  addEventListener('pointerup', () => { seen.released = performance.now(); }, true);
-  const all = () => [...document.querySelectorAll('[data-answered]')];
-  const shown = () => all().filter(each => each.checkVisibility());
-  let last = '';
-  new MutationObserver(() => {
-    const numbers = new Set(shown().map(each => each.dataset.answered));
-    const [number] = numbers;
-    if (numbers.size !== 1 || number === last) return;
-    last = number;
-    requestAnimationFrame(() => requestAnimationFrame(() => seen.drawn.push(performance.now())));
-  }).observe(document.body, { subtree: true, attributes: true, attributeFilter: ['data-answered'] });
-  window.seen = seen;
-}"""
-
-
-# Moves of a held handle around a point, each after the answer to the one before.
-MOVED = """async ([x, y, count]) => {
-  const handle = document.querySelector('.handle');
-  const plot = handle.closest('[data-answered]');
-  for (let i = 0; i < count; i++) {
-    const before = plot.dataset.answered;
-    const at = { clientX: x + 9 * Math.sin(i), clientY: y + 9 * Math.cos(1.7 * i) };
-    const held = { pointerId: 1, isPrimary: true, buttons: 1, bubbles: true };
-    handle.dispatchEvent(new PointerEvent('pointermove', { ...at, ...held }));
-    const end = performance.now() + 5000;
-    const waits = () => plot.dataset.answered === before;
-    while (waits() && performance.now() < end) await new Promise(done => setTimeout(done));
-    if (waits()) throw Error(`move ${i} of a handle was not answered`);
-  }
-}"""
-
-
-# Whether a move has been answered, or has asked for nothing: the handle stays where it can go no further.
-DRAWN = """([drawn, sent]) => seen.drawn.length > drawn
-  || (seen.sent === sent && performance.now() > seen.moves.at(-1) + 200)"""
+# Functions that are evaluated in the page, as members of `probe`.
+SCRIPT = Path(__file__).with_suffix(".js")
 
 
 @dataclass
@@ -166,7 +100,7 @@ class Visit:
     @property
     def history(self) -> dict[str, Any]:
         """The history that the browser keeps."""
-        kept: dict[str, Any] = self.page.evaluate(HISTORY)
+        kept: dict[str, Any] = self.page.evaluate("probe.history")
         return kept
 
     @property
@@ -184,13 +118,13 @@ class Visit:
 
     def settled(self, before: int = 0) -> None:
         """Wait for the answer to a step after the one of a number."""
-        self.page.wait_for_function(SETTLED, arg=before, timeout=1e3 * PATIENCE)
+        self.page.wait_for_function("probe.settled", arg=before, timeout=1e3 * PATIENCE)
 
     def at_rest(self) -> None:
         """Wait until the server has taken all events and the pictures show the answer to the last step."""
         before, same = -1, 0
         while same < ROUNDS:
-            self.page.evaluate(TAKEN)
+            self.page.evaluate("probe.taken")
             asked = self.asked
             self.settled(asked - 1)
             before, same = asked, same + 1 if asked == before else 0
@@ -245,6 +179,7 @@ def visited(
     """Open the page of a server in a tab with storage of its own, and wait for its first law."""
     context = browser.new_context(viewport={"width": width, "height": height}, has_touch=touch)
     try:
+        context.add_init_script(path=SCRIPT)
         page = context.new_page()
         visit = Visit(page, server)
         counted = context.new_cdp_session(page)
@@ -269,7 +204,7 @@ def visited(
 def latencies(visit: Visit, handle: str, moves: list[tuple[float, float]]) -> list[float]:
     """Milliseconds from each move of a dragged handle [pixels] to its law and heights on the screen."""
     page = visit.page
-    page.evaluate(WATCH)
+    page.evaluate("probe.watch")
     x, y = visit.middle(handle)
     asked = visit.asked
     page.mouse.move(x, y)
@@ -278,7 +213,7 @@ def latencies(visit: Visit, handle: str, moves: list[tuple[float, float]]) -> li
     for right, down in moves:
         before = page.evaluate("() => { seen.moves = []; return [seen.drawn.length, seen.sent]; }")
         page.mouse.move(x + right, y + down)
-        page.wait_for_function(DRAWN, arg=before, polling=5)
+        page.wait_for_function("probe.drawn", arg=before, polling=5)
         count, taken = page.evaluate("() => [seen.drawn.length, seen.drawn.at(-1) - seen.moves.at(-1)]")
         times += [float(taken)] if count > before[0] else []
     page.mouse.up()
@@ -289,7 +224,7 @@ def latencies(visit: Visit, handle: str, moves: list[tuple[float, float]]) -> li
 def releases(visit: Visit, handle: str, moves: list[tuple[float, float]]) -> list[float]:
     """Milliseconds from each release of a handle, once its move [pixels] is drawn, to its whole design."""
     page = visit.page
-    page.evaluate(WATCH)
+    page.evaluate("probe.watch")
     times: list[float] = []
     for right, down in moves:
         x, y = visit.middle(handle)
@@ -298,7 +233,7 @@ def releases(visit: Visit, handle: str, moves: list[tuple[float, float]]) -> lis
         page.mouse.down()
         before = page.evaluate("() => { seen.moves = []; return [seen.drawn.length, seen.sent]; }")
         page.mouse.move(x + right, y + down)
-        page.wait_for_function(DRAWN, arg=before, polling=5)
+        page.wait_for_function("probe.drawn", arg=before, polling=5)
         count = page.evaluate("() => seen.drawn.length")
         page.mouse.up()
         visit.settled(asked)
@@ -313,6 +248,6 @@ def updates(visit: Visit, handle: str, count: int) -> None:
     x, y = visit.middle(handle)
     visit.page.mouse.move(x, y)
     visit.page.mouse.down()
-    visit.page.evaluate(MOVED, [x, y, count])
+    visit.page.evaluate("probe.moved", [x, y, count])
     visit.page.mouse.up()
     visit.settled(before)

@@ -9,6 +9,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.studies.made_laws import MadeLaws
+from metafem.studies.sampling.inputs import NO_INPUTS
 from validation.scenes.random_laws import LATTICE, LIMITS, random_law
 
 # Errors of the heights [mm] and largest tilts [degrees] that are asked for.
@@ -65,7 +66,7 @@ def _combined(design: mf.Design, seed: int, draws: int) -> tuple[str, float, flo
     tolerances = mf.Tolerances(height_sd=float(np.mean(stated)))
     branches = tuple(branch for branch, _ in design.fits)
     task = MadeLaws(
-        design.surface, design.law.model, tolerances, None, design.target_law, branches, None,
+        design.surface, design.law.model, tolerances, NO_INPUTS, design.target_law, branches, None,
         seed=seed + 1, size=AT_ONCE, draws=draws,
     )  # fmt: skip
     misfit = np.concatenate([task(batch)["misfit"] for batch in task.batches])

@@ -184,7 +184,7 @@ def kills(known: Scene, count: int, seed: int = 0) -> Tally:
     """Stop runs at random moments of their whole time, or shortly after they begin to write."""
     tally, rng = Tally(), random.Random(seed)
     for i in range(count):
-        force, number, late = bool(i % 2), SIGNALS[i % 3], bool(i // 6 % 2)
+        force, number, late = bool(i % 2), SIGNALS[i % 3], bool(i // 2 % 2)
         with parent_folder(known, force) as folder:
             run = started(design("a", "out", force=force), folder)
             wait(run, folder, rng, known.seconds, late)

@@ -9,6 +9,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem._values import Value
+from metafem.calibration.joint import propagated
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -55,38 +56,26 @@ class AdhesiveLine(Value):
         return max(self.adhesion_root, 0.0) ** 2
 
 
-def line_points(load: FloatArray, area: FloatArray, radius: float) -> tuple[FloatArray, FloatArray]:
-    """Return x and y of loads p [N] and areas a0 [mm^2] of single contacts; any shape."""
+def adhesive_line(load: FloatArray, area: FloatArray, radius: float) -> AdhesiveLine:
+    """Return the line of loads p (k,) [N] and areas a0 (k,) [mm^2] of single contacts of one radius [mm].
+
+    Leading axes are separate lines.
+    """
     power = area**0.75
     x = math.pi**0.25 * load / (math.sqrt(6.0) * power)
-    return x, power / (math.sqrt(6.0) * math.pi**1.25 * radius)
-
-
-def straight_lines(
-    x: FloatArray, y: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return slope, intercept, E*, sqrt(w) and the covariance of the last two, of lines (..., k)."""
-    centre = x.mean(axis=-1, keepdims=True)
-    spread = ((x - centre) ** 2).sum(axis=-1)
-    slope = ((x - centre) * y).sum(axis=-1) / spread
-    intercept = y.mean(axis=-1) - slope * centre[..., 0]
-    count = x.shape[-1]
+    y = power / (math.sqrt(6.0) * math.pi**1.25 * radius)
+    centre, count = x.mean(axis=-1), x.shape[-1]
+    apart = x - centre[..., None]
+    spread = (apart**2).sum(axis=-1)
+    slope = (apart * y).sum(axis=-1) / spread
+    intercept = y.mean(axis=-1) - slope * centre
     left = ((y - intercept[..., None] - slope[..., None] * x) ** 2).sum(axis=-1) / (count - 2)
-    both = -centre[..., 0] / spread
-    first = np.stack([1.0 / spread, both, both, 1.0 / count + centre[..., 0] ** 2 / spread], axis=-1)
-    matrix = left[..., None, None] * first.reshape(*slope.shape, 2, 2)
+    both = -centre / spread
+    entries = np.stack([1.0 / spread, both, both, 1.0 / count + centre**2 / spread], axis=-1)
+    covariance = left[..., None, None] * entries.reshape(*slope.shape, 2, 2)
     with np.errstate(invalid="ignore"):
         modulus = 0.75 / slope
         root = intercept / np.sqrt(slope)  # sqrt(4 E*/3) = 1/sqrt(slope)
-        turned = np.zeros(matrix.shape)
-        turned[..., 0, 0] = -modulus / slope
-        turned[..., 1, 0] = -0.5 * root / slope
-        turned[..., 1, 1] = 1.0 / np.sqrt(slope)
-    return slope, intercept, modulus, root, turned @ matrix @ np.swapaxes(turned, -1, -2)
-
-
-def adhesive_line(load: FloatArray, area: FloatArray, radius: float) -> AdhesiveLine:
-    """Return the line of loads p (k,) [N] and areas a0 (k,) [mm^2] of single contacts of one radius [mm]."""
-    x, y = line_points(load, area, radius)
-    slope, intercept, modulus, root, covariance = straight_lines(x, y)
-    return AdhesiveLine(x, y, float(slope), float(intercept), float(modulus), float(root), covariance)
+        rows = (-modulus / slope, 0.0), (-0.5 * root / slope, 1.0 / np.sqrt(slope))
+    found = (each.item() if load.ndim == 1 else each for each in (slope, intercept, modulus, root))
+    return AdhesiveLine(x, y, *found, propagated(covariance, *rows))

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
@@ -124,7 +124,8 @@ def fit_compression(
     if sample.radius_sd:
         high, low = (data.checked_fit(curve(sign * sample.radius_sd)) for sign in (1.0, -1.0))
         change = 0.5 * np.array([high.modulus - low.modulus, high.root - low.root])
-    tests = _single_tests(data, nominal)
+    labels = list(dict.fromkeys(data.test))
+    tests = tuple(_single_test(data, nominal, name) for name in labels if len(labels) > 1)
     fitted = [each for each in tests if np.isfinite(each.value).all()]
     modulus, root = float(found.modulus), float(found.root)
     sd, (law_load, law_area) = data.sd_of(found.area), data.law(nominal, found)
@@ -156,25 +157,17 @@ def fit_compression(
     return replace(made, notes=(*notes_of(made, sample.cap, bootstrap), *drift))
 
 
-def _single_tests(data: Data, curve: AreaCurve) -> tuple[SingleTest, ...]:
-    """Return the fit of each of several tests."""
-    names = np.array(data.test)
-    labels = dict.fromkeys(data.test)
-    return tuple(
-        _single_test(data, curve, name, np.flatnonzero(names == name)) for name in labels if len(labels) > 1
-    )
-
-
-def _single_test(data: Data, curve: AreaCurve, name: str, rows: NDArray[np.intp]) -> SingleTest:
+def _single_test(data: Data, curve: AreaCurve, name: str) -> SingleTest:
     """Return the fit of one test, nan where its points have no fit."""
-    unfitted = SingleTest(name, len(rows), np.full(FITTED, np.nan), np.full((FITTED, FITTED), np.nan))
-    if len(rows) < FEWEST or np.ptp(data.area[rows].sum(axis=1)) <= ONE_AREA * data.area[rows].max():
-        return unfitted
-    fit = data.fit(curve, rows)
-    if not (fit.converged and fit.modulus > 0.0):
-        return unfitted
-    fit, verdict, _ = _judged(data, fit, rows)
-    return SingleTest(name, len(rows), np.array([fit.modulus, fit.root]), fit.root_covariance, verdict)
+    rows = np.flatnonzero(np.array(data.test) == name)
+    value, covariance, verdict = np.full(FITTED, np.nan), np.full((FITTED, FITTED), np.nan), None
+    area = data.area[rows]
+    if len(rows) >= FEWEST and np.ptp(area.sum(axis=1)) > ONE_AREA * area.max():
+        fit = data.fit(curve, rows)
+        if fit.converged and fit.modulus > 0.0:
+            fit, verdict, _ = _judged(data, fit, rows)
+            value, covariance = np.array([fit.modulus, fit.root]), fit.root_covariance
+    return SingleTest(name, len(rows), value, covariance, verdict)
 
 
 def _judged(

@@ -18,7 +18,7 @@ from metafem.calibration.compression.scene import AreaCurve
 from metafem.calibration.magnitude import beyond, unit_hint
 from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.calibration.resampling import labels_of
-from metafem.errors import InvalidInput, NotConverged
+from metafem.errors import InvalidInput, NotConverged, refuse_if
 
 # Smallest number of points: two parameters and a residual.
 FEWEST = 3
@@ -85,36 +85,34 @@ class Data:
 
     def refuse_beyond(self, curve: AreaCurve, law: Any, radius: float) -> None:
         """Raise InvalidInput for areas that the curve, or a cap of this radius, does not reach."""
-        outside = np.argwhere(self.area > np.multiply(1.0 + ROUNDING, curve.largest))
-        if outside.size:
-            i, j = outside[0].tolist()
-            most = self.contacts * float(np.broadcast_to(curve.largest, self.area.shape)[i, j])
+        largest = np.broadcast_to(curve.largest, self.area.shape)
+        for i, j in np.argwhere(self.area > (1.0 + ROUNDING) * largest)[:1].tolist():
             raise InvalidInput(
                 "is beyond {.number}, the last area of {.number}; leave the point out, or give a law that "
                 "reaches it",
-                Given("area", most),
+                Given("area", self.contacts * float(largest[i, j])),
                 Given("contact", shown(law)),
-                **self._area(i, j),
+                **self._entry(i, j),
             )
         i, j = np.unravel_index(int(self.area.argmax()), self.area.shape)
         widest = math.sqrt(float(self.area[i, j]) / math.pi) / radius
-        if widest > 1.0:
-            raise InvalidInput(
-                f"is that of a contact radius of {widest:.4g} R, which no cap has; check the radius, "
-                "{.number}, the unit of the areas, and the number of contacts that share a load, "
-                f"{self.total_contacts}{beyond('area', widest**2)}",
-                Given("radius", radius),
-                **self._area(int(i), int(j)),
-            )
+        refuse_if(
+            widest > 1.0,
+            f"is that of a contact radius of {widest:.4g} R, which no cap has; check the radius, "
+            "{.number}, the unit of the areas, and the number of contacts that share a load, "
+            f"{self.total_contacts}{beyond('area', widest**2)}",
+            Given("radius", radius),
+            **self._entry(int(i), int(j)),
+        )
 
     def checked_fit(self, curve: AreaCurve) -> DistanceFit:
         """Return the fit to all points, or raise InvalidInput where the load falls as the area grows."""
         fit = self.fit(curve)
-        if self.robust and not np.isfinite(fit.modulus):
-            raise InvalidInput(
-                f"fewer than two points are within {TUKEY:.2g} standard deviations of the law; state larger "
-                "errors of load and area, or fit without robust"
-            )
+        refuse_if(
+            self.robust and not np.isfinite(fit.modulus),
+            f"fewer than two points are within {TUKEY:.2g} standard deviations of the law; state larger "
+            "errors of load and area, or fit without robust",
+        )
         if not fit.converged:
             uncertain = self.sd_of(self.area) / np.where(self.area > 0.0, self.area, np.inf)
             i, j = np.unravel_index(int(uncertain.argmax()), uncertain.shape)
@@ -123,19 +121,18 @@ class Data:
                 f"with an error of {percent(float(uncertain.max()))}; leave out areas that are not much "
                 f"larger than their errors, or {unit_hint('area', 0.0)}",
                 fit,
-                Given(*self._area(int(i), int(j)).values()),
+                Given(*self._entry(int(i), int(j)).values()),
             )
-        if fit.modulus > 0.0:
-            return fit
         order = np.argsort(self.area.sum(axis=1), kind="stable")
-        first, last = int(order[0]), int(order[-1])
-        raise InvalidInput(
+        refuse_if(
+            not fit.modulus > 0.0,
             "the load does not grow with the contact area: {} at the smallest area and {} at the largest, "
             f"and the fitted E* is {float(fit.modulus):.3g} MPa; check the columns and their order",
-            *(Given(f"load[{i}]", self.load[i]) for i in (first, last)),
+            *(Given(f"load[{i}]", self.load[i]) for i in order[[0, -1]].tolist()),
         )
+        return fit
 
-    def _area(self, i: int, j: int) -> dict[str, Any]:
+    def _entry(self, i: int, j: int) -> dict[str, Any]:
         """Return key and value of an area, for errors."""
         if self.one_by_one:
             return {"key": f"area[{i}, {j}]", "value": self.area[i, j]}
@@ -148,28 +145,25 @@ def checked_data(
     """Return checked data; each error names the row."""
     check.instance("errors", errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
     loads = check.array("load", load, shape=(None,))
-    if len(loads) < FEWEST:
-        raise InvalidInput(
-            f"load has {len(loads)} points; E* and the adhesion energy need at least {FEWEST}, at different "
-            "areas"
-        )
-    one_by_one = check.depth(area) == 2
-    shape = (len(loads), number) if one_by_one else (len(loads),)
+    count, one_by_one = len(loads), check.depth(area) == 2
+    refuse_if(
+        count < FEWEST,
+        f"load has {count} points; E* and the adhesion energy need at least {FEWEST}, at different areas",
+    )
+    shape = (count, number) if one_by_one else (count,)
     areas = check.array("area", area, shape=shape)
     check.refuse_entries("area", areas, areas < 0.0, "must not be negative")
     total = areas.sum(axis=1) if one_by_one else areas
     check.refuse_entries("area", total, total == 0.0, "is no contact; leave the row out")
-    if np.ptp(total) <= ONE_AREA * total.max():
-        words = "all areas are {.number}: E* and the adhesion energy need points at different areas"
-        raise InvalidInput(words, Given("area", total.max()))
+    alike = "all areas are {.number}: E* and the adhesion energy need points at different areas"
+    refuse_if(np.ptp(total) <= ONE_AREA * total.max(), alike, Given("area", total.max()))
     sd = None
     if area_sd is not None:
         sd = check.array("area_sd", area_sd, shape=shape)
         wrong = (sd < 0.0) | ((sd == 0.0) & (areas > 0.0))
         check.refuse_entries("area_sd", sd, wrong, "must be greater than 0")
-    if not one_by_one:
-        areas = areas[:, None] / number
-        sd = None if sd is None else sd[:, None] / number
-    stands_for = 1 if one_by_one else number
-    labels = labels_of(test, len(loads))
-    return Data(loads, errors.of_load(loads), areas, sd, stands_for, one_by_one, errors, labels, robust)
+    of_each = 1 if one_by_one else number
+    areas = areas.reshape(count, -1) / of_each
+    sd = None if sd is None else sd.reshape(count, -1) / of_each
+    labels = labels_of(test, count)
+    return Data(loads, errors.of_load(loads), areas, sd, of_each, one_by_one, errors, labels, robust)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
+from metafem.calibration.joint import propagated
 from metafem.contact import JKR
 from metafem.material import Material
 
@@ -78,11 +79,8 @@ class DistanceFit:
         """Covariance of E* and sqrt(w), (..., 2, 2)."""
         with np.errstate(invalid="ignore"):
             scale = np.sqrt(self.modulus)
-        turned = np.zeros(self.covariance.shape)
-        turned[..., 0, 0] = 1.0
-        turned[..., 1, 0] = -0.5 * self.product / (scale * self.modulus)
-        turned[..., 1, 1] = 1.0 / scale
-        return np.asarray(turned @ self.covariance @ np.swapaxes(turned, -1, -2))
+        by_modulus = -0.5 * self.product / (scale * self.modulus)
+        return propagated(self.covariance, (1.0, 0.0), (by_modulus, 1.0 / scale))
 
 
 def adhesive_load(area: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -167,8 +165,8 @@ def _regression(
     q: FloatArray, s: FloatArray, y: FloatArray, weight: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the weighted least squares of y on q and s, (..., 2), and their covariance (..., 2, 2)."""
-    qq, qs, ss = ((weight * one * two).sum(axis=-1) for one, two in ((q, q), (q, s), (s, s)))
-    qy, sy = ((weight * one * y).sum(axis=-1) for one in (q, s))
+    pairs = (q, q), (q, s), (s, s), (q, y), (s, y)
+    qq, qs, ss, qy, sy = ((weight * one * two).sum(axis=-1) for one, two in pairs)
     determinant = qq * ss - qs**2
     found = np.stack([ss * qy - qs * sy, qq * sy - qs * qy], axis=-1) / determinant[..., None]
     inverse = np.stack([ss, -qs, -qs, qq], axis=-1) / determinant[..., None]

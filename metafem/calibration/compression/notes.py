@@ -37,11 +37,11 @@ def notes_of(found: ContactCalibration, cap: Contact, bootstrap: Bootstrap | Non
     """Return notes on range, adhesion, fit and tests."""
     contacts = 1 if found.area.ndim == 2 else found.contacts
     widest = math.sqrt(float(found.area.max()) / contacts / math.pi) / found.radius
-    if widest > KNOWN and not isinstance(cap, TabulatedContact):
+    table = isinstance(cap, TabulatedContact)
+    if widest > KNOWN and not table:
         yield Note(
-            f"contact radii reach {widest:.2f} R; beyond {KNOWN} R the load of a soft cap at large "
-            "strain rises from 3 to 4 % below Hertz's law to nearly that law, which has the effect of "
-            "adhesion on the fit. Leave out the largest loads, or use the table of "
+            f"contact radii reach {widest:.2f} R; beyond {KNOWN} R large strain changes the load of a soft "
+            "cap, which appears as adhesion. Leave out the largest loads, or use the table of "
             "metafem.fe.tabulated_contact as the contact law"
         )
     yield from within_errors("load", found.load, found.load_sd)
@@ -59,48 +59,52 @@ def notes_of(found: ContactCalibration, cap: Contact, bootstrap: Bootstrap | Non
             f"the data do not show adhesion: the 68 % interval of w begins at 0; with w = 0, "
             f"E* = {modulus:.4g} ± {sd:.2g} MPa"
         )
-    elif isinstance(cap, TabulatedContact):
+    elif table:
         yield Note("contact_law is the table without adhesion, as models need the profile of an adhesive cap")
     if not found.verdict.law_fits:
         yield Note(f"{found.verdict}; the stated uncertainties hold only for a law that fits")
     yield from _outliers(found)
+    yield from _tests(found, bootstrap)
+    if found.radius_sd:
+        share = abs(found.radius_change[0]) / found.composite_modulus
+        yield information(f"the error of the radius changes E* by {percent(share)}")
+
+
+def _tests(found: ContactCalibration, bootstrap: Bootstrap | None) -> Iterator[Note]:
+    """Return notes on single tests and on draws of the bootstrap."""
     if found.heterogeneity is not None and not found.heterogeneity.agree:
         yield found.heterogeneity.note()
     unfitted = [test for test in found.tests if np.isnan(test.value[0])]
     few = [test.name for test in unfitted if test.points < FEWEST]
     if few:
         yield information(f"the tests {listed(few)} have too few points for a fit of their own")
-    other = [test.name for test in unfitted if test.points >= FEWEST]
-    if other:
+    if len(few) < len(unfitted):
+        other = listed([test.name for test in unfitted if test.points >= FEWEST])
         yield Note(
-            f"the tests {listed(other)} have no fit of their own: their areas are alike, or their loads "
-            "do not grow with them; they are part of the common fit, but are not compared with the others"
+            f"the tests {other} have no fit of their own: their areas are alike, or their loads do not grow "
+            "with them; they are part of the common fit only"
         )
     if bootstrap is not None and found.bootstrap is not None and len(found.bootstrap) < bootstrap.draws:
         lost = bootstrap.draws - len(found.bootstrap)
         yield Note(f"{lost} of the {bootstrap.draws} draws of the bootstrap have no fit and are left out")
-    if found.radius_sd:
-        share = abs(found.radius_change[0]) / found.composite_modulus
-        yield information(f"the error of the radius changes E* by {percent(share)}")
 
 
 def _outliers(found: ContactCalibration) -> Iterator[Note]:
     """Return which points are outliers, and which of them a robust fit leaves out."""
-    left = np.flatnonzero(found.weight < OUTLYING)
-    points = [Given(f"load[{i}]") for i in left.tolist()]
+    points = [Given(f"load[{i}]") for i in np.flatnonzero(found.weight < OUTLYING).tolist()]
     if points:
-        text = f"the robust fit gives less than half of their weight to {listed(['{.name}'] * len(points))}"
-        if left.size > MANY_OUTLIERS * len(found.load):
-            many = f"{left.size} of {len(found.load)} points; the law may not fit"
-            yield ArgumentNote.of(f"{text}: {many}", *points)
-        else:
-            yield ArgumentNote.of(text, *points, level=Level.INFORMATION)
+        many = len(points) > MANY_OUTLIERS * len(found.load)
+        yield ArgumentNote.of(
+            f"the robust fit gives less than half of their weight to {listed(['{.name}'] * len(points))}"
+            + f": {len(points)} of {len(found.load)} points; the law may not fit" * many,
+            *points,
+            level=Level.WARNING if many else Level.INFORMATION,
+        )
     elif found.verdict.one_outlier:
         farthest = found.verdict["largest"]
         yield ArgumentNote.of(
             f"{{.name}} lies {farthest.statistic:.2g} standard deviations from the law (p "
-            f"{chance(farthest.probability, 1)} for the farthest of normal errors); the stated uncertainties "
-            "do not include outliers: check the point, leave it out, or calibrate with robust=True (--robust "
-            "on the command line)",
+            f"{chance(farthest.probability, 1)} for the farthest of normal errors): check the point, leave "
+            "it out, or calibrate with robust=True (--robust on the command line)",
             Given(f"load[{found.verdict.outlier}]"),
         )

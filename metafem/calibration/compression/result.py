@@ -13,6 +13,7 @@ from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.bounded_interval import WIDTH, interval_of
 from metafem.calibration.compression.adhesive_line import AdhesiveLine
+from metafem.calibration.joint import propagated
 from metafem.calibration.verdict import Heterogeneity, SingleTest, Verdict
 from metafem.contact import Contact
 from metafem.drawing import calibration
@@ -161,9 +162,10 @@ class ContactCalibration(Value):
         """E* [MPa] and its standard deviation if w is known to be 0."""
         # the fit is linear in E* and b = sqrt(w E*)
         modulus, root = self.composite_modulus, self.adhesion_root
-        turn = np.array([[1.0, 0.0], [0.5 * root / math.sqrt(modulus), math.sqrt(modulus)]])
-        (first, both), (_, last) = turn @ self.statistical_covariance @ turn.T
-        without = modulus - both / last * root * math.sqrt(modulus)
+        scale = math.sqrt(modulus)
+        rows = (1.0, 0.0), (0.5 * root / scale, scale)
+        (first, both), (_, last) = propagated(self.statistical_covariance, *rows)
+        without = modulus - both / last * root * scale
         systematic = without * self.radius_change[0] / modulus
         return float(without), math.sqrt(first - both**2 / last + systematic**2)
 

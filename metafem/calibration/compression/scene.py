@@ -13,7 +13,7 @@ from metafem import _validate as check
 from metafem._given import Given, shown
 from metafem._validate import FloatArray
 from metafem.contact import JKR, AxisymmetricCap, Contact, SphericalCap, TabulatedContact
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.material import Material
 from metafem.models import Independent, Model
 from metafem.models.model import checked_model, contact_of, with_contact
@@ -98,10 +98,10 @@ class Sample:
         if self.surface is not None:
             check.instance("surface", self.surface, Surface, "a metafem.Surface")
             self._refuse_other(self.surface)
-        elif self.model.couples:
-            raise InvalidInput(
-                "model needs surface, the calibration sample: its caps with their positions, and its block"
-            )
+        refuse_if(
+            self.surface is None and self.model.couples,
+            "model needs surface, the calibration sample: its caps with their positions, and its block",
+        )
 
     @property
     def cap(self) -> Contact:
@@ -125,41 +125,40 @@ class Sample:
 
     def refuse_radius(self, radius: float) -> None:
         """Refuse a radius [mm] within its error of 0, and one that differs from that of the surface."""
-        if self.radius_sd >= radius:
-            words = "must be less than the radius, {.number}"
-            raise InvalidInput(words, Given("radius", radius), key="radius_sd", value=self.radius_sd)
-        own = np.full(1, radius) if self.surface is None else self.surface.radius
-        for i in np.flatnonzero(np.abs(own / radius - 1.0) > SAME)[:1].tolist():
-            words = "differs from {}; they must be the same"
-            raise InvalidInput(words, Given("radius", radius), key=f"surface.radius[{i}]", value=own[i])
+        given = Given("radius", radius)
+        less = "must be less than the radius, {.number}"
+        refuse_if(self.radius_sd >= radius, less, given, key="radius_sd", value=self.radius_sd)
+        if self.surface is not None:
+            own = self.surface.radius
+            i = int(np.abs(own - radius).argmax())
+            other, key = "differs from {}; they must be the same", f"surface.radius[{i}]"
+            refuse_if(abs(own[i] / radius - 1.0) > SAME, other, given, key=key, value=own[i])
 
     def _refuse_law(self, law: Contact) -> None:
         """Refuse a law whose load is not proportional to E* at a given area."""
         without = "; give the model its cap, such as metafem.Independent(contact=metafem.Hertz())"
-        reasons = {
-            f"has an adhesion energy, which is fitted{without}": law.adhesive,
-            f"is plastic; E* is fitted to an elastic law{without}": law.plastic,
-            "must be one law for all contacts": law.individual,
-            "has loads in N for one E*, which must be known: "
-            "contact.for_material(metafem.Material(composite_modulus))": isinstance(law, TabulatedContact)
-            and law.material is None,
-        }
-        for reason, holds in reasons.items():
-            if holds:
-                raise InvalidInput(f"contact = {shown(law)} {reason}")
+        of_one_modulus = isinstance(law, TabulatedContact) and law.material is None
+        for holds, reason in (
+            (law.adhesive, f"has an adhesion energy, which is fitted{without}"),
+            (law.plastic, f"is plastic; E* is fitted to an elastic law{without}"),
+            (law.individual, "must be one law for all contacts"),
+            (
+                of_one_modulus,
+                "has loads in N for one E*, which must be known: contact.for_material(material)",
+            ),
+        ):
+            refuse_if(holds, f"contact = {shown(law)} {reason}")
 
     def _refuse_other(self, surface: Surface) -> None:
         """Refuse a surface of another material or another number of caps."""
-        own = surface.material.poisson_ratio
-        if self.poisson_ratio not in (None, own):
-            raise InvalidInput(
-                f"poisson_ratio = {self.poisson_ratio:g} differs from that of the surface, {own:g}"
-            )
-        if surface.count != self.contacts:
-            raise InvalidInput(
-                f"surface has {surface.count} asperities, but contacts = {self.contacts} share the load; "
-                "they must be the same"
-            )
+        own, ratio = surface.material.poisson_ratio, self.poisson_ratio
+        other = f"poisson_ratio = {ratio} differs from that of the surface, {own:g}"
+        refuse_if(ratio not in (None, own), other)
+        refuse_if(
+            surface.count != self.contacts,
+            f"surface has {surface.count} asperities, but contacts = {self.contacts} share the load; they "
+            "must be the same",
+        )
 
 
 def cap_curve(cap: Contact, radius: float) -> AreaCurve:
@@ -181,9 +180,8 @@ def cap_curve(cap: Contact, radius: float) -> AreaCurve:
 def scaled_cap(cap: Contact, scale: float) -> Contact:
     """Return the law of caps with all lengths multiplied by a factor, if they do not follow from R."""
     if isinstance(cap, TabulatedContact):
-        return TabulatedContact(
-            *(cap.table.T * np.array([scale, scale**2, scale**2])).T, material=cap.material
-        )
+        depth, load, area = cap.table
+        return TabulatedContact(scale * depth, scale**2 * load, scale**2 * area, material=cap.material)
     if isinstance(cap, AxisymmetricCap):
         profile = cap.profile
         if callable(profile):
@@ -214,14 +212,12 @@ def sample_curve(surface: Surface, model: Model, area: FloatArray, one_by_one: b
     loads = np.geomspace(low, high, GRID)
     if one_by_one:
         states = [equilibrium(surface, model, load=load) for load in loads.tolist()]
-        pairs = [
-            (np.array([s.asperity_area[j] for s in states]), np.array([s.asperity_load[j] for s in states]))
-            for j in range(surface.count)
-        ]
+        found = np.array([(state.asperity_area, state.asperity_load) for state in states])
+        areas, carried = found.transpose(1, 2, 0)
     else:
         curve = model.curve(surface, loads).checked()
-        pairs = [(curve.area / surface.count, curve.load / surface.count)]
-    splines = [_logarithmic(*pair, f"asperity {j}") for j, pair in enumerate(pairs)]
+        areas, carried = (each[None] / surface.count for each in (curve.area, curve.load))
+    splines = [_logarithmic(*pair, j) for j, pair in enumerate(zip(areas, carried, strict=True))]
 
     def load_and_slope(of: FloatArray) -> tuple[FloatArray, FloatArray]:
         parts = [spline(of[..., j]) for j, spline in enumerate(splines)]
@@ -232,15 +228,15 @@ def sample_curve(surface: Surface, model: Model, area: FloatArray, one_by_one: b
 
 
 def _logarithmic(
-    area: FloatArray, load: FloatArray, name: str
+    area: FloatArray, load: FloatArray, j: int
 ) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
     """Return load and slope over area from a table, as powers beyond its ends."""
     closed = area > 0.0
-    if closed.sum() < FEWEST_STATES:
-        raise InvalidInput(
-            f"surface: {name} is in contact in {int(closed.sum())} of {len(area)} states up to the largest "
-            "area; its height must be near that of the others"
-        )
+    refuse_if(
+        closed.sum() < FEWEST_STATES,
+        f"surface: asperity {j} is in contact in {int(closed.sum())} of {len(area)} states up to the largest "
+        "area; its height must be near that of the others",
+    )
     x, y = np.log(area[closed]), np.log(load[closed])
     spline = CubicSpline(x, y, bc_type="natural")
     rate = spline.derivative()

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.surface import STEEPEST, Material, Surface
+from metafem.surface import STEEPEST, Surface
 
 # Errors of the whole part and of the calibration, one number each.
 COMMON = ("angle_x", "angle_y", "height_scale", "composite_modulus", "friction", "adhesion_root")
@@ -35,126 +35,6 @@ LIGHTEST = 0.01
 
 # Smallest radius of a made summit over the designed one, and smallest factor of E*, sigma B and sqrt(w).
 LEAST = 0.1
-
-
-@dataclass(frozen=True, eq=False)
-class Made:
-    """A made part, and the true loads of its measurement."""
-
-    design: Surface
-    position: FloatArray  # (n, 2), [mm]
-    height: FloatArray  # (n,), with the tilt [mm]
-    radius: FloatArray  # (n,), [mm]
-    material: Material
-    slope: FloatArray  # (2,), tangents of the tilts
-    stiffer: float  # E* over the nominal one
-    friction: float  # sigma B over the nominal one
-    load: FloatArray  # (k,), [N]
-    adhesion: float = 1.0  # root of the adhesion energy over that of the contact law
-
-    @cached_property
-    def surface(self) -> Surface:
-        """The surface of the part."""
-        return replace(
-            self.design,
-            position=self.position,
-            height=self.height,
-            radius=self.radius,
-            material=self.material,
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class Causes:
-    """Place of each unknown among the standard normal numbers z (p,), and its prior standard deviation.
-
-    The last k numbers are the errors of the measured loads, over their standard deviations.
-    """
-
-    surface: Surface
-    load: FloatArray
-    load_sd: FloatArray
-    sd: dict[str, float]
-    wide: dict[int, float]  # standard deviations of the heights of outliers [mm], by asperity
-    where: dict[str, slice]
-
-    @staticmethod
-    def of(
-        surface: Surface,
-        load: FloatArray,
-        load_sd: FloatArray,
-        priors: Priors,
-        friction: bool,
-        adhesive: bool = False,
-    ) -> Causes:
-        """Return the unknowns with a prior that is not 0.
-
-        friction: whether friction forces were measured; adhesive: whether the contacts are adhesive.
-        """
-        sd = {name: getattr(priors, f"{name}_sd") for name in (*COMMON[2:], *SINGLE)}
-        sd = {"angle_x": priors.angle_sd, "angle_y": priors.angle_sd, **sd}
-        if not friction:
-            del sd["friction"]
-        if not adhesive:
-            del sd["adhesion_root"]
-        sd = {name: value for name, value in sd.items() if value > 0.0}
-        where, end = {}, 0
-        for name in sd:
-            size = 1 if name in COMMON else surface.count * (2 if name == "position" else 1)
-            where[name], end = slice(end, end + size), end + size
-        where["load"] = slice(end, end + len(load))
-        return Causes(surface, load, load_sd, sd, {}, where)
-
-    @property
-    def size(self) -> int:
-        """Number of unknowns, p."""
-        return int(self.where["load"].stop)
-
-    @property
-    def common(self) -> list[str]:
-        """Names of the errors of the whole part."""
-        return [name for name in COMMON if name in self.sd]
-
-    @property
-    def single(self) -> list[str]:
-        """Names of the errors of single asperities."""
-        return [name for name in SINGLE if name in self.sd]
-
-    def value(self, name: str, z: FloatArray) -> FloatArray:
-        """Return an error in its unit."""
-        if name == "load":
-            return np.asarray(self.load_sd * z[self.where["load"]])
-        if name not in self.sd:
-            return np.zeros(1)
-        return np.asarray(self.scale(name) * z[self.where[name]])
-
-    def scale(self, name: str) -> FloatArray:
-        """Return the standard deviation of each number of one kind, in its unit."""
-        where = self.where[name]
-        result = np.full(where.stop - where.start, self.sd[name])
-        if name == "height":
-            for i, sd in self.wide.items():
-                result[i] = sd
-        return result
-
-    def made(self, z: FloatArray) -> Made:
-        """Return the part with these errors, and the true loads."""
-        design = self.surface
-        slope = np.tan([self.value(name, z)[0] for name in ("angle_x", "angle_y")])
-        position = design.position
-        if "position" in self.sd:
-            position = position + self.value("position", z).reshape(-1, 2)
-        summits = design.height * (1.0 + self.value("height_scale", z)[0]) + self.value("height", z)
-        radius = np.maximum(design.radius + self.value("radius", z), LEAST * design.radius)
-        load = np.maximum(self.load + self.value("load", z), LIGHTEST * self.load_sd)
-        stiffer, friction, adhesion = (
-            max(1.0 + float(self.value(name, z)[0]), LEAST)
-            for name in ("composite_modulus", "friction", "adhesion_root")
-        )
-        modulus = stiffer * design.material.composite_modulus
-        material = replace(design.material, composite_modulus=modulus)
-        height = summits + position @ slope
-        return Made(design, position, height, radius, material, slope, stiffer, friction, load, adhesion)
 
 
 # Largest relative standard deviation: a third, so that a factor is positive within three of them.
@@ -215,3 +95,109 @@ class Priors:
             check.member(self, name, at_least=0.0, at_most=WIDEST)
         for name in ("height_sd", "radius_sd", "position_sd"):
             check.member(self, name, at_least=0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Made:
+    """A made part, and the true loads of its measurement."""
+
+    surface: Surface  # its heights contain the tilt
+    slope: FloatArray  # (2,), tangents of the tilts
+    factor: Mapping[str, float]  # of E*, sigma B and the root of the adhesion energy, over the nominal ones
+    load: FloatArray  # (k,), [N]
+
+
+@dataclass(frozen=True, eq=False)
+class Causes:
+    """Place of each unknown among the standard normal numbers z (p,), and its prior standard deviation.
+
+    The last k numbers are the errors of the measured loads, over their standard deviations.
+    """
+
+    surface: Surface
+    load: FloatArray
+    load_sd: FloatArray
+    sd: dict[str, float]
+    wide: dict[int, float]  # standard deviations of the heights of outliers [mm], by asperity
+    where: dict[str, slice]
+
+    @staticmethod
+    def of(
+        surface: Surface,
+        load: FloatArray,
+        load_sd: FloatArray,
+        priors: Priors,
+        friction: bool,
+        adhesive: bool = False,
+    ) -> Causes:
+        """Return the unknowns with a prior that is not 0.
+
+        friction: whether friction forces were measured; adhesive: whether the contacts are adhesive.
+        """
+        unknown = {"friction": friction, "adhesion_root": adhesive}
+        sd = {
+            name: getattr(priors, "angle_sd" if name in GROUPS["tilt"] else f"{name}_sd")
+            for name in (*COMMON, *SINGLE)
+            if unknown.get(name, True)
+        }
+        sd = {name: value for name, value in sd.items() if value > 0.0}
+        where, end = {}, 0
+        for name in sd:
+            size = 1 if name in COMMON else surface.count * (2 if name == "position" else 1)
+            where[name], end = slice(end, end + size), end + size
+        where["load"] = slice(end, end + len(load))
+        return Causes(surface, load, load_sd, sd, {}, where)
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns, p."""
+        return int(self.where["load"].stop)
+
+    @property
+    def common(self) -> list[str]:
+        """Names of the errors of the whole part."""
+        return [name for name in COMMON if name in self.sd]
+
+    @property
+    def single(self) -> list[str]:
+        """Names of the errors of single asperities."""
+        return [name for name in SINGLE if name in self.sd]
+
+    def value(self, name: str, z: FloatArray) -> FloatArray:
+        """Return an error in its unit."""
+        if name == "load":
+            return np.asarray(self.load_sd * z[self.where["load"]])
+        if name not in self.sd:
+            return np.zeros(1)
+        return np.asarray(self.scale(name) * z[self.where[name]])
+
+    def scale(self, name: str) -> FloatArray:
+        """Return the standard deviation of each number of one kind, in its unit."""
+        where = self.where[name]
+        result = np.full(where.stop - where.start, self.sd[name])
+        if name == "height":
+            for i, sd in self.wide.items():
+                result[i] = sd
+        return result
+
+    def made(self, z: FloatArray) -> Made:
+        """Return the part with these errors, and the true loads."""
+        design, nominal = self.surface, self.surface.material
+        slope = np.tan([self.value(name, z)[0] for name in GROUPS["tilt"]])
+        position = design.position
+        if "position" in self.sd:
+            position = position + self.value("position", z).reshape(-1, 2)
+        summits = design.height * (1.0 + self.value("height_scale", z)[0]) + self.value("height", z)
+        factor = {
+            name: max(1.0 + float(self.value(name, z)[0]), LEAST)
+            for name in ("composite_modulus", "friction", "adhesion_root")
+        }
+        modulus = factor["composite_modulus"] * nominal.composite_modulus
+        part = design.replaced(
+            position=position,
+            height=summits + position @ slope,
+            radius=np.maximum(design.radius + self.value("radius", z), LEAST * design.radius),
+            material=replace(nominal, composite_modulus=modulus),
+        )
+        load = np.maximum(self.load + self.value("load", z), LIGHTEST * self.load_sd)
+        return Made(part, slope, factor, load)

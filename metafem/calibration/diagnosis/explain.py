@@ -15,14 +15,13 @@ from metafem._values import percent
 from metafem.calibration.diagnosis.causes import LEAST, Causes, Priors
 from metafem.calibration.diagnosis.explanation import Cause, Explanation, SingleErrors
 from metafem.calibration.diagnosis.linearised import Scene
-from metafem.calibration.diagnosis.observations import Observations
 from metafem.calibration.diagnosis.sentences import NAMES
 from metafem.calibration.diagnosis.shares import shares, unresolved
 from metafem.calibration.diagnosis.update import NEARLY, Posterior, update
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.verdict import judged
 from metafem.contact import Contact, Hertz
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.inversion import Design
 from metafem.models import Independent, Interacting, Model
 from metafem.models.model import checked_model, contact_of, with_contact
@@ -111,27 +110,37 @@ def explain(
     """
     check.instance("measured", measured, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
     surface = design.surface if isinstance(design, Design) else design
-    if not isinstance(surface, Surface):
-        raise InvalidInput(f"design = {shown(design)} must be a metafem.Design or a metafem.Surface")
+    check.instance("design", surface, Surface, "a metafem.Design or a metafem.Surface")
     expected = Priors() if priors is None else priors
     check.instance("priors", expected, Priors, "a metafem.calibration.Priors")
     friction = measured.friction if measured.friction is not None else surface.friction
-    if measured.friction_force is not None and friction is None:
-        raise InvalidInput("measured friction forces need a design or a measured law with a Friction")
-    surface = surface.replaced(material=measured.material)
-    observed = Observations.of(measured, surface)
     forces = measured.friction_force is not None
-    law = contact_of(design.law.model) if isinstance(design, Design) else Hertz()
-    tried = _models(model, surface, law)
+    without = "measured friction forces need a design or a measured law with a Friction"
+    refuse_if(forces and friction is None, without)
+    _refuse_contacts(measured, surface.count)
+    surface = surface.replaced(material=measured.material)
+    tried = _models(model, surface, contact_of(design.law.model) if isinstance(design, Design) else Hertz())
     adhesive = contact_of(tried[0]).adhesive
     causes = Causes.of(surface, measured.load, measured.load_sd, expected, forces, adhesive)
-    found: dict[str, tuple[Scene, Posterior]] = {}
-    for one in tried:
-        found[one.name] = _solved(Scene(one, causes, observed, friction))
-    best = max(found, key=lambda name: found[name][1].log_evidence)
+    found = {one.name: _solved(Scene(one, causes, measured, friction)) for one in tried}
     evidence = {name: posterior.log_evidence for name, (_, posterior) in found.items()}
+    best = max(evidence, key=lambda name: evidence[name])
     sites = design.sites if isinstance(design, Design) else None
     return replace(_explanation(*found[best], expected, evidence), sites=sites)
+
+
+def _refuse_contacts(measured: MeasuredLaw, count: int) -> None:
+    """Refuse areas of asperities that the design does not have, and closed contacts without an error."""
+    area, sd, site = measured.asperity_area, measured.asperity_area_sd, measured.site
+    if area is None or sd is None or site is None:
+        return
+    most = int(site.max())
+    refuse_if(
+        most >= count,
+        f"site = {shown(site)} names asperity {most}; the design has {count}, numbered from 0",
+    )
+    uncertain = "must be greater than 0, since the contact is closed"
+    check.refuse_entries("asperity_area_sd", sd, (area > 0.0) & (sd <= 0.0), uncertain)
 
 
 def _models(model: Model | None, surface: Surface, contact: Contact) -> list[Model]:
@@ -163,36 +172,32 @@ def _explanation(
 ) -> Explanation:
     """Return the posterior of one model as errors of the part."""
     causes, mean, at = scene.causes, posterior.mean, posterior.linear
-    sd = np.sqrt(np.diag(posterior.covariance))
+    sd, loads = np.sqrt(np.diag(posterior.covariance)), causes.where["load"]
     common = causes.common
     index = [causes.where[name].start for name in common]
     scale = np.array([causes.sd[name] for name in common])
-    covariance = posterior.covariance[np.ix_(index, index)] * scale[:, None] * scale
-    part = causes.made(mean)
-    share, without, before, after = shares(causes, posterior)
-    friction = scene.friction
+    part, friction = causes.made(mean), scene.friction
     if friction is not None:
-        friction = Friction(part.friction * friction.shear_strength, friction.area_ratio)
-    measured = np.concatenate([-mean[causes.where["load"]], at.residual])
+        friction = Friction(part.factor["friction"] * friction.shear_strength, friction.area_ratio)
     gradient = at.gradient
-    fitted = float(((gradient @ posterior.covariance) * gradient).sum())
-    fitted += float((sd[causes.where["load"]] ** 2).sum())
+    # effective number of fitted numbers: the variances of the computed values over those of the measured ones
+    fitted = float(((gradient @ posterior.covariance) * gradient).sum()) + float((sd[loads] ** 2).sum())
+    share, without, before, after = shares(causes, posterior)
     return Explanation(
         causes=tuple(
-            Cause(name, float(s), float(s * mean[i]), float(s * sd[i]))
-            for name, i, s in zip(common, index, scale, strict=True)
+            map(Cause, common, scale.tolist(), (scale * mean[index]).tolist(), (scale * sd[index]).tolist())
         ),
-        covariance=covariance,
+        covariance=posterior.covariance[np.ix_(index, index)] * scale[:, None] * scale,
         single={name: _single(causes, name, mean, sd) for name in causes.single},
         shares=share,
         misfit_without=without,
-        unresolved=unresolved(causes, posterior.covariance, posterior.precision),
+        unresolved=unresolved(causes, posterior.covariance),
         misfit_design=before,
         misfit=after,
         count=len(at.residual),
-        verdict=judged(measured, round(fitted)),
+        verdict=judged(np.concatenate([-mean[loads], at.residual]), round(fitted)),
         load=part.load,
-        load_sd=causes.load_sd * sd[causes.where["load"]],
+        load_sd=causes.load_sd * sd[loads],
         residual=_residuals(scene, at.residual, mean),
         log_evidence=evidence,
         surface=part.surface.replaced(friction=friction),
@@ -205,11 +210,10 @@ def _explanation(
 
 def _notes(causes: Causes, posterior: Posterior) -> Iterator[Note]:
     """Return notes on a fit that has not converged, and on impossible factors of E* or sigma B."""
-    if not posterior.converged:
+    if posterior.change > NEARLY:
         yield Note(
             f"the fit has not converged: its last step changed an error by {posterior.change:.2g} of its "
-            f"standard deviation (limit: {NEARLY:g}); this happens where a contact opens in one step and "
-            "closes in the next"
+            f"standard deviation (limit: {NEARLY:g}), as where a contact alternately opens and closes"
         )
     for name in ("composite_modulus", "friction"):
         error = float(causes.value(name, posterior.mean)[0])
@@ -225,28 +229,18 @@ def _single(causes: Causes, name: str, mean: FloatArray, sd: FloatArray) -> Sing
     """Return the errors of the asperities of one kind."""
     where, prior, scale = causes.where[name], causes.sd[name], causes.scale(name)
     shape = (-1, 2) if name == "position" else (-1,)
-    size = where.stop - where.start
-    largest = float(ndtri(0.5 + 0.5 * NO_OUTLIER ** (1.0 / size)))
-    return SingleErrors(
-        name,
-        prior,
-        (scale * mean[where]).reshape(shape),
-        (scale * sd[where]).reshape(shape),
-        (np.abs(scale * mean[where]) > largest * prior).reshape(shape),
-    )
+    largest = float(ndtri(0.5 + 0.5 * NO_OUTLIER ** (1.0 / len(scale))))
+    found, deviation = ((scale * of[where]).reshape(shape) for of in (mean, sd))
+    return SingleErrors(name, prior, found, deviation, np.abs(found) > largest * prior)
 
 
 def _residuals(scene: Scene, residual: FloatArray, mean: FloatArray) -> dict[str, FloatArray]:
     """Return the normalised residuals by quantity."""
-    seen, causes = scene.observed, scene.causes
-    k, start = len(causes.load), 0
-    result = {"load": -mean[causes.where["load"]]}
-    for name, values in (("friction_force", seen.forces), ("area", seen.totals)):
-        if values is not None:
-            result[name] = residual[start : start + k]
-            start += k
-    if len(seen.area):
-        table = np.full((k, causes.surface.count), np.nan)
-        table[seen.row, seen.site] = residual[start:]
+    k, totals = len(scene.causes.load), scene.totals
+    result = dict(zip(totals, residual[: k * len(totals)].reshape(-1, k), strict=True))
+    row, site, area, _ = scene.closed
+    if len(area):
+        table = np.full((k, scene.causes.surface.count), np.nan)
+        table[row, site] = residual[k * len(totals) :]
         result["asperity_area"] = table
-    return result
+    return {"load": -mean[scene.causes.where["load"]], **result}

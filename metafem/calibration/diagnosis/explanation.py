@@ -43,7 +43,8 @@ class Cause:
     sd: float
 
     def __str__(self) -> str:
-        return sentences.cause(self.name, self.prior_sd, self.mean, self.sd)
+        found = sentences.interval(self.name, self.mean, self.sd)
+        return sentences.stated(self.name, found, self.prior_sd)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -176,15 +177,12 @@ class Explanation(Value):
         areas = bool(np.isfinite(self.residual.get("asperity_area", np.nan)).any())
         found = [sentences.misfit(self.misfit_design, self.misfit, self.count, areas)]
         found += sentences.ranking(self.shares)
-        for name, errors in self.single.items():
-            if name != "position":
-                for i in np.flatnonzero(errors.outlier):
-                    asperity = (
-                        f"Asperity {i}" if self.sites is None else f"The asperity at site {self.sites[i]}"
-                    )
-                    found.append(
-                        sentences.outlier(name, asperity, errors.mean[i], errors.sd[i], errors.prior_sd)
-                    )
+        for name in ("height", "radius"):
+            if name in self.single:
+                errors = self.single[name]
+                for i in np.flatnonzero(errors.outlier).tolist():
+                    numbers = errors.mean[i], errors.sd[i], errors.prior_sd
+                    found.append(sentences.outlier(name, i, self.sites, *numbers))
         found += [sentences.unresolved(one.change, one.variance_left) for one in self.unresolved]
         found += sentences.models(self.log_evidence)
         found.append(sentences.remaining(self.verdict))
@@ -196,5 +194,6 @@ class Explanation(Value):
             lines += [str(cause) for cause in self.causes if cause.name in GROUPS[group]]
             if group in self.single:
                 errors = self.single[group]
-                lines.append(sentences.single(group, errors.prior_sd, errors.mean, errors.sd))
+                found = sentences.spread(group, errors.mean, errors.sd)
+                lines.append(sentences.stated(group, found, errors.prior_sd))
         return "\n".join([*lines, *self.sentences()])

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from scipy.special import ndtr
 
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem.calibration.diagnosis.causes import Causes, Made
-from metafem.calibration.diagnosis.observations import Observations
 from metafem.calibration.diagnosis.sensitivities import Response, law_changes, response, with_adhesion
+from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.models import Model
 from metafem.models.model import contact_of
 from metafem.surface import Friction
@@ -57,14 +58,47 @@ class Scene:
 
     model: Model
     causes: Causes
-    observed: Observations
+    measured: MeasuredLaw
     friction: Friction | None
     # the last differences by each kind of error, and where they were computed
     differences: dict[str, tuple[FloatArray, FloatArray]] = field(default_factory=dict, compare=False)
 
+    @property
+    def totals(self) -> list[str]:
+        """Names of the quantities of all contacts together; a sum of known areas is none."""
+        names = ("friction_force", "area") if self.measured.asperity_area is None else ("friction_force",)
+        return [name for name in names if getattr(self.measured, name) is not None]
+
+    @cached_property
+    def single(self) -> tuple[FloatArray, FloatArray, IntArray]:
+        """Areas (k, m) of the contacts, their standard deviations, and their asperities (m,)."""
+        law, none = self.measured, np.zeros((len(self.measured.load), 0))
+        if law.asperity_area is None or law.asperity_area_sd is None or law.site is None:
+            return none, none, np.zeros(0, dtype=np.int64)
+        return law.asperity_area, law.asperity_area_sd, law.site
+
+    @cached_property
+    def closed(self) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
+        """Load and asperity of each measured area, the area [mm^2] and the error of its boundary [mm]."""
+        area, sd, site = self.single
+        row, column = np.nonzero(area > 0.0)
+        found = area[row, column]
+        return row, site[column], found, sd[row, column] / (2.0 * np.sqrt(math.pi * found))
+
+    @cached_property
+    def opened(self) -> tuple[IntArray, IntArray, FloatArray]:
+        """Largest load at which a contact was found open, its asperity, and the largest overlooked area.
+
+        At smaller loads the contact is open, too. The area 0 follows from the error of its boundary.
+        """
+        area, sd, site = self.single
+        column = np.flatnonzero((area <= 0.0).any(axis=0))
+        last = len(area) - 1 - np.argmax(area[::-1, column] <= 0.0, axis=0)
+        return last, site[column], sd[last, column]
+
     def response(self, made: Made) -> Response:
         """Return the contacts of a part at its true loads."""
-        return response(self.model, made, made.load / made.material.composite_modulus)
+        return response(self.model, made, made.load / made.surface.material.composite_modulus)
 
     def linear(self, z: FloatArray, covariance: FloatArray) -> Linear:
         """Return residuals and derivatives at unknowns of the mean z (p,) and a covariance (p, p)."""
@@ -74,45 +108,41 @@ class Scene:
 
     def _derivatives(self, z: FloatArray, made: Made, found: Response) -> FloatArray:
         """Return the derivatives of the areas of all contacts by z, (k, n, p)."""
-        causes, design = self.causes, self.causes.surface
-        k, n = found.area.shape
-        result = np.zeros((k, n, causes.size))
-        rows = np.arange(k)
-        loads = result[:, :, causes.where["load"]]
-        if not self.model.couples:
-            modulus = made.material.composite_modulus
-            by_load = found.by_load()
-            loads[rows, :, rows] = by_load * (causes.load_sd / modulus)[:, None]
-            x, y = made.position.T
-            changes = {
-                "angle_x": x * (1.0 + made.slope[0] ** 2),
-                "angle_y": y * (1.0 + made.slope[1] ** 2),
-                "height_scale": design.height,
-            }
-            for name, change in changes.items():
-                if name in causes.sd:
-                    result[:, :, causes.where[name].start] = causes.sd[name] * found.by_height(change)
-            if "composite_modulus" in causes.sd:
-                rate = found.by_law(found.by_modulus, -made.load / modulus) / made.stiffer
-                result[:, :, causes.where["composite_modulus"].start] = causes.sd["composite_modulus"] * rate
-            if "adhesion_root" in causes.sd:
-                rate = found.by_law(found.by_adhesion) / made.adhesion
-                result[:, :, causes.where["adhesion_root"].start] = causes.sd["adhesion_root"] * rate
+        causes = self.causes
+        if self.model.couples:
+            names = [name for name in (*causes.common, "load") if name != "friction"]
+            rates = {name: self._near_difference(z, name) for name in names}
         else:
-            for name in causes.common:
-                if name != "friction":
-                    result[:, :, causes.where[name].start] = self._near_difference(z, name)
-            loads[rows, :, rows] = self._near_difference(z, "load")
-        if {"height", "position"} & causes.sd.keys():
-            each = found.by_each_height()
-            if "height" in causes.sd:
-                result[:, :, causes.where["height"]] = causes.scale("height") * each
-            if "position" in causes.sd:
-                moved = causes.sd["position"] * each[..., None] * made.slope
-                result[:, :, causes.where["position"]] = moved.reshape(k, n, 2 * n)
+            rates = self._rates(made, found)
+        k, n = found.area.shape
+        result, rows = np.zeros((k, n, causes.size)), np.arange(k)
+        result[:, :, causes.where["load"]][rows, :, rows] = rates.pop("load")
+        for name, rate in rates.items():
+            result[:, :, causes.where[name].start] = rate
+        each = found.by_each_height()
+        if "height" in causes.sd:
+            result[:, :, causes.where["height"]] = causes.scale("height") * each
+        if "position" in causes.sd:
+            moved = causes.sd["position"] * each[..., None] * made.slope
+            result[:, :, causes.where["position"]] = moved.reshape(k, n, 2 * n)
         if "radius" in causes.sd:
             result[:, :, causes.where["radius"]] = causes.sd["radius"] * found.by_each_radius()
         return result
+
+    def _rates(self, made: Made, found: Response) -> dict[str, FloatArray]:
+        """Return the derivatives (k, n) of independent contacts by the common errors and by the loads."""
+        causes, modulus = self.causes, made.surface.material.composite_modulus
+        along = made.surface.position * (1.0 + made.slope**2)
+        by_modulus = found.by_law(found.by_modulus, -made.load / modulus)
+        rates = {
+            "angle_x": found.by_height(along[:, 0]),
+            "angle_y": found.by_height(along[:, 1]),
+            "height_scale": found.by_height(causes.surface.height),
+            "composite_modulus": by_modulus / made.factor["composite_modulus"],
+            "adhesion_root": found.by_law(found.by_adhesion) / made.factor["adhesion_root"],
+        }
+        scaled = {name: causes.sd[name] * rate for name, rate in rates.items() if name in causes.sd}
+        return scaled | {"load": found.by_load() * (causes.load_sd / modulus)[:, None]}
 
     def _near_difference(self, z: FloatArray, name: str) -> FloatArray:
         """Return the difference of the areas by one kind of error, or an earlier one from near z."""
@@ -135,54 +165,50 @@ class Scene:
         self, made: Made, found: Response, derivative: FloatArray, covariance: FloatArray
     ) -> Linear:
         """Return the residuals of all measured values and of the gaps of open contacts."""
-        seen, causes = self.observed, self.causes
+        law, causes = self.measured, self.causes
         total, by_total = _total(found.area, derivative, covariance)
+        row, site, area, boundary = self.closed
         parts: list[tuple[FloatArray, FloatArray, FloatArray]] = []
-        errors = seen.measured.errors
-        if seen.forces is not None and self.friction is not None:
-            measured_force, force_sd = seen.forces
-            nominal = self.friction.shear_strength * self.friction.area_ratio
-            gradient = made.friction * nominal * by_total
-            if "friction" in causes.sd:
-                gradient[:, causes.where["friction"].start] += causes.sd["friction"] * nominal * total
-            force = made.friction * nominal * total
-            sd = force_sd * _ratio(errors.of_friction_force, force, measured_force)
-            parts.append((measured_force - force, gradient, sd))
-        if seen.totals is not None:
-            measured_total, total_sd = seen.totals
-            sd = total_sd * _ratio(errors.of_area, total, measured_total)
-            parts.append((measured_total - total, by_total, sd))
-        if len(seen.area):
-            computed = found.area[seen.row, seen.site]
-            least = np.maximum(LEAST_AREA * seen.area, math.pi * seen.boundary**2)
-            sd = 2.0 * seen.boundary * np.sqrt(math.pi * np.maximum(computed, least))
-            parts.append((seen.area - computed, derivative[seen.row, seen.site], sd))
+        for name in self.totals:
+            computed, gradient = total, by_total
+            error: Callable[[FloatArray], FloatArray] = law.errors.of_area
+            if name == "friction_force" and self.friction is not None:
+                nominal = self.friction.shear_strength * self.friction.area_ratio
+                stress, error = made.factor["friction"] * nominal, law.errors.of_friction_force
+                computed, gradient = stress * total, stress * by_total
+                if "friction" in causes.sd:
+                    gradient[:, causes.where["friction"].start] += causes.sd["friction"] * nominal * total
+            measured = getattr(law, name)
+            sd = getattr(law, f"{name}_sd") * _ratio(error, computed, measured)
+            parts.append((measured - computed, gradient, sd))
+        if len(area):
+            computed = found.area[row, site]
+            least = np.maximum(LEAST_AREA * area, math.pi * boundary**2)
+            sd = 2.0 * boundary * np.sqrt(math.pi * np.maximum(computed, least))
+            parts.append((area - computed, derivative[row, site], sd))
         residual, gradient, sd = (np.concatenate(values) for values in zip(*parts, strict=True))
-        rate = found.area_rate[seen.open_row, seen.open_site]
-        by_indentation = derivative[seen.open_row, seen.open_site] / rate[:, None]
-        if "radius" in causes.sd:  # the latent area is pi R d: that of the gap
-            place = causes.where["radius"].start + seen.open_site
-            own = found.area_by_radius[seen.open_row, seen.open_site] / rate
-            by_indentation[np.arange(len(rate)), place] -= causes.sd["radius"] * own
-        boundary = float(np.median(seen.boundary)) if len(seen.boundary) else 0.0
-        seen_from, resolution, *smallest = self._smallest(boundary, made)
-        for name, change, least, factor in (
-            ("composite_modulus", found.by_modulus, smallest[0], made.stiffer),
-            ("adhesion_root", found.by_adhesion, smallest[1], made.adhesion),
-        ):
-            if name in causes.sd:
-                shift = (change.indentation[seen.open_row, seen.open_site] - least) / factor
-                by_indentation[:, causes.where[name].start] += causes.sd[name] * shift
-        return Linear(
-            residual / sd,
-            gradient / sd[:, None],
-            sd,
-            found.indentation[seen.open_row, seen.open_site] - seen_from,
-            by_indentation,
-            resolution,
-        )
+        return Linear(residual / sd, gradient / sd[:, None], sd, *self._gaps(made, found, derivative))
 
-    def _smallest(self, boundary: float, made: Made) -> tuple[FloatArray, ...]:
+    def _gaps(self, made: Made, found: Response, derivative: FloatArray) -> tuple[FloatArray, ...]:
+        """Return the indentations of open contacts over the smallest detected one, with its error (c,) [mm].
+
+        The middle value is the derivative by z, (c, p).
+        """
+        causes, (row, site, _) = self.causes, self.opened
+        rate = found.area_rate[row, site]
+        gradient = derivative[row, site] / rate[:, None]
+        if "radius" in causes.sd:  # the latent area is pi R d: that of the gap
+            own = found.area_by_radius[row, site] / rate
+            gradient[np.arange(len(rate)), causes.where["radius"].start + site] -= causes.sd["radius"] * own
+        least, resolution, *smallest = self._smallest(made)
+        changes = {"composite_modulus": found.by_modulus, "adhesion_root": found.by_adhesion}
+        for (name, (change, _)), of_least in zip(changes.items(), smallest, strict=True):
+            if name in causes.sd:
+                shift = (change[row, site] - of_least) / made.factor[name]
+                gradient[:, causes.where[name].start] += causes.sd[name] * shift
+        return found.indentation[row, site] - least, gradient, resolution
+
+    def _smallest(self, made: Made) -> tuple[FloatArray, ...]:
         """Return the smallest indentation (c,) at which a contact is detected [mm], and its error.
 
         The other two values are its derivatives by log E* and by log sqrt(w).
@@ -190,21 +216,21 @@ class Scene:
         With the error b of the boundary it is about b^2/(2 R); if a larger area may be overlooked, it is the
         indentation of that area, with the error 2 a b/R from the error of the contact radius a.
         """
-        seen, radius = self.observed, self.causes.surface.radius[self.observed.open_site]
+        _, site, overlooked = self.opened
+        boundary = float(np.median(self.closed[-1])) if len(self.closed[-1]) else 0.0
+        radius, material = self.causes.surface.radius[site], made.surface.material
         least = (2.0 * boundary) ** 2 / radius
-        contact = with_adhesion(contact_of(self.model), made.adhesion)
-        size = np.sqrt(seen.overlooked / math.pi)
+        contact = with_adhesion(contact_of(self.model), made.factor["adhesion_root"])
+        size = np.sqrt(overlooked / math.pi)
         size = np.where(size > 2.0 * boundary, np.minimum(size, WIDEST * radius), 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
-            depth = contact.for_material(made.material).indentation(size, radius)
+            depth = contact.for_material(material).indentation(size, radius)
         # an adhesive contact has at least the area at zero indentation
-        wide = (size > 0.0) & (depth > 0.0)
-        by_modulus, by_adhesion = law_changes(contact, made.material, np.where(wide, size, 0.0), radius)
+        wide = np.where((size > 0.0) & (depth > 0.0), size, 0.0)
         return (
             np.where(size > 0.0, np.maximum(depth, 0.0), SEEN * least),
             np.where(size > 0.0, 2.0 * size * boundary / radius, SEEN_SD * least),
-            by_modulus.indentation,
-            by_adhesion.indentation,
+            *(indentation for indentation, _ in law_changes(contact, material, wide, radius)),
         )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -20,13 +20,6 @@ from metafem.surface import Material, Surface
 # Relative step of E*, of the root of the adhesion energy and of radii in central differences of a contact
 # law, whose error is its square.
 STEP = 1e-4
-
-
-class Change(NamedTuple):
-    """Derivatives of a contact law at fixed contact radii, (k, n)."""
-
-    indentation: FloatArray  # [mm]
-    load: FloatArray  # of the rescaled load [mm^2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +42,10 @@ class Response:
     stiffness: FloatArray  # (k,), sum of p' [mm]
     load_by_radius: FloatArray  # derivative of the load of each contact by its radius [mm]
     area_by_radius: FloatArray  # derivative of the area by the radius at fixed indentation [mm]
-    by_modulus: Change  # of the contact law by log E*
-    by_adhesion: Change  # of the contact law by the logarithm of the root of its adhesion energy
+    # derivatives of indentation [mm] and rescaled load [mm^2] at fixed contact radii, (2, k, n): by log E*,
+    # and by the logarithm of the root of the adhesion energy
+    by_modulus: FloatArray
+    by_adhesion: FloatArray
 
     def by_height(self, change: FloatArray) -> FloatArray:
         """Return the derivative of the areas by an error that changes the heights by `change` (n,)."""
@@ -69,13 +64,13 @@ class Response:
         found[:, i, i] += self.area_by_radius
         return found
 
-    def by_law(self, change: Change, load: FloatArray | float = 0.0) -> FloatArray:
+    def by_law(self, change: FloatArray, load: FloatArray | float = 0.0) -> FloatArray:
         """Return the derivative of the areas by a parameter of the contact law.
 
         The indentation and the load of a contact change by x_i and y_i at a fixed radius, and the rescaled
         load by q, `load` (k,): ``dA_i = A'_i (c - x_i)`` and ``sum_i (p'_i (c - x_i) + y_i) = q``.
         """
-        x, y = change.indentation, change.load
+        x, y = change
         common = (self.share * x).sum(axis=1) + (load - y.sum(axis=1)) / self.stiffness
         return np.asarray(self.area_rate * (common[:, None] - np.where(self.area > 0.0, x, 0.0)))
 
@@ -86,15 +81,16 @@ class Response:
 
 def response(model: Model, part: Made, load: FloatArray) -> Response:
     """Return the contacts at rescaled loads (k,) in any order; derivatives neglect interaction."""
-    contact = with_adhesion(contact_of(model), part.adhesion)
-    law = contact.for_material(part.material)
-    radius = part.radius
+    surface = part.surface
+    contact = with_adhesion(contact_of(model), part.factor["adhesion_root"])
+    law = contact.for_material(surface.material)
+    radius = surface.radius
     if model.couples:
-        size, indentation, carried = _states(with_contact(model, contact), part.surface, load)
+        size, indentation, carried = _states(with_contact(model, contact), surface, load)
     else:
         order = np.argsort(load, kind="stable")
         size, indentation = np.empty((2, len(load), len(radius)))
-        size[order], indentation[order] = load_equation(law).contacts(part.height, radius, load[order])
+        size[order], indentation[order] = load_equation(law).contacts(surface.height, radius, load[order])
         carried = _where_closed(law.load, size, radius)
     closed = size > 0.0
     stiffness = _where_closed(law.stiffness, size, radius)
@@ -104,14 +100,20 @@ def response(model: Model, part: Made, load: FloatArray) -> Response:
     share = stiffness / total[:, None]
     by_radius = _by_radius(law, size, radius, indentation, carried, stiffness, rate)
     return Response(
-        area, indentation, rate, share, total, *by_radius, *law_changes(contact, part.material, size, radius)
+        area,
+        indentation,
+        rate,
+        share,
+        total,
+        *by_radius,
+        *law_changes(contact, surface.material, size, radius),
     )
 
 
 def law_changes(
     contact: Contact, material: Material, size: FloatArray, radius: FloatArray
-) -> tuple[Change, Change]:
-    """Return the derivatives of a contact law at contact radii by log E* and by log sqrt(w)."""
+) -> tuple[FloatArray, FloatArray]:
+    """Return the derivatives (2, ...) of indentation and load at contact radii by log E* and log sqrt(w)."""
     factors = (1.0 - STEP, 1.0 + STEP)
     stiffer = [replace(material, composite_modulus=f * material.composite_modulus) for f in factors]
     by_modulus = [contact.for_material(each) for each in stiffer]
@@ -156,16 +158,14 @@ def _by_radius(
     return y - stiffness * x, np.where(size > 0.0, -rate * x, latent)
 
 
-def _change(laws: list[Contact], size: FloatArray, radius: FloatArray) -> Change:
+def _change(laws: list[Contact], size: FloatArray, radius: FloatArray) -> FloatArray:
     """Return the derivatives between two laws, low and high, at contact radii (k, n); 0 without laws."""
     if not laws:
-        return Change(np.zeros(size.shape), np.zeros(size.shape))
-    low, high = laws
-    changes = (
-        (_where_closed(after, size, radius) - _where_closed(before, size, radius)) / (2.0 * STEP)
-        for before, after in ((low.indentation, high.indentation), (low.load, high.load))
+        return np.zeros((2, *size.shape))
+    low, high = (
+        np.array([_where_closed(of, size, radius) for of in (law.indentation, law.load)]) for law in laws
     )
-    return Change(*changes)
+    return np.asarray((high - low) / (2.0 * STEP))
 
 
 def _where_closed(value: Callable[..., Any], size: FloatArray, radius: FloatArray) -> FloatArray:

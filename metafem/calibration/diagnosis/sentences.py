@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem._values import MICROMETRES, percent, two_digits
 from metafem.calibration.verdict import Verdict, chi
 
@@ -44,10 +44,9 @@ def amount(name: str, value: float, form: str = "+.3g") -> str:
     return percent(value, form)
 
 
-def cause(name: str, prior_sd: float, mean: float, sd: float) -> str:
-    """Return an error of the whole part with its interval."""
-    interval = f"{amount(name, mean)} ± {amount(name, sd, '.2g')}"
-    return f"{NAMES[name]} {interval} (expected: 0 ± {amount(name, prior_sd, '.2g')})"
+def interval(name: str, mean: float, sd: float, form: str = "+.3g") -> str:
+    """Return an error with its standard deviation."""
+    return f"{amount(name, mean, form)} ± {amount(name, sd, '.2g')}"
 
 
 def spread(name: str, mean: FloatArray, sd: FloatArray) -> str:
@@ -56,9 +55,9 @@ def spread(name: str, mean: FloatArray, sd: FloatArray) -> str:
     return f"{rms} rms, each ± {amount(name, float(np.median(sd)), '.2g')}"
 
 
-def single(name: str, prior_sd: float, mean: FloatArray, sd: FloatArray) -> str:
-    """Return the errors of single asperities with their expected size."""
-    return f"{NAMES[name]} {spread(name, mean, sd)} (expected: 0 ± {amount(name, prior_sd, '.2g')})"
+def stated(name: str, found: str, prior_sd: float) -> str:
+    """Return an error that was found, and the expected one."""
+    return f"{NAMES[name]} {found} (expected: 0 ± {amount(name, prior_sd, '.2g')})"
 
 
 def misfit(design: float, left: float, count: int, areas: bool) -> str:
@@ -91,12 +90,12 @@ def part(share: float) -> str:
     return percent(round(share, 2) + 0.0, ".0f")
 
 
-def outlier(name: str, asperity: str, mean: float, sd: float, prior_sd: float) -> str:
+def outlier(name: str, i: int, sites: IntArray | None, mean: float, sd: float, prior_sd: float) -> str:
     """Return an asperity with an error far outside its tolerance."""
+    asperity = f"Asperity {i}" if sites is None else f"The asperity at site {sites[i]}"
     words = {"height": ("higher", "lower"), "radius": ("larger in radius", "smaller in radius")}[name]
-    size = f"{amount(name, abs(mean), '.3g')} ± {amount(name, sd, '.2g')}"
     return (
-        f"{asperity} is {size} {words[0] if mean > 0.0 else words[1]} than designed, "
+        f"{asperity} is {interval(name, abs(mean), sd, '.3g')} {words[int(mean <= 0.0)]} than designed, "
         f"{abs(mean) / prior_sd:.0f} times the expected deviation."
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,37 +23,33 @@ def shares(causes: Causes, posterior: Posterior) -> tuple[dict[str, float], dict
     ``r'(S + J J')^-1 r = r'S^-1 r - sum_c (J_c'S^-1 r).m_c`` with the posterior means m: cause c explains the
     term c. It is negative if the cause corrects an excess of another one.
     """
-    at, load = posterior.linear, causes.where["load"]
+    at = posterior.linear
     residual = at.residual + at.gradient @ posterior.mean
     information, force = at.gradient.T @ at.gradient, at.gradient.T @ residual
     matrix = information + np.eye(causes.size)
     square = float(residual @ residual)
 
-    def solved(on: np.ndarray) -> tuple[FloatArray, float]:
-        found = np.zeros(causes.size)
+    def without(places: Iterable[slice]) -> tuple[FloatArray, float]:
+        """Return the means of the other unknowns and their misfit."""
+        on, found = np.ones(causes.size, dtype=bool), np.zeros(causes.size)
+        for where in places:
+            on[where] = False
         found[on] = cho_solve(cho_factor(matrix[np.ix_(on, on)], lower=True), force[on])
         return found, square - float(force @ found)
 
-    groups = {
-        name: [causes.where[one] for one in members if one in causes.sd]
-        for name, members in GROUPS.items()
-        if any(one in causes.sd for one in members)
-    }
-    loads_only = np.zeros(causes.size, dtype=bool)
-    loads_only[load] = True
-    loads, before = solved(loads_only)
-    means, after = solved(np.ones(causes.size, dtype=bool))
+    loads, before = without(where for name, where in causes.where.items() if name != "load")
+    means, after = without(())
     terms = (force - information @ loads) * means
-    share, without = {}, {}
-    for name, places in groups.items():
-        part = sum(float(terms[where].sum()) for where in places)
-        share[name] = part / (before - after) if before > after else 0.0
-        on = np.ones(causes.size, dtype=bool)
-        for where in places:
-            on[where] = False
-        without[name] = solved(on)[1]
-    order = sorted(share, key=lambda name: -share[name])
-    return {name: share[name] for name in order}, {name: without[name] for name in order}, before, after
+    groups = {
+        name: [causes.where[one] for one in members if one in causes.sd] for name, members in GROUPS.items()
+    }
+    share = {
+        name: sum(float(terms[where].sum()) for where in places) / (before - after) if before > after else 0.0
+        for name, places in groups.items()
+        if places
+    }
+    share = dict(sorted(share.items(), key=lambda item: -item[1]))
+    return share, {name: without(groups[name])[1] for name in share}, before, after
 
 
 # Share of the prior variance above which a cause is not seen, even with all other causes known.
@@ -92,10 +88,10 @@ class Unresolved:
     variance_left: float
 
 
-def unresolved(causes: Causes, covariance: FloatArray, precision: FloatArray) -> tuple[Unresolved, ...]:
+def unresolved(causes: Causes, covariance: FloatArray) -> tuple[Unresolved, ...]:
     """Return what is not resolved among the errors of the whole part.
 
-    covariance, precision: of the unknowns over their prior standard deviations, (p, p). The combinations are
+    covariance: of the unknowns over their prior standard deviations, (p, p). The combinations are
     eigenvectors of the posterior covariance relative to the prior one, with all other unknowns free. Those
     that are not resolved are rotated in their space until each has few errors.
     """

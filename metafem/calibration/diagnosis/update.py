@@ -45,15 +45,9 @@ class Posterior:
 
     mean: FloatArray
     covariance: FloatArray
-    precision: FloatArray
     linear: Linear  # at the mean
     log_evidence: float
     change: float  # last step over the standard deviations
-
-    @property
-    def converged(self) -> bool:
-        """Whether the last step was small enough."""
-        return self.change <= NEARLY
 
 
 def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Posterior:
@@ -83,7 +77,7 @@ def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Pos
         move *= 1.0 if step < FULL_STEPS else FULL_STEPS / (step + 1.0)
         if step == 0 or (step >= FULL_STEPS and cost < least):
             least = cost if step else math.inf
-            best = mean, covariance, precision, factor, log_open
+            best = mean, covariance, factor, log_open
         moved = 0.0
         if len(precision_open):
             new = _factors(at, move, covariance, precision_open, shift_open)
@@ -98,12 +92,12 @@ def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Pos
         if change <= STILL:
             break
     if change > NEARLY:  # an adhesive contact alternately jumps in and out
-        mean, covariance, precision, factor, log_open = best
+        mean, covariance, factor, log_open = best
     at = linear(mean, covariance)
     log_det = 2.0 * float(np.log(np.diag(factor[0])).sum())
     log_evidence = log_open - 0.5 * (at.residual @ at.residual + mean @ mean + log_det)
     log_evidence -= float(np.log(at.sd).sum()) + 0.5 * len(at.sd) * math.log(2.0 * math.pi)
-    return Posterior(mean, covariance, precision, at, float(log_evidence), change)
+    return Posterior(mean, covariance, at, float(log_evidence), change)
 
 
 def _factors(

@@ -32,8 +32,9 @@ def grey_values(image: Any) -> NDArray[Any]:
     except (TypeError, ValueError):
         raise InvalidInput(f"image = {shown(image)} must be an array of grey values") from None
     if values.dtype.kind not in "uif":
-        kind = check.FOREIGN.get(values.dtype.kind, "something else")
-        raise InvalidInput(f"image must be an array of grey values without mask; its entries are {kind}")
+        raise InvalidInput(
+            f"image must be an array of grey values without mask; its entries are {values.dtype}"
+        )
     values = _one_channel(values)
     if values.ndim != 2 or min(values.shape) < FEWEST:
         several = "; a stack of images is measured by stack_areas" if values.ndim > 2 else ""

@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem._values import Value, span
+from metafem._values import span
 from metafem.calibration.joint import checked_covariance
 from metafem.calibration.magnitude import beyond, is_off, unit_hint, within_errors
-from metafem.calibration.measured_law.features import Deviations, Feature, deviations_of, features_of
+from metafem.calibration.measured_law.bent_line import KINK, least
+from metafem.calibration.measured_law.comparison import Comparison, Feature
 from metafem.calibration.measured_law.law import MeasuredLaw
-from metafem.calibration.verdict import Verdict, judged
-from metafem.errors import InvalidInput
-from metafem.inversion import Design
-from metafem.notes import Note
-from metafem.prediction import FrictionLaw
+from metafem.calibration.measured_law.segmented import LEAST as LEAST_BENT
+from metafem.calibration.measured_law.segmented import TRIED, fit_segments, points_of
+from metafem.calibration.verdict import judged
+from metafem.errors import InvalidInput, refuse_if
+from metafem.inversion import BilinearLaw, Design, MultilinearLaw, OperatingPoints
+from metafem.notes import Note, information
+from metafem.prediction import FrictionLaw, friction_law
+from metafem.progress import doing
 
 # Parameters with errors that shift all points together.
 PARAMETERS = ("composite_modulus", "shear_strength", "area_ratio")
@@ -27,77 +32,8 @@ PARAMETERS = ("composite_modulus", "shear_strength", "area_ratio")
 # Ratio of E* to that of the design above which the material or a unit is wrong.
 OTHER_MATERIAL = 3.0
 
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Comparison(Value):
-    """Agreement of a measured law with a design, point by point and in its slopes.
-
-    Attributes
-    ----------
-    measured : MeasuredLaw
-    point : ndarray of int, (m,)
-        The points of the measured law that are compared.
-    predicted : ndarray, (m,)
-        Rescaled friction of the design at the measured loads [mm^2].
-    deviation, deviation_sd : ndarray, (m,)
-        Measured minus predicted rescaled friction, and its standard deviation from the errors of the load, of
-        the friction, and of the parameters [mm^2].
-    covariance : ndarray, (m, m)
-        Covariance matrix of the deviations [mm^4].
-    features : tuple of Feature
-        Slopes, operating points and crossover, as far as the target of the design has them.
-    verdict : Verdict
-        Verdict on the deviations, with their correlation from the errors of the parameters.
-    parameters : mapping of str to float
-        Standard deviations of the parameters that are included.
-    notes : tuple of Note
-        What was left out.
-    percent, normalised : ndarray, (m,)
-        Deviation over prediction [%], and over its standard deviation [-].
-
-    Examples
-    --------
-    >>> import metafem as mf
-    >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
-    >>> design = mf.design(mf.LinearLaw(6.87), template)
-    >>> measured = MeasuredLaw([0.1, 0.3], area=[0.6, 1.8], material=template.material)
-    >>> compare(measured, design).percent.round(1)
-    array([-8.6,  3.1])
-    """
-
-    measured: MeasuredLaw
-    point: NDArray[np.intp]
-    predicted: FloatArray
-    deviation: FloatArray
-    covariance: FloatArray
-    features: tuple[Feature, ...]
-    verdict: Verdict
-    parameters: Mapping[str, float]
-    notes: tuple[Note, ...]
-
-    @property
-    def deviation_sd(self) -> FloatArray:
-        """Standard deviations of the deviations [mm^2]."""
-        found: FloatArray = np.sqrt(np.diag(self.covariance))
-        return found
-
-    @property
-    def percent(self) -> FloatArray:
-        """Deviation over prediction [%]; infinite where the design has no contact."""
-        ratio = np.full(self.deviation.shape, np.inf)
-        np.divide(100.0 * self.deviation, self.predicted, out=ratio, where=self.predicted > 0.0)
-        return ratio
-
-    @property
-    def normalised(self) -> FloatArray:
-        """Deviation over its standard deviation [-]."""
-        return self.deviation / self.deviation_sd
-
-    def __repr__(self) -> str:
-        rms = np.sqrt((self.normalised**2).mean())
-        lines = [f"Comparison of {self.measured!r}", f"  points    {rms:.2g} standard deviations (rms)"]
-        lines += [f"  {feature}" for feature in self.features]
-        return "\n".join([*lines, f"  verdict   {self.verdict}"])
+# Fewest points of a line whose scatter can be judged.
+FEWEST = 3
 
 
 def compare(
@@ -165,103 +101,241 @@ def compare(
     if not isinstance(design, FrictionLaw):
         check.instance("design", design, Design, "a metafem.Design or a metafem.FrictionLaw")
     names, matrix = _parameters(measured, parameters, covariance)
-    law = design.law if isinstance(design, Design) else design
-    end = float(law.rescaled_load[-1])
-    smallest = measured.known().load[0]
-    known, within = ~np.isnan(measured.rescaled_friction), measured.rescaled_load <= end
-    point = np.flatnonzero(known & within)
-    modulus = measured.material.composite_modulus
-    if not point.size:
-        raise InvalidInput(
-            f"all measured loads exceed the largest load of the design, P/E* = {end:.4g} mm^2 or "
-            f"{modulus * end:.4g} N; the smallest is {smallest:.4g} N"
-            + beyond("load", smallest / modulus / end)
-        )
-    first, last = _first_load(design), float(measured.rescaled_load[point].max())
-    if last < first:
-        raise InvalidInput(
-            f"all measured loads lie below the first load of the target, P/E* = {first:.4g} mm^2 or "
-            f"{modulus * first:.4g} N; the largest is {modulus * last:.4g} N{beyond('load', last / first)}"
-        )
-    found = deviations_of(measured, point, design, names, matrix)
-    notes = tuple(
-        Note(_left_out(measured.load[which], why))
-        for which, why in (
-            (~known, "the area of a contact is unknown"),
-            (known & ~within, f"the law of the design ends at P/E* = {end:.4g} mm^2"),
-        )
-        if which.any()
-    )
-    notes += _magnitudes(found, design)
-    parts = [*features_of(found, design)] if isinstance(design, Design) else []
+    point, notes = _compared(measured, design)
+    predicted, slope, operating = _predicted(measured, point, design)
+    deviation = measured.rescaled_friction[point] - predicted
+    x, sd = measured.rescaled_load[point], measured.rescaled_load_sd[point]
+    total = np.diag(measured.rescaled_friction_sd[point] ** 2 + (slope * sd) ** 2)
+    if names:
+        changes = {"composite_modulus": slope * x / measured.material.composite_modulus}
+        if measured.friction is not None:
+            # areas do not depend on the shear strength and the area ratio
+            by_force = -measured.rescaled_friction[point] if measured.by_force else np.zeros(len(point))
+            changes["shear_strength"] = by_force / measured.friction.shear_strength
+            changes["area_ratio"] = by_force / measured.friction.area_ratio
+        jacobian = np.column_stack([changes[name] for name in names])
+        total = total + jacobian @ matrix @ jacobian.T
     # if the law holds, whitened residuals in order of load are independent
-    residual = np.linalg.solve(np.linalg.cholesky(found.covariance), found.values)
-    deviations = dict(zip(names, np.sqrt(np.diag(matrix)).tolist(), strict=True))
-    return Comparison(
+    residual = np.linalg.solve(np.linalg.cholesky(total), deviation)
+    found = Comparison(
         measured=measured,
         point=point,
-        predicted=found.predicted,
-        deviation=found.values,
-        covariance=found.covariance,
-        features=tuple(part for part in parts if isinstance(part, Feature)),
+        predicted=predicted,
+        deviation=deviation,
+        covariance=total,
+        features=(),
         verdict=judged(residual, parameters=0),
-        parameters=deviations,
-        notes=(*measured.notes, *notes, *(part for part in parts if isinstance(part, Note))),
+        parameters=dict(zip(names, np.sqrt(np.diag(matrix)).tolist(), strict=True)),
+        notes=(*measured.notes, *notes, *_magnitudes(measured, point, predicted, design)),
+    )
+    return _with_features(found, design, operating) if isinstance(design, Design) else found
+
+
+def _compared(
+    measured: MeasuredLaw, design: Design | FrictionLaw
+) -> tuple[NDArray[np.intp], tuple[Note, ...]]:
+    """Return the points at loads of the design, and notes on those that are left out."""
+    end, first = float(_law_of(design).rescaled_load[-1]), 0.0
+    if isinstance(design, Design):
+        starts = [branch.load_range[0] for branch, _ in design.fits]
+        first = min([float(design.target_law.load[0]), *starts])
+    known, within = ~np.isnan(measured.rescaled_friction), measured.rescaled_load <= end
+    point = np.flatnonzero(known & within)
+    modulus, smallest = measured.material.composite_modulus, measured.known().load[0]
+    refuse_if(
+        not point.size,
+        f"all measured loads exceed the largest load of the design, P/E* = {end:.4g} mm^2 or "
+        f"{modulus * end:.4g} N; the smallest is {smallest:.4g} N{beyond('load', smallest / modulus / end)}",
+    )
+    last = float(measured.rescaled_load[point].max())
+    refuse_if(
+        last < first,
+        f"all measured loads lie below the first load of the target, P/E* = {first:.4g} mm^2 or "
+        f"{modulus * first:.4g} N; the largest is {modulus * last:.4g} N"
+        + (beyond("load", last / first) if first else ""),
+    )
+    left_out = (
+        (~known, "the area of a contact is unknown"),
+        (known & ~within, f"the law of the design ends at P/E* = {end:.4g} mm^2"),
+    )
+    return point, tuple(
+        Note(f"{_points_at(measured.load[which])} left out: {why}") for which, why in left_out if which.any()
     )
 
 
-def _first_load(design: Design | FrictionLaw) -> float:
-    """Return the smallest rescaled load of a target [mm^2], 0 of a law."""
-    if isinstance(design, FrictionLaw):
-        return 0.0
-    return min([float(design.target_law.load[0]), *(branch.load_range[0] for branch, _ in design.fits)])
+def _points_at(load: FloatArray) -> str:
+    if len(load) == 1:
+        return f"the point at {load[0]:.4g} N is"
+    return f"{len(load)} points at {span(load, 'N')} are"
 
 
-def _magnitudes(found: Deviations, design: Design | FrictionLaw) -> tuple[Note, ...]:
+def _magnitudes(
+    measured: MeasuredLaw, point: NDArray[np.intp], predicted: FloatArray, design: Design | FrictionLaw
+) -> Iterator[Note]:
     """Return notes on loads within their errors, and on frictions and moduli far from the design's."""
-    measured = found.measured
-    notes = within_errors("load", measured.load, measured.load_sd)
-    there = found.predicted > 0.0
-    if there.any():
-        friction = measured.rescaled_friction[found.point]
-        ratio = float(np.median(friction[there] / found.predicted[there]))
-        if is_off(ratio):
-            name = "friction_force" if measured.by_force else "area"
-            notes += (Note(f"{name} is {ratio:.2g} times that of the design; {unit_hint(name, ratio)}"),)
+    yield from within_errors("load", measured.load, measured.load_sd)
+    there = predicted > 0.0
+    ratio = (
+        float(np.median(measured.rescaled_friction[point][there] / predicted[there])) if there.any() else 1.0
+    )
+    if is_off(ratio):
+        name = "friction_force" if measured.by_force else "area"
+        yield Note(f"{name} is {ratio:.2g} times that of the design; {unit_hint(name, ratio)}")
     if isinstance(design, Design):
         ratio = measured.material.composite_modulus / design.surface.material.composite_modulus
         if not 1.0 / OTHER_MATERIAL < ratio < OTHER_MATERIAL:
-            notes += (Note(f"E* of the part is {ratio:.2g} times that of the design; check its unit"),)
-    return notes
+            yield Note(f"E* of the part is {ratio:.2g} times that of the design; check its unit")
+
+
+@doing("computing the law of the design at the measured loads")
+def _predicted(
+    measured: MeasuredLaw, point: NDArray[np.intp], design: Design | FrictionLaw
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return rescaled friction and mean slope of a design at measured points (m,).
+
+    The last value is its friction at the operating points of its target, (q,).
+    """
+    x, sd = measured.rescaled_load[point], measured.rescaled_load_sd[point]
+    end = float(_law_of(design).rescaled_load[-1])
+    middle, low, high = (np.clip(each, 0.0, end) for each in (x, x - sd, x + sd))
+    # where the whole error bar lies below 0, the slope at the smallest loads
+    high = np.where(high > low, high, np.minimum(sd, end))
+    operating = np.empty(0)
+    if isinstance(design, Design) and isinstance(design.target, OperatingPoints):
+        operating = design.target.rescaled_load
+    loads, place = np.unique(np.concatenate([middle, low, high, operating]), return_inverse=True)
+    if isinstance(design, FrictionLaw):
+        load, friction = (np.append(0.0, each) for each in (design.rescaled_load, design.rescaled_friction))
+        friction = np.interp(loads, load, friction)
+    else:
+        # with the material of the part, on whose modulus the effect of adhesion depends
+        surface = design.surface.replaced(material=measured.material)
+        load = measured.material.composite_modulus * loads
+        friction = friction_law(surface, design.law.model, load=load).rescaled_friction
+    predicted, at_low, at_high, at_operating = np.split(friction[place], np.cumsum([len(x)] * 3))
+    return predicted, (at_high - at_low) / (high - low), at_operating
+
+
+def _law_of(design: Design | FrictionLaw) -> FrictionLaw:
+    return design.law if isinstance(design, Design) else design
 
 
 def _parameters(
     measured: MeasuredLaw, parameters: Mapping[str, float] | Sequence[str], covariance: ArrayLike | None
 ) -> tuple[tuple[str, ...], FloatArray]:
     """Return the names of the parameters with an error and their covariance matrix."""
-    names = tuple(parameters)
+    names, known = tuple(parameters), ", ".join(PARAMETERS)
     for name in names:
-        if name not in PARAMETERS:
-            raise InvalidInput(f"parameters: {name!r:.40} is unknown; the names are {', '.join(PARAMETERS)}")
-        if name != "composite_modulus" and measured.friction is None:
-            raise InvalidInput(f"parameters: {name} has no effect on a law without a Friction; leave it out")
-    if covariance is None:
-        if not isinstance(parameters, Mapping):
-            if names:
-                raise InvalidInput("parameters without standard deviations need covariance")
-            return (), np.zeros((0, 0))
-        sd = [check.number(name, parameters[name], at_least=0.0) for name in names]
-        return names, np.diag(np.square(sd)) if sd else np.zeros((0, 0))
-    if isinstance(parameters, Mapping):
-        raise InvalidInput("parameters must be a list of names if covariance is given")
-    return names, checked_covariance(names, covariance)
+        refuse_if(name not in PARAMETERS, f"parameters: {name!r:.40} is unknown; the names are {known}")
+        refuse_if(
+            name != "composite_modulus" and measured.friction is None,
+            f"parameters: {name} has no effect on a law without a Friction; leave it out",
+        )
+    by_name = dict(parameters) if isinstance(parameters, Mapping) else {}
+    if covariance is not None:
+        refuse_if(by_name, "parameters must be a list of names if covariance is given")
+        return names, checked_covariance(names, covariance)
+    refuse_if(names and not by_name, "parameters without standard deviations need covariance")
+    sd = [check.number(name, value, at_least=0.0) for name, value in by_name.items()]
+    return names, np.diag(np.square(sd)) if sd else np.zeros((0, 0))
 
 
-def _left_out(load: FloatArray, why: str) -> str:
-    """Return which points are not compared."""
-    points = (
-        f"the point at {load[0]:.4g} N is"
-        if len(load) == 1
-        else f"{len(load)} points at {span(load, 'N')} are"
+def _with_features(found: Comparison, design: Design, operating: FloatArray) -> Comparison:
+    """Return the comparison with the features of a design's target, and notes on missing ones.
+
+    operating: rescaled friction of the design at the operating points of its target, (q,) [mm^2].
+    """
+    parts = [*_slopes(found, design), *_points(found, design, operating), *_crossover(found, design)]
+    return replace(
+        found,
+        features=tuple(part for part in parts if isinstance(part, Feature)),
+        notes=(*found.notes, *(part for part in parts if isinstance(part, Note))),
     )
-    return f"{points} left out: {why}"
+
+
+def _sum(
+    found: Comparison, name: str, unit: str, weight: FloatArray, predicted: float, target: float
+) -> Feature:
+    """Return a feature that is a sum of the friction of the points with weights (m,)."""
+    value = predicted + float(weight @ found.deviation)
+    sd = math.sqrt(float(weight @ found.covariance @ weight))
+    return Feature(name, unit, value, sd, predicted, target, (value - sd, value + sd))
+
+
+def _slopes(found: Comparison, design: Design) -> Iterator[Feature | Note]:
+    """Return the slopes of the branches, by least squares of the points within their loads."""
+    x = found.measured.rescaled_load[found.point]
+    for i, (branch, _) in enumerate(design.fits):
+        low, high = branch.load_range
+        chosen = (x >= low) & (x <= high)
+        number = f" {i + 1}" if len(design.fits) > 1 else ""
+        name = f"slope{number}, P/E* = {low:.3g} to {high:.3g} mm²"
+        if chosen.sum() < FEWEST or np.ptp(x[chosen]) == 0.0:
+            yield information(f"{name}: {int(chosen.sum())} measured points; a slope needs at least {FEWEST}")
+            continue
+        centred = np.where(chosen, x - x[chosen].mean(), 0.0)
+        weight = centred / (centred**2).sum()
+        yield _sum(found, name, "", weight, float(weight @ found.predicted), branch.slope)
+
+
+def _points(found: Comparison, design: Design, operating: FloatArray) -> Iterator[Feature | Note]:
+    """Return the friction at the operating points, from the two measured points around each."""
+    if not isinstance(design.target, OperatingPoints):
+        return
+    x = found.measured.rescaled_load[found.point]
+    wanted = design.target.rescaled_load, design.target.rescaled_friction, operating
+    for load, target, predicted in np.column_stack(wanted).tolist():
+        name = f"friction at P/E* = {load:.3g} mm²"
+        if not x[0] <= load <= x[-1]:
+            ends = f"{x[0]:.3g} to {x[-1]:.3g} mm²"
+            yield information(f"{name}: the measured loads P/E* = {ends} do not include it")
+            continue
+        weight = (x == load).astype(float)
+        if weight.any():
+            weight /= weight.sum()
+        else:
+            after = int(np.searchsorted(x, load))
+            below, above = x[after - 1 : after + 1]
+            weight[after - 1 : after + 1] = (above - load) / (above - below), (load - below) / (above - below)
+        yield _sum(found, name, "mm²", weight, predicted, target)
+
+
+def _crossover(found: Comparison, design: Design) -> Iterator[Feature | Note]:
+    """Return the crossover load of a law with two branches."""
+    target = design.target
+    if isinstance(target, BilinearLaw):
+        wanted = target.crossover_load
+    elif isinstance(target, MultilinearLaw) and len(target.slopes) == 2:
+        wanted = 0.5 * sum(target.crossover_loads[0])
+    else:
+        return
+    # the slope changes again beyond the second branch
+    end = design.fits[-1][0].load_range[1] if design.fits else np.inf
+    measured = found.measured
+    below = measured.rescaled_load[found.point] <= end
+    if below.sum() < LEAST_BENT:
+        words = f"{int(below.sum())} measured points up to P/E* = {end:.3g} mm², the end of the second branch"
+        yield information(f"crossover: {words}; it needs at least {LEAST_BENT}")
+        return
+    point = found.point[below]
+    law = MeasuredLaw(
+        measured.load[point],
+        area=measured.rescaled_friction[point],
+        load_sd=measured.load_sd[point],
+        area_sd=measured.rescaled_friction_sd[point],
+        material=measured.material,
+    )
+    try:
+        fit = fit_segments(law)
+    except InvalidInput as error:
+        yield information(f"crossover: {error}")
+        return
+    # the same estimator on the law of the design at the same loads
+    points = points_of(law)
+    points[1] = found.predicted[below]
+    exact = float(least(points, TRIED)[0][0, KINK])
+    low, high = fit.crossover_interval
+    yield Feature(
+        "crossover, P/E*", "mm²", fit.crossover_load, 0.5 * (high - low), exact, wanted, (low, high)
+    )
+    yield from (information(f"crossover: {note}") for note in fit.notes)

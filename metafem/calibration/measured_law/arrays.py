@@ -11,7 +11,7 @@ from metafem import _validate as check
 from metafem._given import Given, shown
 from metafem._validate import FloatArray
 from metafem.calibration.measurement_errors import MeasurementErrors
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 
 # The quantities of a measured law, and the arrays with their standard deviations.
 QUANTITIES = ("load", "friction_force", "asperity_area", "area")
@@ -33,22 +33,24 @@ def checked(passed: Mapping[str, Any], errors: MeasurementErrors) -> dict[str, A
     """Return the arrays of a law that are known, in the order of load."""
     found: dict[str, Any] = {"load": check.array("load", passed["load"], shape=(None,))}
     count = len(found["load"])
+    refuse_if(
+        all(passed[name] is None for name in QUANTITIES[1:]),
+        "a measured law needs friction_force, area or asperity_area",
+    )
     if passed["friction_force"] is not None:
         found["friction_force"] = check.array("friction_force", passed["friction_force"], shape=(count,))
-    asperities = _asperities(passed, count)
-    found |= _area(passed["area"], count, asperities.get("asperity_area"), "friction_force" in found)
-    found |= asperities
-    if "friction_force" not in found and "area" not in found:
-        raise InvalidInput("a measured law needs friction_force, area or asperity_area")
+    if passed["asperity_area"] is not None:
+        found |= _asperities(passed["asperity_area"], passed["site"], count)
+    found |= _area(passed["area"], count, found)
+    for name, needed in (*((f"{name}_sd", name) for name in QUANTITIES), ("site", "asperity_area")):
+        refuse_if(passed[name] is not None and needed not in found, f"{name} needs {needed}")
     for name in QUANTITIES:
         if name in found:
             found[f"{name}_sd"] = _deviation(name, passed, found, errors)
-        elif passed[f"{name}_sd"] is not None:
-            raise InvalidInput(f"{name}_sd needs {name}")
     for name in ("load", "friction_force", "area"):
         if name in found:
             _refuse_negative(name, found[name], found[f"{name}_sd"])
-    _refuse_falling(found)
+            _refuse_falling(name, found)
     order = np.argsort(found["load"], kind="stable")
     ordered = {name: values if name == "site" else values[order] for name, values in found.items()}
     for values in ordered.values():
@@ -56,37 +58,34 @@ def checked(passed: Mapping[str, Any], errors: MeasurementErrors) -> dict[str, A
     return ordered
 
 
-def _asperities(passed: Mapping[str, Any], count: int) -> dict[str, Any]:
+def _asperities(areas: Any, numbers: Any, count: int) -> dict[str, Any]:
     """Return the checked areas of the asperities and their numbers."""
-    if passed["asperity_area"] is None:
-        if passed["site"] is not None:
-            raise InvalidInput("site needs asperity_area")
-        return {}
-    filled = check.array_with_gaps("asperity_area", passed["asperity_area"], shape=(count, None))
+    filled = check.array_with_gaps("asperity_area", areas, shape=(count, None))
     check.refuse_entries("asperity_area", filled, filled < 0.0, "must be at least 0; 0 is an open contact")
-    site = np.arange(filled.shape[1]) if passed["site"] is None else np.array(passed["site"])
-    if site.shape != filled.shape[1:] or site.dtype.kind not in "iu" or (site < 0).any():
-        raise InvalidInput(
-            f"site = {shown(passed['site'])} must hold the number of each of the {filled.shape[1]} "
-            "asperities of asperity_area in the design"
-        )
-    numbers, counts = np.unique(site, return_counts=True)
-    if (counts > 1).any():
-        raise InvalidInput(f"site holds {numbers[counts.argmax()]} twice; each asperity has its own site")
+    site = np.arange(filled.shape[1]) if numbers is None else np.array(numbers)
+    refuse_if(
+        site.shape != filled.shape[1:] or site.dtype.kind not in "iu" or (site < 0).any(),
+        f"site = {shown(numbers)} must hold the number of each of the {filled.shape[1]} asperities of "
+        "asperity_area in the design",
+    )
+    several, counts = np.unique(site, return_counts=True)
+    twice = f"site holds {several[counts.argmax()]} twice; each asperity has its own site"
+    refuse_if((counts > 1).any(), twice)
     return {"asperity_area": filled, "site": site.astype(np.intp)}
 
 
-def _area(area: Any, count: int, areas: FloatArray | None, by_force: bool) -> dict[str, FloatArray]:
+def _area(area: Any, count: int, found: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
     """Return the checked total areas, or the sums over the asperities: nan where one was not measured."""
-    if area is None:
-        if areas is None or (by_force and np.isnan(areas).any(axis=1).all()):
-            return {}
-        return {"area": areas.sum(axis=1)}
-    found = check.array_with_gaps("area", area, shape=(count,))
-    unknown = False if areas is None else np.isnan(areas).any(axis=1)
-    required = "must be a number, since no area of a contact is unknown"
-    check.refuse_entries("area", found, np.isnan(found) & ~np.asarray(unknown), required)
-    return {"area": found}
+    areas = found.get("asperity_area")
+    unknown = np.zeros(count, dtype=bool) if areas is None else np.isnan(areas).any(axis=1)
+    if area is not None:
+        total = check.array_with_gaps("area", area, shape=(count,))
+        required = "must be a number, since no area of a contact is unknown"
+        check.refuse_entries("area", total, np.isnan(total) & ~unknown, required)
+        return {"area": total}
+    if areas is None or ("friction_force" in found and unknown.all()):
+        return {}
+    return {"area": areas.sum(axis=1)}
 
 
 def _deviation(
@@ -100,60 +99,51 @@ def _deviation(
         # the standard deviation of an open contact may be 0
         checked = check.array(f"{name}_sd", filled, shape=values.shape, positive=name != "asperity_area")
         return np.where(missing, np.nan, checked)
-    if name == "load":
-        return errors.of_load(values)
-    if name == "friction_force":
-        return errors.of_friction_force(values)
-    if name == "asperity_area":
-        return errors.of_area(values)
+    of = {"load": errors.of_load, "friction_force": errors.of_friction_force}.get(name, errors.of_area)
+    if name != "area":
+        return of(values)
+    total, parts = of(values), values  # the same for n contacts as for one: the squares add up
     if passed["area"] is None:
         closed = found["asperity_area"] > 0.0
-        total: FloatArray = np.sqrt((np.where(closed, found["asperity_area_sd"], 0.0) ** 2).sum(axis=1))
-    else:
-        total = errors.of_area(values)  # the same for n contacts together as for one: the squares add up
-    # known contacts count at loads with an unknown total
-    parts = np.nansum(found["asperity_area"], axis=1) if missing.any() else values
-    largest = float(np.where(missing, parts, values).max())
-    if not largest > 0.0:
-        raise InvalidInput("is {.number} at most: there is no contact", Given("area", largest), key="area")
-    sd = np.maximum(total, errors.of_area(np.array(SMALL_CONTACT * largest)))
-    return np.where(missing, np.nan, sd)
+        total = np.sqrt((np.where(closed, found["asperity_area_sd"], 0.0) ** 2).sum(axis=1))
+    if missing.any():  # known contacts count at loads with an unknown total
+        parts = np.where(missing, np.nansum(found["asperity_area"], axis=1), values)
+    largest = float(parts.max())
+    most = Given("area", largest)
+    refuse_if(not largest > 0.0, "is {.number} at most: there is no contact", most, key="area")
+    return np.where(missing, np.nan, np.maximum(total, of(np.array(SMALL_CONTACT * largest))))
 
 
 def _refuse_negative(name: str, values: FloatArray, sd: FloatArray) -> None:
     i = int(np.where(np.isnan(values), np.inf, values / sd).argmin())
-    if values[i] < -BELOW_ZERO * sd[i]:
-        raise InvalidInput(
-            f"is below 0 by {-values[i] / sd[i]:.0f} standard deviations; check the sign of the force or the "
-            "zero of the instrument",
-            key=f"{name}[{i}]",
-            value=values[i],
-        )
+    refuse_if(
+        values[i] < -BELOW_ZERO * sd[i],
+        f"is below 0 by {-values[i] / sd[i]:.0f} standard deviations; check the sign of the force or the "
+        "zero of the instrument",
+        key=f"{name}[{i}]",
+        value=values[i],
+    )
 
 
-def _refuse_falling(found: Mapping[str, FloatArray]) -> None:
+def _refuse_falling(name: str, found: Mapping[str, FloatArray]) -> None:
     """Refuse points whose friction or area decreases with the load."""
-    for name in ("friction_force", "area"):
-        if name not in found:
-            continue
-        known = np.flatnonzero(~np.isnan(found[name]))
-        load, values, load_sd = found["load"][known], found[name][known], found["load_sd"][known]
-        if not known.size or np.ptp(load) <= load_sd.max():
-            continue
-        centred = load - load.mean()
-        weight = centred / (centred**2).sum()
-        slope = float(weight @ values)
-        # the errors of the loads add to those of the values in proportion to the slope
-        sd = np.sqrt((weight**2) @ (found[f"{name}_sd"][known] ** 2 + (slope * load_sd) ** 2))
-        if slope < -FALLING * sd:
-            first, last = int(load.argmin()), int(load.argmax())
-            ends = [
-                Given(key, value)
-                for i in (first, last)
-                for key, value in ((f"{name}[{known[i]}]", values[i]), ("load", load[i]))
-            ]
-            raise InvalidInput(
-                "{} at {.number} and {} at {.number}: it decreases with the load, which no friction law of "
-                "contacts does; check the columns and their units",
-                *ends,
-            )
+    known = np.flatnonzero(~np.isnan(found[name]))
+    load, values, load_sd = found["load"][known], found[name][known], found["load_sd"][known]
+    if not known.size or np.ptp(load) <= load_sd.max():
+        return
+    centred = load - load.mean()
+    weight = centred / (centred**2).sum()
+    slope = float(weight @ values)
+    # the errors of the loads add to those of the values in proportion to the slope
+    sd = np.sqrt((weight**2) @ (found[f"{name}_sd"][known] ** 2 + (slope * load_sd) ** 2))
+    ends = [
+        (Given(f"{name}[{known[i]}]", values[i]), Given("load", load[i]))
+        for i in (load.argmin(), load.argmax())
+    ]
+    refuse_if(
+        slope < -FALLING * sd,
+        "{} at {.number} and {} at {.number}: it decreases with the load, which no friction law of contacts "
+        "does; check the columns and their units",
+        *ends[0],
+        *ends[1],
+    )

@@ -3,12 +3,11 @@
 The line is ``y = a + m1 (x - c)`` below the crossover c, and ``y = a + m2 (x - c)`` above it. The chi-square
 of a point is its squared distance from the line in standard deviations: the minimum of
 ``(x - xi)^2 / sx^2 + (y - f(xi))^2 / sy^2`` over the true load xi, which is on one of the lines or at their
-meeting point. It is continuous in all parameters. All functions take many laws at once, (b, n).
+meeting point. It is continuous in all parameters. All functions take the points x, y, sx, sy of many laws at
+once, (4, b, n), sorted by x, and return lines as c, a, m1, m2 (b, 4).
 """
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,35 +27,17 @@ DAMPING, EASED, TIGHTENED = 1e-3, 0.2, 10.0
 REGULAR = 1e-9
 
 
-@dataclass(frozen=True, eq=False)
-class Points:
-    """Points of several laws (b, n) with their standard deviations, sorted by x."""
-
-    x: FloatArray
-    y: FloatArray
-    sx: FloatArray
-    sy: FloatArray
-
-    def take(self, which: np.ndarray) -> Points:
-        """Return the points of some laws, which may repeat."""
-        return Points(self.x[which], self.y[which], self.sx[which], self.sy[which])
+# Bent lines (b, 4) and their chi-squares (b,).
+Lines = tuple[FloatArray, FloatArray]
 
 
-@dataclass(frozen=True, eq=False)
-class Bent:
-    """Bent lines (b, 4) and their chi-squares (b,)."""
-
-    chi_square: FloatArray
-    parameters: FloatArray
-
-
-def deviations(points: Points, p: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def deviations(points: FloatArray, p: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the deviations along y and along x in standard deviations (b, n), and their slopes (b, n, 4).
 
     The second deviation is 0 for a point on a line. Its only slope, by c, is ``-1 / sx``.
     """
     c, a, left, right = (p[:, i : i + 1] for i in range(4))
-    x, y, sx, sy = points.x, points.y, points.sx, points.sy
+    x, y, sx, sy = points
     dx, dy, vx, vy = x - c, y - a, sx**2, sy**2
     found = []
     for m, side in ((left, -1.0), (right, 1.0)):
@@ -80,14 +61,14 @@ def deviations(points: Points, p: FloatArray) -> tuple[FloatArray, FloatArray, F
     return r / root, np.where(kink, dx / sx, 0.0), slopes
 
 
-def chi_square(points: Points, p: FloatArray) -> FloatArray:
+def chi_square(points: FloatArray, p: FloatArray) -> FloatArray:
     """Return the chi-square of each law (b,) against its bent line (b, 4)."""
     along_y, along_x, _ = deviations(points, p)
     found: FloatArray = (along_y**2 + along_x**2).sum(axis=1)
     return found
 
 
-def descended(points: Points, start: FloatArray, free: tuple[int, ...]) -> Bent:
+def descended(points: FloatArray, start: FloatArray, free: tuple[int, ...]) -> Lines:
     """Return the least chi-square over free parameters near a start (b, 4), by Levenberg and Marquardt."""
     p, index = start.copy(), list(free)
     along_y, along_x, slopes = deviations(points, p)
@@ -98,7 +79,7 @@ def descended(points: Points, start: FloatArray, free: tuple[int, ...]) -> Bent:
         normal = np.einsum("bni,bnj->bij", jacobian, jacobian)
         gradient = np.einsum("bni,bn->bi", jacobian, along_y)
         if KINK in free:
-            sx, at = points.sx[active], index.index(KINK)
+            sx, at = points[2, active], index.index(KINK)
             gradient[:, at] -= (along_x / sx).sum(axis=1)
             normal[:, at, at] += ((along_x != 0.0) / sx**2).sum(axis=1)
         diagonal = np.einsum("bii->bi", normal)
@@ -108,8 +89,7 @@ def descended(points: Points, start: FloatArray, free: tuple[int, ...]) -> Bent:
         step = -np.linalg.solve(scaled, (gradient / scale)[:, :, None])[:, :, 0] / scale
         trial = p[active]
         trial[:, index] += step
-        few = points.take(active)
-        new_y, new_x, new_slopes = deviations(few, trial)
+        new_y, new_x, new_slopes = deviations(points[:, active], trial)
         value = (new_y**2 + new_x**2).sum(axis=1)
         gain = best[active] - value
         better = gain > 0.0
@@ -123,21 +103,22 @@ def descended(points: Points, start: FloatArray, free: tuple[int, ...]) -> Bent:
         if not going.any():
             break
         active, along_y, along_x, slopes = active[going], along_y[going], along_x[going], slopes[going]
-    return Bent(best, p)
+    return p, best
 
 
-def fitted(points: Points, kink: FloatArray, left: float | FloatArray | None = None,
-           right: float | FloatArray | None = None) -> Bent:  # fmt: skip
+def fitted(points: FloatArray, kink: FloatArray, left: float | FloatArray | None = None,
+           right: float | FloatArray | None = None) -> Lines:  # fmt: skip
     """Return the best line of each law (b,) with fixed crossovers (b,), and optionally one fixed slope."""
-    b, dx = len(kink), points.x - kink[:, None]
+    (x, y, sx, sy), b = points, len(kink)
+    dx = x - kink[:, None]
     columns = np.stack([np.ones_like(dx), np.minimum(dx, 0.0), np.maximum(dx, 0.0)], axis=-1)
     # initial guess: linear least squares, with the errors of x at the slope of all points
-    centred = points.x - points.x.mean(axis=1, keepdims=True)
-    overall = (centred * points.y).sum(axis=1, keepdims=True) / (centred**2).sum(axis=1, keepdims=True)
-    root = 1.0 / np.sqrt(points.sy**2 + (overall * points.sx) ** 2)
+    centred = x - x.mean(axis=1, keepdims=True)
+    overall = (centred * y).sum(axis=1, keepdims=True) / (centred**2).sum(axis=1, keepdims=True)
+    root = 1.0 / np.sqrt(sy**2 + (overall * sx) ** 2)
     p = np.zeros((b, 4))
     p[:, KINK] = kink
-    y, free = points.y, [LEVEL]
+    free = [LEVEL]
     for index, value in ((LEFT, left), (RIGHT, right)):
         if value is None:
             free.append(index)
@@ -157,23 +138,21 @@ def kink_grid(x: FloatArray, count: int) -> FloatArray:
     return x[:, 2:3] + (x[:, -3:-2] - x[:, 2:3]) * np.linspace(0.0, 1.0, count)
 
 
-def least(points: Points, count: int, left: float | FloatArray | None = None,
-          right: float | FloatArray | None = None) -> Bent:  # fmt: skip
+def least(points: FloatArray, count: int, left: float | FloatArray | None = None,
+          right: float | FloatArray | None = None) -> Lines:  # fmt: skip
     """Return the best line of each law, with its crossover between the third and the last but two loads."""
-    b = len(points.x)
-    grid = kink_grid(points.x, count)
+    b = points.shape[1]
+    grid = kink_grid(points[0], count)
     rows = np.repeat(np.arange(b), count)
     spread = [None if slope is None else np.broadcast_to(slope, b)[rows] for slope in (left, right)]
-    tried = fitted(points.take(rows), grid.ravel(), *spread)
-    place = tried.chi_square.reshape(b, count).argmin(axis=1) + count * np.arange(b)
-    value, p = tried.chi_square[place], tried.parameters[place]
+    tried, values = fitted(points[:, rows], grid.ravel(), *spread)
+    place = values.reshape(b, count).argmin(axis=1) + count * np.arange(b)
+    p, value = tried[place], values[place]
     free = (KINK, LEVEL, *([LEFT] if left is None else []), *([RIGHT] if right is None else []))
-    polished = descended(points, p, free)
-    inside = (polished.parameters[:, KINK] >= grid[:, 0]) & (polished.parameters[:, KINK] <= grid[:, -1])
-    better = inside & (polished.chi_square < value)
-    return Bent(
-        np.where(better, polished.chi_square, value), np.where(better[:, None], polished.parameters, p)
-    )
+    polished, least_value = descended(points, p, free)
+    inside = (polished[:, KINK] >= grid[:, 0]) & (polished[:, KINK] <= grid[:, -1])
+    better = inside & (least_value < value)
+    return np.where(better[:, None], polished, p), np.where(better, least_value, value)
 
 
 # Probability of the intervals, and that quantile of chi-square with one degree of freedom.
@@ -183,7 +162,7 @@ LEVEL_OF_INTERVALS, REGULAR_GROWTH = 0.68, 0.98894665
 TRIED = 25
 
 
-def growths(points: Points, p: FloatArray, draws: int, rng: np.random.Generator) -> FloatArray:
+def growths(points: FloatArray, p: FloatArray, draws: int, rng: np.random.Generator) -> FloatArray:
     """Return the growths of chi-square (3, b) at the ends of the intervals of crossover and slopes.
 
     Each is the 68 % quantile of chi-square minus its minimum, where chi-square is taken at the true value of
@@ -191,21 +170,20 @@ def growths(points: Points, p: FloatArray, draws: int, rng: np.random.Generator)
     than in the regular case, which is used instead: the true crossover is not at the end.
     """
     found = [
-        _quantiles(points.take(np.array([i])), p[i], rng.standard_normal((draws, points.x.shape[1])))
-        for i in range(len(p))
+        _quantiles(points[:, i], p[i], rng.standard_normal((draws, points.shape[2]))) for i in range(len(p))
     ]
     growth = np.array(found).T
     growth[0] = np.maximum(growth[0], REGULAR_GROWTH)
     return growth
 
 
-def _quantiles(points: Points, p: FloatArray, error: FloatArray) -> FloatArray:
-    """Return the quantiles of one law (3,) from errors (draws, n) in standard deviations."""
-    x, c = points.x[0], p[KINK]
-    tried = np.append(c, kink_grid(points.x, TRIED)[0])
+def _quantiles(points: FloatArray, p: FloatArray, error: FloatArray) -> FloatArray:
+    """Return the quantiles of one law (4, n) from errors (draws, n) in standard deviations, (3,)."""
+    (x, _, sx, sy), c = points, p[KINK]
+    tried = np.append(c, kink_grid(x[None], TRIED)[0])
     dx = x - tried[:, None]
     slope = np.where(x < c, p[LEFT], p[RIGHT])
-    root = 1.0 / np.sqrt(points.sy[0] ** 2 + (slope * points.sx[0]) ** 2)
+    root = 1.0 / np.sqrt(sy**2 + (slope * sx) ** 2)
     columns = root[:, None] * np.stack([np.ones_like(dx), np.minimum(dx, 0.0), np.maximum(dx, 0.0)], axis=-1)
     # the level at the crossover has no effect
     law = root * slope * (x - c) + error

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from metafem import _validate as check
-from metafem._validate import FloatArray
 from metafem.calibration.measured_law.law import MeasuredLaw
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.prediction import BranchFit, fit_branch
 
 # Fewest points of a line whose scatter can be judged.
@@ -91,43 +90,35 @@ def branches(law: MeasuredLaw, first: int | None = None, second: int | None = No
     check.instance("law", law, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
     law = law.known()
     count = len(law.load)
-    if count < 2 * LEAST:
-        raise InvalidInput(f"law has {count} points; two branches need at least {2 * LEAST}")
-    if first is None:
-        number = LEAST
-        while number < count and not _off(law, _line(law, 0, number))[number]:
-            number += 1
-    else:
-        number = check.integer("first", first, at_least=LEAST)
-        if number >= count:
-            raise InvalidInput(f"first = {number} leaves none of the {count} points for a second branch")
-    line = _line(law, 0, min(number, count))
-    off = np.flatnonzero(_off(law, line)[number:])
-    if not off.size:
-        raise InvalidInput(
-            "no point is off the first line by more than twice its error bar: the law has one branch; "
-            "use law.fit"
-        )
-    last = number - 1 + int(off[0])
+    refuse_if(count < 2 * LEAST, f"law has {count} points; two branches need at least {2 * LEAST}")
+    number = LEAST if first is None else check.integer("first", first, at_least=LEAST)
+    refuse_if(number >= count, f"first = {number} leaves none of the {count} points for a second branch")
+    while first is None and number < count and not _off(law, _line(law, 0, number))[number]:
+        number += 1
+    line = _line(law, 0, number)
+    off = number + np.flatnonzero(_off(law, line)[number:])
+    refuse_if(
+        not off.size,
+        "no point is off the first line by more than twice its error bar: the law has one branch; "
+        "use law.fit",
+    )
+    last = int(off[0]) - 1
     behind = count - 1 - last if second is None else check.integer("second", second, at_least=LEAST)
-    if behind > count:
-        raise InvalidInput(f"second = {behind} exceeds the {count} points of the law")
+    refuse_if(behind > count, f"second = {behind} exceeds the {count} points of the law")
     ends = float(law.rescaled_load[last]), float(law.rescaled_load[last + 1])
     return Branches(line, _line(law, count - max(behind, LEAST), count), 0.5 * sum(ends), ends)
 
 
 def _line(law: MeasuredLaw, start: int, stop: int) -> BranchFit:
     """Return the least-squares line of consecutive points."""
-    x = law.rescaled_load[start:stop]
-    if np.ptp(x) == 0.0:
-        raise InvalidInput(f"the points {start + 1} to {stop} have one load; a line needs different loads")
-    return fit_branch(
-        x, law.rescaled_friction[start:stop], (float(x[0]), float(x[-1])), law.material, law.friction
-    )
+    x, y = law.rescaled_load[start:stop], law.rescaled_friction[start:stop]
+    one = f"the points {start + 1} to {stop} have one load; a line needs different loads"
+    refuse_if(np.ptp(x) == 0.0, one)
+    return fit_branch(x, y, (float(x[0]), float(x[-1])), law.material, law.friction)
 
 
 def _off(law: MeasuredLaw, line: BranchFit) -> np.ndarray:
     """Return which points are off a line by more than their error bars on both axes."""
     deviation = law.rescaled_friction - line.intercept - line.slope * law.rescaled_load
-    spread: FloatArray = np.hypot(law.rescaled_friction_sd, line.slope * law.rescaled_load_sd)
-    return np.abs(deviation) > OFF * spread
+    spread = np.hypot(law.rescaled_friction_sd, line.slope * law.rescaled_load_sd)
+    return np.asarray(np.abs(deviation) > OFF * spread)

@@ -9,14 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
-from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import span
 from metafem.calibration.contact_table import ContactTable, of_contacts
 from metafem.calibration.measured_law.arrays import ARRAYS, checked
 from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.drawing import measured
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note, counted, to_lines
 from metafem.prediction.base_law import BaseLaw
 from metafem.surface import Friction, Material
@@ -115,15 +114,14 @@ class MeasuredLaw(BaseLaw):
         if self.friction is not None:
             check.instance("friction", self.friction, Friction, "a metafem.Friction, or None")
         check.instance("errors", self.errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
-        if not isinstance(self.label, str):
-            raise InvalidInput(f"label = {shown(self.label)} must be a text")
+        check.instance("label", self.label, str, "a text")
         for name, values in checked({name: getattr(self, name) for name in ARRAYS}, self.errors).items():
             object.__setattr__(self, name, values)
-        if self.area is None and self.friction is None:
-            raise InvalidInput(
-                "friction_force can only be rescaled with the friction of the material pair; add "
-                "friction=metafem.Friction(shear_strength, area_ratio)"
-            )
+        refuse_if(
+            self.area is None and self.friction is None,
+            "friction_force can only be rescaled with the friction of the material pair; add "
+            "friction=metafem.Friction(shear_strength, area_ratio)",
+        )
 
     @classmethod
     def from_contacts(
@@ -197,16 +195,13 @@ class MeasuredLaw(BaseLaw):
         known = ~np.isnan(self.rescaled_friction)
         if known.all():
             return self
-        if not known.any():
-            raise InvalidInput(
-                "the contact area is unknown at every load, since an area of a contact is nan at each; "
-                "give friction forces, or areas at more loads"
-            )
+        refuse_if(
+            not known.any(),
+            "the contact area is unknown at every load, since an area of a contact is nan at each; give "
+            "friction forces, or areas at more loads",
+        )
         arrays = {name: getattr(self, name) for name in ARRAYS if name != "site"}
-        changes: dict[str, Any] = {
-            name: None if values is None else values[known] for name, values in arrays.items()
-        }
-        return replace(self, **changes)
+        return replace(self, **{name: of[known] for name, of in arrays.items() if of is not None})
 
     @property
     def by_force(self) -> bool:
@@ -226,33 +221,32 @@ class MeasuredLaw(BaseLaw):
     @property
     def rescaled_friction(self) -> FloatArray:
         """F/(sigma B) where the friction force was measured, else A0 [mm^2]."""
-        return self._rescaled(self.friction_force, self.area)
+        return self._rescaled("")
 
     @property
     def rescaled_friction_sd(self) -> FloatArray:
         """Standard deviation of the rescaled friction [mm^2], without the errors of sigma and B."""
-        return self._rescaled(self.friction_force_sd, self.area_sd)
+        return self._rescaled("_sd")
 
-    def _rescaled(self, force: FloatArray | None, area: FloatArray | None) -> FloatArray:
-        if force is not None and self.friction is not None:
-            return force / (self.friction.shear_strength * self.friction.area_ratio)
-        assert area is not None  # one of them is given
-        return area
+    def _rescaled(self, suffix: str) -> FloatArray:
+        if self.by_force:
+            return np.asarray(getattr(self, f"friction_force{suffix}") / self._stress)
+        return np.asarray(getattr(self, f"area{suffix}"))
 
-    def _force(self) -> FloatArray:
-        return self._in_newtons(self.friction_force, self.area)
-
-    def _in_newtons(self, force: FloatArray | None, area: FloatArray | None) -> FloatArray:
-        """Return measured friction forces, or sigma B times measured areas."""
-        if force is not None:
-            return force
+    @property
+    def _stress(self) -> float:
+        """Friction force per contact area, sigma B [MPa]."""
         if self.friction is None:
             raise InvalidInput(
                 "the friction force was not measured; to compute it from the areas, give the law "
                 "friction=metafem.Friction(shear_strength, area_ratio)"
             )
-        assert area is not None
-        return self.friction.shear_strength * self.friction.area_ratio * area
+        return self.friction.shear_strength * self.friction.area_ratio
+
+    def _force(self, suffix: str = "") -> FloatArray:
+        """Return measured friction forces, or sigma B times measured areas, or their `suffix` "_sd" [N]."""
+        measured = getattr(self, f"friction_force{suffix}")
+        return np.asarray(self._stress * getattr(self, f"area{suffix}") if measured is None else measured)
 
     def quantities(self) -> dict[str, FloatArray]:
         """Return the arrays (k,) of the law by name, in the order of its tables."""
@@ -279,9 +273,8 @@ class MeasuredLaw(BaseLaw):
 
     def _draw(self, ax: Axes, forces: bool, label: str | None) -> None:
         if forces:
-            force_sd = self._in_newtons(self.friction_force_sd, self.area_sd)
-            shown_points = self.load, self._force(), self.load_sd, force_sd
+            points = self.load, self._force(), self.load_sd, self._force("_sd")
         else:
             deviations = self.rescaled_load_sd, self.rescaled_friction_sd
-            shown_points = self.rescaled_load, self.rescaled_friction, *deviations
-        measured.points(ax, *shown_points, forces=forces, label=label)
+            points = self.rescaled_load, self.rescaled_friction, *deviations
+        measured.points(ax, *points, forces=forces, label=label)

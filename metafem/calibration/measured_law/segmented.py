@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,11 +13,6 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.measured_law.bent_line import (
-    KINK,
-    LEFT,
-    LEVEL,
-    RIGHT,
-    Points,
     deviations,
     fitted,
     growths,
@@ -25,7 +21,7 @@ from metafem.calibration.measured_law.bent_line import (
 )
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.verdict import Verdict, judged
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.notes import Note, information
 
 # Fewest points: four parameters, three points on each side of the crossover.
@@ -82,10 +78,10 @@ class SegmentedFit(Value):
 
     crossover_load: float
     crossover_friction: float
-    slopes: tuple[float, float]
+    slopes: tuple[float, ...]
     crossover_interval: tuple[float, float]
-    slope_intervals: tuple[tuple[float, float], tuple[float, float]]
-    growth: tuple[float, float, float]
+    slope_intervals: tuple[tuple[float, float], ...]
+    growth: tuple[float, ...]
     residual: FloatArray
     verdict: Verdict
     notes: tuple[Note, ...] = ()
@@ -153,70 +149,69 @@ def fit_segments(law: MeasuredLaw, *, draws: int = 2000, rng: Any = 0) -> Segmen
     law = law.known()
     count = check.integer("draws", draws, at_least=100)
     generator = check.generator(rng)
-    if len(law.load) < LEAST:
-        raise InvalidInput(f"law has {len(law.load)} points; two lines that meet need at least {LEAST}")
+    few = len(law.load)
+    refuse_if(few < LEAST, f"law has {few} points; two lines that meet need at least {LEAST}")
     points = points_of(law)
-    different = len(np.unique(points.x))
-    if different < DIFFERENT:
-        raise InvalidInput(f"law has {different} different loads; two lines that meet need {DIFFERENT}")
-    best = least(points, TRIED)
-    p, chi_square = best.parameters, float(best.chi_square[0])
+    x = points[0, 0]
+    different = len(np.unique(x))
+    refuse_if(
+        different < DIFFERENT,
+        f"law has {different} different loads; two lines that meet need {DIFFERENT}",
+    )
+    p, chi_square = least(points, TRIED)
     growth = growths(points, p, count, generator)[:, 0]
-    notes: list[Note] = []
-    crossover = _crossover_interval(points, float(p[0, KINK]), chi_square + growth[0])
-    if crossover[0] <= points.x[0, 2] or crossover[1] >= points.x[0, -3]:
-        notes.append(
-            information(
-                "the points do not bound the crossover: its interval ends at the third load from an end"
-            )
-        )
-    slopes = []
-    for index, name, limit in ((LEFT, "left", growth[1]), (RIGHT, "right", growth[2])):
+    kink, level, *slopes = p[0].tolist()
+    limit, *limits = (chi_square[0] + growth).tolist()
+    crossover = _crossover_interval(points, kink, limit)
 
-        def profile(values: FloatArray, name: str = name) -> FloatArray:
-            many = points.take(np.zeros(len(values), dtype=int))
-            return least(many, TRIED, **{name: values}).chi_square
+    def profile(side: str, values: FloatArray) -> FloatArray:
+        return least(np.repeat(points, len(values), axis=1), TRIED, **{side: values})[1]
 
-        interval = _interval(profile, float(p[0, index]), chi_square + limit)
-        if not np.isfinite(interval).all():
-            which = "below" if index == LEFT else "above"
-            notes.append(information(f"the points do not bound the slope {which} the crossover"))
-        slopes.append(interval)
-    residual = deviations(points, p)[0][0]
-    along_x = deviations(points, p)[1][0]
-    signed = np.sign(residual) * np.hypot(residual, along_x)
+    sides = zip(("left", "right"), slopes, limits, strict=True)
+    intervals = [_interval(partial(profile, side), *ends) for side, *ends in sides]
+    unbound = [
+        (
+            "crossover: its interval ends at the third load from an end",
+            crossover[0] > x[2] and crossover[1] < x[-3],
+        ),
+        ("slope below the crossover", np.isfinite(intervals[0]).all()),
+        ("slope above the crossover", np.isfinite(intervals[1]).all()),
+    ]
+    along_y, along_x, _ = deviations(points, p)
+    signed = (np.sign(along_y) * np.hypot(along_y, along_x))[0]
     return SegmentedFit(
-        crossover_load=float(p[0, KINK]),
-        crossover_friction=float(p[0, LEVEL]),
-        slopes=(float(p[0, LEFT]), float(p[0, RIGHT])),
+        crossover_load=kink,
+        crossover_friction=level,
+        slopes=tuple(slopes),
         crossover_interval=crossover,
-        slope_intervals=(slopes[0], slopes[1]),
-        growth=(float(growth[0]), float(growth[1]), float(growth[2])),
+        slope_intervals=tuple(intervals),
+        growth=tuple(growth.tolist()),
         residual=signed,
         verdict=judged(signed, parameters=4),
-        notes=tuple(notes),
+        notes=tuple(
+            information(f"the points do not bound the {name}") for name, bound in unbound if not bound
+        ),
     )
 
 
-def points_of(law: MeasuredLaw) -> Points:
-    """Return the rescaled points of a law, as one of many."""
+def points_of(law: MeasuredLaw) -> FloatArray:
+    """Return the rescaled points of a law and their standard deviations, (4, 1, k)."""
     arrays = (law.rescaled_load, law.rescaled_friction, law.rescaled_load_sd, law.rescaled_friction_sd)
-    return Points(*(values[None] for values in arrays))
+    return np.array(arrays)[:, None]
 
 
-def _crossover_interval(points: Points, estimate: float, limit: float) -> tuple[float, float]:
+def _crossover_interval(points: FloatArray, estimate: float, limit: float) -> tuple[float, float]:
     """Return the outermost crossovers whose chi-square is at most a limit."""
-    grid = np.union1d(kink_grid(points.x, SCANNED)[0], estimate)
-    value = fitted(points.take(np.zeros(len(grid), dtype=int)), grid).chi_square
+    grid = np.union1d(kink_grid(points[0], SCANNED)[0], estimate)
+    _, value = fitted(np.repeat(points, len(grid), axis=1), grid)
     inside = np.flatnonzero((value <= limit) | (grid == estimate))
-    first, last = int(inside[0]), int(inside[-1])
     ends = []
-    for at, beyond in ((first, first - 1), (last, last + 1)):
-        if 0 <= beyond < len(grid):  # chi-square is nearly linear over a step of the grid
-            share = (limit - value[at]) / (value[beyond] - value[at])
-            ends.append(float(grid[at] + max(share, 0.0) * (grid[beyond] - grid[at])))
-        else:
-            ends.append(float(grid[at]))
+    for at, step in ((int(inside[0]), -1), (int(inside[-1]), 1)):
+        beyond = min(max(at + step, 0), len(grid) - 1)
+        rise = value[beyond] - value[at]
+        # chi-square is nearly linear over a step of the grid
+        share = max((limit - value[at]) / rise, 0.0) if rise > 0.0 else 0.0
+        ends.append(float(grid[at] + share * (grid[beyond] - grid[at])))
     return ends[0], ends[1]
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.linalg import block_diag
 
 from metafem import _validate as check
 from metafem import drawing
@@ -16,12 +17,12 @@ from metafem._given import Given, shown
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.bounded_interval import interval_of
-from metafem.calibration.joint import checked_covariance
+from metafem.calibration.joint import checked_covariance, propagated
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.sheared.proportional import proportional
 from metafem.calibration.verdict import Verdict, judged
 from metafem.drawing import calibration
-from metafem.errors import InvalidInput, MetafemError
+from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Friction
 from metafem.models import Independent, Model
 from metafem.prediction import equilibrium, friction_law
@@ -33,9 +34,6 @@ if TYPE_CHECKING:
 # Relative step of the load in the derivative dA0/dP: the error of a central difference is the square of the
 # step, the rounding error 1e-16 over the step.
 STEP = 1e-4
-
-# Doublings and halvings of the load in the search for the first one at which all asperities are in contact.
-DOUBLINGS, HALVINGS = 10, 12
 
 # Parameters whose errors change sigma.
 PARAMETERS = ("composite_modulus", "area_ratio", "radius")
@@ -115,59 +113,48 @@ def shear_strength(
             "area_ratio), whose shear strength is not used"
         )
     used = law.load >= least
-    if used.sum() < FEWEST:
-        raise InvalidInput(
-            f"law has {int(used.sum())} points at {{}} or above; sigma needs at least {FEWEST}",
-            Given("load_min", least),
-        )
+    few = f"law has {int(used.sum())} points at {{}} or above; sigma needs at least {FEWEST}"
+    refuse_if(used.sum() < FEWEST, few, Given("load_min", least))
     _refuse_open(surface, solver, least)
     load, force, load_sd = law.load[used], law.friction_force[used], law.load_sd[used]
     area, slope = _areas(surface, solver, load)
-    errors, force_sd = law.errors, law.friction_force_sd[used]
+    area_sd, of_force, force_sd = slope * load_sd, law.errors.of_friction_force, law.friction_force_sd[used]
     # default standard deviations follow from the fitted force, which is not noisy
-    follows = np.allclose(force_sd, errors.of_friction_force(force), rtol=1e-9)
-    deviation = (
-        lambda _: slope * load_sd,
-        errors.of_friction_force if follows else lambda _: force_sd,
+    of = of_force if np.allclose(force_sd, of_force(force), rtol=1e-9) else lambda _: force_sd
+    points = np.stack([area, force])
+    (factor,), ((variance,),), value = proportional(points, (lambda _: area_sd, of))
+    refuse_if(
+        factor <= 0.0,
+        f"friction_force is not positive on the whole: sigma B = {factor:.4g} MPa; forces that resist "
+        "sliding are positive",
     )
-    (factor,), ((variance,),), value = proportional(np.stack([area, force]), deviation)
-    if factor <= 0.0:
-        raise InvalidInput(
-            f"friction_force is not positive on the whole: sigma B = {factor:.4g} MPa; forces that resist "
-            "sliding are positive"
-        )
-    fitted_sd = errors.of_friction_force(factor * value) if follows else force_sd
-    square = fitted_sd**2 + (factor * slope * load_sd) ** 2
+    fitted_sd = of(factor * value)
+    square = fitted_sd**2 + (factor * area_sd) ** 2
     residual = (force - factor * area) / np.sqrt(square)
     strength = factor / friction.area_ratio
     measured = float(variance) / friction.area_ratio**2
     # relative changes of sigma: changes of the areas at these loads, weighted as in the fit, and of B
     weight = area / square / (area**2 / square).sum()
-    modulus = surface.material.composite_modulus
     change = {
-        "composite_modulus": lambda: float(weight @ (load * slope)) / modulus,
+        "composite_modulus": lambda: float(weight @ (load * slope)) / surface.material.composite_modulus,
         "area_ratio": lambda: -1.0 / friction.area_ratio,
         "radius": lambda: -float(weight @ _growth(surface, solver, load)) / float(surface.radius.mean()),
     }
     gradient = strength * np.array([change[name]() for name in names])
-    p = len(names)
-    whole = np.zeros((p + 1, p + 1))
-    whole[:p, :p] = known
-    whole[p, :p] = whole[:p, p] = known @ gradient
-    whole[p, p] = gradient @ known @ gradient + measured
+    rows = *np.eye(len(names) + 1)[:-1], np.append(gradient, 1.0)
     return StrengthFit(
-        float(strength),
-        (*names, "shear_strength"),
-        whole,
-        measured**0.5,
-        load,
-        force,
-        area,
-        slope * load_sd,
-        fitted_sd,
-        residual,
-        judged(residual, 1),
-        friction.area_ratio,
+        shear_strength=float(strength),
+        parameters=(*names, "shear_strength"),
+        covariance=propagated(block_diag(known, measured), *rows),
+        measured_sd=measured**0.5,
+        load=load,
+        friction_force=force,
+        area=area,
+        area_sd=area_sd,
+        friction_force_sd=fitted_sd,
+        residual=residual,
+        verdict=judged(residual, 1),
+        area_ratio=friction.area_ratio,
     )
 
 
@@ -178,9 +165,9 @@ def _covariance(
     if covariance is None:
         return (), np.zeros((0, 0))
     names = tuple(parameters)
-    unknown = [name for name in names if name not in (*PARAMETERS, "shear_strength")]
-    if unknown or len(set(names)) < len(names):
-        raise InvalidInput(f"parameters = {shown(names)} must be different names of {', '.join(PARAMETERS)}")
+    unknown = set(names) - {*PARAMETERS, "shear_strength"}
+    must = f"parameters = {shown(names)} must be different names of {', '.join(PARAMETERS)}"
+    refuse_if(unknown or len(set(names)) < len(names), must)
     matrix = checked_covariance(names, covariance)
     rows = [i for i, name in enumerate(names) if name in PARAMETERS]
     return tuple(names[i] for i in rows), matrix[np.ix_(rows, rows)]
@@ -204,42 +191,18 @@ def _areas(surface: Surface, model: Model, load: FloatArray) -> tuple[FloatArray
 
 
 def _refuse_open(surface: Surface, model: Model, load: float) -> None:
-    """Refuse a load at which an asperity is not in contact, and state a load at which all are."""
-    opened = _open(surface, model, load)
-    if not opened:
-        return
-    closed = _all_touch(surface, model, load)
-    raise InvalidInput(
-        f"is too small: {opened} of {surface.count} asperities are not in contact at this load"
-        + "; all are from {.number} on" * len(closed),
-        *closed,
-        key="load_min",
-        value=load,
-    )
-
-
-def _all_touch(surface: Surface, model: Model, load: float) -> tuple[Given, ...]:
-    """Return the smallest load at which all asperities are in contact; () if the model finds none."""
-    low, high = load, load
-    try:
-        for _ in range(DOUBLINGS):
-            low, high = high, 2.0 * high
-            if not _open(surface, model, high):
-                break
-        else:
-            return ()
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if _open(surface, model, middle) else (low, middle)
-    except MetafemError:  # beyond the range of the contact law
-        return ()
-    unit = 10.0 ** (math.floor(math.log10(high)) - 2)  # of the third digit
-    return (Given("load_min", math.ceil(high / unit) * unit),)
-
-
-def _open(surface: Surface, model: Model, load: float) -> int:
-    """Return the number of asperities that are not in contact at a load."""
-    return int((equilibrium(surface, model, load=load).asperity_area <= 0.0).sum())
+    """Refuse a load at which an asperity is open, and state the first at which no independent one is."""
+    opened = int((equilibrium(surface, model, load=load).asperity_area <= 0.0).sum())
+    if opened:
+        least = equilibrium(surface, Independent(), approach=float(np.ptp(surface.height))).load
+        unit = 10.0 ** (math.floor(math.log10(least)) - 2)  # of the third digit
+        raise InvalidInput(
+            f"is too small: {opened} of {surface.count} asperities are not in contact at this load; all are "
+            "from {.number} on without interaction",
+            Given("load_min", math.ceil(least / unit) * unit),
+            key="load_min",
+            value=load,
+        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -329,9 +292,7 @@ class StrengthFit(Value):
             Axes to draw on; default: those of a new figure of ``matplotlib.pyplot``.
         """
         ax = drawing.axes(ax)
-        factor = self.shear_strength * self.area_ratio
-        deviations = self.area_sd, self.friction_force_sd
-        calibration.proportional(ax, self.area, self.friction_force, *deviations, factor)
-        ax.set_xlabel("predicted area  A0 [mm²]")
-        ax.set_ylabel("friction force  F [N]")
+        points = self.area, self.friction_force, self.area_sd, self.friction_force_sd
+        calibration.proportional(ax, *points, self.shear_strength * self.area_ratio)
+        ax.set(xlabel="predicted area  A0 [mm²]", ylabel="friction force  F [N]")
         return ax

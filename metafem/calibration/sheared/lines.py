@@ -12,14 +12,16 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
+from metafem.calibration.joint import propagated
 from metafem.calibration.magnitude import OFF, is_off, unit_hint, within_errors
 from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.calibration.resampling import Bootstrap, labels_of
-from metafem.calibration.sheared.fits import LINES, fitted, fitted_tests, resampled
+from metafem.calibration.serial_correlation import Succession
+from metafem.calibration.sheared.proportional import proportional
 from metafem.calibration.sheared.record import measured_or_nan
 from metafem.calibration.sheared.result import ShearCalibration
-from metafem.calibration.verdict import Heterogeneity, heterogeneity
-from metafem.errors import InvalidInput
+from metafem.calibration.verdict import SingleTest, Verdict, errors_of, heterogeneity, judged_in_order
+from metafem.errors import refuse_if
 from metafem.notes import Note, information
 
 # Names of the quantities of a point.
@@ -34,6 +36,12 @@ WEAKEST, STRONGEST = 1e-5, 30.0
 
 # Smallest number of points of a line through the origin: one factor and a residual.
 FEWEST = 2
+
+# The two lines: sheared area over area before shear, and friction force over sheared area.
+LINES = ("Af = B A0", "F = sigma Af")
+
+# Number of points of the bootstrap that are fitted at once.
+AT_ONCE = 200_000
 
 DEFAULT_ERRORS = MeasurementErrors()
 
@@ -95,50 +103,49 @@ def shear(
     known = np.isfinite(points)
     for line, first, second in (("B", 0, 1), ("sigma", 1, 2)):
         number = int((known[first] & known[second]).sum())
-        if number < FEWEST:
-            both = f"{NAMES[first]} and {NAMES[second]}"
-            raise InvalidInput(f"{line} needs at least {FEWEST} points with {both}; there are {number}")
+        needed = f"{line} needs at least {FEWEST} points with {NAMES[first]} and {NAMES[second]}"
+        refuse_if(number < FEWEST, f"{needed}; there are {number}")
     found = fitted(points, names, errors)
     _refuse_contradiction(found)
     tests = fitted_tests(points, names, errors) if len(set(names)) > 1 else ()
-    compared = heterogeneity(tests) if tests else None
     draws = None if bootstrap is None else resampled(points, names, errors, bootstrap)
-    notes = tuple(_notes(found, compared))
-    return replace(found, tests=tests, heterogeneity=compared, bootstrap=draws, notes=notes)
+    compared = heterogeneity(tests) if tests else None
+    found = replace(found, tests=tests, heterogeneity=compared, bootstrap=draws)
+    return replace(found, notes=tuple(_notes(found)))
 
 
 def _points(*quantities: ArrayLike) -> FloatArray:
     """Return the measured quantities (3, k), areas of several contacts added."""
     columns = [measured_or_nan(name, value) for name, value in zip(NAMES, quantities, strict=True)]
-    lengths = {name: len(column) for name, column in zip(NAMES, columns, strict=True)}
-    if len(set(lengths.values())) > 1:
-        lengths_of = ", ".join(f"{name} has {length}" for name, length in lengths.items())
-        raise InvalidInput(f"{lengths_of} points; all must have the same number")
+    lengths = ", ".join(f"{name} has {len(column)}" for name, column in zip(NAMES, columns, strict=True))
+    alike = len({len(column) for column in columns}) == 1
+    refuse_if(not alike, f"{lengths} points; all must have the same number")
     return np.stack(columns)
 
 
 def _refuse_contradiction(found: ShearCalibration) -> None:
     """Refuse a strength that is not positive, and points with a significantly negative slope."""
-    if found.shear_strength <= 0.0:
-        raise InvalidInput(
-            f"friction_force is not positive on the whole: sigma = {found.shear_strength:.4g} MPa; forces "
-            "that resist sliding are positive"
+    strength, names = found.shear_strength, zip(NAMES, NAMES[1:], LINES, strict=False)
+    refuse_if(
+        strength <= 0.0,
+        f"friction_force is not positive on the whole: sigma = {strength:.4g} MPa; forces that resist "
+        "sliding are positive",
+    )
+    for (first, second, line), verdict in zip(
+        names, (found.area_verdict, found.friction_verdict), strict=True
+    ):
+        x, y = getattr(found, first), getattr(found, second)
+        known = np.isfinite(x) & np.isfinite(y)
+        apart = x[known] - x[known].mean()
+        slope = float((apart * y[known]).sum())
+        refuse_if(
+            slope < 0.0 and not verdict.fits,
+            f"{second} decreases with {first} (slope {slope / (apart @ apart or 1.0):.3g}), which "
+            f"contradicts {line}; check the columns and their units",
         )
-    quantities = [getattr(found, name) for name in NAMES]
-    for index, verdict in enumerate((found.area_verdict, found.friction_verdict)):
-        both = np.stack(quantities[index : index + 2])
-        x, y = both[:, np.isfinite(both).all(axis=0)]
-        apart = x - x.mean()
-        slope = float((apart * y).sum())
-        if slope < 0.0 and not verdict.fits:
-            slope /= float(apart @ apart)
-            raise InvalidInput(
-                f"{NAMES[index + 1]} decreases with {NAMES[index]} (slope {slope:.3g}), which "
-                f"contradicts {LINES[index]}; check the columns and their units"
-            )
 
 
-def _notes(found: ShearCalibration, compared: Heterogeneity | None) -> Iterator[Note]:
+def _notes(found: ShearCalibration) -> Iterator[Note]:
     """Return notes on lines and tests that do not fit, and on points with a missing quantity."""
     for line, verdict in zip(LINES, (found.area_verdict, found.friction_verdict), strict=True):
         if not verdict.law_fits or verdict["largest"].noticed:
@@ -153,8 +160,8 @@ def _notes(found: ShearCalibration, compared: Heterogeneity | None) -> Iterator[
             "check that they are not exchanged"
         )
     yield from _magnitudes(found)
-    if compared is not None and not compared.agree:
-        yield compared.note()
+    if found.heterogeneity is not None and not found.heterogeneity.agree:
+        yield found.heterogeneity.note()
     unused, count = int(np.isnan(found.area_fitted).sum()), len(found.area_fitted)
     if unused:
         yield information(f"{unused} of {count} points hold less than two quantities and are not used")
@@ -176,3 +183,92 @@ def _magnitudes(found: ShearCalibration) -> Iterator[Note]:
             f"sigma = {strength:.2g} MPa is outside {WEAKEST:g} to {STRONGEST:g} MPa, the range of soft "
             f"contacts, whose areas shrink under shear; {unit_hint(name, OFF if large else 1.0 / OFF)}"
         )
+
+
+def parameters(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return B and sigma (..., 2), their covariance (..., 2, 2) and A0 (..., k) from points (..., 3, k)."""
+    deviation = (errors.of_area, errors.of_area, errors.of_friction_force)
+    factor, covariance, value = proportional(points, deviation)
+    ratio, strength = factor[..., 0], factor[..., 1] / factor[..., 0]  # the second factor is sigma B
+    covariance = propagated(covariance, (1.0, 0.0), (-strength / ratio, 1.0 / ratio))
+    # symmetric to the last bit
+    covariance = 0.5 * (covariance + np.swapaxes(covariance, -1, -2))
+    return np.stack([ratio, strength], axis=-1), covariance, value
+
+
+def fitted(points: FloatArray, test: Sequence[str], errors: MeasurementErrors) -> ShearCalibration:
+    """Fit points (3, k); points with a single quantity have no fitted value."""
+    used = np.isfinite(points).sum(axis=0) >= 2
+    value = np.full(points.shape[1], np.nan)
+    found, covariance, value[used] = parameters(points[:, used], errors)
+    ratio, strength = found
+    before, sheared, force = points
+    before_sd, sheared_sd = errors.of_area(value), errors.of_area(ratio * value)
+    force_sd = errors.of_friction_force(strength * ratio * value)
+    scale = np.hypot(sheared_sd, ratio * before_sd), np.hypot(force_sd, strength * sheared_sd)
+    residual = (sheared - ratio * before) / scale[0], (force - strength * sheared) / scale[1]
+    regressors = value / scale[0], ratio * value / scale[1]
+    verdicts: list[Verdict] = []
+    notes: list[Note] = []
+    factor = np.ones(2)
+    for i, (line, off, regressor) in enumerate(zip(LINES, residual, regressors, strict=True)):
+        known = np.isfinite(off)
+        measured = Succession(np.array(test)[known], regressor[known, None])
+        verdicts.append(judged_in_order(off[known], value[known], measured))
+        rho, more = errors_of(verdicts[i], measured, line)
+        factor[i] = math.sqrt(measured.covariance(rho)[0, 0] / measured.covariance(0.0)[0, 0])
+        notes += more
+    return ShearCalibration(
+        area_ratio=float(ratio),
+        shear_strength=float(strength),
+        covariance=covariance * np.outer(factor, factor),
+        area_before=before,
+        area_sheared=sheared,
+        friction_force=force,
+        area_fitted=value,
+        area_residual=residual[0],
+        friction_residual=residual[1],
+        area_verdict=verdicts[0],
+        friction_verdict=verdicts[1],
+        errors=errors,
+        notes=tuple(notes),
+    )
+
+
+def fitted_tests(
+    points: FloatArray, test: Sequence[str], errors: MeasurementErrors
+) -> tuple[SingleTest, ...]:
+    """Return the fit of each test."""
+    own = {name: points[:, np.array([each == name for each in test])] for name in dict.fromkeys(test)}
+    return tuple(SingleTest(name, part.shape[1], *_of_known(part, errors)) for name, part in own.items())
+
+
+def _of_known(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray, FloatArray]:
+    """Return B and sigma with their covariance, nan for a line without points."""
+    known = np.isfinite(points)
+    pairs = known[:2].all(axis=0), known[1:].all(axis=0)
+    if pairs[0].any() and pairs[1].any():
+        return parameters(points[:, known.sum(axis=0) >= 2], errors)[:2]
+    value, covariance = np.full(2, np.nan), np.full((2, 2), np.nan)
+    deviation = errors.of_area, errors.of_area, errors.of_friction_force
+    for i, pair in enumerate(pairs):
+        if pair.any():
+            (value[i],), ((covariance[i, i],),), _ = proportional(
+                points[i : i + 2, pair], deviation[i : i + 2]
+            )
+    return value, covariance
+
+
+def resampled(
+    points: FloatArray, test: Sequence[str], errors: MeasurementErrors, bootstrap: Bootstrap
+) -> FloatArray:
+    """Return B and sigma (draws, 2) of points that are drawn with replacement from each group.
+
+    The points of a group have the same test and the same measured quantities, so that each draw has the same
+    number of points on each line.
+    """
+    known = np.isfinite(points)
+    used = np.flatnonzero(known.sum(axis=0) >= 2)
+    group = [(test[i], *known[:, i].tolist()) for i in used.tolist()]
+    drawn = bootstrap.rows(group, AT_ONCE // len(used))
+    return np.concatenate([parameters(points[:, used[rows]].transpose(1, 0, 2), errors)[0] for rows in drawn])

@@ -11,7 +11,7 @@ from metafem import _validate as check
 from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem._values import Value, span
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.notes import Note, counted, information
 
 # Distances after the peak over which the paper averages the sliding friction (page 313 of its text) [mm].
@@ -129,8 +129,8 @@ def shear_record(
     x = check.array("displacement", displacement, shape=(None,))
     force = check.array("friction_force", friction_force, shape=(len(x),))
     low, high = check.array("sliding_range", sliding_range, shape=(2,)).tolist()
-    if not 0.0 <= low < high:
-        raise InvalidInput(f"sliding_range = ({low:g}, {high:g}) must increase and not begin before the peak")
+    ends = f"sliding_range = ({low:g}, {high:g}) must increase and not begin before the peak"
+    refuse_if(not 0.0 <= low < high, ends)
     back = np.diff(x, prepend=x[0]) < 0.0
     check.refuse_entries(
         "displacement", x, back, "is less than the one before; give one pull in one direction"
@@ -139,23 +139,18 @@ def shear_record(
     _refuse_without_peak(x, force, peak)
     after = x - x[peak]
     rounding = ROUNDING * x[-1]
-    near, far = (Given("displacement", end) for end in (low, high))
-    if after[-1] < high - rounding:
-        raise InvalidInput(
-            "the record ends {.number} after the peak at displacement {.number}; the sliding range needs "
-            "{.number}",
-            Given("displacement", after[-1]),
-            Given("displacement", x[peak]),
-            far,
-        )
+    last, top, near, far = (Given("displacement", end) for end in (after[-1], x[peak], low, high))
+    early = "the record ends {.number} after the peak at displacement {.number}"
+    refuse_if(after[-1] < high - rounding, f"{early}; the sliding range needs {{.number}}", last, top, far)
     sliding = (after >= low - rounding) & (after <= high + rounding)
-    if sliding.sum() < 2:
-        raise InvalidInput(
-            f"the record has {int(sliding.sum())} entries between {{.number}} and {{.number}} after the "
-            "peak; sliding friction needs at least 2; widen sliding_range",
-            near,
-            far,
-        )
+    count = int(sliding.sum())
+    refuse_if(
+        count < 2,
+        f"the record has {count} entries between {{.number}} and {{.number}} after the peak; sliding "
+        "friction needs at least 2; widen sliding_range",
+        near,
+        far,
+    )
     mean, noise = float(force[sliding].mean()), _noise(x[sliding], force[sliding])
     notes = []
     if force[peak] - mean <= DISTINCT * noise:
@@ -169,40 +164,39 @@ def shear_record(
     found: tuple[float, float, float] | tuple[None, None, None] = (None, None, None)
     if area is not None:
         areas = measured_or_nan("area", area)
-        if len(areas) != len(x):
-            raise InvalidInput(
-                f"area has {len(areas)} entries and displacement {len(x)}; give as many of both"
-            )
+        lengths = f"area has {len(areas)} entries and displacement {len(x)}; give as many of both"
+        refuse_if(len(areas) != len(x), lengths)
         found = _areas(x, force, areas, peak, sliding, notes)
     return ShearRecord(
-        float(force[peak]),
-        mean,
-        noise,
-        float(x[peak]),
-        (low, high),
-        found[0],
-        found[1],
-        found[2],
-        x,
-        force,
-        areas,
-        tuple(notes),
+        static_force=float(force[peak]),
+        sliding_force=mean,
+        noise=noise,
+        peak_displacement=float(x[peak]),
+        sliding_range=(low, high),
+        area_before=found[0],
+        static_area=found[1],
+        sliding_area=found[2],
+        displacement=x,
+        friction_force=force,
+        area=areas,
+        notes=tuple(notes),
     )
 
 
 def _refuse_without_peak(x: FloatArray, force: FloatArray, peak: int) -> None:
-    if force[peak] <= 0.0:
-        raise InvalidInput(
-            "is at most {.number}; forces that resist sliding are positive",
-            Given("friction_force", force[peak]),
-            key="friction_force",
-        )
-    if peak in (0, len(x) - 1):
-        where = "first" if peak == 0 else "last"
-        remedy = "begin the record before the contact is sheared" if peak == 0 else "shear farther"
-        raise InvalidInput(
-            f"is largest at the {where} entry (displacement {{.number}}), so the record has no peak; "
-            f"{remedy}",
+    refuse_if(
+        force[peak] <= 0.0,
+        "is at most {.number}; forces that resist sliding are positive",
+        Given("friction_force", force[peak]),
+        key="friction_force",
+    )
+    for end, where, remedy in (
+        (0, "first", "begin the record before the contact is sheared"),
+        (len(x) - 1, "last", "shear farther"),
+    ):
+        refuse_if(
+            peak == end,
+            f"is largest at the {where} entry (displacement {{.number}}): the record has no peak; {remedy}",
             Given("displacement", x[peak]),
             key="friction_force",
         )
@@ -210,10 +204,9 @@ def _refuse_without_peak(x: FloatArray, force: FloatArray, peak: int) -> None:
 
 def _noise(x: FloatArray, force: FloatArray) -> float:
     """Return the standard deviation about the best straight line; 0 for two points."""
-    apart = x - x.mean()
+    apart, rest = x - x.mean(), force - force.mean()
     square = float(apart @ apart)
-    slope = float(apart @ force) / square if square > 0.0 else 0.0
-    rest = force - force.mean() - slope * apart
+    rest = rest - (float(apart @ force) / square if square > 0.0 else 0.0) * apart
     return float(np.sqrt((rest @ rest) / max(len(x) - 2, 1)))
 
 
@@ -227,16 +220,15 @@ def _areas(
 ) -> tuple[float, float, float]:
     """Return the areas before shear, at the peak and while sliding."""
     frames = np.flatnonzero(np.isfinite(area))
-    if not frames.size or frames[0] > peak or frames[-1] < peak:
-        raise InvalidInput(
-            "has no frame on both sides of the peak at displacement {.number}; measure areas from before "
-            "shear until sliding",
-            Given("displacement", x[peak]),
-            key="area",
-        )
+    refuse_if(
+        not frames.size or not frames[0] <= peak <= frames[-1],
+        "has no frame on both sides of the peak at displacement {.number}; measure areas from before shear "
+        "until sliding",
+        Given("displacement", x[peak]),
+        key="area",
+    )
     moving = frames[sliding[frames]]
-    if not moving.size:
-        raise InvalidInput("area has no frame in sliding_range; widen it, or leave out the areas")
+    refuse_if(not moving.size, "area has no frame in sliding_range; widen it, or leave out the areas")
     share = abs(float(force[frames[0]] / force[peak]))
     if share > UNSHEARED:
         notes.append(
@@ -245,14 +237,11 @@ def _areas(
                 "already be smaller than before shear"
             )
         )
-    if frames[0] <= peak and not np.isfinite(area[peak]):
-        around = frames[np.searchsorted(frames, peak) - 1], frames[np.searchsorted(frames, peak)]
-        notes.append(
-            information(
-                "the area at the peak is interpolated between the frames at "
-                f"{x[around[0]]:.4g} and {x[around[1]]:.4g} mm; the peak is at {x[peak]:.4g} mm"
-            )
-        )
+    if not np.isfinite(area[peak]):
+        after = int(np.searchsorted(frames, peak))
+        low, high = x[frames[after - 1 : after + 1]]
+        words = f"the area at the peak, {x[peak]:.4g} mm, is interpolated between the frames at"
+        notes.append(information(f"{words} {low:.4g} and {high:.4g} mm"))
     # interpolation in time: entries are equidistant in time, and displacements may repeat
     static = float(np.interp(peak, frames, area[frames]))
     return float(area[frames[0]]), static, float(area[moving].mean())

@@ -15,7 +15,7 @@ from metafem.calibration.bounded_interval import interval_of
 from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.calibration.verdict import Heterogeneity, SingleTest, Verdict
 from metafem.drawing import calibration
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.material import Friction
 from metafem.notes import Note
 
@@ -130,18 +130,16 @@ class ShearCalibration(Value):
         >>> shear(before, 0.85 * before, 0.3145 * before).plot().get_xlabel()
         'sheared area  Af [mm²]'
         """
-        if line not in ("area", "friction"):
-            raise InvalidInput(f'line = {shown(line)} must be "area" or "friction"')
-        ax = drawing.axes(ax)
-        of_area, ratio = self.errors.of_area, self.area_ratio
-        before, sheared = self.area_fitted, ratio * self.area_fitted
+        refuse_if(line not in ("area", "friction"), f'line = {shown(line)} must be "area" or "friction"')
+        ax, errors, sheared = drawing.axes(ax), self.errors, self.area_ratio * self.area_fitted
+        before_sd, sheared_sd = errors.of_area(self.area_fitted), errors.of_area(sheared)
         if line == "area":
-            x, y, factor = self.area_before, self.area_sheared, ratio
-            x_sd, y_sd = of_area(before), of_area(sheared)
+            points = self.area_before, self.area_sheared, before_sd, sheared_sd
+            calibration.proportional(ax, *points, self.area_ratio)
+            ax.set(xlabel="area before shear  A0 [mm²]", ylabel="sheared area  Af [mm²]")
         else:
-            x, y, factor = self.area_sheared, self.friction_force, self.shear_strength
-            x_sd, y_sd = of_area(sheared), self.errors.of_friction_force(self.shear_strength * sheared)
-        calibration.proportional(ax, x, y, x_sd, y_sd, factor)
-        ax.set_xlabel("area before shear  A0 [mm²]" if line == "area" else "sheared area  Af [mm²]")
-        ax.set_ylabel("sheared area  Af [mm²]" if line == "area" else "friction force  F [N]")
+            force_sd = errors.of_friction_force(self.shear_strength * sheared)
+            points = self.area_sheared, self.friction_force, sheared_sd, force_sd
+            calibration.proportional(ax, *points, self.shear_strength)
+            ax.set(xlabel="sheared area  Af [mm²]", ylabel="friction force  F [N]")
         return ax

@@ -65,7 +65,7 @@ def compare(
     Example: metafem compare linear measured.csv --calibration calibration.json --explain
     """
     from metafem.studies.measurements import explained, measured
-    from metafem.studies.summaries.measurements import FEATURES, answers, feature_rows, sentences
+    from metafem.studies.summaries.measurements import answers, features, sentences
 
     priors = given_priors(given, explain)
     still = mf.files.same_design(folder)
@@ -90,7 +90,7 @@ def compare(
             data["explanation"] = {"file": str(explained_path), "answers": reasons, **found}
         print_json(data)
         return
-    rows = feature_rows(dataset)
-    print_study(dataset, path, points, (FEATURES, rows, "Features of the target") if rows else ())
+    more = features(dataset)
+    print_study(dataset, path, points, (more.columns, more.rows, more.title) if more.rows else ())
     if why is not None:
         print_study(why, explained_path, reasons)

@@ -10,7 +10,7 @@ from metafem._validate import FloatArray
 from metafem.files import Specification
 from metafem.inversion import feasible_region
 from metafem.inversion.bounds import Bounds
-from metafem.inversion.radii import Radii
+from metafem.inversion.limits import Radii
 from metafem.models.model import contact_of
 
 # Loads of the band, evenly spaced in the logarithm over this range below the largest. Neighbours differ by

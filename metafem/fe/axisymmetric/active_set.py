@@ -13,7 +13,7 @@ from skfem import Basis, BilinearForm, ElementQuad1, ElementQuad2, ElementVector
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem.contact.cap_geometry import sphere_profile
-from metafem.errors import InvalidInput, NotConverged
+from metafem.errors import NotConverged, refuse_if
 from metafem.fe.axisymmetric.geometry import Cap, checked_cap
 from metafem.fe.axisymmetric.mesh import named, uniform_mesh
 from metafem.fe.linear_solve import THRESHOLD, LinearStatus, solve
@@ -114,8 +114,10 @@ def search_contact(
         r, flexibility = _flexibility(_cap_mesh(cap, width, REACH * size), nu)
         force, steps = _active_set(flexibility, depth - sphere_profile(r, big))
         return _of_forces(force, r, steps)
-    if not height is thickness is block_radius is None:
-        raise InvalidInput("height, thickness and block_radius of a cap on a block must be given together")
+    refuse_if(
+        not height is thickness is block_radius is None,
+        "height, thickness and block_radius of a cap on a block must be given together",
+    )
     # in units of Hertz's contact radius, a^2 = R d
     r, flexibility = _flexibility(uniform_mesh(width / size, REACH, EXTENT), nu)
     force, steps = _active_set(flexibility, 1.0 - 0.5 * r**2)

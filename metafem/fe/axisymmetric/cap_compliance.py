@@ -9,7 +9,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem.contact import Hertz
 from metafem.contact.cap_geometry import sphere_profile
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.axisymmetric.mesh import graded_mesh
 from metafem.fe.axisymmetric.prescribed_radius import graded
@@ -57,10 +57,9 @@ def measure_pedestal(height_ratio: float, contact_ratio: float, poisson_ratio: f
     a = check.number("contact_ratio", contact_ratio, above=0.0)
     nu = check.number("poisson_ratio", poisson_ratio, **check.POISSON)
     cap = Cap(1.0, height, EXTENT, EXTENT)
-    if a >= cap.foot:
-        raise InvalidInput(f"contact_ratio = {a:g} must lie within the cap's edge at {cap.foot:g}")
+    refuse_if(a >= cap.foot, f"contact_ratio = {a:g} must lie within the cap's edge at {cap.foot:g}")
     edge = float(cap.surface(np.array(a))[0])
     mesh = graded_mesh(edge, EXTENT, EXTENT, cap.foot, contact_edge=EDGE)
     pressed = graded(mesh, cap, DEGREE, nu, lambda r: sphere_profile(r, 1.0), a, EXTENT, False)
-    hertz = float(Hertz().indentation_at_load(pressed.load, 1.0))
-    return float(math.pi * (pressed.indentation - hertz) / pressed.load + SHORTFALL / EXTENT)
+    hertz = float(Hertz().indentation_at_load(pressed.rescaled_load, 1.0))
+    return float(math.pi * (pressed.indentation - hertz) / pressed.rescaled_load + SHORTFALL / EXTENT)

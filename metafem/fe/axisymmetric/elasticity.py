@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -13,8 +13,8 @@ from skfem import ElementQuadP, MeshQuad
 from skfem.assembly.dofs import Dofs
 
 from metafem._validate import FloatArray, IntArray
-from metafem.fe.axisymmetric.geometry import Geometry
-from metafem.fe.linear_solve import LinearStatus, solve
+from metafem.fe.axisymmetric.geometry import Flat
+from metafem.fe.linear_solve import Solved, solve
 
 # Gauss points per direction in addition to the degree: the polynomials of the elements need one; the others
 # resolve the analytic maps and 1/r.
@@ -59,16 +59,6 @@ class Polynomials:
         return np.array([value for value, _ in pairs]), np.array([slope for _, slope in pairs])
 
 
-@dataclass(frozen=True, eq=False)
-class Solution:
-    """Displacements and pressures for k right-hand sides."""
-
-    skeleton: FloatArray  # (n, k), coefficients shared by elements: radial, downward, pressure
-    reaction: FloatArray  # (n, k), reactions of the fixed unknowns per 2 pi
-    residual: float  # scaled residual of the linear system, recomputed
-    status: LinearStatus
-
-
 class Body:
     """An axisymmetric elastic body of composite modulus 1 on a mesh of its reference plane.
 
@@ -78,7 +68,7 @@ class Body:
     least 4.
     """
 
-    def __init__(self, mesh: MeshQuad, geometry: Geometry, degree: int, poisson_ratio: float) -> None:
+    def __init__(self, mesh: MeshQuad, geometry: Flat, degree: int, poisson_ratio: float) -> None:
         self.mesh, self.geometry, self.degree = mesh, geometry, degree
         self.poisson_ratio = poisson_ratio
         self.displacement, self.pressure = Polynomials(mesh, degree), Polynomials(mesh, degree - 1)
@@ -186,15 +176,33 @@ class Body:
         dofs = self.displacement.dofs
         return np.concatenate([dofs.nodal_dofs[:, corners].ravel(), dofs.facet_dofs[:, facets].ravel()])
 
-    def solve(self, fixed: IntArray, value: FloatArray) -> Solution:
-        """Solve with some skeleton unknowns fixed at `value`, (n, k), and no load on the others."""
+    def solve(self, fixed: IntArray, value: FloatArray) -> Solved:
+        """Solve with some skeleton unknowns fixed at `value`, (n, k), and no load on the others.
+
+        The skeleton holds the coefficients shared by elements: radial, downward, pressure.
+        """
         free = np.setdiff1d(np.arange(self.matrix.shape[0]), fixed)
         rows = self.matrix[free]
         skeleton = np.zeros((self.matrix.shape[0], value.shape[1]))
         skeleton[fixed] = value[fixed]
         solved = solve(rows[:, free].tocsc(), -(rows @ skeleton))
         skeleton[free] = solved.value
-        return Solution(skeleton, self.matrix @ skeleton, solved.residual, solved.status)
+        return replace(solved, value=skeleton)
+
+    def located(self, name: str, plane: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Return the elements that hold points (2, n) of a named boundary, and the local coordinates."""
+        facets = self.mesh.boundaries[name]
+        ends = self.mesh.p[:, self.mesh.facets[:, facets]]
+        along = int(np.argmax(np.ptp(ends.reshape(2, -1), axis=1)))
+        start = ends[along].min(axis=0)
+        order = np.argsort(start)
+        which = np.searchsorted(start[order], plane[along], side="right") - 1
+        element = self.mesh.f2t[0, facets[order[np.maximum(which, 0)]]]
+        # Elements are parallelograms in the plane: one Newton step from the middle is exact.
+        straight, middle = self.mesh.mapping(), np.full((2, len(element), 1), 0.5)
+        step = plane - straight.F(middle, element)[..., 0]
+        slope = straight.invDF(middle, element)[..., 0]
+        return element, np.clip(0.5 + np.einsum("ijn,jn->in", slope, step), 0.0, 1.0)
 
     def fields_at(
         self, skeleton: FloatArray, element: IntArray, point: FloatArray

@@ -4,51 +4,39 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import foot_radius
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 
-
-class Geometry(Protocol):
-    """An analytic map of the reference plane; the geometry is not interpolated."""
-
-    def point(self, plane: FloatArray) -> FloatArray:
-        """Radius and depth [mm] of points (2, ...) of the reference plane."""
-        ...
-
-    def jacobian(self, plane: FloatArray) -> FloatArray:
-        """Derivatives of (r, z) by the plane's coordinates, (2, 2, ...)."""
-        ...
-
-    def surface(self, r: FloatArray) -> FloatArray:
-        """Plane coordinates (2, n) of the surface points at the radii r [mm]."""
-        ...
+# Imaginary step of the derivatives: f(x + i h) = f(x) + i h f'(x) without cancellation.
+STEP = 1e-30
 
 
 @dataclass(frozen=True)
 class Flat:
-    """A body with a flat top: the reference plane itself."""
+    """A body with a flat top: the map is the identity. The geometry is analytic, not interpolated."""
 
     def point(self, plane: FloatArray) -> FloatArray:
-        """Radius and depth [mm]."""
+        """Radius and depth [mm] of points (2, ...) of the reference plane."""
         return plane
 
     def jacobian(self, plane: FloatArray) -> FloatArray:
-        """Return the identity."""
-        return np.broadcast_to(np.eye(2).reshape((2, 2) + (1,) * (plane.ndim - 1)), (2, 2, *plane.shape[1:]))
+        """Derivatives of (r, z) by the plane's coordinates, (2, 2, ...), exact to rounding."""
+        step = STEP * np.eye(2).reshape((2, 2) + (1,) * (plane.ndim - 1))
+        return np.stack([self.point(plane + 1j * each).imag / STEP for each in step], axis=1)
 
     def surface(self, r: FloatArray) -> FloatArray:
-        """Plane coordinates of surface points."""
+        """Plane coordinates (2, n) of the surface points at the radii r [mm]."""
         return np.array([r, np.zeros_like(r)])
 
 
 @dataclass(frozen=True)
-class Oblate:
+class Oblate(Flat):
     """Oblate-spheroidal coordinates of a half-space under a disc of radius a.
 
     ``r + i z = a cosh(mu + i phi)`` with the plane's coordinates (phi, mu): the disc is mu = 0, the free
@@ -63,13 +51,6 @@ class Oblate:
         phi, mu = plane
         return self.radius * np.array([np.cosh(mu) * np.cos(phi), np.sinh(mu) * np.sin(phi)])
 
-    def jacobian(self, plane: FloatArray) -> FloatArray:
-        """Derivatives by (phi, mu)."""
-        phi, mu = plane
-        along = np.sinh(mu) * np.cos(phi)
-        across = np.cosh(mu) * np.sin(phi)
-        return self.radius * np.array([[-across, along], [along, across]])
-
     def surface(self, r: FloatArray) -> FloatArray:
         """Plane coordinates of surface points, on the disc or outside it."""
         ratio = r / self.radius
@@ -77,7 +58,7 @@ class Oblate:
 
 
 @dataclass(frozen=True)
-class Cap:
+class Cap(Flat):
     """A spherical cap on a block; columns of elements leave the foot of the cap along its bisector.
 
     On the cap, the first coordinate of the plane is the angle from the summit, scaled to the true radius at
@@ -101,61 +82,20 @@ class Cap:
         """Slope of the sphere at the foot [rad]."""
         return math.acos(1.0 - self.height / self.radius)
 
-    def _surface(self, s: FloatArray) -> tuple[FloatArray, ...]:
-        """Radius and height of the surface, and their derivatives, at the plane coordinate s."""
-        inside = s < self.foot
-        rate = self.angle / self.foot
-        theta = np.where(inside, s * rate, self.angle)
-        sine, cosine = self.radius * np.sin(theta), self.radius * np.cos(theta)
-        return (
-            np.where(inside, sine, s),
-            np.where(inside, cosine - (self.radius - self.height), 0.0),
-            np.where(inside, cosine * rate, 1.0),
-            np.where(inside, -sine * rate, 0.0),
-        )
-
-    def _shrink(self, depth: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Radius of the column below the foot over that of the foot, and its derivative by the depth."""
-        # Far below, half of the radius remains, so that the columns under the cap do not become too narrow.
-        slope = math.tan(0.5 * self.angle) / self.foot
-        decay = np.exp(-2.0 * slope * depth)
-        return 0.5 + 0.5 * decay, -slope * decay
-
-    def _fade(self, depth: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Height of a line of constant depth over that of the surface (top 1, base 0), and its derivative."""
-        end = 1.0 / (1.0 + self.thickness / self.foot)
-        decay = 1.0 / (1.0 + depth / self.foot)
-        return decay - end * depth / self.thickness, -(decay**2) / self.foot - end / self.thickness
-
     def point(self, plane: FloatArray) -> FloatArray:
         """Radius and depth [mm]."""
         s, depth = plane
-        r, z, _, _ = self._surface(s)
-        keep, _ = self._shrink(depth)
-        fade, _ = self._fade(depth)
+        inside = np.real(s) < self.foot
+        theta = np.where(inside, s * self.angle / self.foot, self.angle)
+        # Radius of the column below the foot over that of the foot. Far below, half of the radius remains, so
+        # that the columns under the cap do not become too narrow.
+        keep = 0.5 + 0.5 * np.exp(-2.0 * math.tan(0.5 * self.angle) / self.foot * depth)
         stretch = (self.outer - self.foot * keep) / (self.outer - self.foot)
-        return np.array(
-            [np.where(s < self.foot, r * keep, self.outer - (self.outer - s) * stretch), depth - z * fade]
-        )
-
-    def jacobian(self, plane: FloatArray) -> FloatArray:
-        """Derivatives by the plane's coordinates."""
-        s, depth = plane
-        inside = s < self.foot
-        r, z, r_s, z_s = self._surface(s)
-        keep, keep_d = self._shrink(depth)
-        fade, fade_d = self._fade(depth)
-        stretch = (self.outer - self.foot * keep) / (self.outer - self.foot)
-        stretch_d = -self.foot * keep_d / (self.outer - self.foot)
-        return np.array(
-            [
-                [
-                    np.where(inside, r_s * keep, stretch),
-                    np.where(inside, r * keep_d, -(self.outer - s) * stretch_d),
-                ],
-                [-z_s * fade, 1.0 - z * fade_d],
-            ]
-        )
+        across = np.where(inside, self.radius * np.sin(theta) * keep, self.outer - (self.outer - s) * stretch)
+        # height of the surface, and of a line of constant depth over it: 1 at the top, 0 at the base
+        rise = np.where(inside, self.radius * np.cos(theta) - (self.radius - self.height), 0.0)
+        fade = 1.0 / (1.0 + depth / self.foot) - depth / self.thickness / (1.0 + self.thickness / self.foot)
+        return np.array([across, depth - rise * fade])
 
     def surface(self, r: FloatArray) -> FloatArray:
         """Plane coordinates of surface points."""
@@ -169,12 +109,10 @@ def checked_cap(a: float, radius: Any, height: Any, thickness: Any, side_name: s
     h = check.number("height", height, above=0.0, at_most=R)
     t = check.number("thickness", thickness, above=0.0)
     cap = Cap(R, h, check.number(side_name, side, above=0.0), t)
-    if t < h:
-        raise InvalidInput(f"thickness = {t:g} must be at least the cap's height = {h:g}")
-    if cap.foot >= cap.outer:
-        raise InvalidInput(
-            f"the cap's foot of radius {cap.foot:g} must lie within {side_name} = {cap.outer:g}"
-        )
-    if a >= cap.foot:
-        raise InvalidInput(f"contact_radius = {a:g} must lie within the cap's edge at {cap.foot:g}")
+    refuse_if(t < h, f"thickness = {t:g} must be at least the cap's height = {h:g}")
+    refuse_if(
+        cap.foot >= cap.outer,
+        f"the cap's foot of radius {cap.foot:g} must lie within {side_name} = {cap.outer:g}",
+    )
+    refuse_if(a >= cap.foot, f"contact_radius = {a:g} must lie within the cap's edge at {cap.foot:g}")
     return cap

@@ -6,13 +6,11 @@ The boundaries are `contact`, `free`, `axis`, `base` and, if the body has a side
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 from skfem import MeshQuad
 
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
 
 # Elements of the oblate-spheroidal plane. The fields of a contact are low harmonics of phi: two intervals are
 # enough. They decay as exp(-mu): elements of length 2 to 4 resolve this. The far end is fixed, 5e12 contact
@@ -96,49 +94,6 @@ def named(mesh: MeshQuad, contact: float, outer: float, thickness: float) -> Mes
             "wall": lambda x: x[0] == outer,
         }
     )
-
-
-def read_mesh(path: str | Path) -> MeshQuad:
-    """Read a mesh of a reference plane with its named boundaries.
-
-    Parameters
-    ----------
-    path : str or Path
-        A file in any format of meshio.
-
-    Returns
-    -------
-    skfem.MeshQuad
-
-    Raises
-    ------
-    InvalidInput
-        If the file cannot be read, lacks a boundary, or has elements other than rectangles with corners in
-        the same order, as the higher degrees need.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from metafem.fe.axisymmetric.mesh import half_space_mesh
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = Path(folder, "plane.vtu")
-    ...     half_space_mesh().save(path)
-    ...     read_mesh(path).nelements
-    24
-    """
-    try:
-        mesh = MeshQuad.load(path)
-    except (Exception, SystemExit) as error:  # meshio's readers raise errors of many types
-        raise InvalidInput(f"cannot read a mesh from {path}: {error}") from None
-    missing = {"contact", "free", "axis", "base"} - set(mesh.boundaries or {})
-    if missing:
-        raise InvalidInput(f"the mesh in {path} lacks the boundaries {', '.join(sorted(missing))}")
-    s, depth = mesh.p[:, mesh.t]
-    if not (np.array_equal(s[[0, 2]], s[[1, 3]]) and np.array_equal(depth[[0, 1]], depth[[3, 2]])):
-        raise InvalidInput(
-            f"the elements in {path} must be rectangles whose corners are numbered in the same order"
-        )
-    return mesh
 
 
 def _graded(

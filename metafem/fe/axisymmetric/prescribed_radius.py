@@ -4,85 +4,150 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 from skfem import ElementLinePp, MeshQuad
 
+from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.fe.axisymmetric.elasticity import Body, Solution, hierarchical
-from metafem.fe.axisymmetric.geometry import Geometry, Oblate
-from metafem.fe.axisymmetric.surface_values import locate
-from metafem.fe.linear_solve import LinearStatus
+from metafem.errors import refuse_if
+from metafem.fe.axisymmetric.elasticity import Body, hierarchical
+from metafem.fe.axisymmetric.geometry import Flat, Oblate
+from metafem.fe.linear_solve import LinearStatus, Solved
 
 Profile = Callable[[FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
-class Pressed:
-    """Solution on one mesh with elements of one degree."""
+class PressedContact:
+    """Finite-element solution of one contact under a rigid, frictionless plane.
 
-    load: float  # P/E* [mm^2]
-    indentation: float  # [mm]
-    # half of the relative difference of loads or indentations between the two criteria; 0 for one criterion
-    bracket: float
-    residual: float  # of the linear system
-    status: LinearStatus  # of the linear system
-    body: Body  # for the evaluation of fields, with the skeleton of its solution
-    skeleton: FloatArray
-    extent: float  # largest radius of the body [mm]
+    Attributes
+    ----------
+    contact_radius : float
+        a [mm].
+    rescaled_load : float
+        P/E* [mm^2].
+    indentation : float
+        Approach of the plane to the far body from first touch [mm].
+    error_estimate : float
+        Bound of the relative errors of load and indentation [-].
+    residual : float
+        Scaled residual of the linear system, recomputed [-].
+    status : LinearStatus
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> contact = mf.fe.press(contact_radius=0.2, radius=0.526)
+    >>> round(contact.indentation, 6), round(contact.rescaled_load, 6)
+    (0.076046, 0.020279)
+    >>> contact.pressure([0.0, 0.1, 0.3]).round(4)
+    array([0.2421, 0.2096, 0.    ])
+    """
+
+    contact_radius: float
+    rescaled_load: float
+    indentation: float
+    error_estimate: float
+    residual: float
+    status: LinearStatus
+    body: Body = field(repr=False)
+    skeleton: FloatArray = field(repr=False)
+    extent: float = field(repr=False)  # largest radius of the body [mm]
+
+    def displacement(self, r: ArrayLike) -> FloatArray:
+        """Downward displacement [mm] of the surface at the undeformed radii r [mm], any shape.
+
+        Raises
+        ------
+        InvalidInput
+            For radii that are negative or outside the body.
+        """
+        radius = check.array("r", np.atleast_1d(r), shape=(None,))
+        refuse_if(
+            radius.min() < 0.0 or radius.max() > self.extent,
+            f"r must lie from 0 to {self.extent:g}, the radius of the body",
+        )
+        result = np.empty(radius.shape)
+        closed = radius <= self.contact_radius
+        for name, part in (("contact", closed), ("free", ~closed)):
+            if part.any():
+                place = self.body.located(name, self.body.geometry.surface(radius[part]))
+                result[part] = self.body.fields_at(self.skeleton, *place)[0][1]
+        return result.reshape(np.shape(r))
+
+    def pressure(self, r: ArrayLike) -> FloatArray:
+        """Contact pressure over E* [-], per horizontal area, at the radii r [mm], any shape; 0 outside."""
+        radius = check.array("r", np.atleast_1d(r), shape=(None,))
+        result = np.zeros(radius.shape)
+        inside = np.abs(radius) < self.contact_radius
+        # The hoop strain u/r needs r > 0: a millionth of the contact radius changes the result by 1e-12.
+        near = np.maximum(np.abs(radius[inside]), 1e-6 * self.contact_radius)
+        if inside.any():
+            result[inside] = self._traction(near)
+        return result.reshape(np.shape(r))
+
+    def _traction(self, r: FloatArray) -> FloatArray:
+        """Downward traction per horizontal area inside the contact, ``-(sigma_zz + sigma_rz n_r/n_z)``."""
+        body = self.body
+        plane = body.geometry.surface(r)
+        displacement, gradient, pressure = body.fields_at(self.skeleton, *body.located("contact", plane))
+        mean = (gradient[0, 0] + gradient[1, 1] + displacement[0] / r) / 3.0
+        down = 2.0 * body.shear_modulus * (gradient[1, 1] - mean) - pressure
+        across = body.shear_modulus * (gradient[0, 1] + gradient[1, 0])
+        # The boundary runs along the first coordinate of the plane.
+        tangent = body.geometry.jacobian(plane)[:, 0]
+        return np.asarray(across * tangent[1] / tangent[0] - down)
 
 
 def spectral(
     mesh: MeshQuad, geometry: Oblate, degree: int, poisson_ratio: float, profile: Profile, extent: float
-) -> Pressed:
+) -> PressedContact:
     """Solve on a half-space in oblate-spheroidal coordinates.
 
     Near the edge the depth of the surface below the contact is ``K mu + O(mu^2)``, where K is the strength of
     the pressure singularity. At the indentation found, K vanishes.
     """
     body = Body(mesh, geometry, degree, poisson_ratio)
-    solution = _solve(body, profile, walled=False)
-    element, point = locate(body, "free", np.zeros((2, 1)))
-    slope = body.plane_gradient(solution.skeleton, int(element[0]), point)[1]
-    indentation = -slope[1] / slope[0]
-    return _combined(body, solution, indentation, 0.0, extent)
+    solved = _solve(body, profile, walled=False)
+    element, point = body.located("free", np.zeros((2, 1)))
+    slope = body.plane_gradient(solved.value, int(element[0]), point)[1]
+    load = _nodal_forces(body, solved)[_nodes(body, "contact")].sum(axis=0)
+    return _combined(body, solved, load, -slope[1] / slope[0], 0.0, geometry.radius, extent)
 
 
 def graded(
     mesh: MeshQuad,
-    geometry: Geometry,
+    geometry: Flat,
     degree: int,
     poisson_ratio: float,
     profile: Profile,
     contact_radius: float,
     extent: float,
     walled: bool,
-) -> Pressed:
-    """Solve on a mesh graded to the edge; the indentation is the mean of the results of the two criteria."""
+) -> PressedContact:
+    """Solve on a mesh graded to the edge; the indentation is the mean of the results of two criteria.
+
+    The error estimate is half of the relative difference of their loads or indentations.
+    """
     body = Body(mesh, geometry, degree, poisson_ratio)
-    solution = _solve(body, profile, walled)
-    start = body.displacement.skeleton
+    solved = _solve(body, profile, walled)
+    free = _nodes(body, "free")
     edge = geometry.surface(np.array(contact_radius))[0]
-    corner, other = _edge_nodes(mesh, float(edge))
-    reaction = solution.reaction[start + corner]
-    no_reaction = -reaction[1] / reaction[0]
-    sunk = solution.skeleton[start + other]
+    corner, other = free[np.argsort(np.abs(mesh.p[0, free] - edge))][:2]
+    force = _nodal_forces(body, solved)
+    no_reaction = -force[corner, 1] / force[corner, 0]
+    sunk = solved.value[body.displacement.skeleton + other]
     depth = float(profile(geometry.point(mesh.p[:, other])[:1])[0])
     no_gap = (depth + sunk[1]) / (1.0 - sunk[0])
     indentation = 0.5 * (no_reaction + no_gap)
-    load = total_load(body, solution)
-    middle = load[0] * indentation + load[1]
+    load = force[_nodes(body, "contact")].sum(axis=0)
     half = 0.5 * abs(no_gap - no_reaction)
-    bracket = max(half / abs(indentation), half * load[0] / abs(middle))
-    return _combined(body, solution, indentation, bracket, extent)
-
-
-def total_load(body: Body, solution: Solution) -> FloatArray:
-    """Load P/E* of each right-hand side: the sum of the reactions of the contact's nodes."""
-    return np.asarray(
-        2.0 * math.pi * solution.reaction[body.displacement.skeleton + _nodes(body, "contact")].sum(axis=0)
-    )
+    bracket = max(half / abs(indentation), half * load[0] / abs(load[0] * indentation + load[1]))
+    return _combined(body, solved, load, indentation, bracket, contact_radius, extent)
 
 
 def contact_data(body: Body, value: Callable[[FloatArray], FloatArray]) -> FloatArray:
@@ -111,41 +176,45 @@ def contact_data(body: Body, value: Callable[[FloatArray], FloatArray]) -> Float
     return result
 
 
-def _solve(body: Body, profile: Profile, walled: bool) -> Solution:
+def _solve(body: Body, profile: Profile, walled: bool) -> Solved:
     """Solve for a unit displacement of the contact, and for the profile pressed flat."""
     start = body.displacement.skeleton
-    radial = [body.boundary("axis"), body.boundary("base")]
-    if walled:
-        radial.append(body.boundary("wall"))
-    fixed = np.unique(
-        np.concatenate([*radial, start + body.boundary("base"), start + body.boundary("contact")])
-    )
+    radial = body.boundary("axis", "base", *(["wall"] if walled else []))
+    fixed = np.unique(np.concatenate([radial, start + body.boundary("base", "contact")]))
     value = np.zeros((body.matrix.shape[0], 2))
     value[start : 2 * start, 0] = contact_data(body, np.ones_like)
     value[start : 2 * start, 1] = contact_data(body, lambda r: -profile(r))
     return body.solve(fixed, value)
 
 
-def _combined(body: Body, solution: Solution, indentation: float, bracket: float, extent: float) -> Pressed:
+def _nodal_forces(body: Body, solved: Solved) -> FloatArray:
+    """Downward forces P/E* on the skeleton of each right-hand side, (n, 2) [mm^2]."""
+    start = body.displacement.skeleton
+    return np.asarray(2.0 * math.pi * (body.matrix[start : 2 * start] @ solved.value))
+
+
+def _combined(
+    body: Body,
+    solved: Solved,
+    load: FloatArray,
+    indentation: float,
+    bracket: float,
+    contact_radius: float,
+    extent: float,
+) -> PressedContact:
     weight = np.array([indentation, 1.0])
-    return Pressed(
-        load=float(total_load(body, solution) @ weight),
+    return PressedContact(
+        contact_radius=contact_radius,
+        rescaled_load=float(load @ weight),
         indentation=float(indentation),
-        bracket=float(bracket),
-        residual=solution.residual,
-        status=solution.status,
+        error_estimate=float(bracket),
+        residual=solved.residual,
+        status=solved.status,
         body=body,
-        skeleton=solution.skeleton @ weight,
+        skeleton=solved.value @ weight,
         extent=extent,
     )
 
 
 def _nodes(body: Body, name: str) -> FloatArray:
     return np.unique(body.mesh.facets[:, body.mesh.boundaries[name]])
-
-
-def _edge_nodes(mesh: MeshQuad, edge: float) -> tuple[int, int]:
-    """Node at the contact's edge and the next one outside it."""
-    free = np.unique(mesh.facets[:, mesh.boundaries["free"]])
-    order = free[np.argsort(np.abs(mesh.p[0, free] - edge))]
-    return int(order[0]), int(order[1])

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import sphere_profile
-from metafem.errors import InvalidInput, NotConverged
+from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.fe.axisymmetric.geometry import Cap, Flat, Oblate, checked_cap
 from metafem.fe.axisymmetric.mesh import graded_mesh, half_space_mesh
-from metafem.fe.axisymmetric.prescribed_radius import Pressed, graded, spectral
-from metafem.fe.axisymmetric.surface_values import contact_pressure, surface_displacement
+from metafem.fe.axisymmetric.prescribed_radius import PressedContact, Profile, graded, spectral
 from metafem.fe.linear_solve import LinearStatus
 
 # A layer without a side ends at this many thicknesses. Its field decays as exp(-0.739 r/t) at nu = 0.5 (the
@@ -27,75 +23,6 @@ LAYER_EXTENT = 12.0
 # Degrees of the returned solution, and of the one from which its error is estimated.
 HALF_SPACE_DEGREES = (12, 10)
 GRADED_DEGREES = (6, 5)
-
-Profile = Callable[[FloatArray], FloatArray]
-
-
-@dataclass(frozen=True, eq=False)
-class PressedContact:
-    """Finite-element solution of one contact under a rigid, frictionless plane.
-
-    Attributes
-    ----------
-    contact_radius : float
-        a [mm].
-    rescaled_load : float
-        P/E* [mm^2].
-    indentation : float
-        Approach of the plane to the far body from first touch [mm].
-    error_estimate : float
-        Bound of the relative errors of load and indentation [-].
-    residual : float
-        Scaled residual of the linear system, recomputed [-].
-    status : LinearStatus
-
-    Examples
-    --------
-    >>> import metafem as mf
-    >>> contact = mf.fe.press(contact_radius=0.2, radius=0.526)
-    >>> round(contact.indentation, 6), round(contact.rescaled_load, 6)
-    (0.076046, 0.020279)
-    >>> contact.pressure([0.0, 0.1, 0.3]).round(4)
-    array([0.2421, 0.2096, 0.    ])
-    """
-
-    contact_radius: float
-    rescaled_load: float
-    indentation: float
-    error_estimate: float
-    residual: float
-    status: LinearStatus
-    pressed: Pressed = field(repr=False)
-
-    def displacement(self, r: ArrayLike) -> FloatArray:
-        """Downward displacement [mm] of the surface at the undeformed radii r [mm], any shape.
-
-        Raises
-        ------
-        InvalidInput
-            For radii that are negative or outside the body.
-        """
-        radius = check.array("r", np.atleast_1d(r), shape=(None,))
-        if radius.min() < 0.0 or radius.max() > self.pressed.extent:
-            raise InvalidInput(f"r must lie from 0 to {self.pressed.extent:g}, the radius of the body")
-        result = np.empty(radius.shape)
-        closed = radius <= self.contact_radius
-        for name, part in (("contact", closed), ("free", ~closed)):
-            if part.any():
-                body, skeleton = self.pressed.body, self.pressed.skeleton
-                result[part] = surface_displacement(body, skeleton, name, radius[part])[1]
-        return result.reshape(np.shape(r))
-
-    def pressure(self, r: ArrayLike) -> FloatArray:
-        """Contact pressure over E* [-], per horizontal area, at the radii r [mm], any shape; 0 outside."""
-        radius = check.array("r", np.atleast_1d(r), shape=(None,))
-        result = np.zeros(radius.shape)
-        inside = np.abs(radius) < self.contact_radius
-        # The hoop strain u/r needs r > 0: a millionth of the contact radius changes the result by 1e-12.
-        near = np.maximum(np.abs(radius[inside]), 1e-6 * self.contact_radius)
-        if inside.any():
-            result[inside] = contact_pressure(self.pressed.body, self.pressed.skeleton, near)
-        return result.reshape(np.shape(r))
 
 
 def press(
@@ -179,23 +106,19 @@ def press(
         extent = float(body.surface(np.array(_extent(thickness, block_radius, cell_radius)))[0])
         mesh = graded_mesh(edge, extent, thickness, foot)
         pair = [graded(mesh, body, degree, nu, shape, a, extent, walled) for degree in GRADED_DEGREES]
-    return _result(a, *pair)
+    return _result(*pair)
 
 
-def _result(a: float, fine: Pressed, coarse: Pressed) -> PressedContact:
+def _result(fine: PressedContact, coarse: PressedContact) -> PressedContact:
     """Return the finer solution, with an error estimate from the coarser one and from the bracket."""
-    if not (fine.load > 0.0 and fine.indentation > 0.0):
-        raise InvalidInput("the profile carries no load: it must fall away from the axis")
-    steps = [abs(getattr(coarse, what) / getattr(fine, what) - 1.0) for what in ("load", "indentation")]
-    contact = PressedContact(
-        contact_radius=a,
-        rescaled_load=fine.load,
-        indentation=fine.indentation,
-        error_estimate=max(steps) + fine.bracket + fine.residual,
-        residual=fine.residual,
-        status=fine.status,
-        pressed=fine,
+    refuse_if(
+        not (fine.rescaled_load > 0.0 and fine.indentation > 0.0),
+        "the profile carries no load: it must fall away from the axis",
     )
+    change = max(
+        abs(coarse.rescaled_load / fine.rescaled_load - 1.0), abs(coarse.indentation / fine.indentation - 1.0)
+    )
+    contact = replace(fine, error_estimate=change + fine.error_estimate + fine.residual)
     if fine.status is LinearStatus.NOT_CONVERGED:
         raise NotConverged(f"the linear system keeps a residual of {fine.residual:.1e}", contact)
     return contact
@@ -204,11 +127,12 @@ def _result(a: float, fine: Pressed, coarse: Pressed) -> PressedContact:
 def _profile(radius: Any, height: Any, profile: Profile | None) -> Profile:
     """Return f(r): the given profile, the sphere of a cap, or the paraboloid on a flat body."""
     if profile is not None:
-        if radius is not None or height is not None:
-            raise InvalidInput("profile replaces radius and height; give one or the other")
+        refuse_if(
+            radius is not None or height is not None,
+            "profile replaces radius and height; give one or the other",
+        )
         return profile
-    if radius is None:
-        raise InvalidInput("radius is missing: give it, or a profile")
+    refuse_if(radius is None, "radius is missing: give it, or a profile")
     big = check.number("radius", radius, above=0.0)
     if height is None:
         return lambda r: r**2 / (2.0 * big)
@@ -227,12 +151,13 @@ def _body(
 ) -> tuple[Cap | Flat, bool]:
     """Check the dimensions; return the body, and whether its side is the wall of a cell."""
     t = check.number("thickness", thickness, above=0.0)
-    if block_radius is not None and cell_radius is not None:
-        raise InvalidInput("block_radius and cell_radius exclude each other: a body has one side")
+    refuse_if(
+        block_radius is not None and cell_radius is not None,
+        "block_radius and cell_radius exclude each other: a body has one side",
+    )
     name = "block_radius" if cell_radius is None else "cell_radius"
     side = check.number(name, _extent(t, block_radius, cell_radius), above=0.0)
-    if a >= side:
-        raise InvalidInput(f"contact_radius = {a:g} must be smaller than {name} = {side:g}")
+    refuse_if(a >= side, f"contact_radius = {a:g} must be smaller than {name} = {side:g}")
     if height is None:
         return Flat(), cell_radius is not None
     return checked_cap(a, radius, height, t, name, side), cell_radius is not None

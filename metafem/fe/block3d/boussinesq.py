@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from itertools import product
 
 import numpy as np
 
@@ -41,3 +43,22 @@ def traction(x: FloatArray, y: FloatArray, z: FloatArray, normal: int, poisson_r
     factor = 0.5 / math.pi * (1.0 - 2.0 * poisson_ratio)
     common = -1.5 / math.pi * z / R**5 + factor * (2.0 * R + z) / (R**3 * (R + z) ** 2)
     return factor * (z / R**3 - 1.0 / (R * (R + z))) + x**2 * common, x * y * common, vertical * x
+
+
+def mirrored(
+    field: Callable[[FloatArray, FloatArray, FloatArray], Vector],
+    point: FloatArray,
+    source: FloatArray,
+    parity: tuple[int, int],
+) -> FloatArray:
+    """Field at points (q, 3) of loads at sources (m, 2) with their mirror images, (3q, m).
+
+    `parity` is the sign of an image in the plane x = 0 and in y = 0.
+    """
+    total = np.zeros((3 * len(point), len(source)))
+    x, y, z = point.T[:, :, None]
+    for mirror in product((1, -1), repeat=2):
+        sign = math.prod(m for m, p in zip(mirror, parity, strict=True) if p < 0)
+        position = source * mirror
+        total += sign * np.concatenate(field(x - position[:, 0], y - position[:, 1], z))
+    return total

@@ -2,33 +2,24 @@
 
 from __future__ import annotations
 
-import ast
 import hashlib
-import os
-import tempfile
 import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib.metadata import version
-from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from metafem._caches import cache_folder
+from metafem._caches import cache_folder, write_whole
 from metafem._validate import FloatArray
 from metafem.progress import message
 
-# Modules that compute an influence, and the libraries they rely on.
-SOURCES = tuple(
-    f"metafem.fe.{name}"
-    for name in (
-        *(f"block3d.{part}" for part in ("boussinesq", "elasticity", "faces", "grading", "influence")),
-        *("block3d.line_elements", "linear_solve"),
-    )
-)
-LIBRARIES = ("numpy", "scipy", "scikit-fem")
+# Sources that compute an influence, and the libraries they rely on.
+SOURCES = (*sorted(Path(__file__).parent.glob("*.py")), Path(__file__).parents[1] / "linear_solve.py")
+LIBRARIES = ("numpy", "scipy")
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,12 +37,9 @@ class BlockInfluence:
     notes: tuple[str, ...] = ()  # whether it was computed or read, and disk errors
 
     def __post_init__(self) -> None:
-        for name in _ARRAYS:
-            getattr(self, name).flags.writeable = False
-
-
-_ARRAYS = ("matrix", "gradient_x", "gradient_y", "laplacian")
-_NUMBERS = ("asymmetry", "error_estimate", "residual")
+        for value in vars(self).values():
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
 
 
 def cached(
@@ -67,7 +55,7 @@ def cached(
     except OSError as error:  # no home folder
         return _noted(compute(), f"not stored on disk: {error}")
     try:
-        return _read(path, len(position))
+        return _read(path)
     except FileNotFoundError:
         result = compute()
     except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
@@ -90,64 +78,29 @@ def is_cached(shape: tuple[float, ...], position: FloatArray) -> bool:
 
 
 def _path(shape: tuple[float, ...], position: FloatArray) -> Path:
-    key = hashlib.sha256(code_version())
-    key.update(np.array(shape).tobytes())
-    key.update(position.tobytes())
+    key = hashlib.sha256(code_version() + np.array(shape).tobytes() + position.tobytes())
     return cache_folder() / f"block-{key.hexdigest()}.npz"
 
 
 @lru_cache
 def code_version() -> bytes:
-    """Return a hash of the code and of the versions of the libraries that the numbers depend on."""
-    total = hashlib.sha256()
-    for name in SOURCES:
-        spec = find_spec(name)
-        if spec is None or spec.origin is None:
-            raise ImportError(f"{name} has moved; correct its name in {__name__}.SOURCES")
-        total.update(statements(Path(spec.origin).read_text(encoding="utf-8")).encode())
-    for library in LIBRARIES:
-        total.update(f"{library} {version(library)}".encode())
-    return total.digest()
-
-
-def statements(source: str) -> str:
-    """Return the syntax tree of a source without comments, docstrings and line numbers."""
-    tree = ast.parse(source)
-    for node in ast.walk(tree):
-        if (
-            isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
-            and ast.get_docstring(node) is not None
-        ):
-            del node.body[0]
-    return ast.dump(tree)
+    """Return a hash of the sources and of the versions of the libraries that the numbers depend on."""
+    parts = [path.read_bytes() for path in SOURCES]
+    parts += [f"{library} {version(library)}".encode() for library in LIBRARIES]
+    return hashlib.sha256(b"".join(parts)).digest()
 
 
 def _noted(result: BlockInfluence, note: str) -> BlockInfluence:
     return replace(result, notes=(*result.notes, note))
 
 
-def _read(path: Path, n: int) -> BlockInfluence:
+def _read(path: Path) -> BlockInfluence:
     with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-        influence, number, notes = (stored[each] for each in ("influence", "number", "notes"))
-    if influence.shape != (len(_ARRAYS), n, n) or number.shape != (len(_NUMBERS),):
-        raise ValueError(f"{path} holds arrays of shape {influence.shape} and {number.shape}")
-    values = dict(zip((*_ARRAYS, *_NUMBERS), (*influence, *number.tolist()), strict=True))
-    return BlockInfluence(**values, notes=(*notes.tolist(), f"read from {path}"))
+        values: dict[str, Any] = {name: each if each.ndim else float(each) for name, each in stored.items()}
+    return BlockInfluence(**{**values, "notes": (*values["notes"].tolist(), f"read from {path}")})
 
 
 def _write(path: Path, result: BlockInfluence) -> None:
-    """Write a temporary file and rename it, so that no process reads an incomplete file."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=".block-", suffix=".npz")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            np.savez(
-                file,
-                influence=np.stack([getattr(result, each) for each in _ARRAYS]),
-                number=np.array([getattr(result, each) for each in _NUMBERS]),
-                notes=np.array(result.notes, dtype=np.str_),
-            )
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    values = {**vars(result), "notes": np.array(result.notes, dtype=np.str_)}
+    write_whole(path, lambda file: np.savez(file, **values))

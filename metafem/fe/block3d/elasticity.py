@@ -6,24 +6,21 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial, reduce
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray, IntArray
-from metafem.fe.block3d.boussinesq import displacement
-from metafem.fe.block3d.faces import Face, mirrored
-from metafem.fe.block3d.grading import Lines
+from metafem.fe.block3d.boussinesq import displacement, mirrored, traction
 from metafem.fe.block3d.line_elements import LineElements
 from metafem.fe.linear_solve import solve
 
 BoolArray = NDArray[np.bool_]
 
 
-@dataclass(frozen=True, eq=False)
-class Remainder:
+class Remainder(NamedTuple):
     """Difference between the solutions of the block and of the half-space under each of m mirrored loads."""
 
     parity: tuple[int, int]
@@ -33,50 +30,59 @@ class Remainder:
     residual: float
 
 
+class Face(NamedTuple):
+    """Gauss points of the far face along an axis: positions (q, 3), weights, and interpolation of nodes."""
+
+    normal: int
+    point: FloatArray
+    weight: FloatArray  # (3q, 1)
+    interpolation: Any  # (3q, nodal values)
+
+
 @dataclass(frozen=True, eq=False)
 class Quarter:
     """Elements, matrix and degrees of freedom of the quarter x, y >= 0, z from the top down."""
 
-    axes: tuple[LineElements, LineElements, LineElements]
+    axes: list[LineElements]
     matrix: Any
     poisson_ratio: float
-    sides: tuple[Face, Face]
-    base: Face
+    faces: list[Face]  # the two sides and the base
     _index: IntArray  # of the displacement at a node, (component, x, y, z)
 
     @classmethod
-    def on(cls, lines: Lines, poisson_ratio: float) -> Quarter:
+    def on(cls, lines: Sequence[FloatArray], poisson_ratio: float) -> Quarter:
         """Assemble the matrix without boundary conditions.
 
         ``2 mu dev(eps) : eps(v) - p div v - q div u - p q / K``, with 1/K = 0 for nu = 1/2. Elements and
         boxes are tensor products, so the matrices of Q2 and Q1 hexahedra are Kronecker products of line
         matrices: equal to the assembled matrices, and a thousand times as fast.
         """
-        axes = (LineElements.on(lines.x), LineElements.on(lines.y), LineElements.on(lines.z))
+        axes = [LineElements.on(line) for line in lines]
         mu = 0.5 * (1.0 - poisson_ratio)
         compliance = 1.5 * (1.0 - 2.0 * poisson_ratio) / (mu * (1.0 + poisson_ratio))
 
         def gradients(a: int, b: int) -> Any:
             """int d_a v d_b u"""
-            return _kron([axis.product[int(a == k), int(b == k)] for k, axis in enumerate(axes)])
+            return _kron([x.integral(x.quadratic[a == k], x.quadratic[b == k]) for k, x in enumerate(axes)])
 
         laplacian = gradients(0, 0) + gradients(1, 1) + gradients(2, 2)
         rows: list[list[Any]] = [
             [mu * (gradients(b, a) - 2.0 / 3.0 * gradients(a, b)) for b in range(3)] for a in range(3)
         ]
-        divergence = [_kron([axis.pressure[int(b == k)] for k, axis in enumerate(axes)]) for b in range(3)]
+        divergence = [
+            _kron([x.integral(x.linear, x.quadratic[b == k]) for k, x in enumerate(axes)]) for b in range(3)
+        ]
         for a in range(3):
             rows[a][a] = rows[a][a] + mu * laplacian
             rows[a].append(-divergence[a].T)
-        mass = _kron([axis.pressure["mass"] for axis in axes])
+        mass = _kron([x.integral(x.linear, x.linear) for x in axes])
         rows.append([*(-matrix for matrix in divergence), -compliance * mass])
         shape = tuple(axis.node.size for axis in axes)
         return cls(
             axes,
             sp.block_array(rows, format="csr"),
             poisson_ratio,
-            (Face.of(axes, 0), Face.of(axes, 1)),
-            Face.of(axes, 2),
+            [_face(axes, normal) for normal in range(3)],
             np.arange(3 * math.prod(shape)).reshape(3, *shape),
         )
 
@@ -90,10 +96,9 @@ class Quarter:
         known = self._known(parity)
         value = np.zeros((known.size, len(source)))
         load = np.zeros_like(value)
-        value[base] = -self._base_displacement(source, parity)
-        for side in self.sides:
-            stress = side.weight[:, None] * side.traction(source, parity, self.poisson_ratio)
-            load[:nodal] -= side.interpolation.T @ stress
+        value[base] = -self._displacement(self._base_nodes, source, parity)
+        for side in self.faces[:2]:
+            load[:nodal] -= side.interpolation.T @ self._forces(side, source, parity)
         free, fixed = np.flatnonzero(~known), np.flatnonzero(known)
         rows = self.matrix[free]
         solved = solve(rows[:, free].tocsc(), load[free] - rows[:, fixed] @ value[fixed])
@@ -108,20 +113,16 @@ class Quarter:
         ``w_j(p) = -int_sides T_p (U_j + w_j) + int_base U_p (T_j + t(w_j))``. The result is
         symmetric and smooth in p, and the order of its error is twice that of w.
         """
-        parity, nu = field.parity, self.poisson_ratio
-        result = self._base_displacement(position, parity).T @ field.reaction
-        stress = self.base.weight[:, None] * self.base.traction(field.source, parity, nu)
-        result += self.base.displacement(position, parity, nu).T @ stress
-        for side in self.sides:
-            whole = side.displacement(field.source, parity, nu) + side.interpolation @ field.displacement
-            result -= side.traction(position, parity, nu).T @ (side.weight[:, None] * whole)
+        parity, (*sides, base) = field.parity, self.faces
+        result = self._displacement(self._base_nodes, position, parity).T @ field.reaction
+        result += self._displacement(base.point, position, parity).T @ self._forces(
+            base, field.source, parity
+        )
+        for side in sides:
+            whole = self._displacement(side.point, field.source, parity)
+            whole += side.interpolation @ field.displacement
+            result -= self._forces(side, position, parity).T @ whole
         return result
-
-    def top(self, field: Remainder, position: FloatArray) -> FloatArray:
-        """As `influence`, interpolated in the elements; for positions in the quarter."""
-        along = [self.axes[k].at(position[:, k]).toarray() for k in (0, 1)]
-        normal = field.displacement[self._index[2, :, :, 0]]
-        return np.asarray(np.einsum("nx,ny,xym->nm", *along, normal, optimize=True))
 
     def _known(self, parity: tuple[int, int]) -> BoolArray:
         """Whether each unknown is prescribed by symmetry or by the base."""
@@ -133,11 +134,39 @@ class Quarter:
         known[self._index[..., -1]] = True
         return known
 
-    def _base_displacement(self, source: FloatArray, parity: tuple[int, int]) -> FloatArray:
-        """Half-space's displacement at the nodes of the base, (3 nodes, loads)."""
-        nodes = np.meshgrid(*(axis.node for axis in self.axes), indexing="ij")
-        point = np.stack([each[..., -1].ravel() for each in nodes], axis=-1)
+    @property
+    def _base_nodes(self) -> FloatArray:
+        """Positions of the nodes of the base, (nodes, 3) [mm]."""
+        x, y, z = (axis.node for axis in self.axes)
+        return _points(x, y, z[-1:])
+
+    def _displacement(self, point: FloatArray, source: FloatArray, parity: tuple[int, int]) -> FloatArray:
+        """Half-space's displacement at points (q, 3), (3q, loads)."""
         return mirrored(partial(displacement, poisson_ratio=self.poisson_ratio), point, source, parity)
+
+    def _forces(self, face: Face, source: FloatArray, parity: tuple[int, int]) -> FloatArray:
+        """Half-space's tractions at the Gauss points of a face, times their weights, (3q, loads)."""
+        field = partial(traction, normal=face.normal, poisson_ratio=self.poisson_ratio)
+        return face.weight * mirrored(field, face.point, source, parity)
+
+
+def _face(axes: Sequence[LineElements], normal: int) -> Face:
+    """Return the face at the far end of axis `normal`."""
+    points, weights, values = [], [], []
+    for k, axis in enumerate(axes):
+        last = sp.csr_array(([1.0], ([0], [axis.node.size - 1])))
+        end = axis.node[-1:], np.ones(1), last
+        point, weight, value = end if k == normal else (axis.point, axis.weight, axis.quadratic[0])
+        points.append(point)
+        weights.append(weight)
+        values.append(value)
+    weight = np.tile(np.einsum("i,j,k->ijk", *weights).ravel(), 3)[:, None]
+    return Face(normal, _points(*points), weight, sp.block_diag([_kron(values)] * 3, format="csr"))
+
+
+def _points(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+    """Return the points of a tensor product, (q, 3)."""
+    return np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
 def _kron(factors: Sequence[Any]) -> Any:

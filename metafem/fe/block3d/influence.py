@@ -9,7 +9,7 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.fe.block3d.cache import BlockInfluence
 from metafem.fe.block3d.elasticity import Quarter
-from metafem.fe.block3d.grading import Lines, quarter_lines
+from metafem.fe.block3d.grading import quarter_lines
 from metafem.progress import each
 from metafem.surface import Block
 
@@ -34,9 +34,9 @@ def site_influence(
     block: Block, poisson_ratio: float, position: FloatArray, cell: float, edge_cell: float
 ) -> BlockInfluence:
     """Compute the influence between sites, (n, 2) [mm], on two meshes; see `Block3D`."""
-    lines = quarter_lines(block, position, cell, edge_cell)
-    coarser = COARSER * lines.stretch
-    fewer = quarter_lines(block, position, coarser * cell, coarser * edge_cell)
+    lines, stretch = quarter_lines(block, position, cell, edge_cell)
+    coarser = COARSER * stretch
+    fewer, _ = quarter_lines(block, position, coarser * cell, coarser * edge_cell)
     ((value, *slopes), residual), (coarse, other) = (
         _remainder(block, poisson_ratio, position, mesh) for mesh in each("mesh", (lines, fewer))
     )
@@ -52,14 +52,14 @@ def site_influence(
         asymmetry=float(np.abs(value - value.T).max()),
         error_estimate=float(np.abs(value - coarse[0]).max()),
         residual=max(residual, other),
-        notes=(f"cells are {lines.stretch:.3g} times as large as stated, to limit their number",)
-        if lines.stretch > 1.0
+        notes=(f"cells are {stretch:.3g} times as large as stated, to limit their number",)
+        if stretch > 1.0
         else (),
     )
 
 
 def _remainder(
-    block: Block, poisson_ratio: float, position: FloatArray, lines: Lines
+    block: Block, poisson_ratio: float, position: FloatArray, lines: list[FloatArray]
 ) -> tuple[FloatArray, float]:
     """Value, gradient and Laplacian of w between sites, (4, n, n), and the residual.
 

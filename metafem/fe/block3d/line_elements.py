@@ -7,17 +7,28 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from skfem import Basis, BilinearForm, ElementLineP1, ElementLineP2, MeshLine
+from numpy.polynomial import polynomial
 
 from metafem._validate import FloatArray
 
-# Degree to which the Gauss points are exact: the matrices need 4; the tractions are not polynomials.
-QUADRATURE = 9
+# Gauss points of a cell: the matrices need 3; the tractions are not polynomials.
+POINTS = 5
+
+# Coefficients of the Lagrange polynomials of equidistant nodes in a cell of unit length, by their degree.
+LAGRANGE = {1: [[1, -1], [0, 1]], 2: [[1, -3, 2], [0, 4, -4], [0, -1, 2]]}
 
 
-MASS = BilinearForm(lambda u, v, _: u * v)
-DERIVATIVE = BilinearForm(lambda u, v, _: u * v.grad[0])  # of the test function, a row of the matrix
-STIFFNESS = BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0])
+def shapes(line: FloatArray, degree: int, position: FloatArray, derivative: int = 0) -> Any:
+    """Return the shape functions of a degree, or a derivative, at positions: sparse, (positions, nodes)."""
+    cell = np.clip(np.searchsorted(line, position, side="right") - 1, 0, len(line) - 2)
+    width = np.diff(line)[cell]
+    x = (position - line[cell]) / width
+    each = [polynomial.polyder(np.array(c, dtype=np.float64), derivative) for c in LAGRANGE[degree]]
+    value = np.array([polynomial.polyval(x, c) for c in each]) / width**derivative
+    column = degree * cell + np.arange(degree + 1)[:, None]
+    row = np.broadcast_to(np.arange(len(position)), column.shape)
+    count = degree * (len(line) - 1) + 1
+    return sp.csr_array((value.ravel(), (row.ravel(), column.ravel())), shape=(len(position), count))
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,46 +36,26 @@ class LineElements:
     """Quadratic (displacement) and linear (pressure) elements on one line of vertices."""
 
     node: FloatArray  # ascending positions of the quadratic degrees of freedom [mm]
-    vertex: FloatArray  # ascending positions of the linear ones [mm]
-    # matrix of ``int D^i v D^j u`` for quadratic v (rows) and u, by (i, j)
-    product: dict[tuple[int, int], Any]
-    # matrix of ``int q D^j u`` for linear q (rows) and quadratic u, by j; "mass": of ``int q p``
-    pressure: dict[Any, Any]
-    quadrature: tuple[FloatArray, FloatArray]  # Gauss points [mm] and weights [mm]
-    _basis: Any
-    _order: Any
+    point: FloatArray  # Gauss points [mm]
+    weight: FloatArray  # their weights [mm]
+    # quadratic shape functions and their derivatives at the Gauss points, and linear ones; sparse
+    quadratic: tuple[Any, Any]
+    linear: Any
 
     @classmethod
     def on(cls, line: FloatArray) -> LineElements:
         """Return the elements on ascending vertices."""
-        mesh = MeshLine(line)
-        basis = Basis(mesh, ElementLineP2(), intorder=QUADRATURE)
-        linear = basis.with_element(ElementLineP1())
-        order, vertices = (np.argsort(each.doflocs[0]) for each in (basis, linear))
-        first = DERIVATIVE.assemble(basis)
-        product = {
-            (0, 0): MASS.assemble(basis),
-            (1, 0): first,
-            (0, 1): first.T,
-            (1, 1): STIFFNESS.assemble(basis),
-        }
-        mixed = {
-            0: MASS.assemble(basis, linear),
-            # here u is differentiated: the transpose is assembled
-            1: DERIVATIVE.assemble(linear, basis).T,
-        }
-        pressure: dict[Any, Any] = {j: matrix.tocsr()[vertices][:, order] for j, matrix in mixed.items()}
-        pressure["mass"] = MASS.assemble(linear).tocsr()[vertices][:, vertices]
+        middle, half = 0.5 * (line[1:] + line[:-1]), 0.5 * np.diff(line)
+        gauss, weight = np.polynomial.legendre.leggauss(POINTS)
+        point = (middle[:, None] + half[:, None] * gauss).ravel()
         return cls(
-            node=basis.doflocs[0, order],
-            vertex=linear.doflocs[0, vertices],
-            product={key: matrix.tocsr()[order][:, order] for key, matrix in product.items()},
-            pressure=pressure,
-            quadrature=(np.asarray(basis.global_coordinates())[0].ravel(), basis.dx.ravel()),
-            _basis=basis,
-            _order=order,
+            np.sort(np.concatenate([line, middle])),
+            point,
+            np.outer(half, weight).ravel(),
+            (shapes(line, 2, point), shapes(line, 2, point, derivative=1)),
+            shapes(line, 1, point),
         )
 
-    def at(self, position: FloatArray) -> sp.csr_matrix:
-        """Return the quadratic shape functions at positions, (positions, nodes)."""
-        return self._basis.probes(position[None, :]).tocsr()[:, self._order]
+    def integral(self, left: Any, right: Any) -> Any:
+        """Return the matrix of the integrals of the products of two sets of functions, by their values."""
+        return left.T @ sp.diags_array(self.weight) @ right

@@ -6,6 +6,7 @@ import math
 import warnings
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import ClassVar
 
 import numpy as np
 
@@ -64,22 +65,18 @@ class Block3D:
     0.5
     """
 
+    name: ClassVar[str] = "block"
+
     block: Block | None = None
     poisson_ratio: float | None = None
     cell: float = 0.25
     edge_cell: float = 0.006
 
     def __post_init__(self) -> None:
-        if not (self.block is None or isinstance(self.block, Block)):
-            raise InvalidInput(f"block = {self.block!r} must be a metafem.Block")
+        check.instance("block", self.block, Block, "a metafem.Block", optional=True)
         check.member(self, "poisson_ratio", optional=True, **check.POISSON)
         check.member(self, "cell", above=0.0, at_most=1.0)
         check.member(self, "edge_cell", above=0.0, at_most=1.0)
-
-    @property
-    def name(self) -> str:
-        """Name of the substrate."""
-        return "block"
 
     def for_surface(self, surface: Surface) -> Block3D:
         """Return the substrate with the block and the Poisson ratio of a surface, checked against it."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
 
@@ -37,20 +37,46 @@ class NewtonStatus(Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class Flattened:
-    """State of a body whose surface is flat up to a material point."""
+class FiniteContact:
+    """Contact of a soft cap under a rigid plane at large strain.
 
-    load: float  # P/E* [mm^2]
-    indentation: float  # [mm]
-    edge: float  # deformed radius of the contact's edge [mm]
+    Attributes
+    ----------
+    contact_radius : float
+        a, in the deformed state [mm].
+    material_radius : float
+        Undeformed radius of the points at the edge of the contact [mm].
+    rescaled_load : float
+        P/E* [mm^2], E* = 4/3 E = 4 mu.
+    indentation : float
+        Displacement of the plane from first contact [mm].
+    error_estimate : float
+        Bound of the relative discretisation errors of load and indentation [-]: the change on refining the
+        mesh, with stick also on halving the number of contacts, and the bracket of the edge.
+    residual : float
+        Largest unbalanced nodal force, relative to the load [-].
+    status : NewtonStatus
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> contact = mf.fe.press_finite(0.1, 0.526, height=0.2, thickness=7.2, block_radius=10.0)
+    >>> contact.status.name, contact.error_estimate < 1e-2
+    ('CONVERGED', True)
+    """
+
+    contact_radius: float
+    material_radius: float
+    rescaled_load: float
+    indentation: float
+    # of one mesh: relative change of the load at the same deformed radius, or of the indentation, if the next
+    # node outside were also in contact
+    error_estimate: float
+    residual: float
     energy: float  # stored energy over E* [mm^3]
     shift: float  # amplitude of the last term of the radial displacement of sticking points
-    # relative change of the load at the same deformed radius, or of the indentation, if the next node outside
-    # were also in contact
-    bracket: float
     fraction: float  # fraction of the prescribed displacements; 1 for a complete state
-    residual: float  # largest unbalanced nodal force, relative to the load
-    unknowns: FloatArray  # radial and downward displacements, pressures
+    unknowns: FloatArray = field(repr=False)  # radial and downward displacements, pressures
 
     @property
     def status(self) -> NewtonStatus:
@@ -128,8 +154,11 @@ class SoftBody(Body):
         return assembled(number, block, self.size), np.asarray(total, dtype=np.float64)
 
     def flatten(
-        self, profile: Profile, stuck: tuple[Profile, Profile] | None = None, start: Flattened | None = None
-    ) -> Flattened:
+        self,
+        profile: Profile,
+        stuck: tuple[Profile, Profile] | None = None,
+        start: FiniteContact | None = None,
+    ) -> FiniteContact:
         """Flatten the surface within the boundary `contact`, without force at its edge.
 
         The profile is the depth below the summit [mm] at the undeformed radii. `stuck` holds the radial
@@ -138,7 +167,8 @@ class SoftBody(Body):
         Newton's method fails with the smallest steps.
         """
         plane = self._plane(profile, stuck)
-        last = Flattened(0.0, 0.0, 0.0, 0.0, 0.0, math.inf, 0.0, 0.0, np.zeros(self.size))  # at rest
+        at_rest = (0.0, 0.0, 0.0, 0.0, math.inf, 0.0, 0.0, 0.0, 0.0)
+        last = FiniteContact(*at_rest, np.zeros(self.size))
         if start is not None:
             amplitudes = np.array([start.indentation, start.shift])[: plane.modes.shape[1]]
             state = self._newton(plane, 1.0, start.unknowns, amplitudes)
@@ -184,7 +214,7 @@ class SoftBody(Body):
 
     def _newton(
         self, plane: Plane, fraction: float, start: FloatArray, amplitudes: FloatArray
-    ) -> Flattened | None:
+    ) -> FiniteContact | None:
         """Return the state at a fraction of the displacements, or None if Newton's method fails."""
         free = np.setdiff1d(np.arange(self.size), plane.fixed)
         unknowns = start.copy()
@@ -201,16 +231,18 @@ class SoftBody(Body):
             error = float(np.abs(unbalanced).max() / max(abs(self._load(force)), np.finfo(float).tiny))
             if change <= CHANGE and error <= RESIDUAL:
                 edge = self.edge_nodes[0]
+                material = float(self.geometry.point(self.mesh.p[:, [edge]])[0, 0])
                 stored = self._shapes[4] * neo_hookean.energy(gradient, self.shear_modulus)
-                return Flattened(
-                    load=2.0 * math.pi * self._load(force),
+                return FiniteContact(
+                    contact_radius=material + float(unknowns[edge]),
+                    material_radius=material,
+                    rescaled_load=2.0 * math.pi * self._load(force),
                     indentation=float(amplitudes[0]),
-                    edge=float(self.geometry.point(self.mesh.p[:, [edge]])[0, 0] + unknowns[edge]),
+                    error_estimate=self._bracket(plane, unknowns, amplitudes, matrix, force, way),
+                    residual=error,
                     energy=2.0 * math.pi * float(np.sum(stored)),
                     shift=float(amplitudes[1]) if len(amplitudes) > 1 else 0.0,
-                    bracket=self._bracket(plane, unknowns, amplitudes, matrix, force, way),
                     fraction=fraction,
-                    residual=error,
                     unknowns=unknowns,
                 )
             right = np.column_stack([force + matrix @ jump, matrix @ plane.modes])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -10,10 +10,10 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import sphere_profile
-from metafem.errors import InvalidInput, NotConverged
+from metafem.errors import NotConverged, refuse_if
 from metafem.fe.axisymmetric.geometry import Cap, checked_cap
 from metafem.fe.axisymmetric.mesh import graded_mesh
-from metafem.fe.large_strain.body import Flattened, NewtonStatus, SoftBody
+from metafem.fe.large_strain.body import FiniteContact, SoftBody
 
 # Size of the last elements at the edge, relative to the contact radius: the bracket of the edge is of this
 # order, which is below the error of quadratic elements.
@@ -33,44 +33,6 @@ RADIUS_ERROR, SECANT_STEPS = 1e-7, 12
 # Number of increasing contacts with stick: at a/R = 0.5 half as many change the load by 1e-4, twice as many
 # by 2e-6.
 HISTORY = 4
-
-
-@dataclass(frozen=True, eq=False)
-class FiniteContact:
-    """Contact of a soft cap under a rigid plane at large strain.
-
-    Attributes
-    ----------
-    contact_radius : float
-        a, in the deformed state [mm].
-    material_radius : float
-        Undeformed radius of the points at the edge of the contact [mm].
-    rescaled_load : float
-        P/E* [mm^2], E* = 4/3 E = 4 mu.
-    indentation : float
-        Displacement of the plane from first contact [mm].
-    error_estimate : float
-        Bound of the relative discretisation errors of load and indentation [-]: the change on refining the
-        mesh, with stick also on halving the number of contacts, and the bracket of the edge.
-    residual : float
-        Largest unbalanced nodal force, relative to the load [-].
-    status : NewtonStatus
-
-    Examples
-    --------
-    >>> contact = press_finite(0.1, 0.526, height=0.2, thickness=7.2, block_radius=10.0)
-    >>> contact.status.name, contact.error_estimate < 1e-2
-    ('CONVERGED', True)
-    """
-
-    contact_radius: float
-    material_radius: float
-    rescaled_load: float
-    indentation: float
-    error_estimate: float
-    residual: float
-    status: NewtonStatus
-    state: Flattened = field(repr=False)
 
 
 def press_finite(
@@ -129,8 +91,7 @@ def press_finite(
     0.977
     """
     a = check.number("contact_radius", contact_radius, above=0.0)
-    if not isinstance(stick, (bool, np.bool_)):
-        raise InvalidInput(f"stick = {stick!r:.60} must be True or False")
+    check.instance("stick", stick, bool, "True or False")
     cap = checked_cap(a, radius, height, thickness, "block_radius", block_radius)
     radii = a * np.arange(1, HISTORY + 1) / HISTORY if stick else np.array([a])
     return press_sequence(radii, cap, stick)[-1]
@@ -167,7 +128,7 @@ def _on_mesh(
         guess = guesses[i] if guesses else a * (contacts[-1].material_radius / radii[i - 1] if i else 1.0)
         contacts.append(_contact(float(a), cap, history, refinement, float(guess)))
         if history is not None:
-            history.add(contacts[-1].material_radius, contacts[-1].state.shift)
+            history.add(contacts[-1].material_radius, contacts[-1].shift)
     return contacts
 
 
@@ -204,24 +165,25 @@ class Stick:
 
 def _contact(a: float, cap: Cap, stick: Stick | None, refinement: int, guess: float) -> FiniteContact:
     """Return the contact with the deformed radius a; the material radius is found by the secant method."""
-    state: Flattened | None = None
+    state: FiniteContact | None = None
     material, before = guess, (0.0, 0.0)
     for _ in range(SECANT_STEPS):
-        if not material < cap.foot:
-            raise InvalidInput(f"contact_radius = {a:g} brings the cap's edge at {cap.foot:g} into contact")
+        refuse_if(
+            not material < cap.foot,
+            f"contact_radius = {a:g} brings the cap's edge at {cap.foot:g} into contact",
+        )
         state = _flatten(material, cap, stick, refinement, state)
-        if abs(state.edge / a - 1.0) <= RADIUS_ERROR:
-            return FiniteContact(
-                a, material, state.load, state.indentation, state.bracket, state.residual, state.status, state
-            )
-        slope = (state.edge - before[1]) / (material - before[0])
-        before, material = (material, state.edge), material + (a - state.edge) / slope
+        edge = state.contact_radius
+        if abs(edge / a - 1.0) <= RADIUS_ERROR:
+            return replace(state, contact_radius=a, material_radius=material)
+        slope = (edge - before[1]) / (material - before[0])
+        before, material = (material, edge), material + (a - edge) / slope
     raise NotConverged(f"no material radius found for the contact radius {a:g}", state)
 
 
 def _flatten(
-    material: float, cap: Cap, stick: Stick | None, refinement: int, start: Flattened | None
-) -> Flattened:
+    material: float, cap: Cap, stick: Stick | None, refinement: int, start: FiniteContact | None
+) -> FiniteContact:
     """Flatten the cap up to a material radius, from a state with nearly the same one if given."""
     mesh = graded_mesh(
         float(cap.surface(np.array(material))[0]),

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem.contact import TabulatedContact
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.fe.axisymmetric.geometry import checked_cap
 from metafem.fe.large_strain.press import press_sequence
 from metafem.material import Material
@@ -64,13 +64,12 @@ def tabulated_contact(
     """
     radii = check.array("contact_radius", contact_radius, shape=(None,), positive=True)
     check.instance("material", material, Material, "a metafem.Material")
-    if material.poisson_ratio != 0.5:
-        raise InvalidInput(
-            f"material = {material!r} must have poisson_ratio = 0.5: at large strain the finite elements are "
-            "incompressible"
-        )
-    if not (np.diff(radii) > 0.0).all():
-        raise InvalidInput("contact_radius must increase")
+    refuse_if(
+        material.poisson_ratio != 0.5,
+        f"material = {material!r} must have poisson_ratio = 0.5: at large strain the finite elements are "
+        "incompressible",
+    )
+    refuse_if(not (np.diff(radii) > 0.0).all(), "contact_radius must increase")
     cap = checked_cap(float(radii[-1]), radius, height, thickness, "block_radius", block_radius)
     contacts = press_sequence(radii, cap, stick=False)
     load = np.array([contact.rescaled_load for contact in contacts])

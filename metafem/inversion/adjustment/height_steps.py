@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.assessment import model_misfit
 from metafem.inversion.candidate import Candidate, Parameter
-from metafem.inversion.problem import Effort, Problem
-from metafem.inversion.targets.target_law import TargetLaw
+from metafem.inversion.problem import Problem
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.progress import each
+from metafem.surface import Surface
 
 # Fractions of a step by which all heights are shifted before rounding, which does not change a law.
 SHIFTS = (0.0, 0.25, -0.25, 0.5, -0.5)
@@ -39,86 +40,85 @@ def rounded_to_steps(problem: Problem, candidate: Candidate) -> Candidate:
     changed by one step, as long as that lowers the misfit under the model (or under its `gradient_model`,
     if it has no sensitivities). With many asperities the heights are only rounded.
     """
-    model, limits, law = problem.model, problem.limits, candidate.target_law
+    model, limits = problem.model, problem.limits
     if limits.height_step is None or (candidate.stepped and not model.couples):
         return candidate
-    solver, levels, surface = model.gradient_model, limits.levels, candidate.surface(problem.template)
-    held = candidate.held_rows
-
-    def placed(heights: FloatArray) -> FloatArray:
-        """Return heights (..., n) with the fixed heights inserted."""
-        heights[..., held] = candidate.height[held]
-        return heights
-
-    def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
-        found = solver.sensitivity(surface, law.load, placed(height))
-        return law.residual(found.curve.area, found.gradient)
-
-    def residuals(heights: FloatArray, law: TargetLaw = law) -> FloatArray:
-        """Return the residuals of many lists of heights, (m, k); infinite if not converged."""
-        none = np.empty((len(law.load), 0))
-        areas = solver.areas(surface, law.load, placed(heights))
-        rows = [law.residual(row, none)[0] if np.isfinite(row).all() else row + np.inf for row in areas]
-        return np.where(np.isnan(rows), np.inf, rows)
-
-    def part(residual: FloatArray) -> TargetLaw:
-        """Return the law at the few loads where the residuals of the current heights are largest."""
-        return law.part(np.sort(np.argsort(-np.abs(residual))[:LARGEST_LOADS]))
-
-    power = LARGEST_POWER if law.pointwise else 2
-    # the largest differences dominate the sum of powers, so a few loads exclude most changes
-    excludes = law.pointwise and len(law.load) > 4 * LARGEST_LOADS
-    search = _StepSearch(levels, residual, residuals, part if excludes else None, power, problem.effort, held)
+    surface, held = candidate.surface(problem.template), candidate.held_rows
+    search = _StepSearch(problem, candidate, surface)
     index, size = search.rounded(candidate.height)
     if len(index) <= MOST_STEPPED:
         index = search.moved(index, size)
     used, counts = np.unique(np.delete(index, held), return_counts=True)
-    result = candidate.with_heights(placed(levels[index]))
+    levels = limits.levels
     steps: dict[str, Parameter] = {"step_levels": levels[used], "step_counts": counts.astype(np.int64)}
-    before = model_misfit(candidate, surface, model)
+    result, before = candidate.with_heights(search.heights(index)), model_misfit(problem, candidate)
     return replace(result, parameters={**result.parameters, **steps}, unrounded=before)
 
 
 @dataclass(frozen=True, eq=False)
 class _StepSearch:
-    """A search over the indices (n,) of levels; the sum of a power of the residual is lowered.
+    """A search over the indices (n,) of levels; the sum of a power of the residual is lowered."""
 
-    The power is a power of two. The indices of the rows `held` do not change.
-    """
+    problem: Problem
+    candidate: Candidate
+    surface: Surface
 
-    levels: FloatArray
-    residual: Callable[[FloatArray], tuple[FloatArray, FloatArray]]
-    residuals: Callable[..., FloatArray]
-    part: Callable[[FloatArray], TargetLaw] | None
-    power: int
-    effort: Effort
-    held: IntArray
+    @cached_property
+    def levels(self) -> FloatArray:
+        """The levels of the limits."""
+        return self.problem.limits.levels
+
+    @property
+    def law(self) -> TargetLaw:
+        """The law with which those of the heights are compared."""
+        return self.candidate.target_law
+
+    def heights(self, index: IntArray) -> FloatArray:
+        """Return the heights of indices (..., n), with the fixed heights."""
+        heights, held = self.levels[index], self.candidate.held_rows
+        heights[..., held] = self.candidate.height[held]
+        return heights
+
+    def residual(self, index: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Return the residual of indices and its Jacobian."""
+        solver = self.problem.model.gradient_model
+        found = solver.sensitivity(self.surface, self.law.load, self.heights(index))
+        return self.law.residual(found.curve.area, found.gradient)
+
+    def sums(self, trials: IntArray, law: TargetLaw) -> FloatArray:
+        """Return the sums of indices (m, n) over the loads of a law, (m,); infinite if not converged."""
+        none = np.empty((len(law.load), 0))
+        areas = self.problem.model.gradient_model.areas(self.surface, law.load, self.heights(trials))
+        rows = [law.residual(row, none)[0] if np.isfinite(row).all() else row + np.inf for row in areas]
+        return self.total(np.where(np.isnan(rows), np.inf, rows).T)
 
     def total(self, residual: FloatArray) -> FloatArray:
         """Return the sum over the loads (first axis)."""
         raised = residual * residual
-        for _ in range(self.power.bit_length() - 2):  # ten times as fast as one power operation
+        power = LARGEST_POWER if self.law.pointwise else 2
+        for _ in range(power.bit_length() - 2):  # ten times as fast as one power operation
             np.square(raised, out=raised)
         return np.asarray(raised.sum(axis=0))
 
-    def best(self, trials: list[IntArray]) -> tuple[IntArray, float]:
+    def best(self, trials: IntArray) -> tuple[IntArray, float]:
         """Return the trial with the least sum, and the sum."""
-        sizes = self.total(self.residuals(self.levels[np.array(trials)]).T)
+        sizes = self.sums(trials, self.law)
         return trials[int(sizes.argmin())], float(sizes.min())
 
-    def below(self, trials: list[IntArray], size: float, part: TargetLaw) -> tuple[IntArray, float]:
+    def below(self, trials: IntArray, size: float, residual: FloatArray) -> tuple[IntArray, float]:
         """As `best` if its sum is below a size, with fewer evaluations.
 
-        The sum over some of the loads is a lower bound of the total sum. Trials with the smallest bounds are
-        evaluated first.
+        The sum over the few loads where the current residual is largest is a lower bound of the total sum,
+        which it dominates. Trials with the smallest bounds are evaluated first.
         """
-        heights, sizes = self.levels[np.array(trials)], np.full(len(trials), np.inf)
-        bounds = self.total(self.residuals(heights, part).T)
+        sizes = np.full(len(trials), np.inf)
+        largest = np.sort(np.argsort(-np.abs(residual))[:LARGEST_LOADS])
+        bounds = self.sums(trials, self.law.part(largest))
         for some in np.array_split(np.argsort(bounds), -(-len(trials) // STEPS_AT_ONCE)):
             rows = some[bounds[some] < min(size, sizes.min())]
             if not rows.size:
                 break
-            sizes[rows] = self.total(self.residuals(heights[rows]).T)
+            sizes[rows] = self.sums(trials[rows], self.law)
         return trials[int(sizes.argmin())], float(sizes.min())
 
     def rounded(self, height: FloatArray) -> tuple[IntArray, float]:
@@ -127,32 +127,32 @@ class _StepSearch:
         step = float(levels[1] - levels[0]) if len(levels) > 1 else 1.0
         exact = (height - levels[0]) / step
         trials = [np.clip(np.rint(exact + shift), 0, len(levels) - 1).astype(np.int64) for shift in SHIFTS]
-        return self.best(trials)
+        return self.best(np.array(trials))
 
     def moved(self, index: IntArray, size: float) -> IntArray:
         """Change one or two heights by a step at a time; the best changes by the gradient are evaluated."""
-        for _ in each("change of steps", range(self.effort.step_changes), at_most=True):
-            residual, jacobian = self.residual(self.levels[index])
+        excludes = self.law.pointwise and len(self.law.load) > 4 * LARGEST_LOADS
+        for _ in each("change of steps", range(self.problem.effort.step_changes), at_most=True):
+            residual, jacobian = self.residual(index)
             trials = self.trials(index, residual, jacobian)
-            if not trials:
+            if not len(trials):
                 break
-            part = self.part(residual) if self.part else None
-            best, least = self.best(trials) if part is None else self.below(trials, size, part)
+            best, least = self.below(trials, size, residual) if excludes else self.best(trials)
             if not least < size:
                 break
             index, size = best, least
         return index
 
-    def trials(self, index: IntArray, residual: FloatArray, jacobian: FloatArray) -> list[IntArray]:
-        """Return the steps of one or two heights that lower the misfit most to first order."""
+    def trials(self, index: IntArray, residual: FloatArray, jacobian: FloatArray) -> IntArray:
+        """Return the indices (m, n) after steps of one or two heights that lower the misfit most."""
         levels = self.levels
         which = np.concatenate([np.arange(len(index))] * 2)
         by = np.repeat([1, -1], len(index))
         inside = (index[which] + by >= 0) & (index[which] + by < len(levels))
-        inside &= ~np.isin(which, self.held)
+        inside &= ~np.isin(which, self.candidate.held_rows)
         which, by = which[inside], by[inside]
         if not which.size:
-            return []
+            return np.empty((0, len(index)), dtype=np.int64)
         change = jacobian[:, which] * (levels[index[which] + by] - levels[index[which]])
         single = self.total(residual[:, None] + change)
         order = np.argsort(single, kind="stable")
@@ -167,7 +167,7 @@ class _StepSearch:
         double[same & ~np.eye(len(tried), dtype=bool)] = np.inf
         _, first = np.unique(double.ravel(), return_index=True)
         trials = []
-        for flat in first[: self.effort.evaluated_steps]:
+        for flat in first[: self.problem.effort.evaluated_steps]:
             a, b = divmod(int(flat), len(tried))
             if not np.isfinite(double[a, b]):
                 continue
@@ -176,4 +176,4 @@ class _StepSearch:
             if a != b:
                 trial[which[tried[b]]] += by[tried[b]]
             trials.append(trial)
-        return trials
+        return np.array(trials).reshape(-1, len(index))

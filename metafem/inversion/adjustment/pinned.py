@@ -77,7 +77,7 @@ def with_pinned(
     The given heights of the problem are at their sites, and the others are adjusted.
     """
     pins, span = problem.pins, problem.limits.span
-    unpinned = model_misfit(plain, plain.surface(problem.template), problem.model)
+    unpinned = model_misfit(problem, plain)
     same = _in_place(plain, pins.rows, pins.heights, span)
     if np.array_equal(same.sites, plain.sites) and np.array_equal(same.height, plain.height):
         same = replace(same, unpinned=unpinned)
@@ -96,7 +96,7 @@ def _best(problem: Problem, candidate: Candidate, unpinned: float, rng: np.rando
     enough = EXACT if exact else max(goal / BETTER, CLOSE)
     first = _in_place(candidate, problem.pins.rows, problem.pins.heights, problem.limits.span)
     first = first.with_heights(first.height)
-    before = np.inf if exact else model_misfit(first, first.surface(problem.template), problem.model)
+    before = np.inf if exact else model_misfit(problem, first)
     if before <= unpinned / BETTER:
         return first
     best, chosen = np.inf, first
@@ -112,7 +112,7 @@ def _best(problem: Problem, candidate: Candidate, unpinned: float, rng: np.rando
     if exact or not (candidate.branches or candidate.target_law.pointwise):
         return chosen
     # the misfit is not the mean square that is minimised, but the largest difference or that of a slope
-    after = model_misfit(chosen, chosen.surface(problem.template), problem.model)
+    after = model_misfit(problem, chosen)
     return chosen if after < before else first
 
 
@@ -124,8 +124,8 @@ def _changed(problem: Problem, start: Candidate, goal: float, rng: np.random.Gen
     height, radius = np.full(count, space.absent), np.full(count, start.radius[lowest])
     height[start.sites], radius[start.sites] = start.height, start.radius
     whole = replace(start, sites=np.arange(count), height=height, radius=radius)
-    _, differences, _ = residuals(problem, whole, np.asarray)
-    residual, exact = space.held(differences), start.lowest_level is not None
+    _, residual, _ = residuals(problem, whole, np.asarray)
+    exact = start.lowest_level is not None
     r, _ = residual(height)
     best = Minimum(height, float(np.sqrt(r @ r / len(r))))
     options, effort = problem.options, problem.effort
@@ -211,13 +211,13 @@ def _adjusted(problem: Problem, start: Candidate, goal: float) -> Minimum:
     # heights with depths stretched off the kinks of the law
     stretched = [top - stretch * (top - start.height) for stretch in STRETCHES]
     for guess in stretched if exact else [start.height]:
-        trial = descend(space.held(residual), space.project(guess), space, goal, exact, options)
+        trial = descend(residual, space.project(guess), space, goal, exact, options)
         found = trial if trial.misfit < found.misfit else found
         if found.misfit <= EXACT:
             break
     if model.gradient_model == model:
         return found
-    return descend(space.held(residual_of_model), found.unknowns, space, goal, options=options)
+    return descend(residual_of_model, found.unknowns, space, goal, options=options)
 
 
 def _rms(problem: Problem, candidate: Candidate) -> float:

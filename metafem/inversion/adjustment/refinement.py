@@ -1,4 +1,9 @@
-"""Heights of independent asperities, refined until their law under another model meets the target."""
+"""Heights of independent asperities, refined until their law under another model meets the target.
+
+With laws other than Hertz's, A0(P) has a sharper kink where a contact forms. Interaction shifts the kinks,
+and gradients are not valid beyond them. The unknowns of `with_same_entries` are therefore the heights of
+independent asperities, shifted so that each summit first touches at the same loads of the others.
+"""
 
 from __future__ import annotations
 
@@ -9,15 +14,15 @@ from functools import cache
 import numpy as np
 
 from metafem._validate import FloatArray
+from metafem.contact.law import contacts
 from metafem.errors import InvalidInput
-from metafem.inversion.adjustment.entries import with_same_entries
 from metafem.inversion.assessment import EXACT, MISSED, POINT_GOAL, independent_misfit, model_misfit
 from metafem.inversion.candidate import Candidate, below_limit
 from metafem.inversion.problem import Problem
 from metafem.inversion.search.levenberg_marquardt import Minimum, SearchOptions, descend, search
 from metafem.inversion.search.nearest_law import GOAL, beyond, residual_of_heights
 from metafem.inversion.search.spaces import Heights, LateResidual, Residual
-from metafem.inversion.targets.target_law import TargetLaw
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.models import Independent, Sensitivity
 from metafem.models.model import has_paraboloids
 from metafem.notes import information
@@ -36,6 +41,13 @@ ADHESIVE_RESTARTS = 1
 # Degree of the polynomial in the logarithm of the load that fits A0(model)/A0(independent). A low degree
 # omits the kinks of single contacts, which move with the heights.
 RATIO_DEGREE = 3
+
+# Maximum number of loads of the target that are used.
+LOADS = 30
+
+# Maximum number of descent steps for interacting adhesive asperities: each takes a tenth of a second to a
+# second.
+ADHESIVE_STEPS = 6
 
 # Factors of the summit depths, so that no level first touches exactly at an operating point: interaction
 # lowers open summits by a hundredth to a tenth of their depth.
@@ -58,7 +70,7 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
     moved = model.couples or problem.contact.adhesive
     if candidate.stepped or not (moved or candidate.density is not None):
         return candidate
-    unrefined = np.inf if moved else independent_misfit(candidate, problem.independent)
+    unrefined = np.inf if moved else independent_misfit(problem, candidate)
     if unrefined <= MISSED:
         return candidate
     if model.couples and problem.contact.adhesive:
@@ -89,7 +101,7 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
             if best.misfit <= EXACT or len(trial.height) == len(candidate.height):
                 break
         result = start.with_heights(below_limit(best.unknowns, limits))
-        if not moved and model_misfit(result, result.surface(problem.template), model) >= unrefined:
+        if not moved and model_misfit(problem, result) >= unrefined:
             return candidate
     change = 1e3 * float(np.abs(result.height - start.height).max())
     added = len(start.height) - len(candidate.height)
@@ -149,7 +161,7 @@ def _initial_guesses(
     powers = np.vander(np.log(law.load / law.load[-1]), RATIO_DEGREE + 1)
     smooth = powers @ np.linalg.lstsq(powers, ratio, rcond=None)[0]
     divided = TargetLaw.fixed(law.load, law.law(area) / smooth, law.weight)
-    residual = residual_of_heights(problem.independent, surface.radius, law.load, divided.late_residual)
+    residual = residual_of_heights(problem.independent, surface.radius, divided)
     space, restarts = Heights(problem.limits.span), problem.effort.ratio_restarts
     corrected = search(residual, [surface.height], space, GOAL, restarts, rng, problem.options)
     # if the sites were chosen for this model, the heights should change as little as possible
@@ -186,3 +198,64 @@ def _through_points(
         if best.misfit <= POINT_GOAL:
             break
     return best
+
+
+def with_same_entries(problem: Problem, start: Candidate, goal: float, rng: np.random.Generator) -> Minimum:
+    """Return heights whose law under the model meets the target, with its misfit.
+
+    The unknowns are heights of independent asperities, whose gradients are used; the law is that of the
+    shifted heights under the model. With adhesion, each step is slow, so their number is limited.
+    """
+    solver, limits, options = problem.model.gradient_model, problem.limits, problem.options
+    law, surface = start.target_law.thinned(LOADS), start.surface(problem.template)
+    space = Heights(limits.span)
+    independent, shifted = Independent(contact=problem.contact), shift(problem, start)
+    nothing = beyond(law.load, start.height)
+
+    def residual(height: FloatArray) -> LateResidual:
+        try:
+            found = independent.sensitivity_of(height, surface.radius, law.load)
+            given = below_limit(shifted(height), limits)
+            area = solver.areas(surface, law.load, given[None])[0]
+        except InvalidInput:
+            return nothing
+        return law.late_residual(area, lambda: found.gradient) if np.isfinite(area).all() else nothing
+
+    if problem.contact.adhesive:
+        options = replace(options, most_steps=ADHESIVE_STEPS, most_exact_steps=ADHESIVE_STEPS)
+    if start.lowest_level is not None:
+        found = descend(residual, start.height, space, goal, True, options)
+    else:
+        restarts = 0 if problem.contact.adhesive else problem.effort.refined_restarts
+        found = search(residual, [start.height], space, goal, restarts, rng, options)
+    return replace(found, unknowns=shifted(found.unknowns))
+
+
+def shift(problem: Problem, start: Candidate) -> Callable[[FloatArray], FloatArray]:
+    """Return the function that shifts heights (n,) [mm] of independent asperities for the interaction.
+
+    When the plane touches summit i of independent asperities, the loads P_j of the others follow from their
+    indentations h_j - h_i. Their field ``u = sum K P_j/E*`` lowers summit i and the others. With the height
+    ``h_i + u_i + <h'_j - h_j - u_j>``, in the order of the heights, summit i is touched at the same loads of
+    the others. The mean is weighted by their stiffness.
+    """
+    radius, deepest = start.radius, problem.contact.largest_indentation(start.radius)
+    substrate = problem.model.reference.substrate
+    influence = substrate.influence_matrix(start.surface(problem.template))
+
+    def shifted(height: FloatArray) -> FloatArray:
+        depth = np.clip(height - height[:, None], 0.0, deepest)
+        found = contacts(problem.contact, depth, np.broadcast_to(radius, depth.shape))
+        closed = depth > 0.0
+        field = np.where(closed, found.load, 0.0) @ influence
+        stiffness, moved = np.where(closed, found.stiffness, 0.0), np.zeros(len(height))
+        order = np.argsort(-height, kind="stable")
+        for k, i in enumerate(order[1:], start=1):
+            above = order[:k]
+            total = stiffness[i, above].sum()
+            if total > 0.0:
+                others = (moved[above] - field[i, above]) @ stiffness[i, above] / total
+                moved[i] = field[i, i] + others
+        return height + moved
+
+    return shifted

@@ -42,6 +42,7 @@ from scipy.special import ndtr
 
 from metafem._validate import FloatArray
 from metafem._values import percent
+from metafem.inversion.adjustment.height_steps import rounded_to_steps
 from metafem.inversion.adjustment.pinned import space_of
 from metafem.inversion.assessment import DesignStatus, model_misfit, status_of
 from metafem.inversion.candidate import Candidate, Parameter, below_limit
@@ -75,35 +76,48 @@ LOADS, ROUNDS = 30, 1
 FRESH_ERRORS, FEWEST_FRESH = 1000, 20
 
 
-def made_robust(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
-    """Return the candidate with heights and sites of the least expected misfit under `problem.robust`.
+def made_robust(
+    problem: Problem, plain: Candidate, unrounded: Candidate, rng: np.random.Generator
+) -> Candidate:
+    """Return heights and sites of the least expected misfit, or the plain ones without a significant gain.
 
-    Heights on levels and those of many asperities do not change; only their sites do.
-    """
-    tolerances = problem.robust
-    count = 0 if tolerances is None else tolerances.dimensions(candidate.surface(problem.template))
-    if tolerances is None or count == 0:
-        return candidate
-    with doing("lowering the expected misfit"):
-        if (candidate.stepped and not problem.model.couples) or len(candidate.height) > MOST_ROBUST:
-            return _exchanged(problem, candidate, rng) if tolerances.angle else candidate
-        unit = _with_both_signs(_orthogonal(count, FEWEST_ERRORS, MOST_ERRORS, rng))
-        best, misfit = _lowered(problem, tolerances, candidate, unit)
-        for _ in each("exchange of sites", range(ROUNDS if tolerances.angle else 0)):
-            found = _lowered(problem, tolerances, _exchanged(problem, best, rng), unit)
-            best, misfit = found if found[1] < misfit else (best, misfit)
-    return best
-
-
-def compared(problem: Problem, plain: Candidate, robust: Candidate, rng: np.random.Generator) -> Candidate:
-    """Return the robust candidate, or the plain one without a significant gain, with the expected misfits.
-
-    The mean square misfits of each pair of errors of both signs are compared.
+    The plain candidate is on height steps if there are any, the other one is not yet rounded. Heights on
+    levels and those of many asperities do not change; only their sites do.
     """
     tolerances = problem.robust
     count = 0 if tolerances is None else tolerances.dimensions(plain.surface(problem.template))
     if tolerances is None or count == 0:
         return replace(plain, notes=(*plain.notes, information("the tolerances of the robust design are 0")))
+    with doing("lowering the expected misfit"):
+        trial = _least(problem, tolerances, unrounded, rng)
+    trial = rounded_to_steps(problem, trial)
+    with doing("measuring the expected misfit"):
+        return _compared(problem, tolerances, plain, trial, rng)
+
+
+def _least(
+    problem: Problem, tolerances: Tolerances, candidate: Candidate, rng: np.random.Generator
+) -> Candidate:
+    """Return the candidate with heights and sites of the least expected misfit."""
+    if (candidate.stepped and not problem.model.couples) or len(candidate.height) > MOST_ROBUST:
+        return _exchanged(problem, candidate, rng) if tolerances.angle else candidate
+    count = tolerances.dimensions(candidate.surface(problem.template))
+    unit = _with_both_signs(_orthogonal(count, FEWEST_ERRORS, MOST_ERRORS, rng))
+    best, misfit = _lowered(problem, tolerances, candidate, unit)
+    for _ in each("exchange of sites", range(ROUNDS if tolerances.angle else 0)):
+        found = _lowered(problem, tolerances, _exchanged(problem, best, rng), unit)
+        best, misfit = found if found[1] < misfit else (best, misfit)
+    return best
+
+
+def _compared(
+    problem: Problem, tolerances: Tolerances, plain: Candidate, robust: Candidate, rng: np.random.Generator
+) -> Candidate:
+    """Return the robust candidate, or the plain one without a significant gain, with the expected misfits.
+
+    The mean square misfits of each pair of errors of both signs are compared.
+    """
+    count = tolerances.dimensions(plain.surface(problem.template))
     # the time of a curve grows at least with the square of the number of asperities
     draws = FRESH_ERRORS * FEW_SITES**2 // max(FEW_SITES, len(plain.height)) ** 2
     unit = _with_both_signs(rng.standard_normal((max(FEWEST_FRESH, draws), count)))
@@ -122,8 +136,8 @@ def compared(problem: Problem, plain: Candidate, robust: Candidate, rng: np.rand
     gained = gain > SIGNIFICANT * error
     chosen, squares = (robust, after) if gained else (plain, before)
     if gained:  # the target counts as reached if the plain heights reach it
-        misfit = model_misfit(plain, plain.surface(problem.template), problem.model)
-        chosen = replace(chosen, robust=status_of(plain, misfit) is not DesignStatus.MISSED)
+        status = status_of(plain, model_misfit(problem, plain))
+        chosen = replace(chosen, robust=status is not DesignStatus.MISSED)
     expected = max(float(squares.mean()), np.finfo(float).tiny)
     some = unit[:: len(unit) // AT_ONCE + 1]
     share = _irreducible(problem, tolerances, chosen, some) / expected
@@ -247,10 +261,7 @@ def _lowered(
         factor *= math.sqrt(len(factor) / len(stacked))  # the same mean square
         return factor[:, -1], lambda: factor[:, :-1]
 
-    if held is None:
-        found = descend(residual, start.height, Heights(limits.span), 0.0, options=options)
-    else:
-        found = descend(held.held(residual), start.height, held, 0.0, options=options)
+    found = descend(residual, start.height, held or Heights(limits.span), 0.0, options=options)
     return start.with_heights(placed(found.unknowns)), found.misfit
 
 

@@ -17,11 +17,12 @@ from metafem.inversion.placement.exchange import (
     FEW_SITES,
     FORECAST_SITES,
     Forecast,
+    Sites,
     after,
+    sites_for,
     swap,
 )
 from metafem.inversion.placement.objectives import Objective
-from metafem.inversion.placement.sites import Sites, sites_for
 from metafem.models import Independent, Interacting, Model
 from metafem.models.model import contact_of
 from metafem.progress import each

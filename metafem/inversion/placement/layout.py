@@ -10,7 +10,7 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import IntArray
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.inversion.placement.arrange import arrange
 from metafem.inversion.placement.objectives import FollowLaw, InsensitiveToTilt, Objective, WeightedObjectives
 from metafem.models import Independent, Model
@@ -22,7 +22,7 @@ from metafem.surface import STEEPEST, Surface
 if TYPE_CHECKING:
     from metafem.inversion.candidate import Candidate
     from metafem.inversion.problem import Problem
-    from metafem.inversion.targets.target_law import TargetLaw
+    from metafem.inversion.search.target_law import TargetLaw
 
 # Number of loads for the law, and for its change by tilts. For the first see `FollowLaw`. Each load of the
 # second costs seven curves; with six of them a third of the gain is lost at intermediate loads.
@@ -68,8 +68,8 @@ class Layout:
         check.instance("follow_law", self.follow_law, bool, "True or False")
         check.member(self, "tilt_weight", above=0.0)
         check.member(self, "tilt", optional=True, above=0.0, at_most=STEEPEST)
-        if self.tilt is None and not self.follow_law:
-            raise InvalidInput("the layout has no aim: set follow_law = True or tilt, or leave it out")
+        aimless = self.tilt is None and not self.follow_law
+        refuse_if(aimless, "the layout has no aim: set follow_law = True or tilt, or leave it out")
 
 
 def arranged(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,9 +13,8 @@ from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
 from metafem.contact import Contact
-from metafem.errors import InvalidInput
-from metafem.inversion.placement.exchange import Coupled, Forecast, Joined, Tilted
-from metafem.inversion.placement.sites import Sites
+from metafem.errors import refuse_if
+from metafem.inversion.placement.exchange import Coupled, Forecast, Joined, Sites, Tilted
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of
 from metafem.surface import STEEPEST, Surface
@@ -27,19 +25,6 @@ TILT = math.radians(0.1)
 # Directions of the tilt: with five or more, evenly spaced, the mean square of changes of up to second
 # order in the tilt is exact.
 DIRECTIONS = 6
-
-
-@runtime_checkable
-class Objective(Protocol):
-    """A frozen value that defines the misfit of an arrangement."""
-
-    def residual(self, surface: Surface, model: Model) -> FloatArray:
-        """Return the relative differences of A0 whose sum of squares is minimised."""
-        ...
-
-    def forecast(self, surface: Surface, model: Model, sites: Sites) -> Forecast:
-        """Return the first-order prediction of the residuals for exchanges of asperities and vacancies."""
-        ...
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -192,14 +177,12 @@ class WeightedObjectives:
 
     def __init__(self, objectives: Sequence[Objective], weights: ArrayLike | None = None) -> None:
         parts = tuple(objectives)
-        if not parts:
-            raise InvalidInput("objectives is empty; at least one is needed")
+        refuse_if(not parts, "objectives is empty; at least one is needed")
         for i, part in enumerate(parts):
             check.instance(f"objectives[{i}]", part, Objective, "such as metafem.FollowLaw(...)")
         values = check.array("weights", np.ones(len(parts)) if weights is None else weights,
                              shape=(len(parts),))  # fmt: skip
-        if values.min() <= 0.0:
-            raise InvalidInput(f"weights holds {values.min():g}; all must be greater than 0")
+        refuse_if(values.min() <= 0.0, f"weights holds {values.min():g}; all must be greater than 0")
         object.__setattr__(self, "objectives", parts)
         object.__setattr__(self, "weights", tuple((values / values.sum()).tolist()))
 
@@ -212,6 +195,10 @@ class WeightedObjectives:
         """Return the forecasts of all objectives, each times the square root of its weight."""
         parts = tuple(part.forecast(surface, model, sites) for part in self.objectives)
         return Joined(tuple(math.sqrt(w) for w in self.weights), parts)
+
+
+# A value that defines the misfit of an arrangement by relative differences of A0, and predicts them.
+Objective = FollowLaw | InsensitiveToTilt | WeightedObjectives
 
 
 def _law(model: Model, surface: Surface) -> Contact:

@@ -18,7 +18,7 @@ from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.law import contacts
 from metafem.inversion.bounds import at_load, depth_at_pressure, relative_depth
-from metafem.inversion.radii import Radii
+from metafem.inversion.limits import Radii
 
 # Smallest and largest indentation over R of the tabulated contacts for a first guess, and their number.
 TABLE, TABULATED = (1e-9, 10.0), 400
@@ -44,8 +44,8 @@ def initial_heights(
     levels, numbers, kinds = [0.0], [friction[0] / first], [radius[0]]
     plane, widest, single = -depth, float(radius.max()), _Single(law, radius)
     for p, f, new in zip(load[1:], friction[1:], radius[1:], strict=True):
-        earlier = _Earlier(single, np.array(levels) - plane, np.array(kinds), np.array(numbers))
-        depth, number = earlier.entering(p, f, new, widest)
+        earlier = np.array([np.array(levels) - plane, kinds, numbers])
+        depth, number = _entering(single, earlier, p, f, new, widest)
         if number > 0.0:
             levels.append(plane)
             numbers.append(number)
@@ -54,52 +54,49 @@ def initial_heights(
     return _spread(np.array(levels), np.array(numbers), np.array(kinds), plane, count)
 
 
-class _Earlier:
-    """Asperities in contact: `number` of each radius `kind` are `above` the new level."""
+def _entering(
+    single: _Single, asperities: FloatArray, load: float, friction: float, radius: float, widest: float
+) -> tuple[float, float]:
+    """Return the depth of the plane below the new level at a sample, and the number of new asperities.
 
-    def __init__(self, single: _Single, above: FloatArray, kind: FloatArray, number: FloatArray) -> None:
-        self.single, self.above = single, above
-        self.most = float((single.deepest(kind) - above).min())
-        self.sums = single.sums(kind, number)
+    The earlier ones, (3, q), are in contact: their heights above the new level, radii and numbers.
+    """
+    above, kind, number = asperities
+    most, sums = float((single.deepest(kind) - above).min()), single.sums(kind, number)
 
-    def at(self, depth: float) -> tuple[float, float]:
-        """Return their load and area where the plane is this far below the new level [mm^2]."""
-        return self.sums(self.above + depth)
+    def at(depth: float) -> tuple[float, float]:
+        """Return load and area of the earlier asperities where the plane is this far below the level."""
+        return sums(above + depth)
 
-    def depth(self, index: int, value: float, widest: float) -> float:
-        """Return the plane's depth at which the load (0) or area (1) has a value, or the largest depth."""
-        high = min(widest, self.most)
-        while self.at(high)[index] < value:
-            if high >= self.most:
-                return self.most
-            high = min(2.0 * high, self.most)
-        return _root(lambda depth: self.at(depth)[index] - value, 0.0, high, high)
+    def depth_of(index: int, value: float) -> float:
+        """Return the depth at which the load (0) or area (1) has a value, or the largest depth."""
+        high = min(widest, most)
+        while at(high)[index] < value:
+            if high >= most:
+                return most
+            high = min(2.0 * high, most)
+        return _root(lambda depth: at(depth)[index] - value, 0.0, high, high)
 
-    def entering(self, load: float, friction: float, radius: float, widest: float) -> tuple[float, float]:
-        """Return the depth of the plane below the new level, and the number of new asperities."""
-        carried, area = self.at(0.0)
-        if area < friction:
-            deepest = self.depth(1, friction, widest)
-            if self.at(deepest)[0] > load:
-                one = self.single.sums(np.array([radius]), np.ones(1))
+    carried, area = at(0.0)
+    deepest = depth_of(1, friction) if area < friction else 0.0
+    if area >= friction or at(deepest)[0] <= load:
+        return (0.0 if carried >= load else depth_of(0, load)), 0.0
+    one = single.sums(np.array([radius]), np.ones(1))
 
-                def missing(depth: float) -> tuple[float, float]:
-                    """Return the remaining load, and the number of asperities with the missing area."""
-                    carried, area = self.at(depth)
-                    new_load, new_area = one(np.array([depth]))
-                    number = (friction - area) / new_area
-                    return carried + number * new_load - load, number  # eq. S1
+    def missing(depth: float) -> tuple[float, float]:
+        """Return the remaining load, and the number of asperities with the missing area."""
+        carried, area = at(depth)
+        new_load, new_area = one(np.array([depth]))
+        number = (friction - area) / new_area
+        return carried + number * new_load - load, number  # eq. S1
 
-                low = SHALLOWEST * deepest
-                if missing(low)[0] >= 0.0:
-                    return low, max(missing(low)[1], 0.0)
-                if missing(deepest)[0] <= 0.0:  # the earlier asperities also have this load, up to rounding
-                    return deepest, 0.0
-                depth = _root(lambda d: missing(d)[0], low, deepest, low)
-                return depth, max(missing(depth)[1], 0.0)
-        if carried >= load:
-            return 0.0, 0.0
-        return self.depth(0, load, widest), 0.0
+    low = SHALLOWEST * deepest
+    if missing(low)[0] >= 0.0:
+        return low, max(missing(low)[1], 0.0)
+    if missing(deepest)[0] <= 0.0:  # the earlier asperities also have this load, up to rounding
+        return deepest, 0.0
+    depth = _root(lambda d: missing(d)[0], low, deepest, low)
+    return depth, max(missing(depth)[1], 0.0)
 
 
 class _Single:

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.linalg.lapack import dposv
 
 from metafem._validate import FloatArray, IntArray
-from metafem.inversion.search.spaces import Residual, Space
+from metafem.inversion.search.spaces import Bounded, Heights, Residual
 from metafem.progress import each
 
 # Bounds of the damping, relative to the mean square of the Jacobian, and the factor of the step size rule.
@@ -64,7 +64,7 @@ class Minimum:
 def search(
     residual: Residual,
     starts: Sequence[FloatArray],
-    space: Space,
+    space: Heights | Bounded,
     goal: float,
     restarts: int,
     rng: np.random.Generator,
@@ -89,7 +89,7 @@ def search(
 def descend(
     residual: Residual,
     start: FloatArray,
-    space: Space,
+    space: Heights | Bounded,
     goal: float,
     to_rounding: bool = False,
     options: SearchOptions = DEFAULTS,
@@ -98,7 +98,7 @@ def descend(
 
     With `to_rounding` the descent does not stop at small gains and converges to rounding near a solution.
     """
-    unknowns, damping = start, options.start_damping
+    unknowns, damping, residual = start, options.start_damping, space.held(residual)
     r, jacobian = residual(unknowns)
     squares, count = float(r @ r), len(r)
     known: FloatArray | None = None

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from operator import itemgetter
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem.contact.law import contacts
 from metafem.errors import InvalidInput
-from metafem.inversion.radii import Radii
+from metafem.inversion.limits import Radii
 from metafem.inversion.search.initial_guess import initial_heights, slowest_law
-from metafem.inversion.search.levenberg_marquardt import DEFAULTS, SearchOptions, search
+from metafem.inversion.search.levenberg_marquardt import search
 from metafem.inversion.search.spaces import Heights, LateResidual, Residual, moved
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.models import Independent, Sensitivity
+
+if TYPE_CHECKING:
+    from metafem.inversion.problem import Problem
 
 # Relative step of the finite differences by the radius: the cube root of machine precision.
 RELATIVE = 6e-6
@@ -38,44 +43,8 @@ MIXED_RESTARTS = 10
 # Probabilities that an asperity gets a new radius; one of them is drawn for each random change.
 NEW_RADIUS = (0.0, 0.1, 0.3)
 
-# Relative differences (k,) [-] and their Jacobian of a law A0 (k,) [mm^2] with its gradient (k, n).
-LawResidual = Callable[[FloatArray, Callable[[], FloatArray]], LateResidual]
-
-
-@dataclass(frozen=True, eq=False)
-class LawSearch:
-    """A search for asperities whose law under `model` has the least differences from a target.
-
-    `law_residual` is evaluated at rescaled loads `load` (k,) [mm^2]. The initial guesses have laws near
-    `guesses`, (k,) [mm^2]. At most `count` asperities are used, with heights within `span` [mm]. The search
-    ends at a misfit of `goal`.
-    """
-
-    model: Independent
-    load: FloatArray
-    law_residual: LawResidual
-    guesses: list[FloatArray]
-    count: int
-    span: float
-    restarts: int
-    rng: np.random.Generator
-    goal: float
-    options: SearchOptions = DEFAULTS
-
-
-@dataclass(frozen=True, eq=False)
-class NearestLaw:
-    """Heights and radii (n,) [mm] with the misfit of their law [-]."""
-
-    height: FloatArray
-    radius: FloatArray
-    misfit: float
-
-    @property
-    def sorted(self) -> tuple[FloatArray, FloatArray]:
-        """Heights, tallest first at 0, and their radii."""
-        order = np.argsort(-self.height, kind="stable")
-        return self.height[order] - self.height.max(), self.radius[order]
+# The misfit [-] of a law, and the heights and radii (n,) [mm] that have it.
+Found = tuple[float, FloatArray, FloatArray]
 
 
 def beyond(load: FloatArray, height: FloatArray) -> LateResidual:
@@ -83,89 +52,111 @@ def beyond(load: FloatArray, height: FloatArray) -> LateResidual:
     return np.full(len(load), np.inf), lambda: np.zeros((len(load), len(height)))
 
 
-def residual_of_heights(
-    model: Independent, radius: float | FloatArray, load: FloatArray, law_residual: LawResidual
-) -> Residual:
+def _tallest_first(found: Found) -> tuple[FloatArray, FloatArray]:
+    _, height, radius = found
+    order = np.argsort(-height, kind="stable")
+    return height[order] - height.max(), radius[order]
+
+
+def residual_of_heights(model: Independent, radius: float | FloatArray, law: TargetLaw) -> Residual:
     """Return the differences of independent asperities of given radii as a function of their heights."""
 
     def residual(height: FloatArray) -> LateResidual:
         try:
-            found = model.sensitivity_of(height, np.broadcast_to(radius, height.shape), load)
+            found = model.sensitivity_of(height, np.broadcast_to(radius, height.shape), law.load)
         except InvalidInput:
-            return beyond(load, height)
-        return law_residual(found.curve.area, lambda: found.gradient)
+            return beyond(law.load, height)
+        return law.late_residual(found.curve.area, lambda: found.gradient)
 
     return residual
 
 
-def _heights_task(task: LawSearch, radius: float) -> tuple[Residual, list[FloatArray], Heights]:
-    """Return the residual, the initial guesses and the limits of a search for heights."""
-    residual = residual_of_heights(task.model, radius, task.load, task.law_residual)
-    starts = []
-    for law in task.guesses:
-        radii = np.full(len(law), radius)
-        height, _ = initial_heights(task.model.contact, task.load, law, radii, task.count)
-        inside = int((height >= height[0] - task.span).sum())
-        # if heights are deeper than the span, also with fewer of the heights that are too low
-        numbers = dict.fromkeys(inside + round(part * (len(height) - inside)) for part in LOW_FRACTIONS)
-        starts += [height[:number] for number in numbers]
-    return residual, starts, Heights(task.span, task.count)
+@dataclass(frozen=True, eq=False)
+class LawSearch:
+    """A search for independent asperities of a problem whose law is nearest to a target `law`.
 
-
-def nearest_law(task: LawSearch, radii: Radii) -> NearestLaw:
-    """Return heights and radii; a single radius is used if it reaches the goal.
-
-    Otherwise the search starts from radii that rise or fall with the depth, and then from random changes.
+    The initial guesses have laws near `guesses`, (k,) [mm^2]. The search ends at a misfit of `goal`.
     """
-    load = task.load
-    singles = []
-    for radius in radii.tried.tolist():
-        restarts = task.restarts if radii.single else 0
-        residual, guesses, space = _heights_task(task, radius)
-        minimum = search(residual, guesses, space, task.goal, restarts, task.rng, task.options)
-        height = minimum.unknowns
-        singles.append(NearestLaw(height, np.full(len(height), radius), minimum.misfit))
-        if radii.single or minimum.misfit <= task.goal:
-            return singles[-1]
-    best = min(singles, key=lambda found: found.misfit)
-    rising, middle = np.geomspace(radii.low, radii.high, len(load)), len(load) // 2
-    starts = [
-        initial_heights(task.model.contact, load, law, ramp, task.count)
-        for law in task.guesses
-        for ramp in (rising, rising[::-1])
-    ]
-    if task.model.contact.power is not None:
-        point = task.model.contact, load[middle]
-        starts += [slowest_law(*point, law[middle], radii, task.count) for law in task.guesses]
-    starts.append((best.height, best.radius))
-    depth = float(task.model.curve_of(best.height, best.radius, load[-1:]).approach[0])
-    ranged = radii.tools is None
-    tools = radii.extremes if ranged else radii
-    between = Asperities(task.span, task.count, radii.between, depth)
-    mixing = Asperities(task.span, task.count, tools, depth)
-    relaxed = between.nearest(task, starts, CONTINUOUS_RESTARTS)
-    if ranged and relaxed.misfit <= task.goal:
-        relaxed = _on_steps(relaxed, task, replace(between, radii=radii))
-        if relaxed.misfit <= task.goal:
-            return relaxed
-    rounded = (relaxed.height, tools.nearest(relaxed.radius))
-    mixed = mixing.nearest(task, [rounded, *starts], MIXED_RESTARTS * task.restarts)
-    found = [mixed, best]
-    if ranged:  # the extreme radii can have a smaller misfit, and radii near them an even smaller one
-        free = between.nearest(task, [(mixed.height, mixed.radius)], CONTINUOUS_RESTARTS)
-        found += [_on_steps(each, task, replace(between, radii=radii)) for each in (free, relaxed)]
-    return min(found, key=lambda each: each.misfit)
+
+    problem: Problem
+    law: TargetLaw
+    guesses: list[FloatArray]
+    restarts: int
+    rng: np.random.Generator
+    goal: float = GOAL
+
+    def nearest(self, radii: Radii) -> tuple[FloatArray, FloatArray]:
+        """Return heights, tallest first at 0, and their radii.
+
+        A single radius is used if it reaches the goal. Several radii are searched from radii that rise or
+        fall with the depth, and then from random changes.
+        """
+        singles = []
+        for radius in radii.tried.tolist():
+            singles.append(self._of_one_radius(radius, self.restarts if radii.single else 0))
+            if radii.single or singles[-1][0] <= self.goal:
+                return _tallest_first(singles[-1])
+        best = min(singles, key=itemgetter(0))
+        model, load, count = self.problem.independent, self.law.load, self.problem.count
+        rising, middle = np.geomspace(radii.low, radii.high, len(load)), len(load) // 2
+        starts = [
+            initial_heights(model.contact, load, law, ramp, count)
+            for law in self.guesses
+            for ramp in (rising, rising[::-1])
+        ]
+        if model.contact.power is not None:
+            point = model.contact, load[middle]
+            starts += [slowest_law(*point, law[middle], radii, count) for law in self.guesses]
+        starts.append(best[1:])
+        depth = float(model.curve_of(*best[1:], load[-1:]).approach[0])
+        ranged = radii.tools is None
+        tools = radii.extremes if ranged else radii
+        between, mixing, stepped = (
+            Asperities(self.problem.limits.span, count, radii=part, depth=depth)
+            for part in (radii.between, tools, radii)
+        )
+        relaxed = self._within(between, starts, CONTINUOUS_RESTARTS)
+        if ranged and relaxed[0] <= self.goal:
+            relaxed = self._on_steps(stepped, relaxed)
+            if relaxed[0] <= self.goal:
+                return _tallest_first(relaxed)
+        rounded = (relaxed[1], tools.nearest(relaxed[2]))
+        mixed = self._within(mixing, [rounded, *starts], MIXED_RESTARTS * self.restarts)
+        found = [mixed, best]
+        if ranged:  # the extreme radii can have a smaller misfit, and radii near them an even smaller one
+            free = self._within(between, [mixed[1:]], CONTINUOUS_RESTARTS)
+            found += [self._on_steps(stepped, each) for each in (free, relaxed)]
+        return _tallest_first(min(found, key=itemgetter(0)))
+
+    def _of_one_radius(self, radius: float, restarts: int) -> Found:
+        """Return the heights found from guesses with fewer of the heights that are too low."""
+        model, span, starts = self.problem.independent, self.problem.limits.span, []
+        for law in self.guesses:
+            radii = np.full(len(law), radius)
+            height, _ = initial_heights(model.contact, self.law.load, law, radii, self.problem.count)
+            inside = int((height >= height[0] - span).sum())
+            # if heights are deeper than the span, also with fewer of the heights that are too low
+            numbers = dict.fromkeys(inside + round(part * (len(height) - inside)) for part in LOW_FRACTIONS)
+            starts += [height[:number] for number in numbers]
+        residual = residual_of_heights(model, radius, self.law)
+        space = Heights(span, self.problem.count)
+        found = search(residual, starts, space, self.goal, restarts, self.rng, self.problem.options)
+        return found.misfit, found.unknowns, np.full(len(found.unknowns), radius)
+
+    def _within(self, space: Asperities, starts: list[tuple[FloatArray, FloatArray]], restarts: int) -> Found:
+        """Search from heights and radii."""
+        unknowns = [space.joined(*start) for start in starts]
+        residual = space.residual(self.problem.independent, self.law)
+        found = search(residual, unknowns, space, self.goal, restarts, self.rng, self.problem.options)
+        return found.misfit, *space.split(found.unknowns)
+
+    def _on_steps(self, stepped: Asperities, found: Found) -> Found:
+        """Return the asperities with radii on the steps of a range, after a new search for their heights."""
+        return found if stepped.radii.continuous else self._within(stepped, [found[1:]], 0)
 
 
-def _on_steps(found: NearestLaw, task: LawSearch, stepped: Asperities) -> NearestLaw:
-    """Return the asperities with radii on the steps of a range, after a new search for their heights."""
-    if stepped.radii.continuous:
-        return found
-    return stepped.nearest(task, [(found.height, found.radius)], 0)
-
-
-@dataclass(frozen=True)
-class Asperities:
+@dataclass(frozen=True, kw_only=True)
+class Asperities(Heights):
     """Heights (n,) and radii (n,) as one vector of lengths: heights, and ln R times a `depth` [mm].
 
     With the largest indentation as the depth, unit changes of both kinds change the law about equally.
@@ -173,8 +164,6 @@ class Asperities:
     `span`.
     """
 
-    span: float
-    most: int
     radii: Radii
     depth: float
 
@@ -194,7 +183,7 @@ class Asperities:
 
     def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
         """Return the indices of the tallest height and of those `span` below it."""
-        return Heights(self.span).ends(unknowns[: len(unknowns) // 2])
+        return super().ends(unknowns[: len(unknowns) // 2])
 
     def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:
         """Return unknowns with some heights moved and some radii drawn anew."""
@@ -207,7 +196,7 @@ class Asperities:
             drawn = rng.choice(np.array(self.radii.tools), len(height))
         return self.joined(height, np.where(anew, drawn, radius[source]))
 
-    def residual(self, model: Independent, load: FloatArray, law_residual: LawResidual) -> Residual:
+    def residual(self, model: Independent, target: TargetLaw) -> Residual:
         """Return the differences of independent asperities as a function of the unknowns.
 
         At a fixed load, ``R_i dA0/dR_i = R dA_i/dR - R dP_i/dR sum A' / sum P'`` with the derivatives A' and
@@ -218,8 +207,8 @@ class Asperities:
 
         def residual(unknowns: FloatArray) -> LateResidual:
             height, radius = self.split(unknowns)
-            found = model.sensitivity_of(height, radius, load)
-            return law_residual(found.curve.area, lambda: gradient(found, radius))
+            found = model.sensitivity_of(height, radius, target.load)
+            return target.late_residual(found.curve.area, lambda: gradient(found, radius))
 
         def gradient(found: Sensitivity, radius: FloatArray) -> FloatArray:
             depth = np.maximum(found.indentation, 0.0)
@@ -239,12 +228,3 @@ class Asperities:
             return np.hstack([found.gradient, by_radius / self.depth])
 
         return residual
-
-    def nearest(
-        self, task: LawSearch, starts: list[tuple[FloatArray, FloatArray]], restarts: int
-    ) -> NearestLaw:
-        """Search from heights and radii."""
-        unknowns = [self.joined(height, radius) for height, radius in starts]
-        residual = self.residual(task.model, task.load, task.law_residual)
-        found = search(residual, unknowns, self, task.goal, restarts, task.rng, task.options)
-        return NearestLaw(*self.split(found.unknowns), found.misfit)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,25 +29,9 @@ CHANGE_FRACTIONS = (0.2, 0.5, 1.0)
 ADDING, REMOVING, MOST_ADDED = 0.5, 0.3, 5
 
 
-class Space(Protocol):
-    """The unknowns of a search, a vector of lengths, with their limits and random changes."""
-
-    def project(self, unknowns: FloatArray) -> FloatArray:
-        """Return the nearest unknowns within the limits."""
-        ...
-
-    def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
-        """Return the indices of the tallest height and of those as low as allowed."""
-        ...
-
-    def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:
-        """Return unknowns changed at random, by one of the sizes over the spacing of the heights."""
-        ...
-
-
 @dataclass(frozen=True)
 class Heights:
-    """Heights (n,) that differ by at most `span` [mm].
+    """The unknowns of a search: heights (n,) that differ by at most `span` [mm].
 
     A random change may add or remove a few asperities, up to `most` in total; with None their number is
     fixed.
@@ -69,6 +52,10 @@ class Heights:
     def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:
         """Return heights moved at random by about their spacing, with a few added or removed."""
         return moved(unknowns, self.most, rng, sizes)[0]
+
+    def held(self, residual: Residual) -> Residual:
+        """Return a residual without the derivatives by fixed heights: there are none."""
+        return residual
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,22 +15,21 @@ from metafem.inversion.candidate import Branch, Candidate, Parameter
 from metafem.inversion.feasibility import INSIDE
 from metafem.inversion.height_density import (
     FINEST_SCALE_IN_SD,
-    PiecewiseExponential,
-    TruncatedExponential,
+    ExponentialDensity,
     equal_masses,
     scale_from_slope,
     uniform_slope,
 )
 from metafem.inversion.limits import Limits
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies.mixture import Mixture, best_mixture
 from metafem.inversion.strategies.two_branches import two_branches
-from metafem.inversion.targets.target_law import TargetLaw
 from metafem.models.model import PARABOLOID
 from metafem.notes import Note
 
 if TYPE_CHECKING:
     from metafem.inversion.problem import Problem
-    from metafem.inversion.targets.straight import BilinearLaw, LinearLaw
+    from metafem.inversion.targets.straight import StraightLaw
     from metafem.inversion.targets.wording import Wording
 
 # A straight branch is fitted over its last three quarters: below them, the law still bends towards its
@@ -48,75 +47,57 @@ FINEST = 2.0**-52
 SEPARATIONS = 61
 
 
-def linear(target: LinearLaw, problem: Problem) -> Candidate:
-    """Return heights of the truncated exponential whose law has the target slope."""
-    return best_mixture(lambda mixture: _linear(target, mixture, problem.limits), problem)
+def candidate(target: StraightLaw, problem: Problem) -> Candidate:
+    """Return heights of the density of one or two exponential branches whose law has the target slopes."""
+    return best_mixture(lambda mixture: _of_mixture(target, mixture, problem.limits), problem)
 
 
-def bilinear(target: BilinearLaw, problem: Problem) -> Candidate:
-    """Return heights of the two-branch exponential whose law has the target slopes and crossover."""
-    return best_mixture(lambda mixture: _bilinear(target, mixture, problem.limits), problem)
-
-
-def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Candidate:
-    single, count = (mixture.radius, mixture.law), mixture.count
-    scale = _scale(target.slope, mixture, limits, target, lambda slope: replace(target, slope=slope))
-    density = TruncatedExponential(scale, limits.span)
-    end = float(density.rescaled_load(0.0, mixture.carrying, *single))
-    intercept = density.intercept(mixture.carrying, *single)
-    parameters: dict[str, Parameter] = {"scale": scale, "intercept": intercept, "foot_load": end}
-    if limits.height_step is None:
-        height = _middles(density, 0.0, limits.span, count)
-    else:
-        levels, counts = level_counts(density, count, limits.height_step)
-        height = np.repeat(levels, counts)[::-1]
-        parameters |= {"levels": limits.foot + levels[counts > 0], "counts": counts[counts > 0]}
-    branch = Branch(target.slope, (BRANCH_START * end, end), intercept)
-    return Candidate(
-        height=limits.foot + height,
-        radius=mixture.mixed(),
-        parameters=parameters,
-        target_law=law_of(density, (branch,), mixture),
-        branches=(branch,),
-        density=density,
-        notes=_notes(scale, mixture, limits, target.wording),
-        stepped=limits.height_step is not None,
-    )
-
-
-def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Candidate:
-    (first, second), count = target.slopes, mixture.count
-    scale = _scale(first, mixture, limits, target, lambda slope: replace(target, slopes=(slope, second)))
-    density = two_branches(target, TruncatedExponential(scale, limits.span), mixture)
-    upper = min(max(round(count * density.upper_mass), 1), count - 1)  # N_1 of regime 1, h > h_c
-    middle, top = density.crossover_height, limits.span
-    parts = _middles(density, middle, top, upper), _middles(density, 0.0, middle, count - upper)
-    height = np.concatenate(parts)
-    crossover = target.crossover_load
-    end = float(density.rescaled_load(0.0, mixture.carrying, mixture.radius, mixture.law))
-    parameters: dict[str, Parameter] = {
-        "scale": scale,
-        "weight": density.weight,
-        "crossover_height": limits.foot + middle,
-        "counts": np.array([upper, count - upper]),
-        "foot_load": end,
-    }
-    branches = (
-        Branch(first, (BRANCH_START * crossover, crossover)),
-        Branch(second, (crossover + BRANCH_START * (end - crossover), end)),
+def _of_mixture(target: StraightLaw, mixture: Mixture, limits: Limits) -> Candidate:
+    asperities = mixture.carrying, mixture.radius, mixture.law
+    plain = ExponentialDensity(_scale(target, mixture, limits), limits.span)
+    density = plain if len(target.lines) == 1 else two_branches(target, plain, mixture)
+    end = float(density.rescaled_load(0.0, *asperities))
+    intercept = plain.intercept(*asperities) if density is plain else None
+    parameters: dict[str, Parameter] = {"scale": plain.scale}
+    if intercept is not None:
+        parameters |= {"intercept": intercept, "foot_load": end}
+    height, found = _heights(density, mixture.count, limits)
+    starts = [start for _, start in target.lines]
+    branches = tuple(
+        Branch(slope, (start + BRANCH_START * (stop - start), stop), intercept)
+        for (slope, _), (start, stop) in zip(target.lines, pairwise([*starts, end]), strict=True)
     )
     return Candidate(
         height=limits.foot + height,
         radius=mixture.mixed(),
-        parameters=parameters,
+        parameters={**parameters, **found, "foot_load": end},
         target_law=law_of(density, branches, mixture),
         branches=branches,
         density=density,
-        notes=_notes(scale, mixture, limits, target.wording),
+        notes=_notes(plain.scale, mixture, limits, target.wording),
+        stepped=limits.height_step is not None and density is plain,
     )
 
 
-def law_of(density: PiecewiseExponential, branches: tuple[Branch, ...], mixture: Mixture) -> TargetLaw:
+def _heights(
+    density: ExponentialDensity, count: int, limits: Limits
+) -> tuple[FloatArray, dict[str, Parameter]]:
+    """Return heights above the foot, tallest first, and the parameters that state them."""
+    middle, top = density.crossover_height, limits.span
+    if middle > 0.0:
+        upper = min(max(round(count * density.upper_mass), 1), count - 1)  # N_1 of regime 1, h > h_c
+        parts = _middles(density, middle, top, upper), _middles(density, 0.0, middle, count - upper)
+        counts = np.array([upper, count - upper])
+        found = {"weight": density.weight, "crossover_height": limits.foot + middle, "counts": counts}
+        return np.concatenate(parts), found
+    if limits.height_step is None:
+        return _middles(density, 0.0, top, count), {}
+    levels, numbers = level_counts(density, count, limits.height_step)
+    used = numbers > 0
+    return np.repeat(levels, numbers)[::-1], {"levels": limits.foot + levels[used], "counts": numbers[used]}
+
+
+def law_of(density: ExponentialDensity, branches: tuple[Branch, ...], mixture: Mixture) -> TargetLaw:
     """Return the density's law over all branches, at even steps of the separation."""
     separation = density.max_height * (1.0 - np.arange(SEPARATIONS) / (SEPARATIONS - 1))
     asperities = mixture.carrying, mixture.radius, mixture.law
@@ -126,7 +107,7 @@ def law_of(density: PiecewiseExponential, branches: tuple[Branch, ...], mixture:
     return TargetLaw.fixed(load[inside], area)
 
 
-def level_counts(density: PiecewiseExponential, count: int, step: float) -> tuple[FloatArray, IntArray]:
+def level_counts(density: ExponentialDensity, count: int, step: float) -> tuple[FloatArray, IntArray]:
     """Levels [mm] at the middles of steps of the height, and whole numbers of asperities on them.
 
     The numbers are the integers nearest to the expected ones. While their sum is not `count`, one number
@@ -147,27 +128,23 @@ def level_counts(density: PiecewiseExponential, count: int, step: float) -> tupl
     return levels, counts
 
 
-def _middles(density: PiecewiseExponential, low: float, high: float, count: int) -> FloatArray:
+def _middles(density: ExponentialDensity, low: float, high: float, count: int) -> FloatArray:
     """Middles of `count` intervals of equal mass between two heights, tallest first [mm]."""
     ends = equal_masses(density.scale, low, high, count)
     return np.asarray(0.5 * (ends[1:] + ends[:-1])[::-1])
 
 
-def _uniform_slope(mixture: Mixture, limits: Limits) -> float:
-    """Return the smallest slope, that of uniformly distributed heights [-]."""
-    return uniform_slope(mixture.radius, limits.span, mixture.law)
-
-
-def _scale(
-    slope: float,
-    mixture: Mixture,
-    limits: Limits,
-    target: LinearLaw | BilinearLaw,
-    with_slope: Callable[[float], LinearLaw | BilinearLaw],
-) -> float:
+def _scale(target: Any, mixture: Mixture, limits: Limits) -> float:
     """Return the scale at which the truncated exponential has the only or first slope of a target."""
-    bound, wording = _uniform_slope(mixture, limits), target.wording
+    slope, wording, single = target.lines[0][0], target.wording, (mixture.radius, mixture.law)
+    bound = uniform_slope(mixture.radius, limits.span, mixture.law)
     given, name = wording.slopes(slope), wording.name()
+
+    def nearest(slope: float) -> Any:
+        if len(target.lines) == 1:
+            return replace(target, slope=slope)
+        return replace(target, slopes=(slope, target.slopes[1]))
+
     if slope > STEEPEST * bound:
         raise Infeasible(
             f"{given} exceeds {STEEPEST:g} times the bound {wording.coefficient(bound):.6g}: the heights "
@@ -180,16 +157,15 @@ def _scale(
             f"{given} is not above the bound {form}{pair} = {wording.coefficient(bound):.6g} of "
             f"asperities of radius R = {mixture.radius:g} mm within h_m = {limits.span:g} mm of height; "
             f"raise the {name} or max_height, or use a smaller radius",
-            with_slope(bound * (1.0 + INSIDE)),
+            nearest(bound * (1.0 + INSIDE)),
         )
-    finest = TruncatedExponential(FINEST * limits.span, limits.span)
-    largest = finest.asymptotic_slope(mixture.radius, mixture.law)
+    largest = ExponentialDensity(FINEST * limits.span, limits.span).asymptotic_slope(*single)
     if slope > largest:  # for a law with a finite slope of its lightest contacts, such as cones
         reached = largest * (1.0 - INSIDE)
         raise Infeasible(
             f"{given} is above {wording.coefficient(largest):.6g}, the largest of asperities with this "
             f"contact law; lower the {name}, or choose another contact law",
-            with_slope(reached) if reached > bound * (1.0 + INSIDE) else None,
+            nearest(reached) if reached > bound * (1.0 + INSIDE) else None,
         )
     return scale_from_slope(slope, mixture.radius, limits.span, mixture.law)
 
@@ -198,7 +174,7 @@ def _notes(scale: float, mixture: Mixture, limits: Limits, wording: Wording) -> 
     if limits.height_sd is None or scale >= FINEST_SCALE_IN_SD * limits.height_sd:
         return ()
     finest = FINEST_SCALE_IN_SD * limits.height_sd
-    steepest = TruncatedExponential(finest, limits.span).asymptotic_slope(mixture.radius, mixture.law)
+    steepest = ExponentialDensity(finest, limits.span).asymptotic_slope(mixture.radius, mixture.law)
     return (
         Note(
             f"the scale {scale:.4g} mm is below {FINEST_SCALE_IN_SD:g} times height_sd, {finest:.4g} mm: "

@@ -61,6 +61,18 @@ class Level:
         return sum(number for _, _, number in self.kinds)
 
 
+def kinds_of(levels: tuple[Level, ...]) -> FloatArray:
+    """Return the heights, radii and numbers of the asperities of each kind, (3, q)."""
+    return np.array([kind for level in levels for kind in level.kinds]).reshape(-1, 3).T
+
+
+def asperities(levels: tuple[Level, ...]) -> tuple[FloatArray, FloatArray]:
+    """Return the heights and the radii of all asperities of levels, (n,) each [mm]."""
+    height, radius, number = kinds_of(levels)
+    each = np.repeat(np.arange(len(number)), number.astype(np.int64))
+    return height[each], radius[each]
+
+
 class Step:
     """One operating point: the earlier asperities, by kinds, are `above` the new level [mm]."""
 
@@ -68,8 +80,7 @@ class Step:
         self, law: Contact, done: tuple[Level, ...], height: float, load: float, friction: float
     ) -> None:
         self.law, self.height, self.load, self.friction = law, height, load, friction
-        kinds = [kind for level in done for kind in level.kinds]
-        top, self.radius, self.number = np.array(kinds).reshape(-1, 3).T
+        top, self.radius, self.number = kinds_of(done)
         self.above = top - height
         # eq. S1, area: area missing when the plane reaches the level [mm^2]
         self.missing = friction - float(contacts(law, self.above, self.radius).area @ self.number)

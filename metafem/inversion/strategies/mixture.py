@@ -111,7 +111,7 @@ def best_mixture(invert: Callable[[Mixture], Candidate], problem: Problem) -> Ca
         except Infeasible as reason:
             refused.setdefault(mixture.radius, reason)
         else:
-            misfit = independent_misfit(candidate, problem.independent)
+            misfit = independent_misfit(problem, candidate)
             unsound = any(note.warns for note in candidate.notes) or misfit > MISSED
             gain = 1.0 if len(mixture.radii) == 1 else MIXTURE_GAIN
             found.append((unsound, misfit / gain, candidate))

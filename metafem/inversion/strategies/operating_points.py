@@ -18,17 +18,16 @@ from metafem.inversion.assessment import POINT_GOAL
 from metafem.inversion.candidate import Candidate, Parameter
 from metafem.inversion.feasibility import broken_bound
 from metafem.inversion.search.levenberg_marquardt import descend
-from metafem.inversion.search.nearest_law import MIXED_RESTARTS, LawSearch, nearest_law, residual_of_heights
+from metafem.inversion.search.nearest_law import MIXED_RESTARTS, LawSearch, residual_of_heights
 from metafem.inversion.search.spaces import Heights
-from metafem.inversion.strategies.level import Level, Step
+from metafem.inversion.strategies.level import Level, Step, asperities
 from metafem.inversion.targets.wording import Message
 from metafem.models.model import has_paraboloids
 from metafem.notes import information
 
 if TYPE_CHECKING:
-    from metafem.inversion.limits import Limits
+    from metafem.inversion.limits import Limits, Radii
     from metafem.inversion.problem import Problem
-    from metafem.inversion.radii import Radii
     from metafem.inversion.targets.laws import OperatingPoints
 
 # Relative increase of the friction between points that would otherwise not increase.
@@ -49,7 +48,9 @@ MOST_LEVELS = 5_000
 ACCEPTED = 1e-3
 
 
-def candidate(target: OperatingPoints, problem: Problem, rng: np.random.Generator) -> Candidate:
+def candidate(
+    target: OperatingPoints, problem: Problem, rng: np.random.Generator, restarts: int | None = None
+) -> Candidate:
     """Return heights whose independent law passes through all points, or raise Infeasible."""
     radii, paths = problem.radii, list[tuple[Level, ...]]()
     for drop in dict.fromkeys((0.0 if has_paraboloids(problem.model) else LEVEL_DROP, 0.0)):
@@ -78,7 +79,7 @@ def candidate(target: OperatingPoints, problem: Problem, rng: np.random.Generato
 
 def _with_levels(target: OperatingPoints, path: tuple[Level, ...], problem: Problem) -> Candidate:
     offset = problem.limits.offset
-    height, radius, number = np.array([kind for level in path for kind in level.kinds]).T
+    height, radius = asperities(path)
     tops = np.array([level.height for level in path])
     below = np.array([level.depth - level.adjustment for level in path])
     parameters: dict[str, Parameter] = {
@@ -89,10 +90,8 @@ def _with_levels(target: OperatingPoints, path: tuple[Level, ...], problem: Prob
     if not problem.radii.single:
         parameters["level_radii"] = np.array([level.radius for level in path])
         parameters["adjustment_radii"] = np.array([level.other for level in path])
-    each = np.repeat(np.arange(len(number)), number.astype(np.int64))
-    return Candidate(
-        offset + height[each], radius[each], parameters, target.curve(), lowest_level=offset + float(tops[-1])
-    )
+    lowest = offset + float(tops[-1])
+    return Candidate(offset + height, radius, parameters, target.curve(), lowest_level=lowest)
 
 
 def _without_levels(
@@ -105,12 +104,8 @@ def _without_levels(
     misfit = ACCEPTED
     restarts = effort.restarts if radii.single else effort.restarts // MIXED_RESTARTS
     for goal in effort.free_goals:
-        task = LawSearch(
-            problem.independent, load, law.late_residual, [law.base], problem.count, limits.span, restarts,
-            rng, goal, problem.options,
-        )  # fmt: skip
-        height, radius = nearest_law(task, radii).sorted
-        residual = residual_of_heights(problem.independent, radius, load, law.late_residual)
+        height, radius = LawSearch(problem, law, [law.base], restarts, rng, goal).nearest(radii)
+        residual = residual_of_heights(problem.independent, radius, law)
         found = descend(residual, height, Heights(limits.span), POINT_GOAL, True, problem.options)
         height = found.unknowns - found.unknowns.max()
         approach = float(problem.independent.curve_of(height, radius, load[-1:]).approach[0])
@@ -197,9 +192,7 @@ class _Search:
         levels = self.of(others).path(())
         if levels is None:
             return math.nan
-        height, radius, number = np.array([kind for level in levels for kind in level.kinds]).T
-        each = np.repeat(np.arange(len(number)), number.astype(np.int64))
-        curve = self.problem.independent.curve_of(height[each], radius[each], load[i : i + 1])
+        curve = self.problem.independent.curve_of(*asperities(levels), load[i : i + 1])
         return float(curve.area[0])
 
     def path(self, done: tuple[Level, ...]) -> tuple[Level, ...] | None:

@@ -23,7 +23,6 @@ from metafem.inversion.assessment import REACHED, independent_misfit
 from metafem.inversion.bounds import ROUNDING, Bounds
 from metafem.inversion.feasibility import INSIDE, margin_words, refuse_load
 from metafem.inversion.problem import Problem
-from metafem.inversion.strategies import sampled
 from metafem.models import Independent
 from metafem.models.model import PARABOLOID, checked_contact
 
@@ -44,8 +43,7 @@ RANGE_START = 1.4
 
 if TYPE_CHECKING:
     from metafem.contact import Contact
-    from metafem.inversion.limits import Limits
-    from metafem.inversion.radii import RadiusRange
+    from metafem.inversion.limits import Limits, RadiusRange
     from metafem.inversion.targets.straight import BilinearLaw, LinearLaw, StraightLaw
     from metafem.surface import Surface
 
@@ -149,8 +147,8 @@ def _narrowed(whole: Any, centre: float, problem: Problem) -> tuple[float, Strai
         fraction = 0.5 * (inside + outside)
         ends = centre * (low / centre) ** fraction, centre * (high / centre) ** fraction
         trial = replace(whole, load_range=ends)
-        found = sampled.candidate(trial, problem, np.random.default_rng(0), problem.effort.range_restarts)
-        if independent_misfit(found, problem.independent) <= RANGE_MISFIT * REACHED:
+        found = trial.candidate(problem, np.random.default_rng(0), problem.effort.range_restarts)
+        if independent_misfit(problem, found) <= RANGE_MISFIT * REACHED:
             best, inside = trial, fraction
         else:
             outside = fraction

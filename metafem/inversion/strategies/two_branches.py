@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from metafem.errors import Infeasible
 from metafem.inversion.bounds import at_load
 from metafem.inversion.feasibility import INSIDE
-from metafem.inversion.height_density import TIGHTEST, TruncatedExponential, TwoBranchExponential
+from metafem.inversion.height_density import TIGHTEST, ExponentialDensity
 from metafem.inversion.strategies.mixture import Mixture
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ class Crossing:
     so the load fixes u for each depth; the second slope then fixes the depth.
     """
 
-    plain: TruncatedExponential
+    plain: ExponentialDensity
     mixture: Mixture
     load: float
 
@@ -79,13 +79,13 @@ class Crossing:
         """Whether a second slope is possible."""
         return self.possible and self.second_slopes[0] <= second <= self.second_slopes[1]
 
-    def density(self, depth: float) -> TwoBranchExponential:
+    def density(self, depth: float) -> ExponentialDensity:
         """Return the density with a depth of the crossover height."""
         plain = self.plain
         middle = plain.max_height - depth
-        return TwoBranchExponential(plain.scale, plain.max_height, middle, self._weight(depth))
+        return ExponentialDensity(plain.scale, plain.max_height, middle, self._weight(depth))
 
-    def density_of(self, second: float) -> TwoBranchExponential:
+    def density_of(self, second: float) -> ExponentialDensity:
         """Return the density with a second slope: eq. S8 for h_c."""
         return self.density(
             float(
@@ -128,7 +128,7 @@ class Crossing:
         return self.density(depth).asymptotic_slopes(self.mixture.radius, self.mixture.law)[1]  # eq. S8, m_2
 
 
-def two_branches(target: BilinearLaw, plain: TruncatedExponential, mixture: Mixture) -> TwoBranchExponential:
+def two_branches(target: BilinearLaw, plain: ExponentialDensity, mixture: Mixture) -> ExponentialDensity:
     """Return the density with the slopes and crossover load of a target; `plain` has the first slope."""
     crossing = Crossing(plain, mixture, target.crossover_load)
     if crossing.has(target.slopes[1]):

@@ -1,9 +1,9 @@
-"""Targets given by points or a power of the load, in rescaled load P/E* and friction F/(sigma B) [mm^2]."""
+"""Targets given by points, samples or a power of the load, in P/E* and F/(sigma B) [mm^2]."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,23 +11,28 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem._values import Value
+from metafem._values import Value, percent
 from metafem.errors import Infeasible
+from metafem.inversion.assessment import largest_misfit
 from metafem.inversion.bounds import ROUNDING
-from metafem.inversion.feasibility import broken_sample, margin_words, refuse_load
-from metafem.inversion.strategies import operating_points, sampled
+from metafem.inversion.feasibility import broken_sample, margin_words, nearest_within, refuse_load
+from metafem.inversion.search.target_law import TargetLaw
+from metafem.inversion.strategies import operating_points
 from metafem.inversion.targets.target import Target
-from metafem.inversion.targets.target_law import TargetLaw
 from metafem.inversion.targets.wording import RESCALED, LoadRange, Message, Wording
+from metafem.notes import information
 from metafem.surface import Friction, Material
 
 if TYPE_CHECKING:
     from metafem.inversion.bounds import Bounds
-    from metafem.inversion.candidate import Parameter
+    from metafem.inversion.candidate import Candidate, Parameter
     from metafem.inversion.problem import Problem
 
 # Number of loads at which a power law is compared.
 POINTS = 30
+
+# If more samples than this are outside the bounds, a note gives only their number.
+MOST_LISTED = 8
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -91,7 +96,134 @@ class OperatingPoints(Value, Target):
     candidate = operating_points.candidate
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class SampledLaw(Value, Target):
+    """A law given by samples; the design minimises the squared relative differences.
+
+    Samples may be measured: the friction need not increase, and the nearest surface is designed if no
+    surface meets all of them. The target is refused if that surface misses it by more than 1 % and the
+    errors of the samples.
+
+    Parameters
+    ----------
+    rescaled_load : array_like, (k,)
+        P/E* [mm^2], positive and increasing.
+    rescaled_friction : array_like, (k,)
+        F/(sigma B) [mm^2], positive.
+    weight : array_like, (k,), optional
+        Positive weights of the squared relative differences; default: ``1/relative_error**2``, or equal.
+    relative_error : array_like, (k,), optional
+        Relative standard deviations of the frictions [-], positive and below 1; default: none, the samples
+        are exact.
+
+    Raises
+    ------
+    InvalidInput
+        For arrays of different length, values that are not finite or not positive, loads that do not
+        increase, and errors of 1 or more.
+
+    Examples
+    --------
+    >>> law = SampledLaw([0.1, 0.2, 0.3], [0.9, 1.6, 2.2])
+    >>> law.weight
+    array([1., 1., 1.])
+    >>> SampledLaw([0.1, 0.2], [0.9, 1.6], relative_error=[0.02, 0.01]).weight.round(6)
+    array([ 2500., 10000.])
+    """
+
+    rescaled_load: FloatArray
+    rescaled_friction: FloatArray
+    weight: FloatArray
+    relative_error: FloatArray | None = None
+    wording: Wording = field(default=RESCALED, compare=False, repr=False)
+
+    def __init__(
+        self,
+        rescaled_load: ArrayLike,
+        rescaled_friction: ArrayLike,
+        weight: ArrayLike | None = None,
+        relative_error: ArrayLike | None = None,
+        wording: Wording = RESCALED,
+    ) -> None:
+        load = check.increasing("rescaled_load", check.array("rescaled_load", rescaled_load, shape=(None,)))
+        each = (len(load),)
+        friction = check.array("rescaled_friction", rescaled_friction, shape=each, positive=True)
+        error = None
+        if relative_error is not None:
+            error = check.array("relative_error", relative_error, shape=each, positive=True)
+            check.refuse_entries("relative_error", error, error >= 1.0, "must be below 1; 3 % is 0.03")
+        given = weight
+        if given is None:
+            given = np.ones(each) if error is None else error**-2.0
+        weights = check.array("weight", given, shape=each, positive=True)
+        values = {"rescaled_friction": friction, "weight": weights, "relative_error": error}
+        self._set(wording, rescaled_load=load, **values)
+
+    @classmethod
+    def from_forces(
+        cls,
+        load: ArrayLike,
+        friction_force: ArrayLike,
+        material: Material,
+        friction: Friction,
+        weight: ArrayLike | None = None,
+        relative_error: ArrayLike | None = None,
+    ) -> SampledLaw:
+        """Samples from loads P and friction forces F, both (k,) [N], of a material pair."""
+        wording = Wording.of(material, friction)
+        points = wording.rescaled(load, friction_force, rising=False)
+        return cls(*points, weight, relative_error, wording)
+
+    @property
+    def title(self) -> str:
+        """The target in one line."""
+        return f"Friction law given by {len(self.rescaled_load)} samples"
+
+    @property
+    def last_load(self) -> float:
+        """Last rescaled load of the target [mm^2]."""
+        return float(self.rescaled_load[-1])
+
+    def curve(self) -> TargetLaw:
+        """Return the samples with their weights and errors."""
+        error = self.relative_error
+        noise = 0.0 if error is None else float(np.sqrt(np.average(error**2, weights=self.weight)))
+        return TargetLaw.fixed(self.rescaled_load, self.rescaled_friction, self.weight, noise=noise)
+
+    def guesses(self, law: TargetLaw, bounds: Bounds, fractions: tuple[float, ...]) -> list[FloatArray]:
+        """Return the law within the bounds that is nearest to the samples."""
+        return [nearest_within(law.load, law.base, law.weight, bounds)]
+
+    def refuse(self, problem: Problem, margin: float) -> None:
+        """Raise Infeasible for a load that is too large; bounds on the friction are judged by `judged`."""
+        refuse_load(self.last_load, problem, self.wording)
+
+    def judged(self, problem: Problem, candidate: Candidate) -> Candidate:
+        """Return heights with a note on samples beyond the bounds, or raise Infeasible if they miss them."""
+        load, wording, margin = self.rescaled_load, self.wording, 0.0
+        broken = broken_sample(load, self.rescaled_friction, problem, wording, margin)
+        if broken and (margin := problem.interaction_margin()):
+            broken = broken_sample(load, self.rescaled_friction, problem, wording, margin)
+        if not broken:
+            return candidate
+        law, surface = candidate.target_law, candidate.surface(problem.template)
+        area = problem.model.curve(surface, load).checked().area
+        misfit, most = law.misfit(area), largest_misfit(law)
+        near = nearest_within(load, law.base, law.weight, problem.bounds) / law.base
+        if misfit > most:
+            words = (
+                f"{{broken}}; the nearest law found misses the samples by {percent(misfit, '.3g')} rms, and "
+                f"at most {percent(most, '.3g')} is allowed"
+            )
+            raise Infeasible(
+                Message(words, {"broken": broken}),
+                SampledLaw(load, area, self.weight, self.relative_error, wording),
+                by_search=law.misfit(near * law.base) <= most,
+            )
+        return replace(candidate, notes=(*candidate.notes, information(_outside(near - 1.0, margin))))
+
+
+@dataclass(frozen=True)
 class PowerLaw(Target):
     """Friction proportional to a power of the load over a range, ``F/(sigma B) = C (P/E*)^beta``.
 
@@ -117,21 +249,16 @@ class PowerLaw(Target):
 
     exponent: float
     load_range: LoadRange
-    prefactor: float | None
+    prefactor: float | None = None
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
 
-    def __init__(
-        self,
-        exponent: float,
-        load_range: ArrayLike,
-        prefactor: float | None = None,
-        wording: Wording = RESCALED,
-    ) -> None:
+    def __post_init__(self) -> None:
+        free = self.prefactor is None
         self._set(
-            wording,
-            exponent=check.number("exponent", exponent, above=0.0),
-            load_range=check.interval("load_range", load_range),
-            prefactor=None if prefactor is None else check.number("prefactor", prefactor, above=0.0),
+            self.wording,
+            exponent=check.number("exponent", self.exponent, above=0.0),
+            load_range=check.interval("load_range", self.load_range),
+            prefactor=None if free else check.number("prefactor", self.prefactor, above=0.0),
         )
 
     @classmethod
@@ -205,10 +332,20 @@ class PowerLaw(Target):
             words = "{broken}; without prefactor the design chooses it"
             raise Infeasible(Message(words, {"broken": broken}))
 
-    candidate = sampled.candidate
-
 
 def _levels(bounds: tuple[FloatArray, FloatArray], shape: FloatArray) -> tuple[float, float]:
     """Return the smallest and largest factor of a law (k,) that lies between two others."""
     low, high = bounds
     return float((low / shape).max()), float((high / shape).min())
+
+
+def _outside(difference: FloatArray, margin: float) -> str:
+    """Return a text on samples that no surface meets, from differences (k,) [-] of the nearest law."""
+    rows, most = np.flatnonzero(np.abs(difference) > ROUNDING), int(np.abs(difference).argmax())
+    which = f" ({', '.join(map(str, rows + 1))})" if len(rows) <= MOST_LISTED else ""
+    largest = percent(float(abs(difference[most])))
+    return (
+        f"no surface meets all samples{margin_words(margin)}: {len(rows)} of {len(difference)}{which} differ "
+        f"from the nearest law within the bounds, by up to {largest} (sample {most + 1}); the design has the "
+        "least rms difference that was found"
+    )

@@ -12,12 +12,11 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.errors import Infeasible, InvalidInput
+from metafem.errors import Infeasible, refuse_if
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.feasibility import margin_words, refuse_load
-from metafem.inversion.strategies import sampled
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.targets.target import Target
-from metafem.inversion.targets.target_law import TargetLaw
 from metafem.inversion.targets.wording import RESCALED, LoadRange, Wording
 from metafem.surface import Friction, Material
 
@@ -65,26 +64,21 @@ class MultilinearLaw(Target):
         wording: Wording = RESCALED,
     ) -> None:
         values = check.array("slopes", slopes, shape=(None,))
-        if values.min() <= 0.0:
-            raise InvalidInput(f"holds {values.min():g}; all must be greater than 0", key="slopes")
+        least = values.min()
+        refuse_if(least <= 0.0, f"holds {least:g}; all must be greater than 0", key="slopes")
         listed = isinstance(crossover_loads, (list, tuple, np.ndarray))
-        if not listed or len(crossover_loads) != len(values) - 1:
-            raise InvalidInput(
-                f"must hold {len(values) - 1} loads or pairs of loads for {len(values)} {wording.keys[1]}",
-                key="crossover_loads",
-                value=f"{crossover_loads!r:.60}",
-            )
+        refuse_if(
+            not listed or len(crossover_loads) != len(values) - 1,
+            f"must hold {len(values) - 1} loads or pairs of loads for {len(values)} {wording.keys[1]}",
+            key="crossover_loads",
+            value=f"{crossover_loads!r:.60}",
+        )
         ends = check.interval("load_range", load_range)
         pairs = tuple(_crossover(f"crossover_loads[{i}]", given) for i, given in enumerate(crossover_loads))
-        path = [ends[0], *(load for pair in pairs for load in pair), ends[1]]
-        for i in range(0, len(path), 2):
-            if not path[i] < path[i + 1]:
-                raise InvalidInput(
-                    "must increase within load_range: branch "
-                    f"{i // 2 + 1} would run from {wording.loads(path[i], path[i + 1])}",
-                    key="crossover_loads",
-                )
         self._set(wording, slopes=tuple(values.tolist()), crossover_loads=pairs, load_range=ends)
+        for i, (_, (start, end)) in enumerate(self.branches, start=1):
+            words = f"branch {i} would run from {wording.loads(start, end)}"
+            refuse_if(not start < end, f"must increase within load_range: {words}", key="crossover_loads")
 
     @classmethod
     def from_friction_coefficients(
@@ -140,12 +134,9 @@ class MultilinearLaw(Target):
     @property
     def branches(self) -> tuple[tuple[float, LoadRange], ...]:
         """Slope and load range of each branch."""
-        path = [
-            self.load_range[0],
-            *(load for pair in self.crossover_loads for load in pair),
-            self.load_range[1],
-        ]
-        return tuple((m, (path[2 * i], path[2 * i + 1])) for i, m in enumerate(self.slopes))
+        ends = [load for pair in self.crossover_loads for load in pair]
+        path = iter([self.load_range[0], *ends, self.load_range[1]])
+        return tuple(zip(self.slopes, zip(path, path, strict=True), strict=True))
 
     def _is_connected(self, i: int) -> bool:
         """Whether a branch begins where the previous one ends."""
@@ -220,15 +211,13 @@ class MultilinearLaw(Target):
                     f"{margin_words(margin)}"
                 )
 
-    candidate = sampled.candidate
-
 
 def _crossover(name: str, given: object) -> LoadRange:
     """Return the checked loads of a crossover; a single load is repeated."""
     if check.scalar(given):
         load = check.number(name, given, above=0.0)
         return load, load
-    if not isinstance(given, (list, tuple, np.ndarray)) or not all(check.scalar(end) for end in given):
-        raise InvalidInput("must be a load or a pair of loads", key=name, value=f"{given!r:.60}")
+    several = isinstance(given, (list, tuple, np.ndarray)) and all(check.scalar(end) for end in given)
+    refuse_if(not several, "must be a load or a pair of loads", key=name, value=f"{given!r:.60}")
     low, high = check.array(name, given, shape=(2,)).tolist()
     return (low, high) if low == high > 0.0 else check.interval(name, given)

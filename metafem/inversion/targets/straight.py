@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
-from metafem.inversion.strategies import exponential, proportional, sampled
+from metafem.errors import InvalidInput, refuse_if
+from metafem.inversion.search.target_law import TargetLaw
+from metafem.inversion.strategies import exponential, proportional
 from metafem.inversion.targets.target import Target
-from metafem.inversion.targets.target_law import TargetLaw
 from metafem.inversion.targets.wording import RESCALED, LoadRange, Wording
 from metafem.surface import Friction, Material
 
@@ -74,15 +74,11 @@ class StraightLaw(Target):
         load = np.unique(np.concatenate([np.geomspace(*ends, each) for _, ends in self.branches]))
         return TargetLaw.fixed(load, self.line(load), pointwise=True)
 
-    def with_density(self, problem: Problem) -> Candidate:
-        """Return heights of the exponential density whose law has these slopes."""
-        raise NotImplementedError
-
-    def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
+    def candidate(self, problem: Problem, rng: np.random.Generator, restarts: int | None = None) -> Candidate:
         """Return heights for a density, or with a load range for the lines themselves."""
         if self.load_range is None:
-            return self.with_density(problem)
-        return sampled.candidate(self, problem, rng)
+            return exponential.candidate(self, problem)
+        return super().candidate(problem, rng, restarts)
 
     def refuse(self, problem: Problem, margin: float) -> None:
         """Raise Infeasible for a load range that breaks a bound by more than a margin (relative)."""
@@ -90,7 +86,7 @@ class StraightLaw(Target):
             proportional.refuse_line(self, problem, margin)
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True)
 class LinearLaw(StraightLaw):
     """A straight law of one slope: with a free intercept, or through the origin over a range of loads.
 
@@ -116,14 +112,9 @@ class LinearLaw(StraightLaw):
     load_range: LoadRange | None = None
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
 
-    def __init__(
-        self, slope: float, load_range: ArrayLike | None = None, wording: Wording = RESCALED
-    ) -> None:
-        self._set(
-            wording,
-            slope=check.number("slope", slope, above=0.0),
-            load_range=None if load_range is None else check.interval("load_range", load_range),
-        )
+    def __post_init__(self) -> None:
+        slope = check.number("slope", self.slope, above=0.0)
+        self._set(self.wording, slope=slope, load_range=_optional_range(self.load_range))
 
     @classmethod
     def from_friction_coefficient(
@@ -169,10 +160,8 @@ class LinearLaw(StraightLaw):
         """Slope of the line through the origin, and the load 0 at which it starts."""
         return ((self.slope, 0.0),)
 
-    with_density = exponential.linear
 
-
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True)
 class BilinearLaw(StraightLaw):
     """Two straight branches that meet at a crossover load.
 
@@ -200,21 +189,18 @@ class BilinearLaw(StraightLaw):
     load_range: LoadRange | None = None
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
 
-    def __init__(
-        self,
-        slopes: ArrayLike,
-        crossover_load: float,
-        load_range: ArrayLike | None = None,
-        wording: Wording = RESCALED,
-    ) -> None:
-        values = check.array("slopes", slopes, shape=(2,))
+    def __post_init__(self) -> None:
+        values = check.array("slopes", self.slopes, shape=(2,))
         pair = tuple(check.number(f"slopes[{i}]", value, above=0.0) for i, value in enumerate(values))
-        load = check.number("crossover_load", crossover_load, above=0.0)
-        ends = None if load_range is None else check.interval("load_range", load_range)
-        self._set(wording, slopes=pair, crossover_load=load, load_range=ends)
-        if ends is not None and not ends[0] < load < ends[1]:
-            words = f"must lie inside load_range, from {wording.loads(*ends)}"
-            raise InvalidInput(words, key="crossover_load", value=wording.loads(load))
+        load = check.number("crossover_load", self.crossover_load, above=0.0)
+        ends = _optional_range(self.load_range)
+        self._set(self.wording, slopes=pair, crossover_load=load, load_range=ends)
+        refuse_if(
+            ends is not None and not ends[0] < load < ends[1],
+            f"must lie inside load_range, from {self.wording.loads(*(ends or ()))}",
+            key="crossover_load",
+            value=self.wording.loads(load),
+        )
 
     @classmethod
     def from_friction_coefficients(
@@ -234,7 +220,7 @@ class BilinearLaw(StraightLaw):
         slopes = wording.given_slopes(friction_coefficients, 2)
         crossover = check.number("crossover_load_N", crossover_load_N, above=0.0)
         ends = wording.range_from_newtons(load_range_N)
-        return cls(slopes, wording.from_newtons(crossover), ends, wording)
+        return cls((slopes[0], slopes[1]), wording.from_newtons(crossover), ends, wording)
 
     @classmethod
     def from_forces(
@@ -243,10 +229,10 @@ class BilinearLaw(StraightLaw):
         """Law through points P_i, F_i, (3,) [N]: on the first branch, at the crossover, on the second."""
         wording = Wording.of(material, friction)
         x, y = wording.rescaled(load, friction_force)
-        if len(x) != 3:
-            words = f"holds {len(x)} values; two branches need exactly 3 points"
-            raise InvalidInput(words, key="load")
-        return cls(np.diff(y) / np.diff(x), float(x[1]), wording=wording)
+        words = f"holds {len(x)} values; two branches need exactly 3 points"
+        refuse_if(len(x) != 3, words, key="load")
+        first, second = (np.diff(y) / np.diff(x)).tolist()
+        return cls((first, second), float(x[1]), wording=wording)
 
     @property
     def friction_coefficients(self) -> tuple[float, ...] | None:
@@ -266,4 +252,6 @@ class BilinearLaw(StraightLaw):
         """Slope of each line, and the load at which it starts [mm^2]."""
         return (self.slopes[0], 0.0), (self.slopes[1], self.crossover_load)
 
-    with_density = exponential.bilinear
+
+def _optional_range(load_range: LoadRange | None) -> LoadRange | None:
+    return None if load_range is None else check.interval("load_range", load_range)

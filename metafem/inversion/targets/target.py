@@ -9,13 +9,18 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
-from metafem.inversion.targets.target_law import TargetLaw
+from metafem.inversion.candidate import Branch, Candidate, Parameter
+from metafem.inversion.search.nearest_law import LawSearch
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.targets.wording import LoadRange, Wording
 
 if TYPE_CHECKING:
     from metafem.inversion.bounds import Bounds
-    from metafem.inversion.candidate import Candidate, Parameter
     from metafem.inversion.problem import Problem
+
+# If the level of the target is free, levels at these fractions of the feasible range (of its logarithm) are
+# tried.
+LEVEL_FRACTIONS = (0.5, 0.25, 0.75, 0.1, 0.9)
 
 
 class Target:
@@ -81,9 +86,29 @@ class Target:
     def refuse(self, problem: Problem, margin: float) -> None:
         """Raise Infeasible if the target violates a proven bound by more than a margin (relative)."""
 
-    def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
-        """Return heights for independent asperities, or raise Infeasible."""
-        raise NotImplementedError
+    def candidate(self, problem: Problem, rng: np.random.Generator, restarts: int | None = None) -> Candidate:
+        """Return heights and radii of independent asperities whose law is nearest to the target.
+
+        Targets with another strategy redefine it, and raise Infeasible if it finds none.
+        """
+        law, limits = self.curve(), problem.limits
+        guesses = self.guesses(law, problem.bounds, LEVEL_FRACTIONS)
+        most = problem.effort.restarts if restarts is None else restarts
+        height, radius = LawSearch(problem, law, guesses, most, rng).nearest(problem.radii)
+        parameters: dict[str, Parameter] = {"span": float(-height[-1])}
+        if law.is_open:
+            area = problem.independent.curve_of(height, radius, law.load).area
+            parameters |= self.open_parameters(law, area)
+        branches = tuple(
+            # a line is fixed, and its friction at zero load is the intercept
+            Branch(
+                slope,
+                ends,
+                None if law.is_open else float(np.interp(ends[0], law.load, law.base)) - slope * ends[0],
+            )
+            for slope, ends in self.branches
+        )
+        return Candidate(limits.offset + limits.max_height + height, radius, parameters, law, branches)
 
     def judged(self, problem: Problem, candidate: Candidate) -> Candidate:
         """Return heights refined under the model with notes on the target, or raise Infeasible."""

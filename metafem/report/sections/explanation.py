@@ -9,8 +9,7 @@ from metafem._values import MICROMETRES
 from metafem.calibration.diagnosis.sentences import NAMES
 from metafem.drawing import diagnosis, new_figure
 from metafem.drawing.inline import drawn
-from metafem.studies.summaries import summary
-from metafem.studies.summaries.measurements import sentences
+from metafem.studies.summaries.measurements import explained_summary, sentences
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,7 +32,7 @@ def explanation_section(studies: Mapping[str, Dataset]) -> dict[str, Any] | None
         figures.append(drawn(errors_figure(study), "Errors of the part over their expected sizes", ERRORS))
     if "height" in study["kind"].values:
         figures.append(drawn(heights_figure(study), "Errors of single heights", HEIGHTS))
-    return {**vars(summary(study)), "answers": sentences(study), "figures": figures}
+    return {**vars(explained_summary(study)), "answers": sentences(study), "figures": figures}
 
 
 def errors_figure(study: Dataset) -> Figure:

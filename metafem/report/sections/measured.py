@@ -13,9 +13,7 @@ from metafem.drawing.inline import drawn
 from metafem.drawing.measured import COLOURS, points, residuals
 from metafem.inversion import Design
 from metafem.report.names import model_words
-from metafem.studies.summaries.measurements import FEATURES, POINTS, answers, feature_rows
-from metafem.studies.summaries.table import stored_notes
-from metafem.studies.summaries.tables import summary
+from metafem.studies.summaries.measurements import answers, features, measured_summary
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,17 +33,16 @@ def measured_section(design: Design, studies: Mapping[str, Dataset]) -> dict[str
     if NAME not in studies:
         return None
     study = studies[NAME]
+    more = features(study)
     return {
+        **vars(measured_summary(study)),
         "answers": answers(study),
         "differs": not study["fits"].values.all(),
         "shaded": bool(design.fits),
         "bars": _bars(study),
         "figure": drawn(measured_figure(design, study), "Measured and designed friction law"),
-        "feature_columns": FEATURES,
-        "features": feature_rows(study),
-        "columns": POINTS,
-        "rows": summary(study).rows,
-        "notes": stored_notes(study),
+        "feature_columns": more.columns,
+        "features": more.rows,
     }
 
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
 from metafem import _validate as check
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.progress import each, message
 from metafem.studies.sampling.schedulers import Run, Task, cluster, here, processes
 from metafem.studies.sampling.store import Result, Store
@@ -51,29 +52,27 @@ class Execution:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "workers", check.integer("workers", self.workers, at_least=1))
-        if self.scheduler is not None:
-            check.instance("scheduler", self.scheduler, str, "an address such as tcp://10.0.0.1:8786")
-            if self.workers > 1:
-                raise InvalidInput(
-                    f"workers = {self.workers} cannot be given with a scheduler, which has its own workers"
-                )
-        if self.folder is not None:
-            check.instance("folder", self.folder, (str, Path), "the name of a folder")  # type: ignore[arg-type]
+        both = self.scheduler is not None and self.workers > 1
+        words = "cannot be given with a scheduler, which has its own workers"
+        refuse_if(both, words, key="workers", value=self.workers)
 
 
 @contextmanager
 def opened(execution: Execution | None, study: str, inputs: str) -> Iterator[Run]:
     """Open a run; its value computes batches of a task and yields their results in order of their numbers.
 
-    inputs: hash of everything the results depend on. Ctrl-C reports where the finished batches are.
+    inputs: hash of everything the results depend on. Ctrl-C reports where the finished batches are. The
+    folder of a run has its batches in the order in which they are wanted, whatever their task.
     """
     chosen = Execution() if execution is None else execution
-    check.instance("execution", chosen, Execution, "a metafem.studies.Execution")
     store = None if chosen.folder is None else Store.opened(Path(chosen.folder), study, inputs)
     local = nullcontext(here if chosen.workers == 1 else processes(chosen.workers))
+    place = itertools.count()
     try:
         with local if chosen.scheduler is None else cluster(chosen.scheduler) as compute:
-            yield lambda task, numbers: _results(store, compute, task, numbers)
+            yield lambda task, numbers: _results(
+                store, compute, task, dict(zip(numbers, place, strict=False))
+            )
     except (KeyboardInterrupt, SystemExit) as stop:
         if store is not None:
             text = f"finished batches are kept in {store.folder}; the same call with this folder goes on"
@@ -82,10 +81,10 @@ def opened(execution: Execution | None, study: str, inputs: str) -> Iterator[Run
         raise
 
 
-def _results(store: Store | None, compute: Run, task: Task, numbers: Sequence[int]) -> Iterator[Result]:
-    """Yield results in order: stored ones are read, the others are computed and stored."""
-    stored = set() if store is None else set(filter(store.holds, numbers))
-    missing = [number for number in numbers if number not in stored]
+def _results(store: Store | None, compute: Run, task: Task, places: Mapping[int, int]) -> Iterator[Result]:
+    """Yield results in order: those at their places in the store are read, the others computed and stored."""
+    kept = {} if store is None else {number: store.read(place) for number, place in places.items()}
+    missing = [number for number in places if kept.get(number) is None]
     fresh, start, done = compute(task, missing), time.monotonic(), 0
 
     def rate() -> str:
@@ -95,12 +94,11 @@ def _results(store: Store | None, compute: Run, task: Task, numbers: Sequence[in
         taken = (time.monotonic() - start) / done
         return f"{1.0 / taken:.2g} per second, {(len(missing) - done) * taken:.0f} s left"
 
-    for number in each("batch", numbers, detail=rate):
-        result = store.read(number) if store is not None and number in stored else None
+    for number in each("batch", list(places), detail=rate):
+        result = kept.pop(number, None)
         if result is None:
-            # a stored batch that cannot be read is computed here
-            result = task(number) if number in stored else next(fresh)
-            done += number not in stored
+            result = next(fresh)
+            done += 1
             if store is not None:
-                store.write(number, result)
+                store.write(places[number], result)
         yield result

@@ -10,7 +10,6 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.models import Model
 from metafem.notes import Note, to_lines
-from metafem.studies.sampling.moments import Estimate, Moments
 from metafem.studies.sampling.store import own_version
 
 if TYPE_CHECKING:
@@ -98,20 +97,15 @@ def with_error(
 
 
 def of_law(
-    found: Moments, nominal: FloatArray, over: tuple[str, ...] = (), *, slope: bool = True
+    found: Sequence[FloatArray], nominal: FloatArray, over: tuple[str, ...] = (), *, slope: bool = True
 ) -> Variables:
-    """Return the moments of the slope and of the areas, the quantities (l, q), over a dimension of levels.
-
-    Without a dimension there is only one level.
-    """
+    """Return the moments of the slope and of the areas, values and errors (..., 2, q), over dimensions."""
     variables: Variables = {}
-    for name, part, axes in (("slope", 0, ()), ("area", slice(1, None), ("rescaled_load",))):
-        if name == "slope" and not slope:
-            continue
+    parts: list[tuple[str, Any, tuple[str, ...]]] = [("area", slice(1, None), ("rescaled_load",))]
+    for name, part, axes in [("slope", 0, ()), *parts] if slope else parts:
         variables[f"nominal_{name}"] = axes, nominal[part]
-        for moment, estimate, origin in (("mean", found.mean, 1.0), ("sd", found.sd, 0.0)):
-            value, error = (values[..., part] if over else values[0, part] for values in estimate)
-            own = Estimate(value, error)
+        for i, (moment, origin) in enumerate((("mean", 1.0), ("sd", 0.0))):
+            own = [each[..., i, part] for each in found]
             variables |= with_error(f"{name}_{moment}", (*over, *axes), own, nominal[part], origin)
     return variables
 

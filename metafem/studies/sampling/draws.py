@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -11,7 +11,7 @@ from metafem._validate import FloatArray
 from metafem.errors import MetafemError
 from metafem.models import Model
 from metafem.prediction import Tolerances
-from metafem.studies.sampling.moments import Sums, moments
+from metafem.studies.sampling.moments import Sums, added, moments, sums_of
 from metafem.studies.sampling.points import FEWEST_BATCHES, MOST_DRAWS, unit_points
 from metafem.studies.sampling.schedulers import Run
 from metafem.studies.sampling.slope import Slope
@@ -26,56 +26,45 @@ ROUND_BATCHES = 8
 
 @dataclass(frozen=True, eq=False)
 class SlopeDraws:
-    """The batches of a study of one surface at levels (l,) of its tolerances.
+    """The batches of a study of one surface with given tolerances.
 
-    All levels use the same points (common random numbers). The quantities (q,) are the slope and the areas
-    at its loads, each over its nominal value.
+    The points are the same for all tolerances (common random numbers). The quantities (q,) are the slope and
+    the areas at its loads, each over its nominal value.
     """
 
     surface: Surface
     model: Model
     slope: Slope
-    tolerances: tuple[Tolerances, ...]
+    tolerances: Tolerances
     nominal: FloatArray  # (q,)
     response: FloatArray  # (q, n), derivatives of the quantities by the heights, over the nominal values
     seed: int
     size: int
     draws: int  # the last batch of plain draws may be smaller
     plain: bool
-    active: tuple[bool, ...]  # levels with draws
-    first: int = 0  # number of the first batch
-
-    def at(self, tolerances: Tolerances, first: int) -> SlopeDraws:
-        """Return the batches of the same points at another level, with their own numbers."""
-        return replace(self, tolerances=(tolerances,), active=(True,), first=first)
+    dimensions: int  # of the points; heights come first and are left out if they have no errors
 
     @cached_property
     def scale(self) -> FloatArray:
-        """Standard deviations of the linear responses, (l, q)."""
-        found = [each.linear_covariance(self.surface, self.response) for each in self.tolerances]
-        return np.array([np.sqrt(np.diag(each)) for each in found])
+        """Standard deviations of the linear responses, (q,)."""
+        return np.sqrt(np.diag(self.tolerances.linear_covariance(self.surface, self.response)))
 
-    def __call__(self, batch: int) -> dict[str, np.ndarray]:
-        """Return the sums of one batch, stacked over the levels."""
-        local = batch - self.first
-        size = min(self.size, self.draws - local * self.size) if self.plain else self.size
-        dimensions = [each.dimensions(self.surface) for each in self.tolerances]
-        points = unit_points(self.seed, local, size, max(dimensions), plain=self.plain)
-        levels = []
-        for level, tolerances in enumerate(self.tolerances):
-            # heights come first and are left out if they have no errors
-            unit = points[:, points.shape[1] - dimensions[level] :]
-            difference, response = np.zeros((2, size if self.active[level] else 0, len(self.nominal)))
-            if self.active[level] and dimensions[level] > 0:
-                height, radius, position = tolerances.perturbed(self.surface, unit)
-                areas = self.model.areas(self.surface, self.slope.load, height, radius, position)
-                # no products of matrices: their last bits depend on the number of threads
-                slopes = np.einsum("mk,k->m", areas, self.slope.weight)
-                difference = np.column_stack([slopes, areas]) / self.nominal - 1.0
-                response = np.einsum("mn,qn->mq", height - self.surface.height, self.response)
-                response /= np.where(self.scale[level] > 0.0, self.scale[level], 1.0)
-            levels.append(Sums.of(difference, response))
-        return {name: np.array([sums[name] for sums in levels]) for name in levels[0]}
+    def __call__(self, batch: int) -> Sums:
+        """Return the sums of one batch."""
+        size = min(self.size, self.draws - batch * self.size) if self.plain else self.size
+        own = self.tolerances.dimensions(self.surface)
+        if own == 0:
+            return sums_of(*np.zeros((2, size, len(self.nominal))))
+        points = unit_points(self.seed, batch, size, self.dimensions, plain=self.plain)
+        unit = points[:, self.dimensions - own :]
+        height, radius, position = self.tolerances.perturbed(self.surface, unit)
+        areas = self.model.areas(self.surface, self.slope.load, height, radius, position)
+        # no products of matrices: their last bits depend on the number of threads
+        slopes = np.einsum("mk,k->m", areas, self.slope.weight)
+        difference = np.column_stack([slopes, areas]) / self.nominal - 1.0
+        response = np.einsum("mn,qn->mq", height - self.surface.height, self.response)
+        response /= np.where(self.scale > 0.0, self.scale, 1.0)
+        return sums_of(difference, response)
 
 
 def linear_response(model: Model, surface: Surface, slope: Slope) -> tuple[FloatArray, FloatArray]:
@@ -98,24 +87,20 @@ def _gradient(model: Model, surface: Surface, load: FloatArray) -> FloatArray:
     return np.where(np.isfinite(found).all(axis=1, keepdims=True), found, 0.0)
 
 
-def summed(compute: Run, task: SlopeDraws, error: float | None = None) -> tuple[Sums, int]:
-    """Return the sums over all batches, and the number after the last one.
+def summed(compute: Run, task: SlopeDraws, error: float | None = None) -> Sums:
+    """Return the sums over all batches.
 
-    With `error` batches are added in fixed rounds, at the levels whose slope's standard deviation has a
-    larger relative error.
+    With `error` batches are added in fixed rounds until the slope's standard deviation has this relative
+    error.
     """
-    total, begin = None, task.first
+    total: Sums = {}
     first, last = 0, -(-task.draws // task.size) if error is None else FEWEST_BATCHES
     while True:
-        for batch in compute(task, range(begin + first, begin + last)):
-            sums = Sums.of_batch(batch)
-            total = sums if total is None else total.plus(sums)
-        assert total is not None
-        if error is None:
-            return total, begin + last
-        found = moments(total).sd
-        wanting = found.error[:, 0] > error * found.value[:, 0]
-        if not wanting.any() or last * task.size >= MOST_DRAWS:
-            return total, begin + last
-        task = replace(task, active=tuple(wanting.tolist()))
+        for batch in compute(task, range(first, last)):
+            total = added(total, batch)
+        if error is None or last * task.size >= MOST_DRAWS:
+            return total
+        found = moments(total)
+        if not found.error[1, 0] > error * found.value[1, 0]:
+            return total
         first, last = last, last + ROUND_BATCHES

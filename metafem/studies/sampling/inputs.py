@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,8 @@ from scipy.special import ndtri
 from metafem import _validate as check
 from metafem._given import Given, shown
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
+from metafem.surface import Surface
 
 # A positive input is at least this number of standard deviations above zero: a coordinate of a Sobol point of
 # 30 bits is at least 2^-31, and the inverse normal distribution there is -6.2.
@@ -21,6 +21,14 @@ WIDEST = 7.0
 
 # Rounding of a covariance matrix, in units of the standard deviations.
 ROUNDING = 1e-9
+
+# What is needed for inputs that are not always there, and the remedy for a name of another package.
+NEEDS = {
+    "shear_strength": "needs a surface with a Friction",
+    "area_ratio": "needs a surface with a Friction",
+    "friction_force": "needs measured friction forces",
+    "young_modulus": "is not an input; give composite_modulus = young_modulus/(1 - nu^2)",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,52 +52,38 @@ class Inputs:
     groups: tuple[tuple[int, ...], ...]
 
     @staticmethod
-    def of(
-        parameters: Any,
-        covariance: Any,
-        mean: Mapping[str, float | FloatArray],
-        missing: Mapping[str, str] = MappingProxyType({}),
-    ) -> Inputs:
+    def of(parameters: Any, covariance: Any, mean: Mapping[str, float | FloatArray]) -> Inputs:
         """Return the inputs from standard deviations by name, or from names and their covariance matrix.
 
         mean: the values of all inputs that can be named; an array has values of any size, each with a common
-        or its own deviation, and a number is positive. missing: the requirement of the other inputs.
+        or its own deviation, and a number is positive.
         """
-        given = isinstance(parameters, Mapping)
-        if given != (covariance is None):
-            raise InvalidInput(
-                f"parameters = {shown(parameters)} must map names to standard deviations, or list the names "
-                "of the rows of a covariance matrix"
-            )
-        if isinstance(parameters, str) or not isinstance(parameters, (Mapping, Sequence)):
-            raise InvalidInput(f"parameters = {shown(parameters)} must be a list of names")
+        stated = f"parameters = {shown(parameters)}"
+        refuse_if(
+            isinstance(parameters, Mapping) != (covariance is None),
+            f"{stated} must map names to standard deviations, or list the names of the rows of a covariance "
+            "matrix",
+        )
         names = tuple(map(str, parameters))
-        known = ", ".join(mean)
-        if not names or len(set(names)) < len(names):
-            raise InvalidInput(f"parameters = {shown(parameters)} must name each of its parameters once")
+        once = names and len(set(names)) == len(names)
+        refuse_if(not once, f"{stated} must name each of its parameters once")
         for name in names:
-            if name == "young_modulus":
-                raise InvalidInput(
-                    f"parameters.{name} is not an input; give composite_modulus = {name}/(1 - nu^2)"
-                )
-            if name in missing:
-                raise InvalidInput(f"parameters.{name} needs {missing[name]}")
-            if name not in mean:
-                raise InvalidInput(f"parameters has no parameter {shown(name)}; there are {known}")
+            refuse_if(name not in mean and name in NEEDS, f"parameters.{name} {NEEDS.get(name)}")
+            words = f"parameters has no parameter {shown(name)}; there are {', '.join(mean)}"
+            refuse_if(name not in mean, words)
         if isinstance(parameters, Mapping):
             sd = tuple(_deviation(name, value, mean[name]) for name, value in parameters.items())
             correlation = np.eye(len(names))
         else:
             deviations, correlation = _split(covariance, len(names))
-            sd = tuple(np.array([value]) for value in deviations)
+            sd = tuple(deviations[:, None])
         for name, value in zip(names, sd, strict=True):
-            most = np.min(mean[name]) / WIDEST
-            if np.ndim(mean[name]) == 0 and value[0] > most:
-                member = f"parameters.{name}"
-                words = "must be at most {.number}, a seventh of the value, which must not become negative"
-                raise InvalidInput(words, Given(member, most), key=member, value=value[0])
-        if not any(value.any() for value in sd):
-            raise InvalidInput("parameters are all without errors; one standard deviation must be above 0")
+            key, most = f"parameters.{name}", float(np.min(mean[name])) / WIDEST
+            words = "must be at most {.number}, a seventh of the value, which must not become negative"
+            wide = np.ndim(mean[name]) == 0 and value[0] > most
+            refuse_if(wide, words, Given(key, most), key=key, value=float(value[0]))
+        words = "parameters are all without errors; one standard deviation must be above 0"
+        refuse_if(not any(value.any() for value in sd), words)
         return Inputs(names, sd, _root(correlation), _groups(correlation))
 
     @property
@@ -104,43 +98,44 @@ class Inputs:
         return {name: normal[..., [i]] * self.sd[i] for i, name in enumerate(self.names)}
 
 
+NO_INPUTS = Inputs((), (), np.zeros((0, 0)), ())
+
+
 def _deviation(name: str, value: Any, mean: float | FloatArray) -> FloatArray:
     """Return a standard deviation (1,), or those of each value of an input (k,)."""
     label = f"parameters.{name}"
     if np.ndim(mean) == 0 or check.scalar(value):
         return np.array([check.number(label, value, at_least=0.0)])
     each = check.array(label, value, shape=(np.size(mean),))
-    if each.min() < 0.0:
-        lowest = Given(name, each.min())
-        raise InvalidInput("holds {.number}; it must be at least 0", lowest, key=label)
+    lowest = Given(name, float(each.min()))
+    refuse_if(each.min() < 0.0, "holds {.number}; it must be at least 0", lowest, key=label)
     return each
 
 
 def _split(covariance: Any, size: int) -> tuple[FloatArray, FloatArray]:
     """Return the standard deviations (p,) and correlations (p, p) of a covariance matrix."""
     matrix = check.array("covariance", covariance, shape=(size, size))
-    variance = np.diag(matrix)
-    if variance.min() < 0.0:
-        i = int(variance.argmin())
-        raise InvalidInput(f"covariance[{i}][{i}] = {variance[i]:g} must be at least 0")
-    sd = np.sqrt(variance)
+    sd = np.sqrt(np.abs(np.diag(matrix)))
     scale = np.where(sd > 0.0, sd, 1.0)
     correlation = matrix / scale / scale[:, None]
-    off = np.argwhere(np.abs(correlation - correlation.T) > ROUNDING)
-    if off.size:
-        i, j = off[0].tolist()
-        raise InvalidInput(
-            f"covariance[{i}][{j}] = {matrix[i, j]:g} and covariance[{j}][{i}] = {matrix[j, i]:g} differ; "
-            "the matrix must be symmetric"
-        )
+    words = "covariance must be a symmetric matrix"
+    refuse_if(np.abs(correlation - correlation.T).max() > ROUNDING, words)
     correlation = 0.5 * (correlation + correlation.T)
     smallest = float(np.linalg.eigvalsh(correlation)[0])
-    if smallest < -ROUNDING:
-        raise InvalidInput(
-            "covariance must be positive semidefinite; the smallest eigenvalue of its correlations is "
-            f"{smallest:.3g}"
-        )
+    words = "covariance must be positive semidefinite; the smallest eigenvalue of its correlations is"
+    refuse_if(smallest < -ROUNDING, f"{words} {smallest:.3g}")
     return sd, correlation
+
+
+def values_of(surface: Surface) -> dict[str, float | FloatArray]:
+    """Return the values of the parameters of a surface that can have an error."""
+    found: dict[str, float | FloatArray] = {
+        "radius": float(surface.radius.mean()),
+        "composite_modulus": surface.material.composite_modulus,
+    }
+    if surface.friction is not None:
+        found |= {name: float(getattr(surface.friction, name)) for name in ("shear_strength", "area_ratio")}
+    return found
 
 
 def _root(correlation: FloatArray) -> FloatArray:

@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from metafem._given import Given
-from metafem.errors import InvalidInput, MetafemError
+from metafem.errors import InvalidInput, MetafemError, refuse_if
 from metafem.studies.sampling.store import Result, own_version
 
 Task = Callable[[int], Result]
@@ -24,6 +24,9 @@ AHEAD = 256
 
 # Seconds within which a scheduler must answer; a running one takes milliseconds.
 PATIENCE = 4
+
+# The remedy without a cluster; its field is the argument for processes.
+INSTEAD = "or leave scheduler out and use {.name} on this machine"
 
 
 def here(task: Task, numbers: Sequence[int]) -> Iterator[Result]:
@@ -70,7 +73,6 @@ def cluster(address: str) -> Iterator[Run]:
         raise InvalidInput(
             f"scheduler = {address!r} needs the extra cluster: pip install 'metafem[cluster]'"
         ) from None
-    instead = "leave scheduler out and use {.name} on this machine"
     given: dict[str, Any] = {"key": "scheduler", "value": repr(address)}
     try:
         # a client with an unusable address ends with its own errors
@@ -78,12 +80,11 @@ def cluster(address: str) -> Iterator[Run]:
         client: Any = Client(address, timeout=PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, ValueError, TypeError) as error:
         why = Given("error", str(error) or type(error).__name__)
-        words = f"does not answer ({{.number}}): start it with `dask scheduler`, or {instead}"
+        words = f"does not answer ({{.number}}): start it with `dask scheduler`, {INSTEAD}"
         raise InvalidInput(words, why, Given("workers=2"), **given) from None
     try:
-        if not client.nthreads():
-            words = f"has no workers: start `dask worker`, or {instead}"
-            raise InvalidInput(words, Given("workers=2"), **given)
+        words = f"has no workers: start `dask worker`, {INSTEAD}"
+        refuse_if(not client.nthreads(), words, Given("workers=2"), **given)
         _require_same_version(client, address)
 
         def run(task: Task, numbers: Sequence[int]) -> Iterator[Result]:
@@ -114,8 +115,7 @@ def _require_same_version(client: Any, address: str) -> None:
         found = set(client.run(own_version).values())
     except ImportError as error:
         raise InvalidInput(f"the workers of {address} cannot import metafem: {error}") from None
-    if found != {own_version()}:
-        versions = ", ".join(sorted(found))
-        raise InvalidInput(
-            f"the workers of {address} have metafem {versions}, and this machine {own_version()}"
-        )
+    words = (
+        f"the workers of {address} have metafem {', '.join(sorted(found))}, and this machine {own_version()}"
+    )
+    refuse_if(found != {own_version()}, words)

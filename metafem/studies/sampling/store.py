@@ -7,7 +7,6 @@ import json
 import os
 import zipfile
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -15,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.progress import message
 
 Result = dict[str, np.ndarray]
@@ -73,30 +72,26 @@ class Store:
     @staticmethod
     def opened(folder: Path, study: str, inputs: str) -> Store:
         """Return the store of a run in a new, an empty or its own folder; others are refused."""
-        record = {"study": study, "inputs": inputs, "metafem": own_version()}
+        record = {"study": study, "metafem": own_version(), "inputs": inputs}
         path = folder / RECORD
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            if path.exists():
-                found = json.loads(path.read_text(encoding="utf-8"))
-                if found != record:
-                    raise InvalidInput(_other_run(folder, found, record))
-            elif any(not other.name.startswith(f".{RECORD}") for other in folder.iterdir()):
-                raise InvalidInput(f"folder = {folder} holds other files; choose an empty or a new folder")
-            else:
+            found = json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
+            others = [other for other in folder.iterdir() if not other.name.startswith(f".{RECORD}")]
+            if found is None and not others:
                 _write(path, lambda file: file.write(json.dumps(record, indent=1).encode()))
         except (OSError, ValueError) as error:
-            if isinstance(error, InvalidInput):
-                raise
             raise InvalidInput(f"folder = {folder} cannot be used: {error}") from None
+        other = found is None and others
+        refuse_if(other, f"folder = {folder} holds other files; choose an empty or a new folder")
+        if found is not None and found != record:
+            raise InvalidInput(
+                f"folder = {folder} holds another run, {_apart(found, record)}; choose another folder"
+            )
         return Store(folder)
 
-    def holds(self, batch: int) -> bool:
-        """Whether a batch is finished."""
-        return self._path(batch).is_file()
-
     def read(self, batch: int) -> Result | None:
-        """Return a finished batch, or None if it cannot be read."""
+        """Return a finished batch, or None if there is none that can be read."""
         try:
             with np.load(self._path(batch), allow_pickle=False) as kept:
                 return dict(kept)
@@ -127,19 +122,13 @@ def _write(path: Path, write: Any) -> None:
             file.flush()
             os.fsync(file.fileno())
         fresh.replace(path)
-    except BaseException:
-        with suppress(OSError):
-            fresh.unlink()
-        raise
+    finally:
+        fresh.unlink(missing_ok=True)
 
 
-def _other_run(folder: Path, found: Any, record: Mapping[str, str]) -> str:
+def _apart(found: Any, record: Mapping[str, str]) -> str:
     """State how the run of a folder differs."""
     kept = found if isinstance(found, dict) else {}
-    names = [name for name in ("study", "metafem", "inputs") if kept.get(name) != record[name]]
-    what = {
-        "study": f"of the study {kept.get('study')}",
-        "metafem": f"of metafem {kept.get('metafem')}",
-        "inputs": "with other inputs",
-    }
-    return f"folder = {folder} holds another run, {what[names[0]]}; choose another folder"
+    words = ("of the study {}", "of metafem {}", "with other inputs")
+    pairs = zip(record, words, strict=True)
+    return next(text.format(kept.get(name)) for name, text in pairs if kept.get(name) != record[name])

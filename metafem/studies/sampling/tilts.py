@@ -10,7 +10,7 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import NotConverged
 from metafem.models import Model
-from metafem.studies.largest_tolerances import ALLOWED, Largest
+from metafem.studies.largest_tolerances import ALLOWED
 from metafem.studies.sampling.moments import Estimate
 from metafem.studies.sampling.schedulers import Run
 from metafem.studies.sampling.slope import Slope
@@ -43,7 +43,6 @@ class Tilts:
     fit: Slope
     shuffles: int
     seed: int
-    first: int = 0  # number of the first batch
 
     @property
     def tilt(self) -> FloatArray:
@@ -62,13 +61,11 @@ class Tilts:
 
     def __call__(self, batch: int) -> dict[str, FloatArray]:
         """Return the slopes (p, a) of the placements of a batch, and the areas of batch 0, (1, a, k)."""
-        batch -= self.first
-        placements = range(self.at_once * (batch - 1), min(self.at_once * batch, self.shuffles))
-        n = self.surface.count
-        orders = [np.arange(n)]
+        orders = [np.arange(self.surface.count)]
         if batch > 0:
+            placements = range(self.at_once * (batch - 1), min(self.at_once * batch, self.shuffles))
             seeds = [np.random.SeedSequence(self.seed, spawn_key=(k,)) for k in placements]
-            orders = [np.random.default_rng(seed).permutation(n) for seed in seeds]
+            orders = [np.random.default_rng(seed).permutation(self.surface.count) for seed in seeds]
         found = [self._law(order) for order in orders]
         areas = np.array([area for area, _ in found])
         return {
@@ -107,29 +104,29 @@ def both_signs(angle: FloatArray) -> FloatArray:
     return np.concatenate([-angle[::-1], [0.0], angle])
 
 
-def largest_angle(compute: Run, task: Tilts) -> Largest:
+def largest_angle(compute: Run, task: Tilts) -> Estimate:
     """Return the smallest angle at which the slope as made scatters by `ALLOWED`, and its error [rad]."""
     surface = task.surface
     width = float(np.ptp(surface.position @ task.direction))
     end = min(STEEPEST, math.atan2(float(surface.radius.mean()), width))
-    for number in range(task.batches, task.batches + SEARCHES):
+    for _ in range(SEARCHES):
         angle = end * np.arange(1, SEARCH_STEPS + 1) / SEARCH_STEPS
-        trial = replace(task, angle=both_signs(angle), shuffles=0, first=number)
-        (slope,) = next(iter(compute(trial, [number])))["slope"]
+        trial = replace(task, angle=both_signs(angle), shuffles=0)
+        (slope,) = next(iter(compute(trial, [0])))["slope"]
         scatter = Estimate(*(each / slope[SEARCH_STEPS] for each in within(trial.angle, slope)[1]))
         beyond = np.flatnonzero(scatter.value > ALLOWED)
         if not beyond.size:
             if end == STEEPEST:
-                return Largest(math.inf, 0.0)
+                return Estimate(math.inf, 0.0)
             end = min(2.0 * end, STEEPEST)
             continue
         i = int(beyond[0])
         if 4 * i >= SEARCH_STEPS:
             rate = float(scatter.value[i] - scatter.value[i - 1]) / float(angle[0])
             over = float(scatter.value[i]) - ALLOWED
-            return Largest(float(angle[i]) - over / rate, float(scatter.error[i]) / rate)
+            return Estimate(float(angle[i]) - over / rate, float(scatter.error[i]) / rate)
         end = 2.0 * float(angle[i])
-    return Largest(math.nan, 0.0)
+    return Estimate(math.nan, 0.0)
 
 
 def within(angle: FloatArray, value: FloatArray) -> tuple[Estimate, Estimate]:

@@ -9,7 +9,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem._values import MICROMETRES
 from metafem.notes import information
-from metafem.studies.summaries.table import Summary, stored_notes
+from metafem.studies.summaries.table import Summary, summarised, texts
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -26,75 +26,51 @@ RANDOM = (
 
 def fidelity_summary(study: Dataset) -> Summary:
     """Return how each model changes A0 and the separation."""
-    load = study["load"].values
+    load, change, last = study["load"].values, study["area_change"].values, study.isel(rescaled_load=-1)
     shown = [int(np.abs(load - fraction * load[-1]).argmin()) for fraction in SHOWN_LOADS]
-    columns = (
-        "model",
-        "rms [%]",
-        "largest [%]",
-        *(f"at {load[i]:.3g} N [%]" for i in shown),
-        "A0 [mm²]",
-        "separation [µm]",
-        "plane lower by [µm]",
-    )
-    rows = []
-    for name in study.model.values:
-        row = study.sel(model=name)
-        change = row.area_change.values
-        rows.append(
-            (
-                str(name),
-                f"{100.0 * _rms(change):.2f}",
-                f"{100.0 * _largest(change):+.2f}",
-                *(f"{100.0 * change[i]:+.2f}" for i in shown),
-                f"{float(row.area[-1]):.5g}",
-                f"{MICROMETRES * float(row.separation[-1]):.2f}",
-                f"{MICROMETRES * float(row.sinking[-1]):+.2f}",
-            )
-        )
+    columns = {
+        "model": study["model"].values,
+        "rms [%]": texts(".2f", 100.0 * rms(change)),
+        "largest [%]": texts("+.2f", 100.0 * largest(change)),
+        **{f"at {load[i]:.3g} N [%]": texts("+.2f", 100.0 * change[:, i]) for i in shown},
+        "A0 [mm²]": texts(".5g", last["area"].values),
+        "separation [µm]": texts(".2f", MICROMETRES * last["separation"].values),
+        "plane lower by [µm]": texts("+.2f", MICROMETRES * last["sinking"].values),
+    }
     title = f"Change of A0 from independent asperities; A0 and separation at {load[-1]:.3g} N"
-    return Summary(title, columns, tuple(rows), stored_notes(study))
+    return summarised(study, title, columns)
 
 
 def interaction_summary(study: Dataset) -> Summary:
     """Return how coupling changes A0, for the design and for other assignments of heights to sites."""
-    columns = (
-        "substrate",
-        "order",
-        "rms [%]",
-        "max. [%]",
-        "plane lower by [µm]",
-        "random: median rms [%]",
-        "max. rms [%]",
-        "centred: rms [%]",
-    )
-    rows = []
-    for substrate in study.substrate.values:
-        for order in study.order.values:
-            row = study.sel(substrate=substrate, order=order)
-            change = row.area_change.values
-            spread: tuple[str, ...] = ("",) * 3
-            if order == study.order.values[-1]:
-                placed = row.placement_rms.values
-                shown = (float(np.median(placed)), float(placed.max()), _rms(row.centred_change.values))
-                spread = tuple(f"{100.0 * value:.2f}" for value in shown)
-            rows.append(
-                (
-                    str(substrate),
-                    str(order),
-                    f"{100.0 * _rms(change):.2f}",
-                    f"{100.0 * _largest(change):+.2f}",
-                    f"{MICROMETRES * float(row.sinking[-1]):.2f}",
-                    *spread,
-                )
-            )
+    change, placed = study["area_change"].values, study["placement_rms"].values
+    substrates, orders, loads = change.shape
+    change = change.reshape(-1, loads)
+
+    def at_largest(values: FloatArray) -> list[str]:
+        """Return a number for each substrate, in the row of the largest order."""
+        return [text for value in texts(".2f", 100.0 * values) for text in [""] * (orders - 1) + [value]]
+
+    columns = {
+        "substrate": np.repeat(study["substrate"].values, orders),
+        "order": np.tile(study["order"].values, substrates),
+        "rms [%]": texts(".2f", 100.0 * rms(change)),
+        "max. [%]": texts("+.2f", 100.0 * largest(change)),
+        "plane lower by [µm]": texts(".2f", MICROMETRES * study["sinking"].values[..., -1].ravel()),
+        "random: median rms [%]": at_largest(np.median(placed, axis=1)),
+        "max. rms [%]": at_largest(placed.max(axis=1)),
+        "centred: rms [%]": at_largest(rms(study["centred_change"].values)),
+    }
     title = f"Change of A0 by interaction; decrease of the separation at {float(study['load'][-1]):.3g} N"
-    return Summary(title, columns, tuple(rows), (information(RANDOM), *stored_notes(study)))
+    return summarised(study, title, columns, "", information(RANDOM))
 
 
-def _rms(change: FloatArray) -> float:
-    return float(np.sqrt((change**2).mean()))
+def rms(change: FloatArray) -> FloatArray:
+    """Return the root mean square over the loads, the last axis."""
+    return np.asarray(np.sqrt((change**2).mean(axis=-1)))
 
 
-def _largest(change: FloatArray) -> float:
-    return float(change[np.abs(change).argmax()])
+def largest(change: FloatArray) -> FloatArray:
+    """Return the largest change over the loads, the last axis, with its sign."""
+    place = np.abs(change).argmax(axis=-1, keepdims=True)
+    return np.asarray(np.take_along_axis(change, place, axis=-1)[..., 0])

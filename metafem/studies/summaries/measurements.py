@@ -6,22 +6,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.calibration.diagnosis.causes import GROUPS
-from metafem.calibration.diagnosis.sentences import NAMES, amount, part, spread
+from metafem.calibration.diagnosis.sentences import NAMES, amount, interval, part, spread
 from metafem.calibration.verdict import REJECTED, chi
-from metafem.studies.summaries.table import Summary, stored_notes
+from metafem.studies.summaries.table import Summary, stored_notes, summarised, texts
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
 # The probability below which a law is rejected.
 LIMIT = percent(REJECTED)
-
-# Columns of the tables of points and of features.
-POINTS = ("law", "P [N]", "P/E* [mm²]", "measured [mm²]", "±", "design [mm²]", "deviation", "in s.d.")
-FEATURES = ("law", "feature", "measured", "±", "design", "deviation", "in s.d.", "target", "from target")
-
 
 # The share of a second error of one group.
 WITH = "(with x)"
@@ -31,44 +27,36 @@ CAUSES = ("cause", "expected", "found (68 %)", "share of the misfit", "chi² wit
 
 def measured_summary(study: Dataset) -> Summary:
     """Return the deviations of all points, and a sentence on each law."""
-    rows = [
-        (
-            str(point["of_law"].item()),
-            f"{float(point['load']):.4g}",
-            f"{float(point['rescaled_load']):.4g}",
-            f"{float(point['rescaled_friction']):.4g}",
-            f"{float(point['rescaled_friction_sd']):.2g}",
-            f"{float(point['predicted']):.4g}",
-            _relative(float(point["rescaled_friction"]), float(point["predicted"])),
-            f"{float(point['deviation'] / point['deviation_sd']):+.1f}",
-        )
-        for point in (study.isel(point=i) for i in range(study.sizes["point"]))
-    ]
-    answer = " ".join(answers(study))
-    return Summary("Measured law and design", POINTS, tuple(rows), stored_notes(study), answer)
+    measured, predicted = study["rescaled_friction"].values, study["predicted"].values
+    columns = {
+        "law": study["of_law"].values,
+        "P [N]": texts(".4g", study["load"].values),
+        "P/E* [mm²]": texts(".4g", study["rescaled_load"].values),
+        "measured [mm²]": texts(".4g", measured),
+        "±": texts(".2g", study["rescaled_friction_sd"].values),
+        "design [mm²]": texts(".4g", predicted),
+        "deviation": _relative(measured, predicted),
+        "in s.d.": texts("+.1f", (study["deviation"] / study["deviation_sd"]).values),
+    }
+    return summarised(study, "Measured law and design", columns, " ".join(answers(study)))
 
 
-def feature_rows(study: Dataset) -> list[tuple[str, ...]]:
+def features(study: Dataset) -> Summary:
     """Return the slopes, operating points and crossovers, with their deviations from design and target."""
-    rows: list[tuple[str, ...]] = []
-    for i in range(study.sizes["feature"]):
-        one = study.isel(feature=i)
-        value, sd, design, target = (float(one[name]) for name in ("value", "value_sd", "design", "target"))
-        unit = f" {one['unit'].item()}".rstrip()
-        rows.append(
-            (
-                str(one["of_law_feature"].item()),
-                str(one["feature"].item()),
-                f"{value:.4g}{unit}",
-                f"{sd:.2g}",
-                f"{design:.4g}",
-                _relative(value, design),
-                f"{(value - design) / sd:+.1f}",
-                f"{target:.4g}",
-                _relative(value, target),
-            )
-        )
-    return rows
+    value, sd, design, target = (study[name].values for name in ("value", "value_sd", "design", "target"))
+    units = study["unit"].values.tolist()
+    columns = {
+        "law": study["of_law_feature"].values,
+        "feature": study["feature"].values,
+        "measured": [f"{each:.4g} {unit}".rstrip() for each, unit in zip(value, units, strict=True)],
+        "±": texts(".2g", sd),
+        "design": texts(".4g", design),
+        "deviation": _relative(value, design),
+        "in s.d.": texts("+.1f", (value - design) / sd),
+        "target": texts(".4g", target),
+        "from target": _relative(value, target),
+    }
+    return summarised(study, "Features of the target", columns)
 
 
 def answers(study: Dataset) -> list[str]:
@@ -80,41 +68,34 @@ def answers(study: Dataset) -> list[str]:
         points = study.isel(point=np.flatnonzero(study["of_law"].values == label))
         ratio = (points["deviation"] / points["predicted"]).values[points["predicted"].values > 0.0]
         rms = percent(float(np.sqrt((ratio**2).mean()))) if ratio.size else "unknown"
-        freedom = int(one["freedom"])
+        freedom, runs = int(one["freedom"]), int(one["runs"])
         agrees, rejected = ("agrees", "not rejected") if int(one["fits"]) else ("does not agree", "rejected")
         found.append(
             f"The {label} law {agrees} with the design within its error bars ({rejected} at {LIMIT}): "
             f"rms deviation {rms}, "
             f"chi² = {chi(float(one['chi_square']))} with {freedom} degree{'s' * (freedom != 1)} of freedom "
-            f"(p = {float(one['probability']):.2g}), {counted_runs(int(one['runs']))} of deviations "
+            f"(p = {float(one['probability']):.2g}), {runs} run{'s' * (runs != 1)} of deviations "
             f"(p = {float(one['runs_probability']):.2g})."
         )
     return found
 
 
-def counted_runs(runs: int) -> str:
-    """Return a number of runs in words."""
-    return "1 run" if runs == 1 else f"{runs} runs"
-
-
-def _relative(value: float, reference: float) -> str:
-    return percent(value / reference - 1.0, "+.1f") if reference > 0.0 else "-"
+def _relative(value: FloatArray, reference: FloatArray) -> list[str]:
+    """Return relative differences from positive references."""
+    pairs = zip(value.tolist(), reference.tolist(), strict=True)
+    return [percent(one / other - 1.0, "+.1f") if other > 0.0 else "-" for one, other in pairs]
 
 
 def explained_summary(study: Dataset) -> Summary:
     """Return the errors with their shares of the misfit, the largest first, and a sentence."""
     rows: list[tuple[str, ...]] = []
     for group in study["group"].values.tolist():
-        last = (
-            part(float(study["share"].sel(group=group))),
-            chi(float(study["misfit_without"].sel(group=group))),
-        )
+        whole = study.sel(group=group)
+        last = part(float(whole["share"])), chi(float(whole["misfit_without"]))
         for name in GROUPS[group]:
             if name in study["cause"].values:
-                one = study.sel(cause=name)
-                mean, sd = float(one["mean"]), float(one["sd"])
-                found = f"{amount(name, mean)} ± {amount(name, sd, '.2g')}"
-                prior = float(one["prior_sd"])
+                prior, mean, sd = (float(study[each].sel(cause=name)) for each in ("prior_sd", "mean", "sd"))
+                found = interval(name, mean, sd)
             elif name in study["kind"].values:
                 found = spread(name, study[name].values, study[f"{name}_sd"].values)
                 prior = float(study["single_prior_sd"].sel(kind=name))
@@ -122,13 +103,8 @@ def explained_summary(study: Dataset) -> Summary:
                 continue
             rows.append((NAMES[name], f"0 ± {amount(name, prior, '.2g')}", found, *last))
             last = WITH, WITH
-    return Summary(
-        "What explains the measured law",
-        CAUSES,
-        tuple(rows),
-        stored_notes(study),
-        " ".join(sentences(study)),
-    )
+    title, answer = "What explains the measured law", " ".join(sentences(study))
+    return Summary(title, CAUSES, tuple(rows), stored_notes(study), answer)
 
 
 def sentences(study: Dataset) -> list[str]:

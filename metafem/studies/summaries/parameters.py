@@ -8,7 +8,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem._values import percent
-from metafem.studies.summaries.table import Summary, stored_notes
+from metafem.studies.summaries.table import Summary, summarised, texts
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -33,22 +33,20 @@ QUANTITIES = {
 
 def uncertainty_summary(study: Dataset) -> Summary:
     """Return the error bars of the law, and the share of each input in their variance."""
-    names = [str(name) for name in study["parameter"].values]
+    names = study["parameter"].values.tolist()
     quantity = main_quantity(study)
     first, total = shares(study, quantity, "first_order"), shares(study, quantity, "total")
-    columns: tuple[str, ...] = ("input", "alone [%]", "with others [%]")
-    rows: list[tuple[str, ...]] = [
-        (in_words(name).removeprefix("the "), f"{100.0 * first[i]:.1f}", f"{100.0 * total[i]:.1f}")
-        for i, name in enumerate(names)
-    ]
+    columns = {
+        "input": [in_words(name).removeprefix("the ") for name in names],
+        "alone [%]": texts(".1f", 100.0 * first),
+        "with others [%]": texts(".1f", 100.0 * total),
+    }
     if "slope_sd" in study:
-        columns += ("of the slope [%]", "its error [%]")
-        slope, error = study["slope_total"].values, study["slope_total_error"].values
-        rows = [(*row, f"{100.0 * slope[i]:.1f}", f"{100.0 * error[i]:.1f}") for i, row in enumerate(rows)]
+        columns["of the slope [%]"] = texts(".1f", 100.0 * study["slope_total"].values)
+        columns["its error [%]"] = texts(".1f", 100.0 * study["slope_total_error"].values)
     most = int(total.argmax())
-    matters = (
-        "matter most: their errors account" if " + " in names[most] else "matters most: its error accounts"
-    )
+    several = " + " in names[most]
+    matters = "matter most: their errors account" if several else "matters most: its error accounts"
     answer = (
         f"T{in_words(names[most])[1:]} {matters} for "
         f"{100.0 * first[most]:.0f} % of the variance of {QUANTITIES[quantity]}"
@@ -57,7 +55,7 @@ def uncertainty_summary(study: Dataset) -> Summary:
         mean, sd = study[f"{quantity}_mean"].values, study[f"{quantity}_sd"].values
         answer += f", whose error bar is {percent(float((sd / mean)[-1]))} (SD) at the largest load"
     title = f"Share of each input in the variance of {QUANTITIES[quantity]}, over all loads"
-    return Summary(title, columns, tuple(rows), stored_notes(study), f"{answer}.")
+    return summarised(study, title, columns, f"{answer}.")
 
 
 def main_quantity(study: Dataset) -> str:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from metafem.notes import Note, from_lines
 
@@ -36,6 +37,25 @@ class Summary:
     rows: tuple[tuple[str, ...], ...]
     notes: tuple[Note, ...]
     answer: str = ""
+
+
+def summarised(
+    study: Dataset, title: str, columns: Mapping[str, Iterable[Any]], answer: str = "", *notes: Note
+) -> Summary:
+    """Return the summary of a study from the columns of its table; further notes come before its own."""
+    rows = tuple(zip(*(map(str, column) for column in columns.values()), strict=True))
+    return Summary(title, tuple(columns), rows, (*notes, *stored_notes(study)), answer)
+
+
+def texts(form: str, values: Iterable[float]) -> list[str]:
+    """Return numbers in one format, as a column.
+
+    Examples
+    --------
+    >>> texts("+.1f", [1.0, -0.26])
+    ['+1.0', '-0.3']
+    """
+    return [f"{value:{form}}" for value in values]
 
 
 def stored_notes(study: Dataset) -> tuple[Note, ...]:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from metafem._values import MICROMETRES, percent, two_digits
 from metafem.notes import information
-from metafem.studies.summaries.table import Summary, stored_notes
+from metafem.studies.summaries.table import Summary, stored_notes, summarised, texts
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -32,68 +31,55 @@ TOLERANCES = {
     "position_sd": ("positions", " µm (SD)", MICROMETRES),
 }
 
+# Words for the errors of a study of one tolerance: up to the largest, and at it; a value and its kind.
+SENTENCES = {
+    "height_sd": ("errors of the heights of up to", "At", "{:.3g} µm", " (SD)"),
+    "angle": ("tilts within", "Within", "±{:.3g}°", ""),
+}
+
 
 def manufacturing_summary(study: Dataset) -> Summary:
     """Return the slopes of surfaces whose heights have errors."""
-    study = study.sortby("height_sd")
-    deviation, nominal = study["height_sd"].values, float(study["nominal_slope"])
-    mean, scatter = study["slope_mean"].values / nominal, study["slope_sd"].values / nominal
-    error = study["slope_sd_error"].values / nominal
-    columns: tuple[str, ...] = (
-        *("SD of the heights [µm]", "mean slope", "change [%]", "SD of the slope [%]", "its error [%]"),
-        *("5 % below [%]", "95 % below [%]", "plain draws of equal error"),
-    )
+    study = study.sortby("height_sd").isel(height_sd=shown(study.sizes["height_sd"]))
+    nominal = float(study["nominal_slope"])
+    mean, scatter, error = (study[f"slope_{name}"].values / nominal for name in ("mean", "sd", "sd_error"))
     low, *_, high = study["slope_quantile"].transpose("quantile", ...).values / nominal - 1.0
-    equal = study["draws"].values * study["saving"].sel(moment="sd").values
-    rows = tuple(
-        (
-            f"{MICROMETRES * deviation[i]:.3g}",
-            f"{nominal * mean[i]:.4f}",
-            f"{100.0 * (mean[i] - 1.0):+.3f}",
-            f"{100.0 * scatter[i]:.3f}",
-            f"{100.0 * error[i]:.3f}",
-            f"{100.0 * low[i]:+.2f}",
-            f"{100.0 * high[i]:+.2f}",
-            two_digits(equal[i]),
-        )
-        for i in shown(len(deviation))
-    )
+    columns = {
+        "SD of the heights [µm]": texts(".3g", MICROMETRES * study["height_sd"].values),
+        "mean slope": texts(".4f", nominal * mean),
+        "change [%]": texts("+.3f", 100.0 * (mean - 1.0)),
+        "SD of the slope [%]": texts(".3f", 100.0 * scatter),
+        "its error [%]": texts(".3f", 100.0 * error),
+        "5 % below [%]": texts("+.2f", 100.0 * low),
+        "95 % below [%]": texts("+.2f", 100.0 * high),
+        "plain draws of equal error": map(
+            two_digits, study["draws"].values * study["saving"].sel(moment="sd").values
+        ),
+    }
     title = f"Slope of the law of made surfaces; {nominal:.4f} with exact heights"
-    answer = answered(
-        study, "errors of the heights of up to", lambda value: f"{MICROMETRES * value:.3g} µm", " (SD)"
-    )
-    return Summary(title, columns, rows, stored_notes(study), answer)
+    return summarised(study, title, columns, _answer(study))
 
 
 def misalignment_summary(study: Dataset) -> Summary:
     """Return the scatter of the slope under tilts of the plane."""
-    angle, nominal = study["angle"].values, float(study["nominal_slope"])
+    study = study.isel(angle=shown(study.sizes["angle"]))
+    nominal, made = float(study["nominal_slope"]), study.isel(placement=0)
     scatter = study["slope_sd"].values / nominal
-    columns: tuple[str, ...] = ("largest angle [°]", "mean slope", "SD of the slope [%]")
-    rows: list[tuple[str, ...]] = [
-        (
-            f"{math.degrees(angle[i]):.3g}",
-            f"{float(study['slope_mean'][0, i]):.4f}",
-            f"{100.0 * scatter[0, i]:.3f}",
-        )
-        for i in shown(len(angle))
-    ]
-    shuffled = len(scatter) - 1
+    columns = {
+        "largest angle [°]": texts(".3g", np.degrees(study["angle"].values)),
+        "mean slope": texts(".4f", made["slope_mean"].values),
+        "SD of the slope [%]": texts(".3f", 100.0 * scatter[0]),
+    }
     if "slope_sd_quantile" in study:
         quantile = 100.0 * study["slope_sd_quantile"].values / nominal
-        columns += tuple(f"{100.0 * q:.0f} % of the shuffled [%]" for q in study["quantile"].values)
-        rows = [
-            (*row, *(f"{value:.3f}" for value in quantile[:, i]))
-            for row, i in zip(rows, shown(len(angle)), strict=True)
-        ]
+        for share, values in zip(study["quantile"].values, quantile, strict=True):
+            columns[f"{100.0 * share:.0f} % of the shuffled [%]"] = texts(".3f", values)
     median = ""
-    if shuffled:
+    if shuffled := len(scatter) - 1:
         middle = percent(float(np.median(scatter[1:, -1])))
         median = f", and by {middle} in the median of {shuffled} random assignments of the heights to sites"
-    made = study.isel(placement=0)
-    answer = answered(made, "tilts within", lambda value: f"±{math.degrees(value):.3g}°", more=median)
     title = f"Slope of the law under tilts; {nominal:.4f} without a tilt"
-    return Summary(title, columns, tuple(rows), stored_notes(study), answer)
+    return summarised(study, title, columns, _answer(made, median))
 
 
 def combined_summary(study: Dataset) -> Summary:
@@ -101,15 +87,15 @@ def combined_summary(study: Dataset) -> Summary:
     met, error = float(study["probability"]), float(study["probability_error"])
     wanted = percent(float(study.attrs["wanted_probability"]), ".4g")
     within = percent(float(study.attrs["misfit"]), ".3g")
-    columns = ("error", "given", f"largest for {wanted}", "its error")
+    names = study["tolerance"].values.tolist()
     rows = []
-    for name in map(str, study["tolerance"].values):
-        one = study.sel({"tolerance": name})
+    found = (study[name].values.tolist() for name in ("factor", "factor_error", "given"))
+    for name, factor, sd, given in zip(names, *found, strict=True):
         words, unit, size = TOLERANCES[name]
-        factor, given = float(one["factor"]), size * float(one["given"])
-        largest = f"{factor * given:.3g}{unit}" if math.isfinite(factor) else _without_limit(factor)
-        uncertain = f"{float(one['factor_error']) * given:.1g}{unit}" if math.isfinite(factor) else ""
-        rows.append((words, f"{given:.3g}{unit}", largest, uncertain))
+        largest = ("none is small enough" if math.isnan(factor) else "no limit found", "")
+        if math.isfinite(factor):
+            largest = f"{factor * (size * given):.3g}{unit}", f"{sd * (size * given):.1g}{unit}"
+        rows.append((words, f"{size * given:.3g}{unit}", *largest))
     low, middle, high = (percent(float(value)) for value in study["misfit_quantile"].values)
     exact = percent(round(float(study["nominal_misfit"]), 6))  # 0 for a misfit from rounding
     spread = information(
@@ -120,53 +106,43 @@ def combined_summary(study: Dataset) -> Summary:
         f"A surface made with the stated errors meets the target within {within} with a probability of "
         f"{percent(met, '.3g')}"
     )
-    if "all" in study["tolerance"].values:
+    if "all" in names:
         factor, sd = (float(study[name].sel({"tolerance": "all"})) for name in ("factor", "factor_error"))
+        limit = "no errors are small enough" if math.isnan(factor) else "they may be much larger"
         if math.isfinite(factor):
-            answer += f"; for {wanted} all errors may be at most {factor:.3g} ± {sd:.1g} times as large"
-        else:
-            answer += f"; for {wanted} " + (
-                "they may be much larger" if factor > 0.0 else "no errors are small enough"
-            )
+            limit = f"all errors may be at most {factor:.3g} ± {sd:.1g} times as large"
+        answer += f"; for {wanted} {limit}"
+    columns = ("error", "given", f"largest for {wanted}", "its error")
     return Summary(title, columns, tuple(rows), (spread, *stored_notes(study)), f"{answer}.")
 
 
-def _without_limit(factor: float) -> str:
-    """Return why there is no largest error."""
-    return "none is small enough" if math.isnan(factor) else "no limit found"
-
-
-def answered(
-    study: Dataset, errors: str, written: Callable[[float], str], kind: str = "", more: str = ""
-) -> str:
+def _answer(study: Dataset, more: str = "") -> str:
     """Return the errors at which the slope scatters as allowed, and the effect of the largest ones."""
     (name,) = map(str, study["slope_mean"].dims)
+    errors, at, number, kind = SENTENCES[name]
+
+    def written(value: float) -> str:
+        return number.format(TOLERANCES[name][2] * value)
+
     last = study.isel({name: -1})
     mean, sd = (float(last[f"slope_{moment}"] / last["nominal_slope"]) for moment in ("mean", "sd"))
-    where = "Within" if name == "angle" else "At"
-    there, change = f"{where} {written(float(last[name]))}{kind}", percent(round(mean - 1.0, 6), "+.2g")
-    return (
-        f"{_limit(study, name, errors, written, kind)}{there} the slope scatters by {percent(sd)}{more}. "
+    change = percent(round(mean - 1.0, 6), "+.2g")
+    there = (
+        f"{at} {written(float(last[name]))}{kind} the slope scatters by {percent(sd)}{more}. "
         f"The mean slope changes there by {change}."
     )
-
-
-def _limit(study: Dataset, name: str, errors: str, written: Callable[[float], str], kind: str) -> str:
-    """Return the errors at which the slope scatters as allowed, as computed by the study."""
-    if f"largest_{name}" not in study:  # a study of an earlier version
-        return ""
     value, error = float(study[f"largest_{name}"]), ERRORS * float(study[f"largest_{name}_error"])
     allowed = f"{percent(study.attrs['allowed_scatter'])} (SD)"
     if math.isinf(value):
-        return f"No errors were found with which the slope scatters by {allowed}. "
+        return f"No errors were found with which the slope scatters by {allowed}. {there}"
     if math.isnan(value):
-        return f"No errors are small enough for a slope that scatters by less than {allowed}. "
+        return f"No errors are small enough for a slope that scatters by less than {allowed}. {there}"
     if not error < value:
-        return f"The draws are too few to state with which errors the slope scatters by {allowed}. "
+        return f"The draws are too few to state with which errors the slope scatters by {allowed}. {there}"
     low, high = written(value - error), written(value + error)
     if low != high:
         allowed += f"; this limit lies between {low} and {high} (± two standard errors)"
-    return f"With {errors} {written(value)}{kind} the slope scatters by less than {allowed}. "
+    return f"With {errors} {written(value)}{kind} the slope scatters by less than {allowed}. {there}"
 
 
 def shown(count: int) -> list[int]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.calibration.compression.adhesive_line import adhesive_line, line_points, straight_lines
+from metafem.calibration.compression.adhesive_line import adhesive_line
 
 RADIUS, MODULUS, ENERGY = 0.526, 1.36, 9e-6
 A = np.linspace(0.08, 0.4, 20)
@@ -28,11 +28,14 @@ def test_it_is_the_law_of_johnson_kendall_and_roberts():
 
 def test_its_covariance_is_that_of_errors_of_y():
     rng = np.random.default_rng(0)
-    x, y = line_points(MODULUS * mf.Hertz().load(A, RADIUS), math.pi * A**2, RADIUS)
-    y = y + 1e-4 * rng.standard_normal((4000, 20))
-    _, _, modulus, root, covariance = straight_lines(np.broadcast_to(x, y.shape), y)
+    exact = adhesive_line(MODULUS * mf.Hertz().load(A, RADIUS), math.pi * A**2, RADIUS)
+    y = exact.y + 1e-4 * rng.standard_normal((4000, 20))
+    # x ~ p/a0^(3/4) and y ~ a0^(3/4)
+    area = math.pi * A**2 * (y / exact.y) ** (4.0 / 3.0)
+    line = adhesive_line(MODULUS * mf.Hertz().load(A, RADIUS) * y / exact.y, area, RADIUS)
     # relative error of a variance from 4000 draws: 2.2 %
-    assert covariance.mean(axis=0) == pytest.approx(np.cov(modulus, root), rel=0.12)
+    spread = np.cov(line.composite_modulus, line.adhesion_root)
+    assert line.root_covariance.mean(axis=0) == pytest.approx(spread, rel=0.12)
 
 
 def test_a_negative_intercept_has_no_adhesion_energy():

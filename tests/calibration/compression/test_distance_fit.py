@@ -1,4 +1,4 @@
-"""The fit with errors on both axes against ODRPACK, theory and simulation."""
+"""The fit with errors on both axes against ODRPACK and theory; its coverage is that of a claim."""
 
 import math
 
@@ -18,15 +18,14 @@ def curve(area):
     return load, 1.5 * load / area
 
 
-def law(area, modulus=MODULUS, energy=ENERGY):
-    return modulus * curve(area)[0] - math.sqrt(energy * modulus) * adhesive_load(area)[0]
+def law(area):
+    return MODULUS * curve(area)[0] - math.sqrt(ENERGY * MODULUS) * adhesive_load(area)[0]
 
 
-def measured(trials, contacts=1, energy=ENERGY, seed=0, spread=1.0):
+def measured(trials, seed=0, spread=1.0):
     rng = np.random.default_rng(seed)
-    sd = spread * ERRORS.of_area(AREA) / math.sqrt(contacts)
-    load = contacts * law(AREA, energy=energy) + ERRORS.load * rng.standard_normal((trials, AREA.size))
-    return load, (AREA + sd * rng.standard_normal((trials, AREA.size)))[..., None]
+    load = law(AREA) + ERRORS.load * rng.standard_normal((trials, AREA.size))
+    return load, (AREA + spread * ERRORS.of_area(AREA) * rng.standard_normal((trials, AREA.size)))[..., None]
 
 
 def fit(load, area, contacts=1, area_sd=None):
@@ -62,24 +61,6 @@ def test_of_given_variances_it_is_the_regression_of_odrpack():
     assert abs(found.product - other.beta[1]) < 1e-5 * deviation[1]
     assert np.abs(found.area[:, 0] - other.xplusd).max() < 1e-6 * sd.max()
     assert (found.residual**2).sum() == pytest.approx(other.sum_square, rel=1e-6)
-
-
-@pytest.mark.parametrize("energy", [ENERGY, 0.0])
-@pytest.mark.parametrize("contacts", [1, 5])
-def test_intervals_of_one_standard_deviation_cover_68_percent(contacts, energy):
-    trials = 2000
-    found = fit(*measured(trials, contacts, energy), contacts=contacts)
-    assert found.converged.all()
-    sd = np.sqrt(np.diagonal(found.root_covariance, axis1=1, axis2=2))
-    for estimate, true, each in (
-        (found.modulus, MODULUS, sd[:, 0]),
-        (found.root, math.sqrt(energy), sd[:, 1]),
-    ):
-        # a fifth of a standard deviation, and four binomial ones
-        assert abs(estimate.mean() - true) < 0.2 * each.mean()
-        assert abs((np.abs(estimate - true) < each).mean() - 0.6827) < 4.0 * math.sqrt(0.22 / trials)
-    # chi-square of 58 degrees of freedom
-    assert (found.residual**2).sum(axis=1).mean() == pytest.approx(58.0, abs=4.0 * math.sqrt(116.0 / trials))
 
 
 def test_regressors_at_the_measured_areas_would_bias_the_fit():

@@ -49,11 +49,8 @@ def test_the_model_of_the_data_gives_their_modulus_back(model):
         1.5 / 7.1 * math.sqrt(2.0) * POSITION, np.full(5, 0.4), RADIUS, mf.Material(1.36),
         block=mf.Block(20.0, 20.0, 7.2),
     )  # fmt: skip
-    load, area = states_of(close, model)
-    total = fit_compression(
-        load, area.sum(axis=1), RADIUS, sample=Sample(contacts=5, model=model, surface=close)
-    )
-    single = fit_compression(load, area, RADIUS, sample=Sample(contacts=5, model=model, surface=close))
+    (load, area), sample = states_of(close, model), Sample(5, model=model, surface=close)
+    total, single = (fit_compression(load, each, RADIUS, sample) for each in (area.sum(axis=1), area))
     assert total.composite_modulus == pytest.approx(1.36, rel=1e-7)
     assert single.composite_modulus == pytest.approx(1.36, rel=1e-7)
     assert abs(total.adhesion_root) < 1e-8
@@ -64,12 +61,8 @@ def test_adhesive_contacts_that_interact_give_w_back(substrate):
     adhesive = mf.Interacting(substrate=substrate, contact=mf.JKR(9e-6))
     load = 5.0 * (1.36 * 4.0 / 3.0 * A**3 / RADIUS - np.sqrt(8.0 * math.pi * 9e-6 * 1.36 * A**3))
     area = mf.friction_law(SAMPLE, adhesive, load=load).area
-    found = fit_compression(
-        load,
-        area,
-        RADIUS,
-        sample=Sample(contacts=5, model=mf.Interacting(substrate=substrate), surface=SAMPLE),
-    )
+    sample = Sample(5, model=mf.Interacting(substrate=substrate), surface=SAMPLE)
+    found = fit_compression(load, area, RADIUS, sample)
     # the adhesion of the fit is that of contacts far apart
     assert found.composite_modulus == pytest.approx(1.36, rel=1e-5)
     assert found.adhesion_energy == pytest.approx(9e-6, rel=3e-4)
@@ -89,12 +82,8 @@ def test_neighbours_change_the_modulus_by_their_curvature_alone():
 
 def test_the_samples_radius_is_changed_with_the_radius():
     load, area = states_of(SAMPLE, LAYER)
-    found = fit_compression(
-        load,
-        area.sum(axis=1),
-        RADIUS,
-        sample=Sample(contacts=5, radius_sd=0.005, model=LAYER, surface=SAMPLE),
-    )
+    sample = Sample(5, radius_sd=0.005, model=LAYER, surface=SAMPLE)
+    found = fit_compression(load, area.sum(axis=1), RADIUS, sample)
     assert found.radius_change[0] == pytest.approx(1.36 * 0.005 / RADIUS, rel=1e-3)
 
 
@@ -102,12 +91,12 @@ def test_a_taller_cap_carries_more():
     height = np.array([0.4, 0.4, 0.4, 0.4, 0.41])
     uneven = mf.Surface(POSITION, height, RADIUS, mf.Material(1.36))
     load, area = states_of(uneven, mf.Independent())
-    found = fit_compression(load, area, RADIUS, sample=Sample(contacts=5, surface=uneven))
+    found = fit_compression(load, area, RADIUS, Sample(5, surface=uneven))
     assert found.composite_modulus == pytest.approx(1.36, rel=1e-6)
-    total = fit_compression(load, area.sum(axis=1), RADIUS, sample=Sample(contacts=5, surface=uneven))
+    total = fit_compression(load, area.sum(axis=1), RADIUS, Sample(5, surface=uneven))
     assert total.composite_modulus == pytest.approx(1.36, rel=1e-4)
     assert total.verdict["chi_square"].statistic < 1e-3
-    even = fit_compression(load, area.sum(axis=1), RADIUS, sample=Sample(contacts=5))
+    even = fit_compression(load, area.sum(axis=1), RADIUS, Sample(5))
     assert even.verdict["chi_square"].statistic > 1e3 * total.verdict["chi_square"].statistic
 
 
@@ -115,10 +104,11 @@ def test_a_taller_cap_carries_more():
 def test_the_block_with_free_sides_is_a_model_of_the_sample():
     model = mf.Interacting(substrate=mf.fe.Block3D(cell=0.5, edge_cell=0.05))
     load, area = states_of(SAMPLE, model)
-    found = fit_compression(
-        load, area.sum(axis=1), RADIUS, sample=Sample(contacts=5, model=model, surface=SAMPLE)
-    )
+    found = fit_compression(load, area.sum(axis=1), RADIUS, Sample(5, model=model, surface=SAMPLE))
     assert found.composite_modulus == pytest.approx(1.36, rel=1e-7)
+
+
+LOW = mf.Surface(POSITION, [0.4, 0.4, 0.4, 0.4, -0.5], RADIUS, mf.Material(1.36))
 
 
 @pytest.mark.parametrize(
@@ -130,10 +120,7 @@ def test_the_block_with_free_sides_is_a_model_of_the_sample():
         ({"surface": 5}, "surface = 5 must be a metafem.Surface"),
         ({"model": "layer"}, "model = 'layer' must be a model"),
         (
-            {
-                "area": np.repeat(AREA[:, None], 5, axis=1),
-                "surface": mf.Surface(POSITION, [0.4, 0.4, 0.4, 0.4, -0.5], RADIUS, mf.Material(1.36)),
-            },
+            {"area": np.repeat(AREA[:, None], 5, axis=1), "surface": LOW},
             "surface: asperity 4 is in contact in ",
         ),
     ],

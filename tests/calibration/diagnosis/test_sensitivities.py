@@ -9,7 +9,6 @@ import metafem as mf
 from metafem.calibration import Priors
 from metafem.calibration.diagnosis.causes import Causes, Made
 from metafem.calibration.diagnosis.linearised import Scene
-from metafem.calibration.diagnosis.observations import Observations
 from metafem.calibration.diagnosis.sensitivities import response
 from metafem.models.model import contact_of
 from tests.calibration.diagnosis.scenes import COMMON, NOTHING, design, measured
@@ -22,7 +21,7 @@ def scene(model: mf.Model, priors: Priors, areas: bool = True) -> Scene:
     law = measured(PART, areas=areas)
     adhesive = contact_of(model).adhesive
     causes = Causes.of(PART, law.load, law.load_sd, priors, True, adhesive)
-    return Scene(model, causes, Observations.of(law, PART), PART.friction)
+    return Scene(model, causes, law, PART.friction)
 
 
 def exact(surface: mf.Surface) -> Made:

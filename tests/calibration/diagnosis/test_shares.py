@@ -54,7 +54,7 @@ def found(gradient: np.ndarray):
     causes = Causes.of(design((2, 2)), LOADS, ERRORS.of_load(LOADS), COMMON, True)
     precision = np.eye(causes.size)
     precision[:5, :5] += gradient.T @ gradient
-    return unresolved(causes, np.linalg.inv(precision), precision)
+    return unresolved(causes, np.linalg.inv(precision))
 
 
 def test_a_sum_of_two_errors_leaves_their_difference():

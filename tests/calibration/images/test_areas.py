@@ -144,7 +144,7 @@ def test_saturated_contacts_and_ground_are_named():
         (np.random.default_rng(0).random((50, 50, 3)), "in colour"),
         (np.zeros((4, 50, 50)), "stack_areas"),
         (np.zeros((5, 50)), "at least 16"),
-        (np.eye(50) > 0, "a truth value"),
+        (np.eye(50) > 0, "entries are bool"),
         ("picture.tif", "metafem images"),
         ([[1.0, 2.0], [3.0]], "array of grey values"),
     ],

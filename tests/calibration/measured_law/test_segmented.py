@@ -5,7 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem.calibration import MeasuredLaw, branches, fit_segments
-from metafem.calibration.measured_law.bent_line import REGULAR_GROWTH, Points, growths
+from metafem.calibration.measured_law.bent_line import REGULAR_GROWTH, growths
 
 LOAD = np.linspace(0.01, 0.19, 19)
 
@@ -51,8 +51,7 @@ def test_a_slope_has_the_error_of_a_straight_line_where_the_crossover_is_certain
 def test_the_growth_of_chi_square_is_regular_for_small_errors_and_larger_for_competing_splits():
     p = np.array([0.1, 0.7, 7.0, 12.5])
     many = [
-        Points(*(v[None] for v in (LOAD, LOAD, np.full(19, s * 3e-3), np.full(19, s * 8e-3))))
-        for s in (0.05, 0.7)
+        np.stack([LOAD, LOAD, np.full(19, s * 3e-3), np.full(19, s * 8e-3)])[:, None] for s in (0.05, 0.7)
     ]
     small, large = (growths(points, p[None], 4000, np.random.default_rng(0))[:, 0] for points in many)
     # the standard error of this quantile of 4,000 draws is about 0.03

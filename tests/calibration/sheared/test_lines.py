@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from metafem import Friction
 from metafem.calibration import Bootstrap, MeasurementErrors, shear
-from metafem.calibration.sheared.fits import parameters
+from metafem.calibration.sheared.lines import parameters
 from metafem.errors import InvalidInput
 from validation.scenes.sheared_contacts import ERRORS, RATIO, STRENGTH, sheared
 
@@ -40,15 +40,6 @@ def test_values_have_the_stated_errors_and_correlation():
     assert stated == pytest.approx(-0.3, abs=0.02)
 
 
-def test_the_interval_is_that_of_the_covariance(points):
-    found = shear(*points)
-    low, high = found.shear_strength_interval
-    assert 0.5 * (high - low) == pytest.approx(0.9945 * found.covariance[1, 1] ** 0.5, rel=1e-4)
-    assert found.area_ratio_interval[0] < found.area_ratio < found.area_ratio_interval[1]
-    assert found.area_verdict.fits
-    assert found.friction_verdict.freedom == 59
-
-
 def test_tests_are_fitted_one_by_one_and_compared(points):
     found = shear(*points, test=TESTS)
     assert [each.name for each in found.tests] == ["a", "b", "c"]
@@ -62,14 +53,6 @@ def test_tests_are_fitted_one_by_one_and_compared(points):
     different = shear(*other, test=TESTS)
     assert not different.heterogeneity.agree
     assert "Birge ratio" in str(different.notes[-1])
-
-
-def test_a_line_that_does_not_fit_is_told(points):
-    bent = points.copy()
-    bent[2] += 0.02
-    found = shear(*bent)
-    assert not found.friction_verdict.fits
-    assert str(found.notes[0]).startswith("F = sigma Af: the law does not fit")
 
 
 def test_quantities_that_were_not_measured_are_left_out(points):
@@ -124,6 +107,13 @@ def test_bad_input_is_named(change, message):
         shear(*change(*points))
 
 
+def test_labels_and_lines_that_do_not_exist_are_named(points):
+    with pytest.raises(InvalidInput, match="must hold a label for each of the 60 points"):
+        shear(*points, test=["a", "b"])
+    with pytest.raises(InvalidInput, match=r'line = .* must be "area" or "friction"'):
+        shear(*points).plot(line="load")
+
+
 @settings(max_examples=20)
 @given(st.floats(1e-4, 1e4), st.floats(1e-4, 1e4), st.permutations(range(60)))
 def test_units_and_the_order_of_the_points_do_not_matter(points, area_unit, force_unit, order):
@@ -153,16 +143,14 @@ def test_the_lines_are_drawn_with_their_points(points, line, slope):
     assert fitted[0].tolist() == [0.0, 0.0]
     assert fitted[1, 1] / fitted[1, 0] == pytest.approx(slope, rel=0.02)
     assert len(ax.containers[0].lines[0].get_xdata()) == 60
-    with pytest.raises(InvalidInput, match=r'line = .* must be "area" or "friction"'):
-        shear(*points).plot(line="load")
 
 
-def test_labels_must_fit_the_points(points):
-    with pytest.raises(InvalidInput, match="must hold a label for each of the 60 points"):
-        shear(*points, test=["a", "b"])
-
-
-def test_no_interval_is_below_zero():
+def test_intervals_are_those_of_the_covariance_and_begin_at_zero_or_above(points):
+    found = shear(*points)
+    low, high = found.shear_strength_interval
+    assert 0.5 * (high - low) == pytest.approx(0.9945 * found.covariance[1, 1] ** 0.5, rel=1e-4)
+    assert found.area_verdict.fits
+    assert found.friction_verdict.freedom == 59
     found = shear([1e-5, 2e-5], [1e-5, 1.5e-5], [3e-4, 1e-3])
     for value, (low, high) in (
         (found.area_ratio, found.area_ratio_interval),
@@ -171,7 +159,10 @@ def test_no_interval_is_below_zero():
         assert 0.0 <= low < value < high
 
 
-def test_areas_that_grow_under_shear_are_a_warning():
+def test_a_line_that_does_not_fit_and_areas_that_grow_are_noted(points):
+    found = shear(*points[:2], points[2] + 0.02)
+    assert not found.friction_verdict.fits
+    assert str(found.notes[0]).startswith("F = sigma Af: the law does not fit")
     area = np.linspace(0.05, 0.5, 10)
     (note,) = shear(area, area / 0.85, 0.3 * area).notes
     assert "check that they are not exchanged" in str(note)

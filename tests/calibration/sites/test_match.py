@@ -23,10 +23,11 @@ def test_all_contacts_of_a_lattice_with_open_ones(mirrored, spurious):
         assert found.residual == pytest.approx(0.005 * np.sqrt(2.0), rel=0.35)
 
 
+# The claim of the validation on site matching has the first 250 trials with eight rows.
 @pytest.mark.slow
-@pytest.mark.parametrize("rows", [8, 7])
-def test_many_random_trials(rows):
-    for seed in range(400):
+@pytest.mark.parametrize(("rows", "seeds"), [(8, range(250, 400)), (7, range(150))])
+def test_many_random_trials(rows, seeds):
+    for seed in seeds:
         centre, site = trial(seed, contacts=45 if rows == 8 else 39, rows=rows)
         found = match_sites(centre, SITES)
         if rows == 8:

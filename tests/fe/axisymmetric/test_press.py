@@ -169,5 +169,5 @@ def test_estimate_bounds_the_distance_to_a_finer_solution(height, contact_radius
     mesh = graded_mesh(edge, 10.0, 7.2, cap.foot, contact_edge=1e-7)
     fine = graded(mesh, cap, 8, 0.5, lambda r: R - np.sqrt(R**2 - r**2), contact_radius, 10.0, False)
     contact = block(height, contact_radius)
-    errors = contact.rescaled_load / fine.load - 1.0, contact.indentation / fine.indentation - 1.0
+    errors = contact.rescaled_load / fine.rescaled_load - 1.0, contact.indentation / fine.indentation - 1.0
     assert overestimates(contact, max(map(abs, errors)))

@@ -1,4 +1,4 @@
-"""Heights for a target law among which some are given."""
+"""Heights for a target law among which some are given, and sites that stay empty."""
 
 from dataclasses import replace
 
@@ -29,6 +29,7 @@ MODELS = {
     "automatic": mf.Automatic(),
 }
 PINNED = {7: 0.19, 3: None, 20: 0.15, 35: 0.17}
+EMPTY = dict.fromkeys((0, 7, 35))
 # Tolerances of targets that the designs without given heights do not reach within 1 % either.
 LARGEST = {"points": 1e-9, "linear": 0.08, "bilinear": 0.08}
 
@@ -212,3 +213,68 @@ def test_a_result_with_given_heights_is_stored(tmp_path):
     result = designed(TARGETS["power"], PINNED, template=TEMPLATE.replaced(block=None))
     mf.save(result, tmp_path / "result")
     assert mf.load(tmp_path / "result") == result
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_without_pins_the_design_is_unchanged_to_the_bit(name):
+    assert designed(TARGETS[name], {}) == mf.design(TARGETS[name], TEMPLATE, limits=LIMITS)
+
+
+@pytest.mark.parametrize("name", ["points", "linear", "bilinear"])
+def test_the_heights_are_those_of_a_template_without_the_empty_sites(name):
+    result = designed(TARGETS[name], EMPTY)
+    assert not set(EMPTY) & set(result.sites.tolist())
+    assert dict(result.pinned) == EMPTY
+    assert result.template is TEMPLATE
+    left = np.setdiff1d(np.arange(36), list(EMPTY))
+    fewer = mf.Surface(TEMPLATE.position[left], TEMPLATE.height[left], 0.526, TEMPLATE.material)
+    alone = mf.design(TARGETS[name], fewer, limits=LIMITS)
+    # the law of independent asperities does not depend on the sites
+    np.testing.assert_array_equal(np.sort(result.surface.height), np.sort(alone.surface.height))
+    assert result.misfit == pytest.approx(alone.misfit, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", ["line", "sampled", "power", "multilinear"])
+def test_laws_of_any_shape_are_met_without_the_empty_sites(name):
+    result = designed(TARGETS[name], EMPTY)
+    assert not set(EMPTY) & set(result.sites.tolist())
+    assert result.misfit < 0.01
+
+
+@pytest.mark.parametrize(
+    "rest",
+    [
+        {"layout": mf.Layout(tilt=0.001)},
+        {"model": mf.Interacting()},
+        {"model": mf.Interacting(substrate=mf.BondedLayer())},
+        {"radii": [0.3, 0.526]},
+        {"radii": [0.3, 0.526], "common_radius": True},
+        {"robust": mf.Tolerances(height_sd=0.002, angle=0.001)},
+    ],
+    ids=["layout", "half-space", "layer", "radii", "common radius", "robust"],
+)
+def test_all_of_a_design_works_without_the_empty_sites(rest):
+    result = designed(TARGETS["power"], EMPTY, **rest)
+    assert result.misfit < 0.01
+    assert not set(EMPTY) & set(result.sites.tolist())
+    np.testing.assert_array_equal(result.surface.position, TEMPLATE.position[result.sites])
+
+
+def test_heights_stay_on_their_steps_without_the_empty_sites():
+    limits = mf.Limits(0.12, offset=0.08, height_step=0.006)
+    result = designed(TARGETS["power"], EMPTY, limits=limits)
+    assert np.isin(result.surface.height.round(9), limits.levels.round(9)).all()
+
+
+def test_too_few_sites_are_refused_with_their_number():
+    with pytest.raises(mf.Infeasible, match="with 2 summits of the largest height"):
+        designed(mf.LinearLaw(6.0, (0.05, 0.2)), dict.fromkeys(range(34)))
+
+
+def test_the_files_of_a_part_leave_the_sites_out(tmp_path):
+    result = designed(TARGETS["power"], EMPTY)
+    mf.save(result, tmp_path / "result")
+    assert mf.load(tmp_path / "result") == result
+    rows = (tmp_path / "result" / "mould.csv").read_text().splitlines()[1:]
+    assert {int(row.split(",")[2]) for row in rows} == set(result.sites.tolist())
+    assert (tmp_path / "result" / "block.stl").exists()

@@ -1,16 +1,15 @@
 """Robust designs: closed forms, gains on other draws, and where there is none."""
 
 import math
-import sys
 
 import numpy as np
 import pytest
 from numpy.polynomial.hermite_e import hermegauss
 
 import metafem as mf
-from metafem._kernels import continuation
 from metafem.inversion import DesignStatus
 from metafem.inversion.adjustment.robustness import _orthogonal
+from tests.inversion.test_design import deepest_call
 
 SOFT = mf.Material(1.36, 0.5)
 BLOCK = mf.Block(20.0, 20.0, 7.2)
@@ -169,19 +168,9 @@ def test_best_common_radius_is_made_robust():
 @pytest.mark.slow
 def test_a_kernel_is_called_within_ten_frames(monkeypatch):
     small = mf.Surface.square_lattice(0.27, (2, 2), radius=0.526, material=SOFT)
-    curves, here, depths = continuation.curves, sys._getframe().f_code, []
-
-    def counted(*arguments):
-        frame, frames = sys._getframe(1), 0
-        while frame is not None and frame.f_code is not here:
-            frame, frames = frame.f_back, frames + 1
-        depths.append(frames)
-        return curves(*arguments)
-
-    monkeypatch.setattr(continuation, "curves", counted)
     target, limits = mf.PowerLaw(0.9, (0.02, 0.06)), mf.Limits(0.27, height_step=0.006)
-    mf.design(target, small, mf.Interacting(order=1), limits, robust=TOLERANCES)
-    assert 0 < max(depths) <= 10
+    model = mf.Interacting(order=1)
+    assert 0 < deepest_call(monkeypatch, target, small, model, limits, robust=TOLERANCES) <= 10
 
 
 @pytest.mark.parametrize("robust", [0.003, mf.Tolerances, "3 um"])

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.inversion.placement.exchange import swap
-from metafem.inversion.placement.sites import sites_for
+from metafem.inversion.placement.exchange import sites_for, swap
 
 LOAD = np.array([0.05, 0.15, 0.3])
 LAYER = mf.Interacting(substrate=mf.BondedLayer())

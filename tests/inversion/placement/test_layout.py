@@ -10,7 +10,7 @@ from metafem.inversion import DesignStatus
 from metafem.inversion.candidate import Candidate
 from metafem.inversion.placement.layout import LAW_LOADS, NO_EFFECT, TILT_LOADS, aims_of, arranged
 from metafem.inversion.problem import Problem
-from metafem.inversion.targets.target_law import TargetLaw
+from metafem.inversion.search.target_law import TargetLaw
 from metafem.notes import information
 
 LAYER = mf.Interacting(substrate=mf.BondedLayer())

@@ -22,8 +22,9 @@ def test_heights_at_a_limit_stay_where_a_step_would_pass_it():
 def test_a_descent_ends_at_the_least_squares_within_the_limits():
     """Of the squares of h - (2, 0.2, 0.7) the least within the limits is at (1, 0.5, 0.7)."""
     wanted = np.array([2.0, 0.2, 0.7])
-    residual = SPACE.held(lambda height: (height - wanted, lambda: np.eye(3)))
-    found = descend(residual, np.array([0.2, 0.5, 0.1]), SPACE, 0.0, True)
+    found = descend(
+        lambda height: (height - wanted, lambda: np.eye(3)), np.array([0.2, 0.5, 0.1]), SPACE, 0.0, True
+    )
     np.testing.assert_allclose(found.unknowns, [1.0, 0.5, 0.7], atol=1e-6)
 
 

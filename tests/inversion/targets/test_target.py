@@ -1,9 +1,12 @@
 """What every target states of itself."""
 
+import math
+
 import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.inversion.targets.wording import Wording
 
 PAIR = mf.Material(2.0), mf.Friction(0.5)
 TARGETS = {
@@ -48,3 +51,44 @@ def test_forces_need_as_many_points_as_the_law_has_parameters():
     ):
         with pytest.raises(mf.InvalidInput, match=f"load holds 1 value; {words}"):
             kind.from_forces([1.0], [1.0], *PAIR)
+
+
+@pytest.mark.parametrize(
+    ("build", "words"),
+    [
+        (lambda: mf.OperatingPoints([1, 2], [1]), "rescaled_friction has 1 number; it must have 2"),
+        (lambda: mf.OperatingPoints([1, 1], [1, 2]), r"rescaled_load\[1\] = 1 does not exceed"),
+        (lambda: mf.OperatingPoints([1, 2], [2, 1]), r"rescaled_friction\[1\] = 1 does not exceed"),
+        (lambda: mf.OperatingPoints([0, 1], [1, 2]), r"rescaled_load\[0\] = 0 must be greater than 0"),
+        (lambda: mf.LinearLaw(math.nan), "slope = nan must be finite"),
+        (lambda: mf.BilinearLaw((1, 2, 3), 0.1), "slopes has 3 numbers"),
+        (lambda: mf.BilinearLaw((1, -2), 0.1), r"slopes\[1\] = -2 must be greater"),
+        (lambda: mf.SampledLaw([0.2, 0.1], [1, 2]), r"rescaled_load\[1\] = 0.1 does not exceed"),
+        (lambda: mf.SampledLaw([0.1, 0.2], [2, 0]), r"rescaled_friction\[1\] = 0 .*must be greater"),
+        (
+            lambda: mf.SampledLaw([0.1, 0.2], [1, 2], None, [0.1, 3]),
+            r"relative_error\[1\] = 3 must be below 1",
+        ),
+        (lambda: mf.SampledLaw([0.1, np.nan], [1, 2]), "rescaled_load holds nan"),
+        (lambda: mf.SampledLaw([0.1, 0.2], [1, 2], [1, 0]), r"weight\[1\] = 0 must be greater"),
+        (lambda: mf.PowerLaw(-1.0, (0.1, 0.4)), "exponent = -1 must be greater"),
+        (lambda: mf.PowerLaw(1.0, (0.4, 0.1)), r"load_range\[1\] = 0.1 does not exceed"),
+        (lambda: mf.MultilinearLaw([1, 2], [], (0.1, 0.4)), "must hold 1 loads or pairs"),
+        (lambda: mf.MultilinearLaw([1, -2], [0.2], (0.1, 0.4)), "slopes holds -2"),
+        (lambda: mf.MultilinearLaw([1, 2], [0.5], (0.1, 0.4)), "branch 2 would run from 0.5 to 0.4"),
+        (lambda: mf.LinearLaw(7.0, (0.2, 0.1)), r"load_range\[1\] = 0.1 does not exceed"),
+        (lambda: mf.LinearLaw(7.0, True), "load_range"),
+        (lambda: mf.BilinearLaw((6.0, 9.0), 0.3, (0.1, 0.2)), r"crossover_load = 0.3 mm\^2 must lie inside"),
+        (lambda: mf.LinearLaw.from_friction_coefficient(-1.0, *PAIR), "friction_coefficient = -1 must be"),
+        (
+            lambda: mf.BilinearLaw.from_friction_coefficients((1.0, -1.0), 0.1, *PAIR),
+            r"friction_coefficients\[1\] = -1 must be",
+        ),
+        (lambda: mf.LinearLaw.from_friction_coefficient(1.0, 1.36, PAIR[1]), "material = 1.36 must be"),
+        (lambda: mf.LinearLaw(1.0, wording="N"), "wording = 'N' must be"),
+        (lambda: Wording(-1.0), "composite_modulus = -1 must be"),
+    ],
+)
+def test_bad_targets_are_named(build, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        build()

@@ -126,21 +126,3 @@ def test_bounds_are_rounded_to_the_side_that_can_be_had():
         assert float(Wording().slope_bound(value, up=True)) >= value * (1.0 - 1e-5)
         assert value <= float(Wording().load_bound(value, up=True).split()[0]) <= 1.002 * value
         assert 0.998 * value <= float(Wording().load_bound(value, up=False).split()[0]) <= value
-
-
-@pytest.mark.parametrize(
-    ("build", "words"),
-    [
-        (lambda: mf.LinearLaw.from_friction_coefficient(-1.0, *PAIR), "friction_coefficient = -1 must be"),
-        (
-            lambda: mf.BilinearLaw.from_friction_coefficients((1.0, -1.0), 0.1, *PAIR),
-            r"friction_coefficients\[1\] = -1 must be",
-        ),
-        (lambda: mf.LinearLaw.from_friction_coefficient(1.0, 1.36, PAIR[1]), "material = 1.36 must be"),
-        (lambda: mf.LinearLaw(1.0, wording="N"), "wording = 'N' must be"),
-        (lambda: Wording(-1.0), "composite_modulus = -1 must be"),
-    ],
-)
-def test_bad_requests_are_named(build, words):
-    with pytest.raises(mf.InvalidInput, match=words):
-        build()

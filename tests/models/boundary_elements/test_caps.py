@@ -1,7 +1,5 @@
 """Resolved contacts of caps that are no paraboloids."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 
@@ -144,20 +142,3 @@ def test_contacts_wider_than_the_profile_are_refused():
     contacts = Contacts(np.ones(1), np.full(1, 1500.0), np.zeros(1, bool), np.zeros((0, 2), np.int64))
     with pytest.raises(mf.InvalidInput, match=r"has the radius 0\.2185 mm, beyond 0\.1652 mm, up to which"):
         scene_of_cells.require_extent(contacts)
-
-
-@dataclass(frozen=True)
-class Sticky(mf.PowerCap):
-    adhesive = True
-
-
-@pytest.mark.parametrize("law", [Sticky(4.0), 4, mf.Hertz])
-def test_laws_that_cells_cannot_follow_are_refused_by_name(law):
-    with pytest.raises(mf.InvalidInput, match=r"contact = .* must be an elastic cap without adhesion"):
-        mf.BoundaryElements(0.01, contact=law)
-
-
-def test_names_state_the_law():
-    model = mf.BoundaryElements(0.01, mf.BondedLayer(), mf.PowerCap(4))
-    assert model.name == "resolved, layer, PowerCap(exponent=4.0, coefficient=0.5)"
-    assert mf.BoundaryElements(0.01).name == "resolved"

@@ -146,71 +146,10 @@ def test_thin_layers_are_resolved_and_their_shape_is_said():
     assert state.stiffness > 2.0 * mf.equilibrium(surface, COARSE, load=0.05).stiffness
 
 
-def test_load_and_approach_agree():
-    under_load = mf.equilibrium(PAIR, COARSE, load=0.05)
-    at = mf.equilibrium(PAIR, COARSE, approach=under_load.approach)
-    assert under_load.load == pytest.approx(0.05, rel=1e-12)
-    assert at.load == pytest.approx(0.05, rel=1e-8)
-    assert at.area == pytest.approx(under_load.area, rel=1e-8)
-
-
 def test_residual_is_within_the_tolerance_and_stated():
     state = mf.equilibrium(PAIR, COARSE, load=0.05)
     assert 0.0 < state.residual <= COARSE.curve(PAIR, load=[0.05]).tolerance == 1e-9
     assert state.status is mf.Status.CONVERGED
-
-
-def test_stiffness_is_the_slope_of_the_load():
-    model = mf.BoundaryElements(0.004)
-    low, middle, high = (mf.equilibrium(PAIR, model, approach=z) for z in (0.058, 0.06, 0.062))
-    # the slope's own error: 2e-5 of the load over the step
-    assert middle.stiffness == pytest.approx((high.load - low.load) / 0.004, rel=1e-3)
-
-
-@pytest.mark.parametrize("factor", [1e-6, 1e6])
-def test_units_do_not_matter(factor):
-    state = mf.equilibrium(PAIR, COARSE, load=0.05)
-    long = mf.Surface(PAIR.position * factor, PAIR.height * factor, RADIUS * factor, MATERIAL)
-    scaled = mf.equilibrium(long, mf.BoundaryElements(0.008 * factor), load=0.05 * factor**2)
-    assert scaled.area == pytest.approx(state.area * factor**2, rel=1e-12)
-    assert scaled.approach == pytest.approx(state.approach * factor, rel=1e-12)
-    hard = PAIR.replaced(material=mf.Material(1.36 * factor))
-    harder = mf.equilibrium(hard, COARSE, load=0.05 * factor)
-    assert harder.area == pytest.approx(state.area, rel=1e-12)
-
-
-def test_order_of_the_asperities_and_the_origin_do_not_matter():
-    state = mf.equilibrium(PAIR, COARSE, load=0.05)
-    turned = mf.Surface(PAIR.position[::-1], PAIR.height[::-1], RADIUS, MATERIAL)
-    other = mf.equilibrium(turned, COARSE, load=0.05)
-    np.testing.assert_allclose(other.asperity_load[::-1], state.asperity_load, rtol=1e-12)
-    # positions near 1e6 are rounded to 1e-10
-    moved = mf.equilibrium(PAIR.replaced(position=PAIR.position + 1e6), COARSE, load=0.05)
-    assert moved.area == pytest.approx(state.area, rel=1e-9)
-
-
-def test_rotation_costs_no_more_than_the_cells():
-    state = mf.equilibrium(PAIR, COARSE, load=0.05)
-    cosine, sine = math.cos(0.4), math.sin(0.4)
-    turned = PAIR.replaced(position=PAIR.position @ np.array([[cosine, sine], [-sine, cosine]]))
-    # cells of 1/15 and 1/20 of the radii
-    assert mf.equilibrium(turned, COARSE, load=0.05).area == pytest.approx(state.area, rel=1e-3)
-
-
-@pytest.mark.parametrize("difference", [0.0, 1e-6])
-def test_equal_and_nearly_equal_heights(difference):
-    surface = PAIR.replaced(height=[0.1, 0.1 + difference])
-    state = mf.equilibrium(surface, COARSE, load=0.05)
-    assert state.asperity_load[1] / state.asperity_load[0] - 1.0 == pytest.approx(
-        0.0, abs=100 * difference + 1e-3
-    )
-    assert state.status is mf.Status.CONVERGED
-
-
-def test_one_asperity():
-    surface = mf.Surface([[3.0, -2.0]], [0.1], RADIUS, MATERIAL)
-    state = mf.equilibrium(surface, mf.BoundaryElements(0.004), load=0.05)
-    assert state.area == pytest.approx(mf.equilibrium(surface, load=0.05).area, rel=1.5e-4)
 
 
 def test_merged_contacts_are_said_and_counted():
@@ -237,45 +176,12 @@ def test_small_contacts_are_said():
     assert any("fewer than 4 cells" in note.text for note in state.notes)
 
 
-def test_radii_may_differ_a_thousandfold():
-    place = [[0.0, 0.0], [1.0, 0.3], [0.2, 1.2]]
-    surface = mf.Surface(place, [0.1, 0.11, 0.1], [0.01, 10.0, 0.5], MATERIAL)
-    state = mf.equilibrium(surface, COARSE, load=0.05)
-    assert state.asperity_load.min() > 0.0
-    assert state.status is mf.Status.CONVERGED
-
-
 def test_neighbourhoods_grow_until_they_hold_the_contacts(monkeypatch):
     full = mf.equilibrium(PAIR, COARSE, load=0.05)
     monkeypatch.setattr(solve, "MARGIN_CELLS", 1.0)
     monkeypatch.setattr(solve, "MARGIN_SHARE", -0.5)
     grown = mf.equilibrium(PAIR, COARSE, load=0.05)
     assert grown.area == pytest.approx(full.area, rel=1e-7)
-
-
-@pytest.mark.parametrize("given", [{"load": 0.0}, {"approach": -0.01}])
-def test_nothing_touches(given):
-    state = mf.equilibrium(PAIR, COARSE, **given)
-    assert (state.load, state.area, state.stiffness) == (0.0, 0.0, 0.0)
-
-
-def test_laws_are_predicted_like_any_others():
-    law = mf.friction_law(PAIR, COARSE, load=[0.02, 0.05])
-    state = mf.equilibrium(PAIR, COARSE, load=0.05)
-    assert law.area[1] == pytest.approx(state.area, rel=1e-8)
-    at = mf.friction_law(PAIR, COARSE, separation=law.separation)
-    np.testing.assert_allclose(at.load, law.load, rtol=1e-8)
-
-
-@pytest.mark.parametrize("cell", [0.0, -1.0, math.nan, "x"])
-def test_cells_have_a_positive_side(cell):
-    with pytest.raises(mf.InvalidInput, match="cell"):
-        mf.BoundaryElements(cell)
-
-
-def test_substrates_are_radial():
-    with pytest.raises(mf.InvalidInput, match="distance alone"):
-        mf.BoundaryElements(0.01, substrate=3)
 
 
 def test_cells_too_coarse_for_the_largest_contact_are_refused():

@@ -5,7 +5,6 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.models.interacting import elastic as interacting
 from tests.models.interacting.dense_twin import Twin
 from tests.models.scenes import lattice, scene
 
@@ -66,20 +65,6 @@ def test_derivatives(law):
     assert_allclose((high - low) / (2 * step), curve.stiffness, rtol=1e-5)
 
 
-@pytest.mark.parametrize("order", [1, 3])
-@pytest.mark.parametrize("law", LAWS[1:3], ids=repr)
-def test_fast_sums_are_the_dense_solver(law, order, monkeypatch):
-    height = 0.12 - 0.02 * np.random.default_rng(1).random(64)
-    surface, model = lattice(height), mf.Interacting(order, contact=law)
-    dense = model.curve(surface, LOADS)
-    gradient = model.sensitivity(surface, LOADS).gradient
-    monkeypatch.setattr(interacting, "DENSE_LIMIT", 10)
-    fast = model.curve(surface, LOADS)
-    for name in ("approach", "area"):
-        assert_allclose(getattr(fast, name), getattr(dense, name), rtol=1e-8)
-    assert_allclose(model.sensitivity(surface, LOADS).gradient, gradient, rtol=1e-5, atol=1e-7)
-
-
 @pytest.mark.parametrize("law", [mf.PowerCap(8), mf.PowerCap(4), mf.PowerCap(1)], ids=repr)
 def test_every_load_of_many_decades_converges(law):
     surface = lattice(0.12 - np.minimum(np.random.default_rng(1).exponential(0.035, 16), 0.12))
@@ -98,5 +83,3 @@ def test_what_a_law_does_not_describe_is_refused():
     shallow = mf.AxisymmetricCap(steeper, 0.05)
     with pytest.raises(mf.InvalidInput, match="is indented by more than"):
         mf.equilibrium(lattice(np.full(4, 0.1)), mf.Interacting(contact=shallow), load=0.5)
-    with pytest.raises(mf.InvalidInput, match="must be a contact law"):
-        mf.Interacting(contact=4)

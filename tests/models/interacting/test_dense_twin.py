@@ -23,11 +23,12 @@ LAWS = [
 
 
 @pytest.mark.parametrize("order", [1, 3])
-@pytest.mark.parametrize("substrate", [mf.HalfSpace(), mf.BondedLayer()])
+@pytest.mark.parametrize("substrate", [mf.HalfSpace(), mf.BondedLayer(), mf.BondedLayer(1.0, 0.3)], ids=repr)
 @pytest.mark.parametrize("law", [mf.Hertz(), mf.PowerCap(2)], ids=repr)
 def test_paraboloids_are_those_of_the_kernels(order, substrate, law):
-    model = mf.Interacting(order, substrate)
-    for surface in (scene(), lattice(0.1 + 0.01 * np.arange(9.0))):
+    model, thin = mf.Interacting(order, substrate), substrate == mf.BondedLayer(1.0, 0.3)
+    layer = {"thickness": 1.0, "poisson_ratio": 0.3} if thin else {}
+    for surface in (scene(**layer), lattice(0.1 + 0.01 * np.arange(9.0), **layer)):
         twin = Twin(surface, law, order, substrate)
         for load in (0.01, 0.1):
             state = mf.equilibrium(surface, model, load=load)
@@ -64,9 +65,10 @@ def energy(twin, load, approach):
     return float((elastic - 2.0 / 3.0 * own**3 * slope).sum() + work)
 
 
+@pytest.mark.parametrize("substrate", [mf.HalfSpace(), mf.BondedLayer()])
 @pytest.mark.parametrize("law", LAWS, ids=repr)
-def test_the_equations_are_the_gradient_of_the_energy(law):
-    twin = Twin(scene(), law)
+def test_the_equations_are_the_gradient_of_the_energy(law, substrate):
+    twin = Twin(scene(), law, substrate=substrate)
     z = np.array([0.02, 0.03, 0.01, 0.025, 0.03, 0.015])
     approach = 0.06
     error, load, _, matrix = twin.equations(z, approach)
@@ -84,18 +86,3 @@ def test_the_equations_are_the_gradient_of_the_energy(law):
         moved = z + step * (np.arange(len(z)) == i), z - step * (np.arange(len(z)) == i)
         found = (twin.equations(moved[0], approach)[0] - twin.equations(moved[1], approach)[0]) / (2.0 * step)
         assert_allclose(found, matrix[:, i], atol=2e-3)
-
-
-@pytest.mark.parametrize("law", LAWS, ids=repr)
-@pytest.mark.parametrize("order", [1, 3])
-def test_any_elastic_law_is_solved(law, order):
-    for substrate in (mf.HalfSpace(), mf.BondedLayer()):
-        twin = Twin(scene(), law, order, substrate)
-        for load in (1e-4, 0.01, 0.1):
-            approach, p, area, residual = twin.solve(load=load)
-            assert residual <= 1e-12
-            assert p.sum() == pytest.approx(load, rel=1e-12)
-            assert ((p > 0.0) == (area > 0.0)).all()
-            _, again, _, residual = twin.solve(approach=approach)
-            assert residual <= 1e-12
-            assert again.sum() == pytest.approx(load, rel=1e-10)

@@ -15,7 +15,7 @@ from metafem.models.interacting.ewald_sums import ScatteredSums
 from metafem.models.interacting.fft_sums import LatticeSums, find_lattice
 from metafem.models.interacting.influence import coupling_between
 from metafem.models.interacting.newton_krylov import ContactEquations
-from tests.models.scenes import lattice, scene
+from tests.models.scenes import COUPLED, lattice, scene
 
 SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5)]
 
@@ -102,20 +102,27 @@ def test_scattered_places_are_no_lattice():
     assert find_lattice(sparse) is None
 
 
-@pytest.mark.parametrize("substrate", SUBSTRATES)
-@pytest.mark.parametrize("order", [1, 3])
+OTHER_LAWS = [
+    mf.Interacting(order, contact=law) for law in (mf.PowerCap(4), mf.SphericalCap()) for order in (1, 3)
+]
+
+
 @pytest.mark.parametrize("places", ["lattice", "scattered"])
-def test_newton_krylov_agrees_with_the_dense_kernel(monkeypatch, substrate, order, places):
-    surface = lattice(rough(400)) if places == "lattice" else loose(400)
-    model = mf.Interacting(order=order, substrate=substrate)
-    loads = np.linspace(0.0, 3.0, 5)
-    dense = mf.friction_law(surface, model, load=loads)
+@pytest.mark.parametrize("model", [*COUPLED, *OTHER_LAWS], ids=repr)
+def test_newton_krylov_agrees_with_the_dense_kernel(monkeypatch, model, places):
+    surface = lattice(rough(144)) if places == "lattice" else loose(144)
+    surface = surface.replaced(radius=np.random.default_rng(0).uniform(0.4, 0.7, 144))
+    load = np.array([0.0, 0.05, 0.5, 2.0])
+    dense = model.sensitivity(surface, load)
     monkeypatch.setattr(interacting, "DENSE_LIMIT", 1)
-    fast = mf.friction_law(surface, model, load=loads)
-    assert fast.residual.max() < 1e-9
-    assert_allclose(fast.area, dense.area, rtol=1e-8)
-    assert_allclose(fast.approach, dense.approach, rtol=1e-8)
-    assert_allclose(fast.stiffness, dense.stiffness, rtol=1e-6)
+    fast = model.sensitivity(surface, load)
+    assert fast.curve.residual.max() < 1e-9
+    slope = 1e-5 if model in OTHER_LAWS else 1e-6  # of the load, by an inner iteration
+    for name, rtol in (("area", 1e-8), ("approach", 1e-8), ("stiffness", slope)):
+        assert_allclose(getattr(fast.curve, name), getattr(dense.curve, name), rtol=rtol)
+    error = (1e-5 if model in OTHER_LAWS else 1e-7) * np.abs(dense.gradient).max()
+    assert_allclose(fast.gradient, dense.gradient, rtol=0.0, atol=error)
+    assert_allclose(fast.indentation, dense.indentation, rtol=0.0, atol=1e-9)
 
 
 @pytest.mark.usefixtures("large")

@@ -1,4 +1,4 @@
-"""Interacting asperities against a readable twin, the printed 3 x 3 table and closed forms."""
+"""Interacting asperities against the printed 3 x 3 table and closed forms."""
 
 import math
 import re
@@ -13,26 +13,9 @@ import metafem as mf
 from metafem.contact.cap_compliance import pedestal_influence
 from tests.models.scenes import COUPLED, HEIGHT, PLACE, RADIUS, lattice, said, scene
 
-SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5), mf.BondedLayer(1.0, 0.3)]
-
-
-def displacement(surface, substrate, order, load):
-    """Displacement u (n,) and curvature k (n,) under rescaled loads: the readable twin."""
-    influence = substrate.influence_matrix(surface)
-    if order == 1:
-        return influence @ load, 1 / surface.radius
-    gx, gy, laplacian = substrate.influence_derivatives(surface)
-    curvature = 1 / surface.radius + laplacian @ load / 2
-    square = (0.75 * load / curvature) ** (2 / 3)  # a^2 from a^3 = 3/4 p/k
-    slope_x, slope_y = gx @ load, gy @ load
-    own_shift = -surface.radius / 2 * (slope_x**2 + slope_y**2)
-    moment = load * surface.radius
-    their_shift = -gx.T @ (moment * slope_x) - gy.T @ (moment * slope_y)
-    return influence @ load + laplacian.T @ (load * square / 10) + own_shift + their_shift, curvature
-
 
 def moved_displacement(surface, load, steps=50):
-    """The same on a half-space with distances at the moved centres, to all orders in the shifts."""
+    """Displacement and curvature on a half-space with distances at the moved centres, to all orders."""
     centre, square = surface.position, 0.0
     for _ in range(steps):
         dx, dy = (c[:, None] - c for c in centre.T)
@@ -45,44 +28,6 @@ def moved_displacement(surface, load, steps=50):
         centre = surface.position + shift
     u = (load / (math.pi * r) * (1 + square / (10 * r**2))).sum(1)
     return u + (shift**2).sum(1) / (2 * surface.radius), curvature
-
-
-@pytest.mark.parametrize("order", [1, 3])
-@pytest.mark.parametrize("substrate", SUBSTRATES)
-@pytest.mark.parametrize("approach", [0.03, 0.12])
-def test_states_fulfil_the_equations_of_the_readable_twin(order, substrate, approach):
-    thickness = getattr(substrate, "thickness", 7.2)
-    surface = scene(thickness=thickness, poisson_ratio=getattr(substrate, "poisson_ratio", 0.5))
-    state = mf.equilibrium(surface, mf.Interacting(order=order, substrate=substrate), approach=approach)
-    load = state.asperity_load / 1.36
-    u, curvature = displacement(surface, substrate, order, load)
-    room = HEIGHT - state.separation - u
-    closed = load > 0
-    d = (0.75 * load) ** (2 / 3) * curvature ** (1 / 3)
-    assert_allclose(d[closed], room[closed], rtol=0, atol=1e-12 * d.max())
-    assert (room[~closed] <= 0).all()
-    assert_allclose(state.asperity_area, math.pi * d / curvature, rtol=1e-11)
-
-
-@pytest.mark.parametrize("substrate", SUBSTRATES)
-def test_order_3_is_the_gradient_of_its_energy(substrate):
-    surface = scene(0.5 * PLACE, thickness=getattr(substrate, "thickness", 7.2))
-    surface = surface.replaced(material=mf.Material(1.36, getattr(substrate, "poisson_ratio", 0.5)))
-    load = np.array([0.02, 0.03, 0.01, 0.015, 0.04, 0.025])
-    slope = [g @ load for g in substrate.influence_derivatives(surface)[:2]]
-
-    def energy(p):
-        gx, gy, laplacian = substrate.influence_derivatives(surface)
-        d = (0.75 * p) ** (2 / 3) * (1 / surface.radius + laplacian @ p / 2) ** (1 / 3)
-        tilt = p @ (surface.radius * ((gx @ p) ** 2 + (gy @ p) ** 2)) / 2
-        return 0.6 * p @ d + p @ substrate.influence_matrix(surface) @ p / 2 - tilt
-
-    u, curvature = displacement(surface, substrate, 3, load)
-    gradient = (0.75 * load) ** (2 / 3) * curvature ** (1 / 3) + u
-    step = 1e-6
-    difference = [(energy(load + step * e) - energy(load - step * e)) / (2 * step) for e in np.eye(6)]
-    assert_allclose(difference, gradient, rtol=1e-7)
-    assert np.abs(slope).max() > 1e-3  # the shifts are not idle in this scene
 
 
 @pytest.mark.parametrize("approach", [0.1, 0.2, 0.3, 0.45])
@@ -110,11 +55,10 @@ def test_point_loads_err_as_resolved_contacts_found(approach, order_1, area_1):
     assert 100 * (point.area / area - 1) == pytest.approx(area_1, abs=0.08)
 
 
-@pytest.mark.parametrize("substrate", SUBSTRATES[:2])
+@pytest.mark.parametrize("substrate", [mf.HalfSpace(), mf.BondedLayer()])
 def test_without_coupling_it_is_independent(substrate):
     """Asperities far apart, with the layer's self term negligible at their scale."""
-    surface = scene(1e9 * PLACE, thickness=1e9 if substrate != mf.HalfSpace() else 7.2)
-    substrate = mf.BondedLayer() if substrate != mf.HalfSpace() else substrate
+    surface = scene(1e9 * PLACE, thickness=1e9)
     alone = mf.equilibrium(surface, load=0.1)
     state = mf.equilibrium(surface, mf.Interacting(substrate=substrate), load=0.1)
     assert_allclose(state.asperity_load, alone.asperity_load, rtol=1e-8, atol=1e-10)
@@ -143,16 +87,6 @@ def test_common_sinking_of_the_array_of_the_paper():
         u = substrate.influence_matrix(surface) @ np.full(64, 0.02 / 1.36)
         own = np.diagonal(substrate.influence_matrix(surface)) * 0.02 / 1.36
         assert 1e3 * (u - own).reshape(8, 8)[3:5, 3:5].mean() == pytest.approx(sinking, abs=3.0)
-
-
-def test_mean_field_leaves_the_law_exactly_unchanged():
-    surface = lattice(0.1 + 0.003 * np.arange(16))
-    load = np.linspace(0.01, 1.0, 7)
-    alone, sunk = (mf.friction_law(surface, model, load=load) for model in (mf.Independent(), mf.MeanField()))
-    assert (alone.area == sunk.area).all()
-    side = 1.5 * 4
-    shift = 0.9464 * load / 1.36 / side
-    assert_allclose(alone.separation - sunk.separation, shift, rtol=2e-5)
 
 
 def test_pedestal_adds_its_compliance():
@@ -206,23 +140,6 @@ def test_batch_of_adhesive_contacts_agrees_with_single_laws():
         assert_allclose(slopes, curve.stiffness[::-1], rtol=1e-9)
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        {"order": 2},
-        {"order": True},
-        {"order": np.array([1, 3])},
-        {"order": 1.0},
-        {"substrate": mf.HalfSpace},
-        {"contact": 3},
-        {"pedestal": 1},
-    ],
-)
-def test_refuses_models_that_do_not_exist(arguments):
-    with pytest.raises(mf.InvalidInput, match=next(iter(arguments))):
-        mf.Interacting(**arguments)
-
-
 def test_refuses_layers_thinner_than_the_contacts():
     surface = scene(PLACE[:1], [0.5], 5.0, thickness=0.3)
     layer = mf.Interacting(substrate=mf.BondedLayer())
@@ -254,17 +171,21 @@ def test_of_two_asperities_in_one_contact_the_taller_carries_all(low, load):
     assert law.area[-1] == pytest.approx(state.area, rel=1e-12)
 
 
-def test_open_asperities_have_their_gap_along_a_whole_curve():
-    surface = scene([[0, 0], [0.5, 0], [3.0, 0]], [0.1, 0.06, 0.0], 0.5)
-    load = 0.005 * np.arange(1, 65) / 64
-    for order in (1, 3):
-        found = mf.Interacting(order=order).sensitivity(surface, load)
-        for k in (10, 63):
-            state = mf.equilibrium(surface, mf.Interacting(order=order), load=load[k] * 1.36)
-            u, _ = displacement(surface, mf.HalfSpace(), order, state.asperity_load / 1.36)
-            gap = surface.height - state.separation - u
-            assert_allclose(found.indentation[k][1:], gap[1:], rtol=0, atol=1e-11)
-            assert (gap[1:] < 0.0).all()
+@pytest.mark.parametrize("order", [1, 3])
+def test_open_asperities_have_their_gap_along_a_whole_curve(order):
+    """Two open ones beside one contact: they touch where they are moved to by the slope of its field."""
+    R, r, load = 0.5, np.array([0.5, 3.0]), 0.005 * np.arange(1, 65) / 64
+    surface, model = scene([[0, 0], [0.5, 0], [3.0, 0]], [0.1, 0.06, 0.0], R), mf.Interacting(order=order)
+    found = model.sensitivity(surface, load)
+    for k in (10, 63):
+        p, state = load[k], mf.equilibrium(surface, model, load=load[k] * 1.36)
+        u = p / (math.pi * r)
+        if order == 3:
+            square = (0.75 * p * R) ** (2 / 3)  # a^2
+            u += p * square / (10 * math.pi * r**3) - R / 2 * (p / (math.pi * r**2)) ** 2
+        gap = surface.height[1:] - state.separation - u
+        assert_allclose(found.indentation[k][1:], gap, rtol=0, atol=1e-11)
+        assert (gap < 0.0).all()
 
 
 @pytest.mark.parametrize("change", [{"rescaled_load": [-1.0]}, {"height": [[0.1, 0.2]]}])

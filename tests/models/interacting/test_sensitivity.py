@@ -57,28 +57,6 @@ def test_raising_all_heights_changes_nothing():
         np.testing.assert_allclose(gradient.sum(axis=1), 0.0, atol=1e-12 * np.abs(gradient).max())
 
 
-@pytest.mark.parametrize("scattered", [False, True], ids=["lattice", "scattered"])
-@pytest.mark.parametrize("model", MODELS[2:], ids=repr)
-def test_fast_sums_give_the_sensitivities_of_dense_matrices(model, scattered, monkeypatch):
-    rng = np.random.default_rng(0)
-    surface = mf.Surface.square_lattice(
-        0.1 + rng.exponential(0.02, 144),
-        (12, 12),
-        radius=rng.uniform(0.4, 0.7, 144),
-        material=mf.Material(1.0),
-        block=mf.Block(30.0, 30.0, 3.0),
-    )
-    if scattered:
-        surface = surface.replaced(position=surface.position + rng.uniform(-0.2, 0.2, (144, 2)))
-    load = np.array([0.05, 0.5, 2.0])
-    dense = model.sensitivity(surface, load)
-    monkeypatch.setattr(interacting, "DENSE_LIMIT", 1)
-    fast = model.sensitivity(surface, load)
-    scale = np.abs(dense.gradient).max()
-    np.testing.assert_allclose(fast.gradient, dense.gradient, rtol=0.0, atol=1e-7 * scale)
-    np.testing.assert_allclose(fast.indentation, dense.indentation, rtol=0.0, atol=1e-9)
-
-
 @pytest.mark.parametrize("model", MODELS, ids=repr)
 def test_heights_can_stand_in_place_of_those_of_the_surface(model):
     rng = np.random.default_rng(1)

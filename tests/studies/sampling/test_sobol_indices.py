@@ -18,8 +18,8 @@ def test_estimates_lie_within_their_errors():
 
 @pytest.mark.slow
 def test_intervals_cover_the_exact_values_at_their_level():
-    found = coverage(2000, 4000)
-    # of 2,000 repetitions at 68.3 % the standard error is 1 %
+    # a part of the benchmark's; of 1,000 repetitions at 68.3 % the standard error is 1.5 %
+    found = coverage(1000, 4000)
     assert ((found >= 0.64) & (found <= 0.72)).all(), found
 
 

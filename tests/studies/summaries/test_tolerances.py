@@ -50,12 +50,6 @@ def test_no_limit_is_stated_where_there_is_none(surface):
     assert few.startswith("The draws are too few to state with which errors")
 
 
-def test_a_study_of_an_earlier_version_states_no_limit(surface):
-    found = mf.studies.misalignment(surface, 0.001).drop_vars(["largest_angle", "largest_angle_error"])
-    del found.attrs["allowed_scatter"]
-    assert mf.studies.summary(found).answer.startswith("Within ±0.0573° the slope scatters by ")
-
-
 def test_a_misfit_of_rounding_is_none(template):
     design = mf.design(mf.OperatingPoints([0.0747], [0.642]), template)
     found = mf.studies.summary(mf.studies.combined(design, mf.Tolerances(height_sd=0.003), draws=64))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.inversion.targets.target_law import TargetLaw
+from metafem.inversion.search.target_law import TargetLaw
 
 LOAD = np.geomspace(0.1, 0.4, 30)
 LAWS = {

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.inversion.placement.pins import Pins
+from metafem.inversion.limits import Pins
 
 TEMPLATE = mf.Surface.square_lattice(0.12, (4, 4), radius=0.526, material=mf.Material(1.36))
 LIMITS = mf.Limits(0.12, offset=0.08)

@@ -1,0 +1,150 @@
+"""Deviations of a measured law from a design, point by point and in the features of its target."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray
+from metafem._values import Value, percent
+from metafem.calibration.measured_law.law import MeasuredLaw
+from metafem.calibration.verdict import Verdict
+from metafem.notes import Note
+
+
+@dataclass(frozen=True)
+class Feature:
+    """A slope, the friction at an operating point, or the crossover load of a measured law.
+
+    Attributes
+    ----------
+    name : str
+        Kind of feature, with its loads.
+    unit : str
+        "" for a slope, else "mm²".
+    value, sd : float
+        Measured value, and its standard deviation from the errors of measurement and of the parameters; for a
+        crossover, half its 68 % interval from the errors of measurement.
+    predicted : float
+        Value of the design, at the same loads by the same estimator.
+    target : float
+        Specified value.
+    interval : (float, float)
+        68 % interval of the value.
+    deviation, normalised : float
+        Relative deviation from the design, and in standard deviations [-].
+    target_deviation : float
+        Relative deviation from the target [-].
+
+    Examples
+    --------
+    >>> print(Feature("slope", "", 7.1, 0.2, 6.9, 6.87, (6.9, 7.3)))
+    slope: 7.1 ± 0.2, design 6.9 (+2.9 %, +1.0 s.d.), target 6.87 (+3.3 %)
+    """
+
+    name: str
+    unit: str
+    value: float
+    sd: float
+    predicted: float
+    target: float
+    interval: tuple[float, float]
+
+    @property
+    def deviation(self) -> float:
+        """Relative deviation from the design [-]."""
+        return self.value / self.predicted - 1.0
+
+    @property
+    def normalised(self) -> float:
+        """Deviation from the design over its standard deviation [-]."""
+        return (self.value - self.predicted) / self.sd
+
+    @property
+    def target_deviation(self) -> float:
+        """Relative deviation from the target [-]."""
+        return self.value / self.target - 1.0
+
+    def __str__(self) -> str:
+        unit = f" {self.unit}".rstrip()
+        compared = (
+            f"{self.predicted:.3g}{unit} ({percent(self.deviation, '+.1f')}, {self.normalised:+.1f} s.d.)"
+        )
+        return (
+            f"{self.name}: {self.value:.3g} ± {self.sd:.2g}{unit}, design {compared}, "
+            f"target {self.target:.3g}{unit} ({percent(self.target_deviation, '+.1f')})"
+        )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(Value):
+    """Agreement of a measured law with a design, point by point and in its slopes.
+
+    Attributes
+    ----------
+    measured : MeasuredLaw
+    point : ndarray of int, (m,)
+        The points of the measured law that are compared.
+    predicted : ndarray, (m,)
+        Rescaled friction of the design at the measured loads [mm^2].
+    deviation, deviation_sd : ndarray, (m,)
+        Measured minus predicted rescaled friction, and its standard deviation from the errors of the load, of
+        the friction, and of the parameters [mm^2].
+    covariance : ndarray, (m, m)
+        Covariance matrix of the deviations [mm^4].
+    features : tuple of Feature
+        Slopes, operating points and crossover, as far as the target of the design has them.
+    verdict : Verdict
+        Verdict on the deviations, with their correlation from the errors of the parameters.
+    parameters : mapping of str to float
+        Standard deviations of the parameters that are included.
+    notes : tuple of Note
+        What was left out.
+    percent, normalised : ndarray, (m,)
+        Deviation over prediction [%], and over its standard deviation [-].
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
+    >>> design = mf.design(mf.LinearLaw(6.87), template)
+    >>> measured = mf.calibration.MeasuredLaw([0.1, 0.3], area=[0.6, 1.8], material=template.material)
+    >>> mf.calibration.compare(measured, design).percent.round(1)
+    array([-8.6,  3.1])
+    """
+
+    measured: MeasuredLaw
+    point: NDArray[np.intp]
+    predicted: FloatArray
+    deviation: FloatArray
+    covariance: FloatArray
+    features: tuple[Feature, ...]
+    verdict: Verdict
+    parameters: Mapping[str, float]
+    notes: tuple[Note, ...]
+
+    @property
+    def deviation_sd(self) -> FloatArray:
+        """Standard deviations of the deviations [mm^2]."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def percent(self) -> FloatArray:
+        """Deviation over prediction [%]; infinite where the design has no contact."""
+        infinite = np.full(self.deviation.shape, np.inf)
+        above = self.predicted > 0.0
+        return np.asarray(np.divide(100.0 * self.deviation, self.predicted, infinite, where=above))
+
+    @property
+    def normalised(self) -> FloatArray:
+        """Deviation over its standard deviation [-]."""
+        return self.deviation / self.deviation_sd
+
+    def __repr__(self) -> str:
+        rms = np.sqrt((self.normalised**2).mean())
+        lines = [f"Comparison of {self.measured!r}", f"  points    {rms:.2g} standard deviations (rms)"]
+        lines += [f"  {feature}" for feature in self.features]
+        return "\n".join([*lines, f"  verdict   {self.verdict}"])

@@ -1,0 +1,72 @@
+// What tests and benchmarks evaluate in a page of the explorer.
+
+window.probe = {
+  // An answer to this event comes after the server has begun with all events before. A step that waited in the
+  // browser behind an answer is sent when that has been drawn, so that rest is what so many rounds agree on.
+  taken: () => socket.timeout(30000).emitWithAck(
+    'ack', { client_id: clientId, next_message_id: nextMessageId }),
+
+  // The number of the last step of the history, and whether both pictures show its answer.
+  settled: before => {
+    const asked = Number(document.querySelector('[data-asked]')?.dataset.asked ?? 0);
+    const shown = [...document.querySelectorAll('[data-answered]')].filter(each => each.checkVisibility());
+    return asked > before && shown.length > 0 && shown.every(each => Number(each.dataset.answered) >= asked)
+      && !document.querySelector('[data-busy=true]');
+  },
+
+  // Types a text into a field and leaves it.
+  typed: ([key, text]) => {
+    const field = document.querySelector(`.fields input[data-key="${key}"]`);
+    field.focus();
+    field.value = text;
+    field.dispatchEvent(new Event('input', { bubbles: true }));
+    field.dispatchEvent(new Event('change', { bubbles: true }));
+  },
+
+  // The states that the browser keeps, and which of them is shown.
+  history: () => {
+    const { first, end, at } = JSON.parse(sessionStorage.getItem('metafem'));
+    const numbers = Array.from({ length: end - first }, (_, i) => first + i);
+    return { at: at - first, states: numbers.map(each => sessionStorage.getItem(`metafem.${each}`)) };
+  },
+
+  // Times of pointer moves and of the last release, and of the frames after which the answers are on the screen.
+  watch: () => {
+    const seen = { moves: [], drawn: [], sent: 0, released: 0 };
+    const emit = socket.emit;
+    socket.emit = function (...given) { seen.sent += given[0] === 'event'; return emit.apply(this, given); };
+    addEventListener('pointermove', () => seen.moves.push(performance.now()), true);
+    addEventListener('pointerup', () => { seen.released = performance.now(); }, true);
+    const all = () => [...document.querySelectorAll('[data-answered]')];
+    const shown = () => all().filter(each => each.checkVisibility());
+    let last = '';
+    new MutationObserver(() => {
+      const numbers = new Set(shown().map(each => each.dataset.answered));
+      const [number] = numbers;
+      if (numbers.size !== 1 || number === last) return;
+      last = number;
+      requestAnimationFrame(() => requestAnimationFrame(() => seen.drawn.push(performance.now())));
+    }).observe(document.body, { subtree: true, attributes: true, attributeFilter: ['data-answered'] });
+    window.seen = seen;
+  },
+
+  // Moves of a held handle around a point, each after the answer to the one before.
+  moved: async ([x, y, count]) => {
+    const handle = document.querySelector('.handle');
+    const plot = handle.closest('[data-answered]');
+    for (let i = 0; i < count; i++) {
+      const before = plot.dataset.answered;
+      const at = { clientX: x + 9 * Math.sin(i), clientY: y + 9 * Math.cos(1.7 * i) };
+      const held = { pointerId: 1, isPrimary: true, buttons: 1, bubbles: true };
+      handle.dispatchEvent(new PointerEvent('pointermove', { ...at, ...held }));
+      const end = performance.now() + 5000;
+      const waits = () => plot.dataset.answered === before;
+      while (waits() && performance.now() < end) await new Promise(done => setTimeout(done));
+      if (waits()) throw Error(`move ${i} of a handle was not answered`);
+    }
+  },
+
+  // Whether a move has been answered, or has asked for nothing: the handle stays where it can go no further.
+  drawn: ([drawn, sent]) => seen.drawn.length > drawn
+    || (seen.sent === sent && performance.now() > seen.moves.at(-1) + 200),
+};
