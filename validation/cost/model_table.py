@@ -47,7 +47,8 @@ TABLE = (
     ),
     (
         "Automatic(1e-3)", AUTOMATIC, "0.001",
-        "order 3, or resolved contacts where its estimated error of A0(P) exceeds the tolerance",
+        "that of the first of independent asperities, orders 1 and 3 and resolved contacts whose estimated "
+        "error of A0(P) is within the tolerance",
         "that of the chosen model; `state.notes` gives the reason",
     ),
 )  # fmt: skip

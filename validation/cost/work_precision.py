@@ -226,15 +226,8 @@ def _panel(ax, scene: str, error: str) -> None:
 
 
 def _conditions() -> str:
-    """Return what holds for the other codes that are installed, and for the choices of Automatic."""
+    """Return what holds for the other codes that are installed."""
     absent = [name for name in PEERS if name not in installed()]
-    chosen = all(
-        each.area_error == next(other.area_error for other in models(scene) if other.line == ORDER_3)
-        for scene in SCENES
-        for each in models(scene)
-        if each.line == AUTOMATIC
-    )
-    note = " At the tolerances shown Automatic chooses order 3 on all of these surfaces." if chosen else ""
     missing = f" Not installed, and therefore absent: {', '.join(absent)}." if absent else ""
     areas = {
         PEER: " The area that tamaas reports is that of its cells in contact, corrected for the length of "
@@ -251,4 +244,4 @@ def _conditions() -> str:
             f"most {RESIDUAL:g}, one. Times are compared where both have at most the same error of A0: one "
             "load of a new surface with one of a new surface, and the next load of a curve with the next one."
         )
-    return f"{codes}{note}{missing}"
+    return f"{codes}{missing}"

@@ -94,7 +94,7 @@ def solve(surface: mf.Surface, load: float, substrate: Radial, apart: float, cel
 
 def newton(surface: mf.Surface, model: mf.Interacting, rescaled_load: float) -> Results:
     """Return the results of the kernels at one load, with the number of their steps."""
-    return model._bound(surface)._solve(surface.height[None], np.array([rescaled_load]), True).results
+    return model.bound(surface)._solve(surface.height[None], np.array([rescaled_load]), True).results
 
 
 def alone(surface: mf.Surface, approach: float) -> float:

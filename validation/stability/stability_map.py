@@ -45,11 +45,11 @@ ANNOUNCED = known_input(f"requirement: an error above {100 * BOUND:g} % is annou
 
 def claim() -> Claim:
     """Order 3 holds while contacts are narrow compared with their distances and with the thickness of a
-    layer. Automatic solves it first, estimates its error from the contacts, and resolves the contacts by
-    cells where the estimate exceeds the tolerance, where contacts overlap, and where order 3 refuses. Errors
-    are those of A0 at a given load. Order 3 warns where contacts overlap (“{overlap}”) and where its
-    estimated error exceeds {bound:g} % (“{wide}”); it notes where a/r, the contact radius over the distance
-    of a neighbour, exceeds {compared:g}. For a smaller tolerance use Automatic.{refusal}
+    layer. Automatic estimates the errors of independent asperities, of order 1 and of order 3 from their
+    contacts, takes the first within the tolerance, and resolves the contacts by cells where none is, where
+    contacts overlap, and where order 3 refuses. Errors are those of A0 at a given load. Order 3 warns where
+    contacts overlap (“{overlap}”) and where its estimated error exceeds {bound:g} % (“{wide}”); it notes
+    where a/r, the contact radius over the distance of a neighbour, exceeds {compared:g}. For a smaller tolerance use Automatic.{refusal}
     """
     pairs = [points.crowded(width, spread) for spread in points.SPREADS for width in points.WIDTHS]
     layers = [points.on_layer(width, ratio) for ratio in points.RATIOS for width in points.LAYERS]
@@ -122,7 +122,7 @@ def _results(every: list[points.Point]) -> list[Row]:
                  "9 or 64 contacts on a half-space, one on a layer, two of unequal radii"),
         reported(f"order 3, {points.SIDE**2} equal contacts: error of A0 [%]", 1e2 * points.equal().third,
                  f"uncertainty {1e2 * points.equal().uncertainty:.2g} %"),
-        reported("scenes in which Automatic chose resolved contacts", resolved, "in the others order 3"),
+        reported("scenes in which Automatic chose resolved contacts", resolved, "in the others asperities"),
         reported("scenes that order 3 refuses", refused, "Automatic resolves the contacts there"),
         reported("largest uncertainty of the resolved contacts", max(point.uncertainty for point in every),
                  "95 % confidence interval of a fit over five to seven sizes of the cells"),
@@ -147,10 +147,10 @@ def _percent(error: float) -> float:
 def _crowded_figure(left, right):
     """Left: error of A0 by order 3 for nine contacts on a half-space; a/L is the radius of the tallest
     contact without interaction over the pitch of the lattice, and the spread of the heights is that over the
-    indentation of the tallest. Errors below 0.001 % are shown as 0.001 %. 3: Automatic keeps order 3; R: it
-    resolves the contacts. Right: the error of what Automatic chose stays below its tolerance (line), also
-    where contacts merge (a/L above 0.5). In the text above, a/r is the radius of a contact in equilibrium
-    over the distance r of a neighbour.
+    indentation of the tallest. Errors below 0.001 % are shown as 0.001 %. A: Automatic takes an asperity
+    model; R: it resolves the contacts. Right: the error of what Automatic chose stays below its tolerance
+    (line), also where contacts merge (a/L above 0.5). In the text above, a/r is the radius of a contact in
+    equilibrium over the distance r of a neighbour.
     """
     rows = [[points.crowded(width, spread) for width in points.WIDTHS] for spread in points.SPREADS]
     error = np.array([[_percent(point.third) for point in row] for row in rows])
@@ -160,7 +160,7 @@ def _crowded_figure(left, right):
     )  # fmt: skip
     for i, row in enumerate(rows):
         for j, point in enumerate(row):
-            mark = f"{error[i, j]:.2g} %\n{'R' if point.resolved else '3'}"
+            mark = f"{error[i, j]:.2g} %\n{'R' if point.resolved else 'A'}"
             colour = DARK if error[i, j] > 0.1 else BRIGHT
             left.text(j + 0.5, i + 0.5, mark, ha="center", va="center", fontsize=7, color=colour)
     left.set_xticks(np.arange(len(points.WIDTHS)) + 0.5, [f"{width:g}" for width in points.WIDTHS])
