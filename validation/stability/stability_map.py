@@ -49,7 +49,8 @@ def claim() -> Claim:
     contacts, takes the first within the tolerance, and resolves the contacts by cells where none is, where
     contacts overlap, and where order 3 refuses. Errors are those of A0 at a given load. Order 3 warns where
     contacts overlap (“{overlap}”) and where its estimated error exceeds {bound:g} % (“{wide}”); it notes
-    where a/r, the contact radius over the distance of a neighbour, exceeds {compared:g}. For a smaller tolerance use Automatic.{refusal}
+    where a/r, the contact radius over the distance of a neighbour, exceeds {compared:g}. For a smaller
+    tolerance use Automatic.{refusal}
     """
     pairs = [points.crowded(width, spread) for spread in points.SPREADS for width in points.WIDTHS]
     layers = [points.on_layer(width, ratio) for ratio in points.RATIOS for width in points.LAYERS]
