@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from metafem.drawing import BRIGHT, DARK, QUIET
-from metafem.models.interacting.model import DENSE_LIMIT
+from metafem.models.interacting.model import LATTICE_LIMIT
 from metafem.models.interacting.model import TOLERANCE as RESIDUAL
 from metafem.models.interacting.newton_krylov import TOLERANCE as LARGE_RESIDUAL
 from metafem.models.truncation import COMPARED
@@ -89,8 +89,8 @@ def _checks(every: list[points.Point], pairs: list[points.Point]) -> list[Check]
     least = CERTAIN * points.TOLERANCE
     known = [p for p in solved if math.isfinite(p.estimate) and _beyond(p.third, p) > least]
     silent = [point for point in solved if abs(point.third) > BOUND and not point.warned]
-    small = [points.numerous(count)[1] for count in points.COUNTS if count <= DENSE_LIMIT]
-    large = [points.numerous(count)[1] for count in points.COUNTS if count > DENSE_LIMIT]
+    small = [points.numerous(count)[1] for count in points.COUNTS if count <= LATTICE_LIMIT]
+    large = [points.numerous(count)[1] for count in points.COUNTS if count > LATTICE_LIMIT]
     return [
         below(f"Automatic({points.TOLERANCE:g}): largest error of A0",
               max(_beyond(point.automatic, point) for point in every), points.TOLERANCE, RESOLVED),
@@ -105,7 +105,7 @@ def _checks(every: list[points.Point], pairs: list[points.Point]) -> list[Check]
         near(f"order 3: scenes with an error above {100 * BOUND:g} % and no warning",
              len(silent), 0, 0, ANNOUNCED),
         below("order 3: largest residual", max(small), RESIDUAL, SOLVED),
-        below(f"order 3 above {DENSE_LIMIT} asperities: largest residual", max(large),
+        below(f"order 3 above {LATTICE_LIMIT} asperities: largest residual", max(large),
               LARGE_RESIDUAL, SOLVED),
     ]  # fmt: skip
 
@@ -204,6 +204,6 @@ def _numerous_figure(left, right):
     right.loglog(
         points.COUNTS, [points.numerous(count)[1] for count in points.COUNTS], "o", ms=4, label="residual"
     )
-    tolerance = [RESIDUAL if count <= DENSE_LIMIT else LARGE_RESIDUAL for count in points.COUNTS]
+    tolerance = [RESIDUAL if count <= LATTICE_LIMIT else LARGE_RESIDUAL for count in points.COUNTS]
     right.loglog(points.COUNTS, tolerance, color=QUIET, lw=1.0, drawstyle="steps-mid", label="tolerance")
     right.set(xlabel="asperities", ylabel="residual")

@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from metafem._validate import FloatArray
 from metafem.substrate import Radial
 
-# Number of cells of the coarse model: dense matrices of this size are factorised in milliseconds (400) to a
-# tenth of a second (1600), which is short for a scene with EACH asperities per cell.
-USUAL_CELLS = 400
+# Number of cells of the coarse model: dense matrices of this size are factorised in a fraction of a
+# millisecond (100) to a tenth of a second (1600), which is short for a scene with EACH asperities per cell.
+USUAL_CELLS = 100
 MAX_CELLS = 1600
 EACH = 200
 
 # Minimum number of asperities per cell.
-FEWEST = 8
+FEWEST = 16
 
 # Points per side of a cell over which the mean influence is taken.
 POINTS = 3

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from metafem.models.curve import (
     solved,
 )
 from metafem.models.interacting.coupled import Coupled
+from metafem.models.interacting.fft_sums import find_lattice
 from metafem.models.interacting.influence import coupling_between
 from metafem.models.interacting.large import NOT_RECORDED, LargeScene
 from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
@@ -36,9 +37,12 @@ from metafem.substrate import Radial
 # Largest residual of a converged state; the tolerance of the kernel is ten times smaller.
 TOLERANCE = 1e-12
 
-# Scenes up to this size are solved with all pairs in dense matrices: at 2000 a product takes as long as
-# the transforms of a lattice, and the matrices of order 3 need 0.5 GB.
-DENSE_LIMIT = 2000
+# Scenes up to these sizes are solved with all pairs in dense matrices; the first is that of a lattice by
+# order 3. Measured for each load of a curve of
+# order 3 on a layer, dense and by transforms of the lattice: 1.2 and 4.2 ms with 400 asperities, 6.3 and 8.8
+# with 900, 36 and 9.5 with 1600; with the gradients 6 and 11, 53 and 24, 247 and 25 ms. The matrices of
+# order 3 of 2000 need 0.5 GB.
+LATTICE_LIMIT, DENSE_LIMIT = 600, 2000
 
 # Pairs of asperities, times loads, below which a second thread does not pay: about a millisecond.
 PAIRS_PER_THREAD = 200_000
@@ -63,6 +67,14 @@ class Solution:
 
 class ElasticCoupling(Coupled):
     """Asperities of any law without adhesion; dense matrices, or fast sums for larger scenes."""
+
+    @cached_property
+    def dense(self) -> bool:
+        """Whether all pairs stand in matrices, rather than in fast sums of a radial influence."""
+        count = self.surface.count
+        if count <= LATTICE_LIMIT or not isinstance(self.substrate, Radial):
+            return True
+        return count <= DENSE_LIMIT and (self.order == 1 or find_lattice(self.surface.position) is None)
 
     def path(self, values: FloatArray, by_load: bool, unloading: bool) -> Curve:
         """Return equilibria at increasing loads or approaches (k,)."""
@@ -97,7 +109,7 @@ class ElasticCoupling(Coupled):
 
     def areas(self, height: FloatArray, radius: FloatArray | None, load: FloatArray) -> FloatArray:
         """Return A0 [mm^2] (m, k) of lists of heights and radii (m, n); nan if not converged."""
-        if radius is not None and self.surface.count > DENSE_LIMIT:
+        if radius is not None and not self.dense:
             return areas_one_by_one(self.model.curve, self.surface, load, height, radius, None)
         solution = self._solve(height, load, True, radius=radius)
         self._refuse_thin_layer(solution.results)
@@ -108,7 +120,7 @@ class ElasticCoupling(Coupled):
         surface = self.surface
         gap, self_term = surface.gap, np.zeros(surface.count) + self.pedestals(surface.height, surface.radius)
         law = tables(self.law, surface.radius)
-        if surface.count > DENSE_LIMIT and isinstance(self.substrate, Radial):
+        if not self.dense:
             equations = LargeScene(surface, self.substrate, self.order).equations(law, self_term, gap)
             found = equations.respond(z, approach, 0.0)
             state, error = found.state, found.error
@@ -152,7 +164,7 @@ class ElasticCoupling(Coupled):
         self_term = np.zeros(height.shape) + self.pedestals(height, size)
         results = kernel.empty_results(len(height), len(control))
         law = tables(self.law, size)
-        if surface.count > DENSE_LIMIT and isinstance(bound, Radial):
+        if not self.dense:
             large = LargeScene(surface, bound, self.order)
             for row in range(len(height)):
                 part = kernel.Results(*(array[row] for array in results))

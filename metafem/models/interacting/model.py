@@ -18,6 +18,7 @@ from metafem.models.adhesion.notes import adhesive_law
 from metafem.models.curve import Curve, Sensitivity, areas_one_by_one, controlled
 from metafem.models.interacting.adhesive import AdhesiveCoupling
 from metafem.models.interacting.elastic import DENSE_LIMIT as DENSE_LIMIT
+from metafem.models.interacting.elastic import LATTICE_LIMIT as LATTICE_LIMIT
 from metafem.models.interacting.elastic import TOLERANCE as TOLERANCE
 from metafem.models.interacting.elastic import ElasticCoupling
 from metafem.substrate import HalfSpace, Substrate
@@ -162,7 +163,8 @@ class Interacting:
         InvalidInput
             For heights or loads outside their range, and a layer thinner than the contacts.
         NotConverged
-            If a residual exceeds 1e-12 (1e-9 above 2000 asperities); all results are attached.
+            If a residual exceeds 1e-12 (1e-9 above 2000 asperities, and by order 3 above 600 on a lattice);
+            all results are attached.
 
         Examples
         --------

@@ -31,7 +31,8 @@ def turned(position, angle=0.3):
 @pytest.fixture
 def large(monkeypatch):
     """Small scenes take the way of large ones."""
-    monkeypatch.setattr(interacting, "DENSE_LIMIT", 1)
+    for limit in ("LATTICE_LIMIT", "DENSE_LIMIT"):  # of order 3 on a lattice, and of all others
+        monkeypatch.setattr(interacting, limit, 1)
 
 
 def products(surface, substrate, sums):
@@ -114,7 +115,8 @@ def test_newton_krylov_agrees_with_the_dense_kernel(monkeypatch, model, places):
     surface = surface.replaced(radius=np.random.default_rng(0).uniform(0.4, 0.7, 144))
     load = np.array([0.0, 0.05, 0.5, 2.0])
     dense = model.sensitivity(surface, load)
-    monkeypatch.setattr(interacting, "DENSE_LIMIT", 1)
+    for limit in ("LATTICE_LIMIT", "DENSE_LIMIT"):  # of order 3 on a lattice, and of all others
+        monkeypatch.setattr(interacting, limit, 1)
     fast = model.sensitivity(surface, load)
     assert fast.curve.residual.max() < 1e-9
     slope = 1e-5 if model in OTHER_LAWS else 1e-6  # of the load, by an inner iteration
