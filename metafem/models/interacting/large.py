@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from metafem._kernels.contact.tabulated import Law
-from metafem._kernels.continuation import Results, uniform_approach
+from metafem._kernels.continuation import Results, empty_memory, predict, uniform_approach
 from metafem._kernels.coupling import State
 from metafem._validate import FloatArray
 from metafem.models.interacting.coarse import coarsen
@@ -51,7 +51,8 @@ class LargeScene:
         """
         equations = self.equations(law, self_term, gap)
         gap = equations.gap
-        x, rate = 0.0, None
+        x = width = 0.0
+        memory, points = empty_memory(len(gap)), 0
         state = open_state(-gap)
         for j, value in enumerate(each("load", control.tolist())):
             results.approach[j] = 0.0 if by_load else value
@@ -59,21 +60,26 @@ class LargeScene:
                 state = open_state(min(float(results.approach[j]), 0.0) - gap)
             else:
                 target = float(value) if by_load else 0.0
-                if rate is None:
-                    x = float(uniform_approach(gap, law, target) if by_load else value)
-                    z = x - gap
-                else:
-                    ahead = (
-                        (target - results.load[j - 1]) / results.stiffness[j - 1] if by_load else value - x
-                    )
-                    z, x = state.state.z + ahead * rate, x + float(ahead)
-                state, x = equations.newton(z, x, target)
+                if points:
+                    stiffness = results.stiffness[j - 1]
+                    ahead = (target - results.load[j - 1]) / stiffness if by_load else value - x
+                    z = np.empty_like(gap)
+                    ahead = predict(memory, points, width, float(ahead), target, law, z)
+                    state, new = equations.newton(z, x + ahead, target)
+                if not points or state.residual > TOLERANCE:
+                    start = float(uniform_approach(gap, law, target) if by_load else value)
+                    state, new = equations.newton(start - gap, start, target)
                 largest = float(state.state.indentation.max())
                 state.residual = max(state.residual, self.sums.error(state.state.load) / largest)
-                rate = None
-                if state.residual <= TOLERANCE:
-                    results.stiffness[j], rate = equations.tangent(state)
+                width, x = new - x, new
                 self._record(results, j, x, state)
+                if state.residual <= TOLERANCE:
+                    points = min(2, points + 1) if width > 0.0 else 1
+                    memory.before[:], memory.before_rate[:] = memory.last, memory.last_rate
+                    memory.last[:] = state.state.z
+                    results.stiffness[j], memory.last_rate[:] = equations.tangent(state)
+                else:
+                    points = 0
                 if gradient.size:
                     gradient[j] = equations.area_gradient(state)
             if indentation.size:
