@@ -18,6 +18,9 @@ from metafem.substrate import Radial
 # Allowed deviation of positions from the lattice over the pitch, in addition to the rounding of their values.
 LATTICE_TOLERANCE = 1e-9
 
+# Cells of a grid above which a second thread pays: starting it takes as long as a transform of 80 x 80 cells.
+CELLS_PER_THREAD = 250_000
+
 # Largest fraction of missing sites; with more, the sums for scattered positions are used.
 FEWEST_SITES = 0.25
 
@@ -86,6 +89,7 @@ class LatticeSums:
         self.products = 0
         self._index = lattice.site @ np.array([lattice.shape[1], 1])
         self._padded = tuple(next_fast_len(2 * size - 1, real=True) for size in lattice.shape)
+        self._threads = THREADS if math.prod(self._padded) > CELLS_PER_THREAD else 1
 
     @property
     def note(self) -> str:
@@ -121,11 +125,11 @@ class LatticeSums:
 
     def _forward(self, vector: FloatArray) -> NDArray[np.complex128]:
         self.products += 1
-        return np.asarray(rfft2(self._grid(vector), self._padded, workers=THREADS))
+        return np.asarray(rfft2(self._grid(vector), self._padded, workers=self._threads))
 
     def _backward(self, spectrum: NDArray[np.complex128]) -> FloatArray:
         rows, columns = self.lattice.shape
-        field = irfft2(spectrum, self._padded, workers=THREADS)
+        field = irfft2(spectrum, self._padded, workers=self._threads)
         return np.asarray(field[:rows, :columns].ravel()[self._index])
 
     def _offsets(self, shape: tuple[int, ...]) -> tuple[FloatArray, FloatArray, FloatArray]:
