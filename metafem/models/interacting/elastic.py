@@ -42,7 +42,7 @@ TOLERANCE = 1e-12
 # order 3 on a layer, dense and by transforms of the lattice: 1.2 and 4.2 ms with 400 asperities, 6.3 and 8.8
 # with 900, 36 and 9.5 with 1600; with the gradients 6 and 11, 53 and 24, 247 and 25 ms. The matrices of
 # order 3 of 2000 need 0.5 GB.
-LATTICE_LIMIT, DENSE_LIMIT = 600, 2000
+LATTICE_LIMIT, DENSE_LIMIT = 400, 2000
 
 # Pairs of asperities, times loads, below which a second thread does not pay: about a millisecond.
 PAIRS_PER_THREAD = 200_000

@@ -163,7 +163,7 @@ class Interacting:
         InvalidInput
             For heights or loads outside their range, and a layer thinner than the contacts.
         NotConverged
-            If a residual exceeds 1e-12 (1e-9 above 2000 asperities, and by order 3 above 600 on a lattice);
+            If a residual exceeds 1e-12 (1e-9 above 2000 asperities, and by order 3 above 400 on a lattice);
             all results are attached.
 
         Examples
