@@ -1,0 +1,70 @@
+"""Random scenes from sparse to crowded, and what `Automatic` chooses on them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+import metafem as mf
+from metafem._validate import FloatArray
+from metafem.contact import Contact
+from metafem.models.truncation import truncation
+from metafem.substrate import Substrate
+
+LAWS = (mf.Hertz(), mf.SphericalCap(), mf.PowerCap(3.0), mf.PowerCap(4.0))
+TITLES = ("independent asperities", "order 1", "order 3")
+TOLERANCES = (1e-4, 1e-3, 1e-2)
+
+# Part of the tolerance up to which the estimated error of order 3 makes it the reference.
+NEGLIGIBLE = 0.3
+
+
+class Choice(NamedTuple):
+    """What `Automatic` chose: numbers of models in `TITLES`, errors of A0 against order 3."""
+
+    tolerance: float
+    chosen: int
+    cheapest: int  # the first within the tolerance
+    estimate: float
+    error: float
+
+
+def scene(rng: np.random.Generator) -> tuple[mf.Surface, Contact, Substrate, FloatArray]:
+    """Return a surface of 2 to 39 asperities, 0.3 to 160 mm apart, a law, a substrate and 20 loads."""
+    count, pitch = int(rng.integers(2, 40)), 10 ** rng.uniform(-0.1, 2.0)
+    row, column = np.divmod(rng.permutation(7 * 7)[:count], 7)
+    position = pitch * (np.column_stack([row, column]) + 0.3 * rng.uniform(-1.0, 1.0, (count, 2)))
+    radius = 0.5 * (10 ** rng.uniform(-0.5, 0.5, count) if rng.random() < 0.5 else np.ones(count))
+    spread = 10 ** rng.uniform(-3.0, -0.7)
+    block = mf.Block(1000.0, 1000.0, 10 ** rng.uniform(0.3, 1.5))
+    height = 0.3 + rng.uniform(0.0, spread, count)
+    surface = mf.Surface(position, height, radius, mf.Material(1.36, 0.5), block=block)
+    law = LAWS[int(rng.integers(len(LAWS)))]
+    substrate = (mf.HalfSpace(), mf.BondedLayer())[int(rng.integers(2))]
+    approach = 10 ** rng.uniform(-3.0, -1.5) * radius.min() + spread * rng.uniform(0.0, 1.0)
+    end = mf.Independent(law).curve(surface, approach=np.array([approach])).load[0]
+    return surface, law, substrate, np.linspace(end / 20, end, 20)
+
+
+def choices(count: int, seed: int = 0) -> list[Choice]:
+    """Return the choices of `Automatic` on `count` scenes, where order 3 is accurate enough to judge them."""
+    rng, found = np.random.default_rng(seed), []
+    for _ in range(count):
+        surface, law, substrate, load = scene(rng)
+        orders = [mf.Interacting(order, substrate, law) for order in (1, 3)]
+        try:
+            curves = [model.curve(surface, load).checked() for model in (mf.Independent(law), *orders)]
+        except mf.MetafemError:
+            continue
+        errors = [float(np.abs(curve.area / curves[2].area - 1.0).max()) for curve in curves]
+        last = truncation(surface, curves[2].last.area, substrate, law)
+        for tolerance in TOLERANCES:
+            if last <= NEGLIGIBLE * tolerance:
+                curve = mf.Automatic(tolerance, substrate, law).curve(surface, load)
+                words = curve.notes[0].text.removeprefix("chosen: ")
+                chosen = next(i for i, title in enumerate(TITLES) if words.startswith(title))
+                cheapest = next(i for i, error in enumerate(errors) if error <= tolerance)
+                error = float(np.abs(curve.area / curves[2].area - 1.0).max())
+                found.append(Choice(tolerance, chosen, cheapest, float(words.split()[-1]), error))
+    return found
