@@ -34,36 +34,21 @@ class SobolIndices(NamedTuple):
     total: Estimate
 
 
-class Plan(NamedTuple):
-    """Batches and points for at least a wanted number of draws.
+def plan(draws: int, groups: int) -> tuple[int, int]:
+    """Return the numbers of batches and of points in each, a power of two, for at least `draws` draws.
 
-    Attributes
-    ----------
-    batches, points : int
-        Number of batches, and of points in each; the latter is a power of two.
-    draws : int
-        Number of evaluations of the function.
-    """
-
-    batches: int
-    points: int
-    draws: int
-
-
-def plan(draws: int, groups: int) -> Plan:
-    """Return the batches for at least `draws` draws; each point has ``2 + 2 groups`` of them.
+    The function is evaluated at ``2 + 2 groups`` times as many points.
 
     Examples
     --------
     >>> plan(10_000, 3)
-    Plan(batches=16, points=128, draws=16384)
+    (16, 128)
     """
     each = 2 + 2 * groups
     points = 2
     while points < MOST_POINTS and FEWEST_BATCHES * points * each < draws:
         points *= 2
-    batches = max(FEWEST_BATCHES, -(-draws // (points * each)))
-    return Plan(batches, points, batches * points * each)
+    return max(FEWEST_BATCHES, -(-draws // (points * each))), points
 
 
 def exchanged(seed: int, batch: int, groups: Sequence[Sequence[int]], points: int) -> FloatArray:
@@ -170,7 +155,7 @@ def sobol_indices(
     >>> found.first_order.value.round(2).ravel(), found.mean.value.round(3)
     (array([0.89, 0.11]), array([1.999]))
     """
-    batches, points, _ = plan(draws, len(groups))
+    batches, points = plan(draws, len(groups))
     centre = function(np.full(sum(map(len, groups)), 0.5))
     means = [
         batch_means(function(exchanged(seed, batch, groups, points)), centre) for batch in range(batches)
