@@ -7,6 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebpts1
+from numpy.polynomial.polynomial import polyval2d
+from numpy.typing import NDArray
 from scipy.optimize import elementwise
 
 from metafem._validate import FloatArray
@@ -76,7 +79,7 @@ class CapContact:
     def excess_at(self, h: FloatArray, ratio: FloatArray) -> FloatArray:
         """Return the polynomials f and g, (2, n)."""
         x, y = _scaled(h, self.height), _scaled(ratio, self.ratio)
-        return np.asarray(np.polynomial.polynomial.polyval2d(x, y, self.excess))
+        return np.asarray(polyval2d(x, y, self.excess))
 
 
 def solve_caps(
@@ -118,7 +121,9 @@ def caps_of(surface: Surface, indentation: FloatArray) -> dict[float, CapContact
     }
 
 
-def cap_contact(surface: Surface, radius: float, which: FloatArray, indentation: FloatArray) -> CapContact:
+def cap_contact(
+    surface: Surface, radius: float, which: NDArray[np.bool_], indentation: FloatArray
+) -> CapContact:
     """Compute the caps of one radius by finite elements, up to the indentations of some of them."""
     from metafem.fe import press
 
@@ -139,25 +144,20 @@ def cap_contact(surface: Surface, radius: float, which: FloatArray, indentation:
         return np.array([load - 1.0, contact.indentation * radius / a**2 - 1.0]) / s
 
     counts = HEIGHT_NODES if high > low else 1, RATIO_NODES
-    nodes = [_nodes(*ends, count) for ends, count in zip(ranges, counts, strict=True)]
+    scaled = [chebpts1(count) for count in counts]
+    nodes = [
+        0.5 * (first + last) + 0.5 * (last - first) * x
+        for (first, last), x in zip(ranges, scaled, strict=True)
+    ]
     pairs = [(h, s) for h in nodes[0] for s in nodes[1]]
     pressed = [excess(h, s) for h, s in each("finite elements of a cap", pairs)]
-    by_height, by_ratio = (
-        np.linalg.inv(np.vander(_scaled(at, ends), increasing=True))
-        for at, ends in zip(nodes, ranges, strict=True)
-    )
+    by_height, by_ratio = (np.linalg.inv(np.vander(x, increasing=True)) for x in scaled)
     table = np.einsum("ih,hsk,js->ijk", by_height, np.reshape(pressed, (*counts, 2)), by_ratio)
     bare = CapContact(radius, *ranges, table)
     # between the nodes, where the errors of both polynomials are nearly largest
     h, s = 0.75 * low + 0.25 * high, 0.6 * ranges[1][1]
     error = np.abs(excess(h, s) - bare.excess_at(np.array(h), np.array(s))).max() * s
     return replace(bare, error=float(error))
-
-
-def _nodes(low: float, high: float, count: int) -> FloatArray:
-    """Return the Chebyshev nodes of an interval."""
-    angle = math.pi * (np.arange(count) + 0.5) / count
-    return np.asarray(0.5 * (low + high) - 0.5 * (high - low) * np.cos(angle))
 
 
 def _scaled(value: FloatArray, interval: tuple[float, float]) -> FloatArray:

@@ -80,14 +80,6 @@ def test_unequal_radii_are_placed_with_their_heights(design, interaction):
     np.testing.assert_allclose(found.placement_rms, interaction.placement_rms, rtol=1e-8)
 
 
-def test_fidelity_without_a_block_states_what_is_left_out(design):
-    bare = replace(design, surface=design.surface.replaced(block=None))
-    found = mf.studies.fidelity(bare)
-    assert list(found.model.values) == ["independent", "half-space"]
-    assert "no block" in found.attrs["notes"]
-    assert "fe is left out" in found.attrs["notes"]
-
-
 def test_caps_of_several_radii_that_follow_hertz_are_independent_asperities(design):
     radii = np.array([0.3, 0.526, 0.8])
     surface = design.template.replaced(
@@ -101,7 +93,7 @@ def test_caps_of_several_radii_that_follow_hertz_are_independent_asperities(desi
     np.testing.assert_allclose(separation, 0.12 - alone.approach, atol=1e-12)
 
 
-def test_fidelity_leaves_the_caps_of_many_radii_out(design):
+def test_fidelity_states_what_is_left_out(design):
     surface = design.template.replaced(radius=np.linspace(0.4, 0.6, 6), block=None)
     bare = surface.replaced(height=np.full(6, 0.12))
     with pytest.raises(
@@ -109,6 +101,8 @@ def test_fidelity_leaves_the_caps_of_many_radii_out(design):
     ):
         caps_of(bare, np.full(6, 0.01))
     found = mf.studies.fidelity(replace(design, surface=bare, sites=np.arange(6)))
+    assert list(found.model.values) == ["independent", "half-space"]
+    assert "the surface has no block" in found.attrs["notes"]
     assert "fe is left out: the summits in contact have 6 different radii" in found.attrs["notes"]
 
 
