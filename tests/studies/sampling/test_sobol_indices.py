@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from metafem.studies.sampling.sobol_indices import exchanged, plan, sobol_indices
-from validation.scenes.sobol_functions import EXACT, GROUPS, both, coverage
+from metafem.studies.sampling.sobol_indices import exchanged, plan
+from validation.scenes.sobol_functions import EXACT, GROUPS, both, coverage, sobol_indices
 
 
 def test_estimates_lie_within_their_errors():
