@@ -5,16 +5,9 @@ import pytest
 from scipy.optimize import minimize
 
 from metafem.calibration.sheared.proportional import proportional
-from validation.scenes.sheared_contacts import ERRORS, RATIO, STRENGTH, sheared
+from validation.scenes.sheared_contacts import ERRORS, STRENGTH, sheared
 
 AREAS = (ERRORS.of_area, ERRORS.of_area, ERRORS.of_friction_force)
-
-
-def test_exact_quantities_give_their_factors():
-    _, exact = sheared(np.random.default_rng(0))
-    factor, _, value = proportional(exact, AREAS)
-    assert factor == pytest.approx([RATIO, STRENGTH * RATIO], rel=1e-12)
-    assert value == pytest.approx(exact[0], rel=1e-12)
 
 
 def test_constant_errors_of_two_quantities_give_demings_line():
