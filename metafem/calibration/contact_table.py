@@ -133,8 +133,8 @@ def _unpressed(table: ContactTable, whole: NDArray[np.bool_], used: int) -> Iter
         missing = _contacts(table, ~known[left].all(axis=0))
         yield information(
             f"E* is fitted to {used} of the {int(loaded.sum())} images with a load: in "
-            f"{_images(table, left)} the area of {missing} could not be measured, and the load is that of all "
-            "contacts"
+            f"{_images(table, left)} the area of {missing} could not be measured, and the load is that of "
+            "all contacts"
         )
     never = loaded.any() & ~known[loaded].any(axis=0)
     if never.any():
