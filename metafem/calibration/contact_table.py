@@ -122,10 +122,10 @@ def pressed_images(table: ContactTable) -> tuple[NDArray[np.intp], tuple[Note, .
     """
     whole = np.isfinite(table.load) & np.isfinite(table.area).all(axis=1)
     used = np.flatnonzero(whole & (table.area > 0.0).any(axis=1))
-    return used, tuple(_unpressed(table, whole, len(used)))
+    return used, tuple(_notes_on_pressed(table, whole, len(used)))
 
 
-def _unpressed(table: ContactTable, whole: NDArray[np.bool_], used: int) -> Iterator[Note]:
+def _notes_on_pressed(table: ContactTable, whole: NDArray[np.bool_], used: int) -> Iterator[Note]:
     """Return notes on images without the areas of all contacts or without a contact."""
     loaded, known = np.isfinite(table.load), np.isfinite(table.area)
     left = loaded & ~whole
@@ -185,11 +185,13 @@ def sheared_points(table: ContactTable) -> tuple[FloatArray, NDArray[np.intp], t
             rows.append((np.nan, total[i], force[i], i))
     columns = np.array(rows, dtype=np.float64).reshape(-1, 4).T
     unused = np.isfinite(force) & np.isfinite(after).any(axis=1) & ~of_strength
-    notes = tuple(_unsheared(table, one.any(axis=1) & of_ratio, unused))
+    notes = tuple(_notes_on_sheared(table, one.any(axis=1) & of_ratio, unused))
     return columns[:3], columns[3].astype(np.intp), notes
 
 
-def _unsheared(table: ContactTable, mixed: NDArray[np.bool_], unused: NDArray[np.bool_]) -> Iterator[Note]:
+def _notes_on_sheared(
+    table: ContactTable, mixed: NDArray[np.bool_], unused: NDArray[np.bool_]
+) -> Iterator[Note]:
     """Return notes on contacts below the smallest area in one image of a pair, and on unused images."""
     if mixed.any():
         yield information(
