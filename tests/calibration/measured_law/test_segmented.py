@@ -78,19 +78,6 @@ def test_the_rule_of_the_paper_is_that_of_its_points():
     assert fixed.crossover_interval == found.crossover_interval
 
 
-@pytest.mark.slow
-def test_intervals_of_the_function_cover_as_stated():
-    """The loop of a user over simulated laws; the claim computes many laws together without the ends."""
-    trials, inside = 60, np.zeros(3)
-    for seed in range(trials):
-        found = fit_segments(law_of(noise=1.0, crossover=0.097, seed=seed), draws=500)
-        truth = (0.097, 7.0, 12.5)
-        intervals = (found.crossover_interval, *found.slope_intervals)
-        inside += [low <= value <= high for value, (low, high) in zip(truth, intervals, strict=True)]
-    # four binomial standard deviations
-    np.testing.assert_allclose(inside / trials, 0.68, atol=4.0 * np.sqrt(0.68 * 0.32 / trials))
-
-
 @pytest.mark.parametrize(
     ("call", "words"),
     [
