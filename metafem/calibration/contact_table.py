@@ -230,12 +230,10 @@ def of_contacts(
     notes += _unknown(table, used, ~known & sites)
     overlooked = np.nanmax(np.where(table.area[used] == 0.0, table.area_error[used], 0.0))
     if overlooked > 0.0 and not by_force:
-        notes.append(
-            Note(
-                f"contacts of less than {overlooked:.2g} mm^2 count as open; the errors of the total areas "
-                "do not include what these contacts lack"
-            )
+        words = (
+            f"contacts of less than {overlooked:.2g} mm^2 count as open; the errors of the total areas do not"
         )
+        notes.append(Note(f"{words} include what these contacts lack"))
     area, area_sd = table.area[used], np.nan_to_num(table.area_error[used])
     found: dict[str, Any] = {"load": table.load[used]}
     if forces[used].all():
@@ -255,12 +253,10 @@ def _asperities(sites: NDArray[np.intp], numbers: IntArray | None) -> NDArray[np
     """Return the asperities of the design at sites."""
     if numbers is None:
         return sites
-    order = np.argsort(numbers)
-    place = np.minimum(np.searchsorted(numbers, sites, sorter=order), len(numbers) - 1)
-    found = order[place]
-    wrong = listed([str(site) for site in sites[numbers[found] != sites]])
+    place = {number: i for i, number in enumerate(numbers.tolist())}
+    wrong = listed([str(site) for site in sites.tolist() if site not in place])
     refuse_if(wrong, f"the contacts have site {wrong}, which the design leaves empty or does not have")
-    return found
+    return np.array([place[site] for site in sites.tolist()], dtype=np.intp)
 
 
 def _unknown(table: ContactTable, used: NDArray[np.bool_], unknown: NDArray[np.bool_]) -> list[Note]:
