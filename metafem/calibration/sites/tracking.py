@@ -265,19 +265,8 @@ class _Stack:
             remarks += remarks_of(
                 image, (self.areas[i], self.sheared[i]), [each[i] for each in placed], names
             )
-        none = np.full(len(position), np.nan)
-        values = {
-            f"{kind}{name}": np.array(
-                [
-                    none
-                    if one is None or areas is None
-                    else one.values(getattr(areas, name), areas.smallest_area * is_error)
-                    for one, areas in zip(found, stack, strict=True)
-                ]
-            )
-            for kind, found, stack in zip(("", "sheared_"), placed, (self.areas, self.sheared), strict=True)
-            for name, is_error in (("area", False), ("area_error", True))
-        }
+        area, area_error = _at_sites(placed[0], self.areas, len(position))
+        sheared_area, sheared_area_error = _at_sites(placed[1], self.sheared, len(position))
         table = ContactTable(
             image=self.image,
             test=self.test,
@@ -286,8 +275,11 @@ class _Stack:
             position=position,
             site=np.asarray(number, dtype=np.intp),
             matched=match is not None,
+            area=area,
+            area_error=area_error,
+            sheared_area=sheared_area,
+            sheared_area_error=sheared_area_error,
             remarks=tuple(remarks),
-            **values,
         )
         of_match = () if match is None else match.notes
         notes = [replace(note, text=f"{self.image[reference]}: {note.text}") for note in of_match]
@@ -297,6 +289,20 @@ class _Stack:
             if one is not None and one.unclear
         ]
         return TrackedContacts(table, reference, match, *placed, tuple(notes))
+
+
+def _at_sites(
+    found: Views, stack: Sequence[ContactAreas | None], count: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return the areas at sites and their errors, (k, m); an open site has the error of the smallest area."""
+    none = np.full(count, np.nan)
+    rows = [
+        (none, none)
+        if one is None or areas is None
+        else (one.values(areas.area, 0.0), one.values(areas.area_error, areas.smallest_area))
+        for one, areas in zip(found, stack, strict=True)
+    ]
+    return np.array([area for area, _ in rows]), np.array([error for _, error in rows])
 
 
 @dataclass(frozen=True, eq=False, repr=False)

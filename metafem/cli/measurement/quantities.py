@@ -42,4 +42,5 @@ def names_of(options: Mapping[str, Any], arguments: Iterable[str] = ()) -> Names
     """Return the names of options and the written units, for errors; `arguments` are other options."""
     names = mf.files.option_names({name: value for name, value in options.items() if isinstance(value, str)})
     others = {name: option_name(name) for name in arguments}
+    # with a unit in the list, numbers of options in other units are printed with theirs
     return replace(names, units={**names.units, "": ("", 1.0)}, names={**names.names, **others})

@@ -129,7 +129,9 @@ def read_calibration(
         f"{'--sliding' if sliding else '--sliding-range'} belongs to records of pulls, and no table has the "
         "columns displacement_um,friction_force_mN,area_mm2 of one; leave it out",
     )
-    data.compression = _of_one_kind([part for part in parts if isinstance(part, Compression)], data.notes)
+    data.compression = _pooled_compression(
+        [part for part in parts if isinstance(part, Compression)], data.notes
+    )
     data.shear = _pooled([part for part in parts if isinstance(part, Shear)])
     known = [each for each in boundaries if each is not None]
     if known and len(known) == len(boundaries):
@@ -137,7 +139,7 @@ def read_calibration(
     return data
 
 
-def _of_one_kind(parts: list[Compression], notes: list[Note]) -> Compression | None:
+def _pooled_compression(parts: list[Compression], notes: list[Note]) -> Compression | None:
     """Return all points of compression tests, as totals if a table has no single contacts."""
     numbers = {part.area.shape[1]: part.place[0] for part in parts if part.area.ndim == 2}
     found = " and ".join(f"{number} ({place})" for number, place in numbers.items())
