@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -95,9 +96,7 @@ class LawByIndentation(Contact):
 
     def load(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Rescaled load P/E* [mm^2]."""
-        a, size, closed = _closed(contact_radius, radius)
-        load, _ = self._load_at(self._depth_at(math.pi * a**2, size), size)
-        return np.asarray(np.where(closed, load, 0.0))[()]
+        return self._of_closed(self._load_at, contact_radius, radius)[0]
 
     def second_moment(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Second moment over E* of a uniform pressure, 1/2 P/E* a^2 [mm^4], an upper bound."""
@@ -105,15 +104,19 @@ class LawByIndentation(Contact):
 
     def stiffness(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Derivative of P/E* by d [mm]; 0 for an open contact."""
-        a, size, closed = _closed(contact_radius, radius)
-        _, slope = self._load_at(self._depth_at(math.pi * a**2, size), size)
-        return np.asarray(np.where(closed, slope, 0.0))[()]
+        return self._of_closed(self._load_at, contact_radius, radius)[1]
 
     def area_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Derivative of the area by d [mm]; 0 for an open contact."""
+        return self._of_closed(self._area_at, contact_radius, radius)[1]
+
+    def _of_closed(
+        self, function: Callable[..., tuple[FloatArray, FloatArray]], contact_radius: Values, radius: Values
+    ) -> list[FloatArray]:
+        """Return a function of the indentation and its derivative at contact radii; 0 for open contacts."""
         a, size, closed = _closed(contact_radius, radius)
-        _, slope = self._area_at(self._depth_at(math.pi * a**2, size), size)
-        return np.asarray(np.where(closed, slope, 0.0))[()]
+        values = function(self._depth_at(math.pi * a**2, size), size)
+        return [np.asarray(np.where(closed, value, 0.0))[()] for value in values]
 
 
 def _closed(contact_radius: Values, radius: Values) -> tuple[FloatArray, FloatArray, np.ndarray]:

@@ -81,15 +81,13 @@ class Tolerances:
     position_sd: float = 0.0
 
     def __post_init__(self) -> None:
-        check.member(self, "height_sd", at_least=0.0)
         check.member(self, "angle", at_least=0.0, at_most=STEEPEST)
-        check.member(self, "radius_sd", at_least=0.0)
-        check.member(self, "position_sd", at_least=0.0)
+        for name in ("height_sd", "radius_sd", "position_sd"):
+            check.member(self, name, at_least=0.0)
 
     def scaled(self, factor: float) -> Tolerances:
         """Return the tolerances with all four values multiplied by a factor that is not negative."""
-        names = ("height_sd", "angle", "radius_sd", "position_sd")
-        return replace(self, **{name: factor * getattr(self, name) for name in names})
+        return replace(self, **{name: factor * value for name, value in vars(self).items()})
 
     def dimensions(self, surface: Surface) -> int:
         """Return the number of independent random numbers for one sample of a surface.
