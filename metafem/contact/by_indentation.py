@@ -91,8 +91,7 @@ class LawByIndentation(Contact):
 
     def indentation(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Indentation d [mm]."""
-        a, size, closed = _closed(contact_radius, radius)
-        return np.asarray(np.where(closed, self._depth_at(math.pi * a**2, size), 0.0))[()]
+        return self._of_closed(lambda depth, _: (depth,), contact_radius, radius)[0]
 
     def load(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Rescaled load P/E* [mm^2]."""
@@ -111,20 +110,14 @@ class LawByIndentation(Contact):
         return self._of_closed(self._area_at, contact_radius, radius)[1]
 
     def _of_closed(
-        self, function: Callable[..., tuple[FloatArray, FloatArray]], contact_radius: Values, radius: Values
+        self, function: Callable[..., tuple[FloatArray, ...]], contact_radius: Values, radius: Values
     ) -> list[FloatArray]:
-        """Return a function of the indentation and its derivative at contact radii; 0 for open contacts."""
-        a, size, closed = _closed(contact_radius, radius)
-        values = function(self._depth_at(math.pi * a**2, size), size)
-        return [np.asarray(np.where(closed, value, 0.0))[()] for value in values]
-
-
-def _closed(contact_radius: Values, radius: Values) -> tuple[FloatArray, FloatArray, np.ndarray]:
-    """Return contact radii [mm] (R/1000 if open), summit radii [mm], and whether each contact is closed."""
-    given = (np.asarray(value, dtype=np.float64) for value in (contact_radius, radius))
-    a, size = np.broadcast_arrays(*given)
-    closed = a > 0.0
-    return np.where(closed, a, 1e-3 * size), size, closed
+        """Return functions of the indentation and the summit radius at contact radii; 0 for open contacts."""
+        given = (np.asarray(value, dtype=np.float64) for value in (contact_radius, radius))
+        a, size = np.broadcast_arrays(*given)
+        closed = a > 0.0
+        depth = self._depth_at(math.pi * np.where(closed, a, 1e-3 * size) ** 2, size)
+        return [np.asarray(np.where(closed, value, 0.0))[()] for value in function(depth, size)]
 
 
 class LogCubic(NamedTuple):

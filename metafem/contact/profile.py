@@ -49,7 +49,7 @@ class Panels(NamedTuple):
     value: FloatArray  # (DEGREE + 1, m), Chebyshev coefficients of F [mm^2]
     slope: FloatArray  # (DEGREE + 1, m), of D [mm]
     bend: FloatArray  # (DEGREE + 1, m), of D' [-]
-    moment: FloatArray  # (DEGREE + 2, m), of int_0^a s F ds [mm^4]
+    moment: FloatArray  # (DEGREE + 3, m), of int_0^a s F ds [mm^4]
     depth: FloatArray  # (m + 1,), D at the edges [mm]
     power: float  # F grows as a to this power below the first panel
 
@@ -166,12 +166,8 @@ class AxisymmetricCap(Value, ElasticCap):
         half, middle = 0.5 * np.diff(edge), 0.5 * (edge[1:] + edge[:-1])
         x = np.cos(np.pi * np.arange(DEGREE, -1, -1) / DEGREE)
         vandermonde = chebyshev.chebvander(x, DEGREE)
-        points = middle + half * x[:, None]
-        integral = self._integral(points)
-        value, product = (  # of F and of s F
-            np.asarray(np.linalg.solve(vandermonde, each), dtype=np.float64)
-            for each in (integral, points * integral)
-        )
+        given = self._integral(middle + half * x[:, None])
+        value: FloatArray = np.asarray(np.linalg.solve(vandermonde, given), dtype=np.float64)
         refuse_if(
             callable(self.profile) and (np.abs(value[-2:]) > SMOOTH * value[0]).any(),
             "profile: the function is not smooth up to the extent; use a smaller one, or give it as a "
@@ -179,6 +175,11 @@ class AxisymmetricCap(Value, ElasticCap):
         )
         slope: FloatArray = np.asarray(chebyshev.chebder(value) / half)
         bend: FloatArray = np.asarray(chebyshev.chebder(slope) / half)
+        product = np.zeros((DEGREE + 2, len(half)))  # s F = middle F + half x F
+        product[:-1] = middle * value
+        product[1] += half * value[0]
+        product[2:] += 0.5 * half * value[1:]
+        product[:-2] += 0.5 * half * value[1:]
         moment: FloatArray = np.multiply(chebyshev.chebint(product, lbnd=-1.0), half)
         first, first_depth = (float(chebyshev.chebval(-1.0, part[:, 0])) for part in (value, slope))
         power = float(edge[0] * first_depth / first)
