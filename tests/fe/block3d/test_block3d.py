@@ -329,12 +329,12 @@ def test_lattice_on_the_paper_s_block(paper):
 
 
 @pytest.mark.slow
-def test_lattice_on_the_paper_s_block_is_converged(paper):
-    # the corner, its neighbours and the centre, without the coarser mesh of the error estimate
-    site = [0, 1, 9, 27, 28, 36, 63]
-    position = lattice().position
-    lines, _ = quarter_lines(BLOCK, position, 0.2, 0.004)
-    (refined, *_), _ = influence._remainder(BLOCK, 0.5, position[site], lines)
-    distance = np.linalg.norm(position[site, None] - position[site], axis=-1) + np.diag(np.full(7, np.inf))
-    found = paper.matrix[np.ix_(site, site)] - 1.0 / (math.pi * distance)
-    assert np.abs(refined - found).max() < 1e-5
+def test_lattice_on_the_paper_s_block_is_converged(monkeypatch):
+    """A quarter of the influence: four equal loads, on which the cells have the largest effect."""
+    monkeypatch.setattr(influence, "PARITIES", ((1, 1),))
+    monkeypatch.setattr(influence, "COARSER", 4.0)  # the estimate of the error is not needed
+    default, refined = (
+        influence.site_influence(BLOCK, 0.5, lattice().position, *cells).matrix
+        for cells in ((Block3D.cell, Block3D.edge_cell), (0.2, 0.004))
+    )
+    assert np.abs(refined - default).max() < 1e-5 / 4.0
