@@ -39,14 +39,14 @@ from metafem.inversion.adjustment.height_steps import rounded_to_steps
 from metafem.inversion.adjustment.refinement import (
     CLOSE,
     REFINED_GOAL,
-    STRETCHES,
     filled,
     residuals,
+    stretched,
 )
 from metafem.inversion.assessment import EXACT, POINT_GOAL, model_misfit
 from metafem.inversion.candidate import Candidate
 from metafem.inversion.problem import Problem
-from metafem.inversion.search.levenberg_marquardt import Minimum, descend
+from metafem.inversion.search.levenberg_marquardt import Minimum, descend, search
 from metafem.inversion.search.nearest_law import GOAL
 from metafem.inversion.search.spaces import Bounded
 from metafem.progress import doing, each
@@ -101,7 +101,7 @@ def _best(problem: Problem, candidate: Candidate, unpinned: float, rng: np.rando
         return first
     best, chosen = np.inf, first
     for start in _starts(problem, candidate, first):
-        found = _adjusted(problem, start, goal)
+        found = _adjusted(problem, start, goal, rng)
         if found.misfit < BETTER * best or best == np.inf:
             best, chosen = found.misfit, start.with_heights(found.unknowns)
         if best <= enough:
@@ -202,19 +202,13 @@ def _starts(problem: Problem, candidate: Candidate, first: Candidate) -> Iterato
         yield filled(first, problem)
 
 
-def _adjusted(problem: Problem, start: Candidate, goal: float) -> Minimum:
+def _adjusted(problem: Problem, start: Candidate, goal: float, rng: np.random.Generator) -> Minimum:
     """Return the heights adjusted to the fixed ones, with their misfit under the model."""
     model, options, space = problem.model, problem.options, space_of(problem, start)
     _, residual, residual_of_model = residuals(problem, start, np.asarray)
-    exact, top = start.lowest_level is not None, float(start.height.max())
-    found = Minimum(start.height, np.inf)
-    # heights with depths stretched off the kinks of the law
-    stretched = [top - stretch * (top - start.height) for stretch in STRETCHES]
-    for guess in stretched if exact else [start.height]:
-        trial = descend(residual, space.project(guess), space, goal, exact, options)
-        found = trial if trial.misfit < found.misfit else found
-        if found.misfit <= EXACT:
-            break
+    exact = start.lowest_level is not None
+    guesses = stretched(start.height) if exact else [start.height]
+    found = search(residual, guesses, space, goal, 0, rng, options, exact)
     if model.gradient_model == model:
         return found
     return descend(residual_of_model, found.unknowns, space, goal, options=options)
