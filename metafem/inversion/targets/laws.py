@@ -212,11 +212,11 @@ class SampledLaw(Value, Target):
         near = nearest_within(load, law.base, law.weight, problem.bounds) / law.base
         if misfit > most:
             words = (
-                f"{{broken}}; the nearest law found misses the samples by {percent(misfit, '.3g')} rms, and "
+                f"; the nearest law found misses the samples by {percent(misfit, '.3g')} rms, and "
                 f"at most {percent(most, '.3g')} is allowed"
             )
             raise Infeasible(
-                Message(words, {"broken": broken}),
+                Message((broken, words)),
                 SampledLaw(load, area, self.weight, self.relative_error, wording),
                 by_search=law.misfit(near * law.base) <= most,
             )
@@ -325,12 +325,11 @@ class PowerLaw(Target):
         if self.prefactor is None:
             return
         load = np.array(self.load_range)
-        point = f"prefactor = {self.prefactor:g}: the friction at {{load}}, {{friction}},"
+        point = f"prefactor = {self.prefactor:g}: the friction at ", ", ", ","
         friction = self.prefactor * load**self.exponent
         broken = broken_sample(load, friction, problem, wording, margin, point)
         if broken:  # a prefactor within the bounds may still be unreachable
-            words = "{broken}; without prefactor the design chooses it"
-            raise Infeasible(Message(words, {"broken": broken}))
+            raise Infeasible(Message((broken, "; without prefactor the design chooses it")))
 
 
 def _levels(bounds: tuple[FloatArray, FloatArray], shape: FloatArray) -> tuple[float, float]:
