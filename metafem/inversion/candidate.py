@@ -82,7 +82,7 @@ class Candidate:
         position = template.position[self.sites]
         return template.replaced(position=position, height=self.height, radius=self.radius)
 
-    def placed(self, sites: IntArray, foot: float) -> Candidate:
+    def placed(self, sites: IntArray, foot: float = -np.inf) -> Candidate:
         """Return the heights on sites in any order (n,), clipped at the foot [mm] against rounding."""
         order = np.argsort(sites)
         height = np.maximum(self.height[order], foot)

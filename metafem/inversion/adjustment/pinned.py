@@ -158,12 +158,8 @@ def _in_place(candidate: Candidate, sites: IntArray, heights: FloatArray, span: 
         height[j] = heights[i]
     left = np.setdiff1d(np.arange(len(sites)), given)
     nearest = distance[left].argmin(axis=1)
-    return _sorted(
-        replace(candidate, held=sites),
-        np.append(where, sites[left]),
-        np.append(height, heights[left]),
-        np.append(radius, radius[nearest]),
-    )
+    height, radius = np.append(height, heights[left]), np.append(radius, radius[nearest])
+    return replace(candidate, held=sites, height=height, radius=radius).placed(np.append(where, sites[left]))
 
 
 def _added(problem: Problem, candidate: Candidate) -> Candidate | None:
@@ -176,17 +172,11 @@ def _added(problem: Problem, candidate: Candidate) -> Candidate | None:
     where = candidate.sites.copy()
     where[on] = free[: len(on)]
     nearest = np.abs(candidate.height[None, :] - pins.heights[:, None]).argmin(axis=1)
-    return _sorted(
-        replace(candidate, held=pins.rows),
-        np.append(where, pins.rows),
-        np.append(candidate.height, pins.heights),
-        np.append(candidate.radius, candidate.radius[nearest]),
+    height = np.append(candidate.height, pins.heights)
+    radius = np.append(candidate.radius, candidate.radius[nearest])
+    return replace(candidate, held=pins.rows, height=height, radius=radius).placed(
+        np.append(where, pins.rows)
     )
-
-
-def _sorted(candidate: Candidate, sites: IntArray, height: FloatArray, radius: FloatArray) -> Candidate:
-    order = np.argsort(sites)
-    return replace(candidate, sites=sites[order], height=height[order], radius=radius[order])
 
 
 def _starts(problem: Problem, candidate: Candidate, first: Candidate) -> Iterator[Candidate]:

@@ -223,7 +223,7 @@ class SampledLaw(Value, Target):
         return replace(candidate, notes=(*candidate.notes, information(_outside(near - 1.0, margin))))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class PowerLaw(Target):
     """Friction proportional to a power of the load over a range, ``F/(sigma B) = C (P/E*)^beta``.
 
@@ -249,16 +249,21 @@ class PowerLaw(Target):
 
     exponent: float
     load_range: LoadRange
-    prefactor: float | None = None
+    prefactor: float | None
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
 
-    def __post_init__(self) -> None:
-        free = self.prefactor is None
+    def __init__(
+        self,
+        exponent: float,
+        load_range: ArrayLike,
+        prefactor: float | None = None,
+        wording: Wording = RESCALED,
+    ) -> None:
         self._set(
-            self.wording,
-            exponent=check.number("exponent", self.exponent, above=0.0),
-            load_range=check.interval("load_range", self.load_range),
-            prefactor=None if free else check.number("prefactor", self.prefactor, above=0.0),
+            wording,
+            exponent=check.number("exponent", exponent, above=0.0),
+            load_range=check.interval("load_range", load_range),
+            prefactor=None if prefactor is None else check.number("prefactor", prefactor, above=0.0),
         )
 
     @classmethod
