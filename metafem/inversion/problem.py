@@ -148,6 +148,11 @@ class Problem:
         return replace(unlimited, last=last)
 
     @property
+    def tolerances(self) -> Tolerances:
+        """Errors of the surfaces for which a robust design is sought; by default none."""
+        return self.robust or Tolerances()
+
+    @property
     def count(self) -> int:
         """Number of sites N, the largest number of asperities."""
         return self.template.count
