@@ -104,4 +104,4 @@ def below_limit(height: FloatArray, limits: Limits) -> FloatArray:
 
     The shift changes the law only of models that include the compliance of the caps.
     """
-    return np.asarray(np.maximum(limits.offset + limits.max_height - (height.max() - height), limits.foot))
+    return np.asarray(np.maximum(limits.top - (height.max() - height), limits.foot))

@@ -66,7 +66,7 @@ BETTER = 0.9
 def space_of(problem: Problem, candidate: Candidate) -> Bounded:
     """Return the limits of the heights of a candidate, with the fixed heights."""
     limits, rows = problem.limits, candidate.held_rows
-    return Bounded(limits.foot, limits.offset + limits.max_height, rows, candidate.height[rows])
+    return Bounded(limits.foot, limits.top, rows, candidate.height[rows])
 
 
 def with_pinned(
@@ -119,8 +119,7 @@ def _best(problem: Problem, candidate: Candidate, unpinned: float, rng: np.rando
 def _changed(problem: Problem, start: Candidate, goal: float, rng: np.random.Generator) -> Candidate:
     """Return the best of the heights and of random changes of them, on more or fewer sites."""
     count, lowest, limits = problem.count, int(start.height.argmin()), problem.limits
-    top = limits.offset + limits.max_height
-    space = Bounded(limits.foot, top, problem.pins.rows, problem.pins.heights)
+    space = Bounded(limits.foot, limits.top, problem.pins.rows, problem.pins.heights)
     height, radius = np.full(count, space.absent), np.full(count, start.radius[lowest])
     height[start.sites], radius[start.sites] = start.height, start.radius
     whole = replace(start, sites=np.arange(count), height=height, radius=radius)

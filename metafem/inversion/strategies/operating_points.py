@@ -99,7 +99,7 @@ def _without_levels(
 ) -> Candidate | None:
     """Return the best heights and radii found without levels, or None if they miss the points."""
     law, limits, effort = target.curve(), problem.limits, problem.effort
-    top, load = limits.offset + limits.max_height, law.load
+    top, load = limits.top, law.load
     best: Candidate | None = None
     misfit = ACCEPTED
     restarts = effort.restarts if radii.single else effort.restarts // MIXED_RESTARTS
