@@ -88,8 +88,9 @@ def _heights(
         upper = min(max(round(count * density.upper_mass), 1), count - 1)  # N_1 of regime 1, h > h_c
         parts = _middles(density, middle, top, upper), _middles(density, 0.0, middle, count - upper)
         counts = np.array([upper, count - upper])
-        found = {"weight": density.weight, "crossover_height": limits.foot + middle, "counts": counts}
-        return np.concatenate(parts), found
+        height = np.concatenate(parts)
+        crossover = limits.foot + middle
+        return height, {"weight": density.weight, "crossover_height": crossover, "counts": counts}
     if limits.height_step is None:
         return _middles(density, 0.0, top, count), {}
     levels, numbers = level_counts(density, count, limits.height_step)

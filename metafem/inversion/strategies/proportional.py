@@ -98,10 +98,10 @@ def _refuse_second(target: Any, problem: Problem, slack: float, scope: str) -> N
 
 def _refused(words: str, nearest: StraightLaw | None, otherwise: str) -> Infeasible:
     """Return the error for a range that is not reached, with an achievable range or a remedy."""
-    low, high = (nearest and nearest.load_range) or (0.0, 0.0)
-    if nearest is None or high < LEAST_RANGE * low:
+    ends = None if nearest is None else nearest.load_range
+    if nearest is None or ends is None or ends[1] < LEAST_RANGE * ends[0]:
         return Infeasible(f"{words}; {otherwise}")
-    given = f"the line is reached from {nearest.wording.inside(low, high)}: give that load_range"
+    given = f"the line is reached from {nearest.wording.inside(*ends)}: give that load_range"
     return Infeasible(f"{words}; {given}, or {otherwise}", nearest)
 
 
