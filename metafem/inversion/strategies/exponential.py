@@ -53,11 +53,10 @@ def candidate(target: StraightLaw, problem: Problem) -> Candidate:
 
 
 def _of_mixture(target: StraightLaw, mixture: Mixture, limits: Limits) -> Candidate:
-    asperities = mixture.carrying, mixture.radius, mixture.law
     plain = ExponentialDensity(_scale(target, mixture, limits), limits.span)
     density = plain if len(target.lines) == 1 else two_branches(target, plain, mixture)
-    end = float(density.rescaled_load(0.0, *asperities))
-    intercept = plain.intercept(*asperities) if density is plain else None
+    end = float(density.rescaled_load(0.0, *mixture.asperities))
+    intercept = plain.intercept(*mixture.asperities) if density is plain else None
     parameters: dict[str, Parameter] = {"scale": plain.scale}
     if intercept is not None:
         parameters |= {"intercept": intercept, "foot_load": end}
@@ -101,10 +100,9 @@ def _heights(
 def law_of(density: ExponentialDensity, branches: tuple[Branch, ...], mixture: Mixture) -> TargetLaw:
     """Return the density's law over all branches, at even steps of the separation."""
     separation = density.max_height * (1.0 - np.arange(SEPARATIONS) / (SEPARATIONS - 1))
-    asperities = mixture.carrying, mixture.radius, mixture.law
-    load = density.rescaled_load(separation, *asperities)
+    load = density.rescaled_load(separation, *mixture.asperities)
     inside = load >= branches[0].load_range[0]
-    area = density.area(separation[inside], *asperities)
+    area = density.area(separation[inside], *mixture.asperities)
     return TargetLaw.fixed(load[inside], area)
 
 

@@ -69,6 +69,11 @@ class Mixture:
         return self.count * self._mean(self._power) ** 2 / self._mean(2.0 * self._power)
 
     @property
+    def asperities(self) -> tuple[float, float, Contact]:
+        """Number, radius and law of asperities of one radius with the same law."""
+        return self.carrying, self.radius, self.law
+
+    @property
     def _power(self) -> float:
         """The exponent m of R in the load."""
         return 1.0 - 1.0 / (self.law.power or 1.0)
