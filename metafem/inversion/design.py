@@ -243,7 +243,8 @@ def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
     if problem.layout is not None or problem.robust is not None:
         attempt(np.array([best]), problem.layout, problem.robust)
     radii: dict[str, Parameter] = {"radius": best, "tried_radii": tried, "radius_misfits": misfits}
-    result = replace(found[best], parameters=found[best].parameters | radii | _coefficients(problem, tried))
+    parameters = {**found[best].parameters, **radii, **_coefficients(problem, tried)}
+    result = replace(found[best], parameters=parameters)
     if not refused:
         return result
     which = ", ".join(f"{radius:.4g}" for radius in sorted(refused))

@@ -127,7 +127,7 @@ class Pins:
         """Return the pins of the limits, or raise InvalidInput for those that do not fit the template."""
         pinned: Any = limits.pinned
         words = "a mapping of site numbers to heights [mm] or None, for example {9: 0.15, 3: None}"
-        check.instance("pinned", pinned, Mapping, words)  # type: ignore[type-abstract]
+        check.instance("pinned", pinned, Mapping, words)
         found: dict[int, float | None] = {}
         last = template.count - 1
         for site, height in pinned.items():

@@ -52,7 +52,7 @@ def candidate(target: StraightLaw, problem: Problem) -> Candidate:
     return best_mixture(lambda mixture: _of_mixture(target, mixture, problem.limits), problem)
 
 
-def _of_mixture(target: StraightLaw, mixture: Mixture, limits: Limits) -> Candidate:
+def _of_mixture(target: Any, mixture: Mixture, limits: Limits) -> Candidate:
     plain = ExponentialDensity(_scale(target, mixture, limits), limits.span)
     density = plain if len(target.lines) == 1 else two_branches(target, plain, mixture)
     end = float(density.rescaled_load(0.0, *mixture.asperities))
