@@ -42,7 +42,6 @@ from scipy.special import ndtr
 
 from metafem._validate import FloatArray
 from metafem._values import percent
-from metafem.inversion.adjustment.height_steps import rounded_to_steps
 from metafem.inversion.adjustment.pinned import space_of
 from metafem.inversion.assessment import DesignStatus, model_misfit, status_of
 from metafem.inversion.candidate import Candidate, Parameter, below_limit
@@ -76,42 +75,33 @@ LOADS, ROUNDS = 30, 1
 FRESH_ERRORS, FEWEST_FRESH = 1000, 20
 
 
-def made_robust(
-    problem: Problem, plain: Candidate, unrounded: Candidate, rng: np.random.Generator
-) -> Candidate:
-    """Return heights and sites of the least expected misfit, or the plain ones without a significant gain.
+def made_robust(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
+    """Return the candidate with heights and sites of the least expected misfit.
 
-    The plain candidate is on height steps if there are any, the other one is not yet rounded. Heights on
-    levels and those of many asperities do not change; only their sites do.
+    Heights on levels and those of many asperities do not change; only their sites do.
     """
-    if problem.tolerances.dimensions(plain.surface(problem.template)) == 0:
-        return replace(plain, notes=(*plain.notes, information("the tolerances of the robust design are 0")))
-    with doing("lowering the expected misfit"):
-        trial = _least(problem, unrounded, rng)
-    trial = rounded_to_steps(problem, trial)
-    with doing("measuring the expected misfit"):
-        return _compared(problem, plain, trial, rng)
-
-
-def _least(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
-    """Return the candidate with heights and sites of the least expected misfit."""
-    if (candidate.stepped and not problem.model.couples) or len(candidate.height) > MOST_ROBUST:
-        return _exchanged(problem, candidate, rng) if problem.tolerances.angle else candidate
     count = problem.tolerances.dimensions(candidate.surface(problem.template))
-    unit = _with_both_signs(_orthogonal(count, FEWEST_ERRORS, MOST_ERRORS, rng))
-    best, misfit = _lowered(problem, candidate, unit)
-    for _ in each("exchange of sites", range(ROUNDS if problem.tolerances.angle else 0)):
-        found = _lowered(problem, _exchanged(problem, best, rng), unit)
-        best, misfit = found if found[1] < misfit else (best, misfit)
+    if count == 0:
+        return candidate
+    with doing("lowering the expected misfit"):
+        if (candidate.stepped and not problem.model.couples) or len(candidate.height) > MOST_ROBUST:
+            return _exchanged(problem, candidate, rng) if problem.tolerances.angle else candidate
+        unit = _with_both_signs(_orthogonal(count, FEWEST_ERRORS, MOST_ERRORS, rng))
+        best, misfit = _lowered(problem, candidate, unit)
+        for _ in each("exchange of sites", range(ROUNDS if problem.tolerances.angle else 0)):
+            found = _lowered(problem, _exchanged(problem, best, rng), unit)
+            best, misfit = found if found[1] < misfit else (best, misfit)
     return best
 
 
-def _compared(problem: Problem, plain: Candidate, robust: Candidate, rng: np.random.Generator) -> Candidate:
+def compared(problem: Problem, plain: Candidate, robust: Candidate, rng: np.random.Generator) -> Candidate:
     """Return the robust candidate, or the plain one without a significant gain, with the expected misfits.
 
     The mean square misfits of each pair of errors of both signs are compared.
     """
     count = problem.tolerances.dimensions(plain.surface(problem.template))
+    if count == 0:
+        return replace(plain, notes=(*plain.notes, information("the tolerances of the robust design are 0")))
     # the time of a curve grows at least with the square of the number of asperities
     draws = FRESH_ERRORS * FEW_SITES**2 // max(FEW_SITES, len(plain.height)) ** 2
     unit = _with_both_signs(rng.standard_normal((max(FEWEST_FRESH, draws), count)))
