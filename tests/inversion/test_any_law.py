@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 import metafem as mf
 from metafem.inversion import DesignStatus
-from tests.models.scenes import said
 from validation.scenes.random_laws import LATTICE, LIMITS, random_law
 
 MODELS = [mf.Independent(), mf.Interacting(), mf.Interacting(substrate=mf.BondedLayer())]
@@ -136,9 +135,3 @@ def test_a_design_under_resolved_contacts_is_refined_and_drawn():
     assert result.misfit <= 1e-6
     assert any("gradients were those of the model half-space" in str(note) for note in result.notes)
     assert any("the law is that of the model half-space" in str(note) for note in result.law.notes)
-
-
-def test_heights_that_were_only_found_are_not_called_adjusted():
-    result = mf.design(mf.PowerLaw(1.0, (0.1, 0.4)), LATTICE, limits=LIMITS)
-    assert result.status is DesignStatus.REACHED
-    assert "heights were moved" not in said(result)
