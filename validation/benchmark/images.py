@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import resource
 import sys
 import tempfile
 import time
@@ -18,7 +17,7 @@ from metafem.calibration import stack_areas
 from validation.calibration.image_areas import errors
 from validation.check import rms
 from validation.scenes.pictures import picture
-from validation.timing import Row, Spent, spent
+from validation.timing import Row, Spent, peak_memory, spent
 
 # Images of a stack, rows and columns of each, and contacts along each side.
 IMAGES, SHAPE, SIDE = 100, (2048, 2048), 8
@@ -51,16 +50,8 @@ def drawn(step: int) -> Any:
     radius = LARGEST * np.sqrt(np.maximum((step + 1.0) / DRAWN - height, 0.0))
     centre = np.stack([x.ravel(), y.ravel()], axis=1)
     shown = radius > 0.0
-    return picture(
-        SHAPE,
-        centre[shown],
-        radius[shown],
-        noise=0.05,
-        gradient=(0.2, -0.1),
-        vignetting=0.1,
-        bits=8,
-        rng=step,
-    )
+    light = {"noise": 0.05, "gradient": (0.2, -0.1), "vignetting": 0.1}
+    return picture(SHAPE, centre[shown], radius[shown], **light, bits=8, rng=step)
 
 
 def command(stack: Stack) -> Spent:
@@ -88,23 +79,16 @@ def rows() -> Iterator[Row]:
     with mf.progress.listening(lambda step, done: steps.append(step)):
         found = stack_areas(stack, pixel_size=0.005)
     seconds = time.process_time() - start
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    peak = peak_memory()
     name = f"{IMAGES} images of {SHAPE[0]}², {found[-1].count} contacts in the last"
     yield Row(f"{name}: processor time", 30.0, seconds, "s")
     yield Row(f"{name}: peak memory, with {DRAWN} drawn pictures", 1.0, peak, "GiB")
-    yield Row(f"{name}: steps that were not reported", 0.0, float(IMAGES - len(steps)))
-    yield Row(
-        f"metafem images, TIFF stack of {IMAGES} images of {SHAPE[0]}²: elapsed time",
-        30.0,
-        used.seconds,
-        "s",
-    )
+    yield Row(f"{name}: steps that were not reported", 0.0, IMAGES - len(steps))
+    what = f"metafem images, TIFF stack of {IMAGES} images of {SHAPE[0]}²: elapsed time"
+    yield Row(what, 30.0, used.seconds, "s")
     yield Row("the same: processor time", 30.0, used.processor, "s")
     yield Row("the same: peak memory", 1.0, used.memory, "GiB")
     for radius, noise, blur in GRID:
         area, _, sd = errors(radius, noise=noise, blur=blur)
-        ratio = rms(area / sd)
-        what = (
-            f"radius {radius:g}, noise {noise:g}, blur {blur:g}: rms of error over reported error, off 1 by"
-        )
-        yield Row(what, 0.2, abs(ratio - 1.0))
+        scene = f"radius {radius:g}, noise {noise:g}, blur {blur:g}"
+        yield Row(f"{scene}: rms of error over reported error, off 1 by", 0.2, abs(rms(area / sd) - 1.0))
