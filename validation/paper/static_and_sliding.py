@@ -19,8 +19,7 @@ from metafem.drawing import ACHIEVED, MEASURED, MEASURED_BESIDE, QUIET, TARGET
 from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels
 from validation.methods import independent
-from validation.paper.surfaces import fig4
-from validation.published import paper
+from validation.paper.surfaces import RADIUS, fig4
 from validation.scenes.compression_tests import RADII
 from validation.scenes.sheared_contacts import ERRORS
 from validation.sources import known_input, second_method
@@ -126,42 +125,33 @@ def claim() -> Claim:
     slopes = {}
     rows += [each for friction in (STATIC, SLIDING) for each in _forces(friction)]
     for name, law, found in zip(("static", "sliding"), laws, calibrations(), strict=True):
-        wanted = np.polyfit(law.rescaled_load, independent.areas(height, law.rescaled_load, 0.526), 1)[0]
+        wanted = np.polyfit(law.rescaled_load, independent.areas(height, law.rescaled_load, RADIUS), 1)[0]
         slope, sd = slope_of(law, found)
         slopes[name] = slope
         rows.append(near(f"{name} friction, rescaled: slope", slope, wanted, WITHIN * sd, line))
     # the forces of both have the errors of their own records, and share those of the load
     both = np.hypot(*(slope_of(*each)[1] for each in zip(laws, calibrations(), strict=True)))
+    static, sliding = (found.shear_strength * found.area_ratio for found in calibrations())
     rows += [
-        near(
-            "rescaled slopes, sliding less static",
-            slopes["sliding"] - slopes["static"],
-            0.0,
-            WITHIN * both,
-            SAME,
-        ),
-        reported("sliding over static friction force", ratio(test), "mean over 20 loads"),
-        reported(
-            "sliding friction rescaled by σB of static friction: slope over that of static friction",
-            slopes["sliding"] / slopes["static"] * _stress(1) / _stress(0),
-            "straight lines through the points",
-        ),
-    ]
-    return Claim(
-        "Static and sliding friction",
-        rows,
-        {"one record": Picture(_record), "laws of static and sliding friction": Picture(_laws)},
-    )
+        near("rescaled slopes, sliding less static", slopes["sliding"] - slopes["static"], 0.0,
+             WITHIN * both, SAME),
+        reported("sliding over static friction force", (test.force(True) / test.force(False)).mean(),
+                 "mean over 20 loads"),
+        reported("sliding friction rescaled by σB of static friction: slope over that of static friction",
+                 slopes["sliding"] / slopes["static"] * sliding / static,
+                 "straight lines through the points"),
+    ]  # fmt: skip
+    figures = {"one record": Picture(_record), "laws of static and sliding friction": Picture(_laws)}
+    return Claim("Static and sliding friction", rows, figures)
 
 
 def _forces(friction: mf.Friction) -> list[Row]:
     """Compare forces of the design with σB times the areas of its heights, and rescale them again."""
     surface = fig4("red").surface.replaced(friction=friction)
     law, stress = mf.friction_law(surface, load=LOADS), friction.shear_strength * friction.area_ratio
-    area = independent.areas(surface.height, law.load / surface.material.composite_modulus, 0.526)
-    measured = MeasuredLaw(
-        law.load, friction_force=stress * area, material=surface.material, friction=friction
-    )
+    area = independent.areas(surface.height, law.load / surface.material.composite_modulus, RADIUS)
+    calibrated = {"material": surface.material, "friction": friction}
+    measured = MeasuredLaw(law.load, friction_force=stress * area, **calibrated)
     pairs = {
         "predicted force F = σB A0": (law.friction_force, stress * area),
         "rescaled friction F/(σB)": (law.rescaled_friction, area),
@@ -169,17 +159,15 @@ def _forces(friction: mf.Friction) -> list[Row]:
     }
     label = f"σ = {friction.shear_strength} MPa: largest relative difference of the"
     modulus = surface.material.composite_modulus
-    whole = stress * independent.areas(surface.height, FULL / modulus, 0.526)
-    given = MeasuredLaw(FULL, friction_force=whole, material=surface.material, friction=friction)
-    pairs["strength that full contact gives"] = (
-        np.array([mf.calibration.shear_strength(given, surface, FULL[0]).shear_strength]),
-        np.array([friction.shear_strength]),
+    whole = stress * independent.areas(surface.height, FULL / modulus, RADIUS)
+    given = mf.calibration.shear_strength(
+        MeasuredLaw(FULL, friction_force=whole, **calibrated), surface, FULL[0]
     )
-    return [below(f"{label} {what}", _largest(*pair), EXACT, FORCE) for what, pair in pairs.items()]
-
-
-def _largest(found: FloatArray, expected: FloatArray) -> float:
-    return float(np.abs(found / expected - 1.0).max())
+    pairs["strength that full contact gives"] = given.shear_strength, friction.shear_strength
+    return [
+        below(f"{label} {what}", np.abs(found / expected - 1.0).max(), EXACT, FORCE)
+        for what, (found, expected) in pairs.items()
+    ]
 
 
 # Rounding of sums of 64 terms.
@@ -192,22 +180,11 @@ SAME = known_input("identity: both forces of the records are proportional to the
 def slope_of(law: MeasuredLaw, found: ShearCalibration) -> tuple[float, float]:
     """Return the slope of a line through rescaled points and its standard deviation, with that of σB."""
     sd = np.hypot(law.rescaled_friction_sd, 7.0 * law.rescaled_load_sd)  # errors of the load by the slope
-    (slope, _), covariance = np.polyfit(
-        law.rescaled_load, law.rescaled_friction, 1, w=1.0 / sd, cov="unscaled"
-    )
+    points = law.rescaled_load, law.rescaled_friction
+    (slope, _), covariance = np.polyfit(*points, 1, w=1.0 / sd, cov="unscaled")
     inverse = np.array([1.0 / found.area_ratio, 1.0 / found.shear_strength])
     of_stress = np.sqrt(inverse @ found.covariance @ inverse)  # relative, of σB
     return float(slope), float(np.hypot(np.sqrt(covariance[0, 0]), slope * of_stress))
-
-
-def ratio(test: Test) -> float:
-    """Return the mean ratio of sliding to static friction forces."""
-    return float((test.force(True) / test.force(False)).mean())
-
-
-def _stress(index: int) -> float:
-    found = calibrations()[index]
-    return found.shear_strength * found.area_ratio
 
 
 @panels(8.0, 3.0, columns=2)
@@ -237,22 +214,12 @@ def _laws(forces, rescaled):
     (line).
     """
     for law, name, ink in zip(measured()[1], ("static", "sliding"), (ACHIEVED, MEASURED_BESIDE), strict=True):
-        forces.errorbar(
-            law.load,
-            law.friction_force,
-            law.friction_force_sd,
-            law.load_sd,
-            fmt="o",
-            ms=3,
-            color=ink,
-            label=name,
-        )
-        rescaled.errorbar(
-            law.rescaled_load, law.rescaled_friction, law.rescaled_friction_sd, law.rescaled_load_sd,
-            fmt="o", ms=3, color=ink, label=name,
-        )  # fmt: skip
+        style = {"fmt": "o", "ms": 3, "color": ink, "label": name}
+        forces.errorbar(law.load, law.friction_force, law.friction_force_sd, law.load_sd, **style)
+        bars = law.rescaled_friction_sd, law.rescaled_load_sd
+        rescaled.errorbar(law.rescaled_load, law.rescaled_friction, *bars, **style)
     load = np.linspace(0.005, 0.45, 100)
-    area = independent.areas(fig4("red").surface.height, load, paper()["sample"]["radius_um"] / 1e3)
+    area = independent.areas(fig4("red").surface.height, load, RADIUS)
     rescaled.plot(load, area, color=TARGET, lw=1.0, label="law of the heights")
     forces.set(xlabel="load P [N]", ylabel="friction force F [N]")
     rescaled.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")

@@ -7,13 +7,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from validation.cited import IN_CODE, breaking
 from validation.pages import site_page
-
-if TYPE_CHECKING:
-    from markdown_it.token import Token
 
 FOLDER = Path(__file__).parents[1] / "guide"
 
@@ -91,7 +88,7 @@ def anchor(words: str) -> str:
     return re.sub(r"[^\w-]", "", words.lower().replace(" ", "-"))
 
 
-def _relinked(tokens: list[Token]) -> list[Token]:
+def _relinked(tokens: list[Any]) -> list[Any]:
     """Lead links to other pages of the guide; a link to a file that the site does not show becomes text."""
     kept, dropped = [], False
     for token in tokens:
