@@ -6,7 +6,6 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -29,19 +28,6 @@ LARGEST, DRAWN = 80.0, 10
 GRID = [(r, n, b) for r in (8.0, 16.0, 40.0) for n in (0.02, 0.1) for b in (1.0, 2.5) if r > 5.0 * b]
 
 
-@dataclass(frozen=True)
-class Stack:
-    """A sequence of images; the pictures were drawn before."""
-
-    pictures: list[Any]
-
-    def __len__(self) -> int:
-        return IMAGES
-
-    def __getitem__(self, i: int) -> Any:
-        return self.pictures[i * DRAWN // IMAGES]
-
-
 def drawn(step: int) -> Any:
     """Draw the contacts of one load: the radii differ, and the smallest are open at small loads."""
     pitch = SHAPE[0] / SIDE
@@ -54,7 +40,7 @@ def drawn(step: int) -> Any:
     return picture(SHAPE, centre[shown], radius[shown], **light, bits=8, rng=step)
 
 
-def command(stack: Stack) -> Spent:
+def command(stack: list[Any]) -> Spent:
     """Return what `metafem images` takes for a stack on disk."""
     import tifffile
 
@@ -71,7 +57,8 @@ def command(stack: Stack) -> Spent:
 
 def rows() -> Iterator[Row]:
     """Measure a stack in one process, and the reported errors over the scatter."""
-    stack = Stack([drawn(step) for step in range(DRAWN)])
+    pictures = [drawn(step) for step in range(DRAWN)]
+    stack = [pictures[i * DRAWN // IMAGES] for i in range(IMAGES)]
     # first, as a command inherits the peak memory of the process that starts it
     used = command(stack)
     steps: list[str] = []

@@ -104,10 +104,6 @@ def bounded(seconds: int) -> Iterator[None]:
             signal.signal(number, before[number])
 
 
-class Accepted(NotConverged):
-    """Raised instead of making a design."""
-
-
 @contextmanager
 def few_designs() -> Iterator[None]:
     """Design only every n-th accepted specification, and none with many sites."""
@@ -116,7 +112,7 @@ def few_designs() -> Iterator[None]:
     def design(self: Specification, model: Any = None) -> Any:
         fast = model is None and not self.model.couples and self.radii is None and self.layout is None
         if next(seen) % DESIGNED or self.template.count > FEW_SITES or not fast:
-            raise Accepted("accepted")
+            raise NotConverged("accepted, and not designed")
         return original(self, model)
 
     with mock.patch.object(Specification, "design", design):

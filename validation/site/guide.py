@@ -16,16 +16,8 @@ FOLDER = Path(__file__).parents[1] / "guide"
 
 # The pages in the order in which a newcomer reads them.
 ORDER = (
-    "start",
-    "explorer",
-    "design",
-    "models",
-    "tolerances",
-    "measurements",
-    "commands",
-    "words",
-    "modules",
-)
+    "start", "explorer", "design", "models", "tolerances", "measurements", "commands", "words", "modules",
+)  # fmt: skip
 
 # The cells of tables, and the code in them.
 CELL = re.compile(r"<td.*?</td>", re.DOTALL)
