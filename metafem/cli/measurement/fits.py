@@ -94,7 +94,7 @@ class Fits:
         if points is None:
             return None
         example = '--radius "526 um" --radius-sd "5 um"'
-        lengths = quantities(LENGTHS, options)
+        lengths, common = quantities(LENGTHS, options), self._common(points)
         radius, count, single = lengths["radius"], options["contacts"], points.contacts
         if radius is None:
             raise InvalidInput(f"E* needs the radius of the caps; add for example {example}")
@@ -109,7 +109,7 @@ class Fits:
                 surface=self._surface(lengths),
             )
             return mf.calibration.fit_compression(
-                points.load, points.area, radius, sample, robust=options["robust"], **self._common(points)
+                points.load, points.area, radius, sample, robust=options["robust"], **common
             )
 
     @cached_property
