@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -83,15 +84,16 @@ def remove(paths: list[Path]) -> int:
 
 
 def write_whole(path: Path, write: Callable[[BinaryIO], Any]) -> None:
-    """Write a file under a hidden name and rename it, so that no process reads an incomplete file."""
-    fresh = path.with_name(f".{path.name}-{os.getpid()}")
+    """Write a file under a hidden name and rename it, so that it is complete or absent."""
+    fresh = path.with_name(f".{path.name}-{os.getpid()}-{threading.get_ident()}")
     try:
         with fresh.open("wb") as file:
             write(file)
+            file.flush()
+            os.fsync(file.fileno())
         fresh.replace(path)
-    except BaseException:
+    finally:
         fresh.unlink(missing_ok=True)
-        raise
 
 
 def _children(folder: Path, name: re.Pattern[str]) -> Iterator[Path]:

@@ -47,16 +47,13 @@ class Given:
     name: str
     value: float | str | None = None
 
-
-@dataclass(frozen=True)
-class Said:
-    """An argument as a reader knows it: its name, and its value with the unit."""
-
-    name: str
-    number: str
+    @property
+    def number(self) -> str:
+        """The value as a text."""
+        return str(self.value)
 
     def __str__(self) -> str:
-        return f"{self.name} = {self.number}"
+        return f"{self.name} = {self.value}"
 
 
 @dataclass(frozen=True)
@@ -80,11 +77,11 @@ class Names:
         """Return a message with its arguments; the fields are ``{}``, ``{.name}`` and ``{.number}``."""
         return message.format(*map(self.said, about)) if about else message
 
-    def said(self, given: Given) -> Said:
-        """Return an argument as the reader knows it."""
+    def said(self, given: Given) -> Given:
+        """Return an argument as the reader knows it: its name, and its value with the unit."""
         value = given.value
         number = value if isinstance(value, str) else "" if value is None else self.number(given.name, value)
-        return Said(self.name(given.name), number)
+        return Given(self.name(given.name), number)
 
     def number(self, name: str, value: float) -> str:
         """Return a number in the unit in which its quantity was written."""

@@ -86,9 +86,7 @@ class Surface(Value):
         positions = check.array("position", position, shape=(None, 2))
         n = len(positions)
         heights = check.array("height", height, shape=(n,))
-        if check.scalar(radius):
-            radius = np.full(n, check.number("radius", radius, above=0.0))
-        radii = check.array("radius", radius, shape=(n,), positive=True)
+        radii = _radii(radius, n)
         _refuse_coincident(positions)
         _refuse_disproportion(radii, {"radius": radii, "height": heights, "position": positions})
         check.instance("material", material, Material, "a metafem.Material")
@@ -147,12 +145,9 @@ class Surface(Value):
             f"shape = {shape!r} has {rows * columns:.3g} sites; at most {MOST_SITES:.0g} are allowed",
         )
         step = check.number("pitch", pitch, above=0.0)
-        if check.scalar(radius):
-            radius = np.full(rows * columns, check.number("radius", radius, above=0.0))
-        radii = check.array("radius", radius, shape=(rows * columns,))
-        if radii.min() > 0.0:
-            for size in (radii.min(), radii.max()):
-                check.proportion("pitch", step, "radius", float(size))
+        radii = _radii(radius, rows * columns)
+        for size in (radii.min(), radii.max()):
+            check.proportion("pitch", step, "radius", float(size))
         x = step * (np.arange(columns) - 0.5 * (columns - 1))
         y = step * (np.arange(rows) - 0.5 * (rows - 1))
         position = np.column_stack([np.tile(x, rows), np.repeat(y, columns)])
@@ -275,6 +270,13 @@ class Surface(Value):
         drawing.summits(ax, self.position, self.height, self.radius)
         drawing.plan(ax)
         return ax
+
+
+def _radii(radius: ArrayLike, count: int) -> FloatArray:
+    """Return one radius for all summits, or one each, as positive radii (count,)."""
+    if check.scalar(radius):
+        radius = np.full(count, check.number("radius", radius, above=0.0))
+    return check.array("radius", radius, shape=(count,), positive=True)
 
 
 def _refuse_coincident(position: FloatArray) -> None:

@@ -26,12 +26,13 @@ BROWSER = "tests/browser/"
 # The tests of one claim run in one process.
 CLAIMS = "tests/validation/test_claims.py"
 
-# One process compiles the kernels of interacting asperities in the first file, which takes 20 s. The second
-# runs the next files, which need none of them. Those that take longest follow.
+# One process compiles the kernels of interacting asperities in the first file, which takes 40 s. The second
+# runs the next files, which need no kernels. Those that take longest follow.
 FIRST = (
-    *("tests/models/test_contract.py", BROWSER, "tests/fe/block3d/test_block3d.py"),
-    *("tests/fe/axisymmetric/test_press.py", "tests/validation/test_benchmarks.py"),
-    *("tests/studies/test_element_checks.py", "tests/studies/test_studies.py"),
+    *("tests/models/test_contract.py", BROWSER, "tests/fe/", "tests/calibration/topography/"),
+    *("tests/calibration/images/", "tests/files/specification/", "tests/files/measurement/"),
+    *("tests/files/part/", "tests/files/schema/", "tests/validation/test_benchmarks.py"),
+    *("tests/studies/test_studies.py", "tests/inversion/test_any_law.py"),
 )
 
 # Claims are short, and let the processes end together. What all of them show is compared when they are done.
@@ -77,7 +78,7 @@ def pytest_collection_modifyitems(items):
         name, others = file(item), len(FIRST)
         if name in LAST:
             return others + 1 + LAST.index(name), 0
-        return FIRST.index(name) if name in FIRST else others, -count[name]
+        return next((i for i in range(others) if name.startswith(FIRST[i])), others), -count[name]
 
     items.sort(key=place)
 
@@ -95,11 +96,12 @@ def pytest_xdist_make_scheduler(config, log):
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection():
-    """Search for no garbage while tests are collected: it takes a quarter of that time."""
+    """Search for no garbage while tests are collected, or later in them: it takes a quarter of that time."""
     gc.disable()
     try:
         return (yield)
     finally:
+        gc.freeze()
         gc.enable()
 
 

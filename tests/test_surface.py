@@ -68,12 +68,10 @@ def test_tilt_adds_the_slopes_of_both_angles():
     np.testing.assert_allclose(tilted.height - [0.1, 0.2], expected, rtol=1e-12)
 
 
-def test_perturbation_is_seeded_and_has_the_stated_deviation():
-    lattice = mf.Surface.square_lattice(0.0, (100, 100), radius=1.0, material=MATERIAL)
-    errors = lattice.perturbed(0.003, rng=3).height
-    np.testing.assert_array_equal(errors, lattice.perturbed(0.003, rng=3).height)
-    # five standard errors of a standard deviation from 10^4 draws
-    assert errors.std() == pytest.approx(0.003, rel=5.0 / math.sqrt(2e4))
+def test_perturbed_heights_are_the_draws_of_the_seed():
+    found = pair().perturbed(0.003, rng=5).height
+    drawn = np.random.default_rng(5).standard_normal(2)
+    np.testing.assert_allclose(found, pair().height + 0.003 * drawn, rtol=1e-14)
 
 
 def test_shuffling_keeps_each_height_with_its_radius():

@@ -55,15 +55,7 @@ def _first_minute():
     return figure
 
 
-class ListedClaims(Listed):
-    """The command, whose help lists the claims."""
-
-    def listed(self) -> dict[str, list[str]]:
-        """Return the groups of claims."""
-        return known()
-
-
-@click.command(cls=ListedClaims)
+@click.command(cls=Listed, listed=known)
 @click.option("-o", "--output", default="validation/results", show_default=True, help="Folder to write.")
 @click.option("--quick", is_flag=True, help="Leave out the claims that take long or measure times.")
 @click.option("--site", is_flag=True, help="Also write the guide, the examples and the reference.")

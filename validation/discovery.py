@@ -5,8 +5,10 @@ from __future__ import annotations
 import importlib
 import inspect
 import pkgutil
+from collections.abc import Callable
 from functools import cache
 from types import ModuleType
+from typing import Any
 
 import click
 
@@ -52,13 +54,11 @@ def first_line(documented: ModuleType) -> str:
 
 
 class Listed(click.Command):
-    """A command whose help lists the modules that have one of some attributes, group by group."""
+    """A command whose help lists modules, group by group."""
 
-    attributes: tuple[str, ...] = ()
-
-    def listed(self) -> dict[str, list[str]]:
-        """Return the groups and their modules."""
-        return groups(*self.attributes)
+    def __init__(self, *given: Any, listed: Callable[[], dict[str, list[str]]], **options: Any) -> None:
+        super().__init__(*given, **options)
+        self.listed = listed
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the names of each group with the first lines of their docstrings."""

@@ -7,35 +7,16 @@ with errors, and measures it.
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import click
 
 import metafem as mf
-from validation.scenes.laboratory import BLOCK, RADIUS, Series, calibration_tests, part_test
+from validation.scenes.laboratory import Series, calibration_tests, part_test
 
-WANTED = f"""
-[target]
-kind = "linear"
-slope = 6.87                    # of F/(sigma B) over P/E*
-
-[lattice]
-shape = [8, 8]
-pitch = "1.5 mm"
-radius = "{1e3 * RADIUS:g} um"
-
-[block]
-width = "{BLOCK.width:g} mm"
-length = "{BLOCK.length:g} mm"
-thickness = "{BLOCK.thickness:g} mm"
-
-[limits]
-max_height = "120 um"
-offset = "84 um"
-
-[layout]
-seed = 0
-"""
+# The specification of a surface without its material.
+WANTED = Path(__file__).with_name("wanted.toml")
 
 
 @click.command(help=__doc__.partition("\n\n")[2])
@@ -47,7 +28,7 @@ def main(folder: Path, part: Path | None) -> None:
     """Write the raw data."""
     if part is None:
         write(folder / "sample", calibration_tests())
-        (folder / "wanted.toml").write_text(WANTED.lstrip())
+        shutil.copyfile(WANTED, folder / "wanted.toml")
         click.echo(f"wrote {folder / 'sample'} and {folder / 'wanted.toml'}")
         return
     write(folder / "part", [part_test(mf.load(part).surface)])

@@ -15,7 +15,7 @@ from validation.numbers import computed, expected, is_identity, number, powers, 
 from validation.pages import site_page
 from validation.published import REFERENCE
 from validation.results import Evaluated, as_data, as_json, module_of
-from validation.sources import Kind, Source
+from validation.sources import Kind
 from validation.verdicts import verdicts
 
 Results = Mapping[str, Evaluated]
@@ -86,14 +86,8 @@ def _index(results: Results, left_out: Sequence[str], whole: bool) -> str:
         for group in _grouped(each, f"{chapter.name}.html#{each.name}")
     ]
     differing = {why.value: listed for why in Reason if (listed := [g for g in groups if g.reason is why])}
-    failed = [
-        (f"{chapter.name}.html#{anchor}", each, row)
-        for chapter, found, _ in shown
-        for each in found
-        for anchor, row in each.anchored(Check)
-        if isinstance(row, Check) and not row.passed
-    ]
-    kinds = Counter(check.source.kind for check in checks if isinstance(check.source, Source))
+    failed = [found for found in _addressed(results) if not found[2].passed]
+    kinds = Counter(check.source.kind for check in checks)
     return site_page(
         "index.html",
         here="index.html",
@@ -134,15 +128,19 @@ def _chapter(chapter: Chapter, results: Results, left_out: Sequence[str], whole:
     )
 
 
-def _printed(results: Results) -> list[tuple[str, Check]]:
-    """Return the checks of printed numbers with their addresses, in the order of the chapters."""
+def _addressed(results: Results) -> list[tuple[str, Evaluated, Check]]:
+    """Return the checks with their addresses and claims, in the order of the chapters."""
     return [
-        (f"{chapter.name}.html#{anchor}", row)
+        (f"{chapter.name}.html#{anchor}", each, row)
         for chapter in CHAPTERS
         for each in _of(chapter, results)
         for anchor, row in each.anchored(Check)
-        if isinstance(row, Check) and row.source.quantity
     ]
+
+
+def _printed(results: Results) -> list[tuple[str, Check]]:
+    """Return the checks of printed numbers with their addresses."""
+    return [(where, check) for where, _, check in _addressed(results) if check.source.quantity]
 
 
 def _key_row(each: Evaluated) -> tuple[str, Check | Result] | None:
@@ -151,11 +149,9 @@ def _key_row(each: Evaluated) -> tuple[str, Check | Result] | None:
     It is the first failed check, else the one nearest to its limit, of numbers that the paper prints if
     there are any; without checks it is the first result.
     """
-    checks = [(anchor, row) for anchor, row in each.anchored(Check) if isinstance(row, Check)]
-    results = [(anchor, row) for anchor, row in each.anchored(Result) if isinstance(row, Result)]
-    if checks:
+    if checks := each.anchored(Check):
         return max(checks, key=lambda pair: _weight(pair[1]))
-    return results[0] if results else None
+    return next(iter(each.anchored(Result)), None)
 
 
 def _weight(check: Check) -> tuple[bool, bool, bool, float]:
@@ -165,9 +161,8 @@ def _weight(check: Check) -> tuple[bool, bool, bool, float]:
 
 def _parts(each: Evaluated) -> list[tuple[str, list[tuple[str, Check]]]]:
     """Return the checks of a claim and apart from them the identities, with anchors, under titles."""
-    checks = [(anchor, row) for anchor, row in each.anchored(Check) if isinstance(row, Check)]
     found: dict[str, list[tuple[str, Check]]] = {"Checks": [], "Identities": []}
-    for anchor, row in checks:
+    for anchor, row in each.anchored(Check):
         found["Identities" if is_identity(row) and row.passed else "Checks"].append((anchor, row))
     return [(title, rows) for title, rows in found.items() if rows]
 
@@ -190,7 +185,6 @@ def _grouped(each: Evaluated, where: str = "") -> list[Statements]:
     """Return the differences of a claim, those with the same words together."""
     groups: dict[str, list[tuple[str, Difference]]] = {}
     for anchor, row in each.anchored(Difference):
-        assert isinstance(row, Difference)
         groups.setdefault(row.words, []).append((anchor, row))
     return [Statements(each.title, where, rows) for rows in groups.values()]
 

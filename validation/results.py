@@ -46,9 +46,8 @@ class Evaluated(Rows):
         for row in self.rows:
             anchor = f"{self.name}-{re.sub(r'[^a-z0-9]+', '-', row.name.lower()).strip('-')}"
             seen[anchor] += 1
-            if isinstance(row, kind):
-                rows.append((anchor if seen[anchor] == 1 else f"{anchor}-{seen[anchor]}", row))
-        return rows
+            rows.append((anchor if seen[anchor] == 1 else f"{anchor}-{seen[anchor]}", row))
+        return [pair for pair in rows if isinstance(pair[1], kind)]
 
     @property
     def failed(self) -> list[Check]:
@@ -164,10 +163,7 @@ def _claim_data(each: Evaluated) -> dict[str, Any]:
         "checks": [*map(_row_data, each.checks)],
         "results": [*map(_row_data, each.results)],
         "differences": [*map(_row_data, each.differences)],
-        "figures": [
-            {"title": figure.title, "caption": figure.caption, "data": figure.file_name}
-            for figure in each.figures
-        ],
+        "figures": [{"title": f.title, "caption": f.caption, "data": f.file_name} for f in each.figures],
     }
 
 
@@ -177,14 +173,9 @@ def _row_data(row: Row) -> dict[str, Any]:
     for key, value in data.items():
         if isinstance(value, Source):
             data[key] = {"kind": value.kind.value, "text": value.text, "link": value.link}
-        elif isinstance(value, float):
-            data[key] = _finite(value)
+        elif isinstance(value, float) and not math.isfinite(value):
+            data[key] = None  # which JSON can hold
     return data
-
-
-def _finite(value: float) -> float | None:
-    """Return a number, or None for one that JSON cannot hold."""
-    return value if math.isfinite(value) else None
 
 
 def _ran_into(error: Exception, where: str = "") -> Check:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -120,33 +120,31 @@ def pressed_images(table: ContactTable) -> tuple[NDArray[np.intp], tuple[Note, .
     The load is that of all contacts. Where the area of one contact is unknown, its load is unknown too, and
     the image does not determine E*. The sum of the other areas would bias E*.
     """
+    whole = np.isfinite(table.load) & np.isfinite(table.area).all(axis=1)
+    used = np.flatnonzero(whole & (table.area > 0.0).any(axis=1))
+    return used, tuple(_notes_on_pressed(table, whole, len(used)))
+
+
+def _notes_on_pressed(table: ContactTable, whole: NDArray[np.bool_], used: int) -> Iterator[Note]:
+    """Return notes on images without the areas of all contacts or without a contact."""
     loaded, known = np.isfinite(table.load), np.isfinite(table.area)
-    whole = loaded & known.all(axis=1)
-    touching = (table.area > 0.0).any(axis=1)
-    used, notes = np.flatnonzero(whole & touching), []
     left = loaded & ~whole
     if left.any():
         missing = _contacts(table, ~known[left].all(axis=0))
-        notes.append(
-            information(
-                f"E* is fitted to {len(used)} of the {int(loaded.sum())} images with a load: in "
-                f"{_images(table, left)} the area of {missing} could not be measured, and the load is "
-                "that of all contacts"
-            )
+        yield information(
+            f"E* is fitted to {used} of the {int(loaded.sum())} images with a load: in "
+            f"{_images(table, left)} the area of {missing} could not be measured, and the load is that of "
+            "all contacts"
         )
     never = loaded.any() & ~known[loaded].any(axis=0)
     if never.any():
-        notes.append(
-            Note(
-                f"no image with a load has the area of {_contacts(table, never)}, so that E* cannot be "
-                "fitted: take images of all contacts"
-            )
+        yield Note(
+            f"no image with a load has the area of {_contacts(table, never)}, so that E* cannot be fitted: "
+            "take images of all contacts"
         )
-    empty = whole & ~touching
+    empty = whole & ~(table.area > 0.0).any(axis=1)
     if empty.any():
-        without = f"E* is fitted without {_images(table, empty)}: no contact was found there"
-        notes.append(information(without))
-    return used, tuple(notes)
+        yield information(f"E* is fitted without {_images(table, empty)}: no contact was found there")
 
 
 def sheared_points(table: ContactTable) -> tuple[FloatArray, NDArray[np.intp], tuple[Note, ...]]:
@@ -186,25 +184,26 @@ def sheared_points(table: ContactTable) -> tuple[FloatArray, NDArray[np.intp], t
         if of_strength[i]:
             rows.append((np.nan, total[i], force[i], i))
     columns = np.array(rows, dtype=np.float64).reshape(-1, 4).T
-    notes = []
-    mixed = one.any(axis=1) & of_ratio
-    if mixed.any():
-        notes.append(
-            information(
-                f"{_images(table, mixed)}: contacts are below the smallest area that is found in one of the "
-                "images before and after shear; B is fitted to those that both show"
-            )
-        )
     unused = np.isfinite(force) & np.isfinite(after).any(axis=1) & ~of_strength
-    if unused.any():
-        missing = _contacts(table, ~np.isfinite(after[unused]).all(axis=0)) or "all contacts"
-        notes.append(
-            information(
-                f"sigma is fitted without {_images(table, unused)}: the sheared area of {missing} could not "
-                "be measured, and the friction force is that of all contacts"
-            )
+    notes = tuple(_notes_on_sheared(table, one.any(axis=1) & of_ratio, unused))
+    return columns[:3], columns[3].astype(np.intp), notes
+
+
+def _notes_on_sheared(
+    table: ContactTable, mixed: NDArray[np.bool_], unused: NDArray[np.bool_]
+) -> Iterator[Note]:
+    """Return notes on contacts below the smallest area in one image of a pair, and on unused images."""
+    if mixed.any():
+        yield information(
+            f"{_images(table, mixed)}: contacts are below the smallest area that is found in one of the "
+            "images before and after shear; B is fitted to those that both show"
         )
-    return columns[:3], columns[3].astype(np.intp), tuple(notes)
+    if unused.any():
+        missing = _contacts(table, ~np.isfinite(table.sheared_area[unused]).all(axis=0)) or "all contacts"
+        yield information(
+            f"sigma is fitted without {_images(table, unused)}: the sheared area of {missing} could not be "
+            "measured, and the friction force is that of all contacts"
+        )
 
 
 def of_contacts(
@@ -231,12 +230,10 @@ def of_contacts(
     notes += _unknown(table, used, ~known & sites)
     overlooked = np.nanmax(np.where(table.area[used] == 0.0, table.area_error[used], 0.0))
     if overlooked > 0.0 and not by_force:
-        notes.append(
-            Note(
-                f"contacts of less than {overlooked:.2g} mm^2 count as open; the errors of the total areas "
-                "do not include what these contacts lack"
-            )
+        words = (
+            f"contacts of less than {overlooked:.2g} mm^2 count as open; the errors of the total areas do not"
         )
+        notes.append(Note(f"{words} include what these contacts lack"))
     area, area_sd = table.area[used], np.nan_to_num(table.area_error[used])
     found: dict[str, Any] = {"load": table.load[used]}
     if forces[used].all():
@@ -256,12 +253,10 @@ def _asperities(sites: NDArray[np.intp], numbers: IntArray | None) -> NDArray[np
     """Return the asperities of the design at sites."""
     if numbers is None:
         return sites
-    order = np.argsort(numbers)
-    place = np.minimum(np.searchsorted(numbers, sites, sorter=order), len(numbers) - 1)
-    found = order[place]
-    wrong = listed([str(site) for site in sites[numbers[found] != sites]])
+    place = {number: i for i, number in enumerate(numbers.tolist())}
+    wrong = listed([str(site) for site in sites.tolist() if site not in place])
     refuse_if(wrong, f"the contacts have site {wrong}, which the design leaves empty or does not have")
-    return found
+    return np.array([place[site] for site in sites.tolist()], dtype=np.intp)
 
 
 def _unknown(table: ContactTable, used: NDArray[np.bool_], unknown: NDArray[np.bool_]) -> list[Note]:

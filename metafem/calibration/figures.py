@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from metafem.calibration.compression.result import ContactCalibration
     from metafem.calibration.images.contact_areas import ContactAreas
     from metafem.calibration.sheared.full_contact import StrengthFit
-    from metafem.calibration.sheared.result import ShearCalibration
+    from metafem.calibration.sheared.lines import ShearCalibration
     from metafem.calibration.sites.tracking import TrackedContacts
     from metafem.calibration.topography.correction import Correction
     from metafem.calibration.topography.made_surface import MadeSurface

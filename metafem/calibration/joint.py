@@ -17,7 +17,7 @@ from metafem.errors import refuse_if
 if TYPE_CHECKING:
     from metafem.calibration.compression.result import ContactCalibration
     from metafem.calibration.sheared.full_contact import StrengthFit
-    from metafem.calibration.sheared.result import ShearCalibration
+    from metafem.calibration.sheared.lines import ShearCalibration
 
 # Largest asymmetry and most negative eigenvalue of a correlation matrix, by the rounding of printed numbers.
 ASYMMETRY = 1e-6

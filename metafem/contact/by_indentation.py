@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -90,14 +91,11 @@ class LawByIndentation(Contact):
 
     def indentation(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Indentation d [mm]."""
-        a, size, closed = _closed(contact_radius, radius)
-        return np.asarray(np.where(closed, self._depth_at(math.pi * a**2, size), 0.0))[()]
+        return self._of_closed(lambda depth, _: (depth,), contact_radius, radius)[0]
 
     def load(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Rescaled load P/E* [mm^2]."""
-        a, size, closed = _closed(contact_radius, radius)
-        load, _ = self._load_at(self._depth_at(math.pi * a**2, size), size)
-        return np.asarray(np.where(closed, load, 0.0))[()]
+        return self._of_closed(self._load_at, contact_radius, radius)[0]
 
     def second_moment(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Second moment over E* of a uniform pressure, 1/2 P/E* a^2 [mm^4], an upper bound."""
@@ -105,23 +103,21 @@ class LawByIndentation(Contact):
 
     def stiffness(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Derivative of P/E* by d [mm]; 0 for an open contact."""
-        a, size, closed = _closed(contact_radius, radius)
-        _, slope = self._load_at(self._depth_at(math.pi * a**2, size), size)
-        return np.asarray(np.where(closed, slope, 0.0))[()]
+        return self._of_closed(self._load_at, contact_radius, radius)[1]
 
     def area_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Derivative of the area by d [mm]; 0 for an open contact."""
-        a, size, closed = _closed(contact_radius, radius)
-        _, slope = self._area_at(self._depth_at(math.pi * a**2, size), size)
-        return np.asarray(np.where(closed, slope, 0.0))[()]
+        return self._of_closed(self._area_at, contact_radius, radius)[1]
 
-
-def _closed(contact_radius: Values, radius: Values) -> tuple[FloatArray, FloatArray, np.ndarray]:
-    """Return contact radii [mm] (R/1000 if open), summit radii [mm], and whether each contact is closed."""
-    given = (np.asarray(value, dtype=np.float64) for value in (contact_radius, radius))
-    a, size = np.broadcast_arrays(*given)
-    closed = a > 0.0
-    return np.where(closed, a, 1e-3 * size), size, closed
+    def _of_closed(
+        self, function: Callable[..., tuple[FloatArray, ...]], contact_radius: Values, radius: Values
+    ) -> list[FloatArray]:
+        """Return functions of the indentation and the summit radius at contact radii; 0 for open contacts."""
+        given = (np.asarray(value, dtype=np.float64) for value in (contact_radius, radius))
+        a, size = np.broadcast_arrays(*given)
+        closed = a > 0.0
+        depth = self._depth_at(math.pi * np.where(closed, a, 1e-3 * size) ** 2, size)
+        return [np.asarray(np.where(closed, value, 0.0))[()] for value in function(depth, size)]
 
 
 class LogCubic(NamedTuple):

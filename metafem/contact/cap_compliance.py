@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike
 
 from metafem._validate import FloatArray
@@ -14,27 +15,25 @@ from metafem.errors import refuse_if
 # Range of the fit: h/R, and the largest contact radius over that of the cap's foot.
 LOWEST, TALLEST, WIDEST = 0.05, 0.6, 0.6
 
-# c_p R = sum of coefficient theta^i x^j, with the slope theta of the sphere at the foot and x = a/R, fitted
-# to finite elements (metafem.fe.measure_pedestal), nu = 0.5, with a relative error of at most FIT_ERROR.
-POWERS = ((2, 0), (3, 0), (4, 0), (5, 0), (0, 1), (1, 1), (2, 1), (0, 2), (1, 2), (0, 3))
-COEFFICIENTS = (
-    0.185815,
-    0.097759,
-    -0.01401,
-    0.007099,
-    0.27508,
-    0.000324,
-    -0.003441,
-    -0.072683,
-    -0.085914,
-    0.041567,
+# c_p R = sum of coefficient theta^i x^j over rows i and columns j, with the slope theta of the sphere at the
+# foot and x = a/R, fitted to finite elements (metafem.fe.measure_pedestal), nu = 0.5, with a relative error
+# of at most FIT_ERROR.
+COEFFICIENTS = np.array(
+    [
+        (0.0, 0.27508, -0.072683, 0.041567),
+        (0.0, 0.000324, -0.085914, 0.0),
+        (0.185815, -0.003441, 0.0, 0.0),
+        (0.097759, 0.0, 0.0, 0.0),
+        (-0.01401, 0.0, 0.0, 0.0),
+        (0.007099, 0.0, 0.0, 0.0),
+    ]
 )
 FIT_ERROR = 3e-4
 
-# Terms of the fit to finite elements that do not depend on the contact radius: coefficients of theta^2,
-# theta^3, ... Terms that grow with the contact radius belong to the contact law and are left out; for them
-# the deviations at small strain and at finite strain have equal size and opposite sign.
-LIGHT = {i: c for c, (i, j) in zip(COEFFICIENTS, POWERS, strict=True) if j == 0}
+# Terms of the fit that do not depend on the contact radius. Those that grow with it belong to the contact law
+# and are left out; for them the deviations at small strain and at finite strain have equal size and opposite
+# sign.
+LIGHT = COEFFICIENTS[:, 0]
 
 
 def pedestal_compliance(height: ArrayLike, radius: ArrayLike, contact_radius: ArrayLike = 0.0) -> FloatArray:
@@ -78,8 +77,8 @@ def pedestal_compliance(height: ArrayLike, radius: ArrayLike, contact_radius: Ar
         f"contact_radius must lie from 0 to {WIDEST:g} of the radius of the cap's foot",
     )
     angle = np.arccos(1.0 - ratio)
-    terms = [c * angle**i * x**j for c, (i, j) in zip(COEFFICIENTS, POWERS, strict=True)]
-    return np.asarray(np.sum(terms, axis=0) / size)
+    terms = polynomial.polyval(angle, COEFFICIENTS)
+    return np.asarray(polynomial.polyval(x, terms, tensor=False) / size)
 
 
 def pedestal_influence(height: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -97,8 +96,8 @@ def pedestal_influence(height: FloatArray, radius: FloatArray) -> tuple[FloatArr
     """
     ratio = np.clip(height / radius, 0.0, TALLEST)
     angle = np.arccos(1.0 - ratio)
-    value = sum(c * angle**i for i, c in LIGHT.items()) / (math.pi * radius)
+    value = polynomial.polyval(angle, LIGHT) / (math.pi * radius)
     # d angle/dh = 1/(R sin(angle)), and angle/sin(angle) stays finite
-    slope = sum(i * c * angle ** (i - 2) for i, c in LIGHT.items()) / np.sinc(angle / math.pi)
+    slope = polynomial.polyval(angle, polynomial.polyder(LIGHT)[1:]) / np.sinc(angle / math.pi)
     within = (ratio > 0.0) & (ratio < TALLEST)
     return np.asarray(value), np.where(within, slope / (math.pi * radius**2), 0.0)

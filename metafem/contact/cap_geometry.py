@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import elementwise
@@ -87,15 +86,6 @@ class Spheres:
 SPHERES = Spheres()
 
 
-class _Meridian(NamedTuple):
-    """A meridian from the summit down; all lengths divided by the scale of the profile."""
-
-    across: FloatArray  # (POINTS,), distance from the axis
-    along: FloatArray  # (POINTS,), length from the summit
-    spacing: FloatArray  # (SPACINGS,), of rings
-    error: FloatArray  # (SPACINGS,), largest chord error with this spacing
-
-
 @dataclass(frozen=True)
 class ProfileCaps:
     """Caps with any increasing profile f(rho) from the summit down; same methods as `Spheres`.
@@ -141,20 +131,19 @@ class ProfileCaps:
     def ring_count(self, height: FloatArray, radius: FloatArray, chord_error: float) -> FloatArray:
         """Number of rings for which the triangles are within the chord error [mm] of the caps."""
         scale = self._scale(radius)
-        line, foot = self._meridian(height / scale)
+        across, along, foot = self._meridian(height / scale)
+        spacing, error = self._chord_errors(across, along)
         wanted = np.log(chord_error / scale)
-        found = np.interp(wanted, np.log(line.error), np.log(line.spacing))
-        found += np.minimum(
-            wanted - math.log(line.error[0]), 0.0
-        )  # finer: no error grows slower than linearly
-        return np.asarray(np.interp(foot, line.across, line.along) / np.exp(found))
+        found = np.interp(wanted, np.log(error), np.log(spacing))
+        found += np.minimum(wanted - math.log(error[0]), 0.0)  # finer: no error grows slower than linearly
+        return np.asarray(np.interp(foot, across, along) / np.exp(found))
 
     def rings(self, height: FloatArray, radius: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
         """Distances of the summit and the rings from the axis, and their heights, (n, count + 1) [mm]."""
         scale = self._scale(radius)[:, None]
-        line, foot = self._meridian(height / scale[:, 0])
-        length = np.interp(foot, line.across, line.along)
-        x = np.interp(length[:, None] * np.arange(count + 1) / count, line.along, line.across)
+        across, along, foot = self._meridian(height / scale[:, 0])
+        length = np.interp(foot, across, along)
+        x = np.interp(length[:, None] * np.arange(count + 1) / count, along, across)
         x[:, -1] = foot
         z = height[:, None] - scale * self.profile(x)
         z[:, -1] = 0.0
@@ -181,28 +170,31 @@ class ProfileCaps:
         found = elementwise.find_root(missing, (np.zeros_like(wide), wide), args=(height,))
         return np.asarray(found.x)
 
-    def _meridian(self, height: FloatArray) -> tuple[_Meridian, FloatArray]:
-        """Return the meridian down to the foot of the tallest cap, and all feet; all divided by the scale.
+    def _meridian(self, height: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Distances from the axis and lengths from the summit along a meridian, and all feet.
+
+        The meridian ends at the foot of the tallest cap. All lengths are divided by the scale.
+        """
+        foot = self._foot(height)
+        across = foot.max() * np.linspace(0.0, 1.0, POINTS)
+        steps = np.hypot(np.diff(across), np.diff(self.profile(across)))
+        return across, np.concatenate([[0.0], np.cumsum(steps)]), foot
+
+    def _chord_errors(self, across: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Spacings of rings along a meridian, and the largest chord error with each; divided by the scale.
 
         A triangle lies within ``D^2/8 (k1 + (pi/3)^2 k2)`` of the cap, with the curvatures k1 along the
         meridian and k2 across it. Where the curvature at the summit is infinite, rings of the spacing D begin
         at D, and k1 is taken from D/4 on.
         """
-        foot = self._foot(height)
-        across = foot.max() * np.linspace(0.0, 1.0, POINTS)
-        depth = self.profile(across)
-        angle = np.arctan(np.gradient(depth, across))
-        along = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(across), np.diff(depth)))])
+        angle = np.arctan(np.gradient(self.profile(across), across))
         k1 = np.abs(np.gradient(angle, along))
         k2 = np.abs(np.sin(angle)) / np.maximum(across, across[1])
         most1, most2 = (np.maximum.accumulate(k[::-1])[::-1] for k in (k1, k2))
         spacing = along[-1] * np.geomspace(4.0 / POINTS, 1.0, SPACINGS)
-        bend = (
-            most1[np.searchsorted(along, 0.25 * spacing)]
-            + RING_ARC**2 * most2[np.searchsorted(along, spacing)]
-        )
-        error = np.maximum.accumulate(spacing**2 / 8.0 * bend)
-        return _Meridian(across, along, spacing, error), foot
+        at_summit, outside = np.searchsorted(along, 0.25 * spacing), np.searchsorted(along, spacing)
+        bend = most1[at_summit] + RING_ARC**2 * most2[outside]
+        return spacing, np.maximum.accumulate(spacing**2 / 8.0 * bend)
 
 
 CapShape = Spheres | ProfileCaps

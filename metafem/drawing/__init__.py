@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._values import MICROMETRES
-from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -69,10 +68,6 @@ def axes(ax: Axes | None, width: float = 5.0, height: float = 3.6) -> Axes:
         from matplotlib import pyplot
 
         return pyplot.figure(figsize=(width, height), layout="constrained").add_subplot()
-    from matplotlib.axes import Axes
-
-    if not isinstance(ax, Axes):
-        raise InvalidInput(f"ax = {ax!r:.60} must be the axes of a matplotlib figure")
     return ax
 
 
@@ -97,9 +92,18 @@ def svg(figure: Figure, title: str) -> str:
     return f"{text[text.index('<svg') : start]}<title>{escape(title)}</title>{text[start:]}"
 
 
-def law(ax: Axes, load: FloatArray, friction: FloatArray, *, forces: bool, label: str | None = None) -> None:
+def finished(figure: Figure) -> Figure:
+    """Remove the frames; add a legend where there are labels and none yet."""
+    for ax in figure.axes:
+        ax.spines[["top", "right"]].set_visible(False)
+        if ax.get_legend() is None and ax.get_legend_handles_labels()[1]:
+            ax.legend(frameon=False)
+    return figure
+
+
+def law(ax: Axes, load: FloatArray, friction: FloatArray, *, forces: bool, **style: Any) -> None:
     """Draw a friction law from the origin: forces [N], or rescaled load and friction [mm^2]."""
-    ax.plot(np.append(0.0, load), np.append(0.0, friction), color=ACHIEVED, lw=1.8, label=label)
+    ax.plot(np.append(0.0, load), np.append(0.0, friction), **{"color": ACHIEVED, "lw": 1.8, **style})
     name_law(ax, forces=forces)
 
 

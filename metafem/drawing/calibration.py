@@ -1,4 +1,4 @@
-"""Drawing of fits to measured points, with error bars and residuals."""
+"""Drawing of measured points with error bars, of fits to them and of residuals."""
 
 from __future__ import annotations
 
@@ -14,10 +14,16 @@ if TYPE_CHECKING:
 
 
 def measured(
-    ax: Axes, x: FloatArray, y: FloatArray, x_sd: FloatArray, y_sd: FloatArray, label: str | None = None
+    ax: Axes,
+    x: FloatArray,
+    y: FloatArray,
+    x_sd: FloatArray,
+    y_sd: FloatArray,
+    label: str | None = None,
+    colour: str = ACHIEVED,
 ) -> None:
     """Draw measured points with error bars of one standard deviation."""
-    ax.errorbar(x, y, y_sd, x_sd, fmt="o", ms=2.2, lw=0.8, color=ACHIEVED, label=label, zorder=3.0)
+    ax.errorbar(x, y, y_sd, x_sd, fmt="o", ms=3.0, lw=0.9, color=colour, label=label, zorder=3.0)
 
 
 def fitted(ax: Axes, x: FloatArray, y: FloatArray, label: str | None = None) -> None:
@@ -36,11 +42,11 @@ def proportional(
     ax.set_ylim(bottom=0.0)
 
 
-def residuals(ax: Axes, x: FloatArray, residual: FloatArray) -> None:
+def residuals(ax: Axes, x: FloatArray, residual: FloatArray, colour: str = ACHIEVED) -> None:
     """Draw residuals over their standard deviations, with lines at plus and minus one."""
     ax.axhspan(-1.0, 1.0, color=QUIET, alpha=0.2, lw=0.0)
     ax.axhline(0.0, color=TARGET, lw=1.2)
-    ax.plot(x, residual, "o", ms=3.5, color=ACHIEVED)
+    ax.plot(x, residual, "o", ms=3.5, color=colour)
     ax.set_ylabel("residual / sd")
 
 

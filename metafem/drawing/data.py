@@ -1,10 +1,9 @@
-"""The data of a figure as a table: its lines, points, bars, boxes and images."""
+"""The data of a figure as a table: its lines, points, bars and images."""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
 from io import StringIO
 from typing import TYPE_CHECKING, Any
 
@@ -25,16 +24,11 @@ MOST_POINTS, MOST_VALUES = 2000, 5000
 ALWAYS = ("panel", "series", "x", "y")
 OPTIONAL = ("value", "x_low", "x_high", "y_low", "y_high", "name")
 
-# The five lines of a box plot between one box and the next: whiskers, caps and the median.
-BOX_LINES = 6
+# The name of points and their data: columns of equal length.
+Series = tuple[str, dict[str, FloatArray]]
 
-
-@dataclass(frozen=True)
-class Series:
-    """Points of one name, and the data of each: columns of equal length."""
-
-    name: str
-    columns: dict[str, FloatArray] = field(default_factory=dict)
+# Beginnings of the labels that matplotlib gives; any other label is a name, shown in a legend or not.
+NAMELESS = ("_child", "_container", "_nolegend")
 
 
 def figure_table(figure: Figure) -> str:
@@ -50,18 +44,17 @@ def figure_table(figure: Figure) -> str:
         title = " ".join(ax.get_title().split())
         axes = f"x = {_axis_name(ax, 'x')}, y = {_axis_name(ax, 'y')}"
         heads.append(f"# panel {number}{f' ({title})' if title else ''}: {axes}")
-        for series in _series(ax):
-            count = len(series.columns["x"])
-            if count == 0:
-                continue
-            step = -(-count // MOST_POINTS) if "value" not in series.columns else 1
+        for name, columns in _series(ax):
+            count = len(columns["x"])
+            step = max(1, -(-count // MOST_POINTS)) if "value" not in columns else 1
             if step > 1:
-                heads.append(f"# panel {number}, {series.name}: one of {step} of its {count} points")
-            rows += _rows(ax, number, series, step)
-    columns = [*ALWAYS, *(each for each in OPTIONAL if any(row.get(each) for row in rows))]
+                heads.append(f"# panel {number}, {name}: one of {step} of its {count} points")
+            thinned = {key: each[::step] for key, each in columns.items()}
+            rows += ({"panel": str(number), "series": name, **row} for row in _rows(ax, thinned))
+    filled = [*ALWAYS, *(each for each in OPTIONAL if any(row.get(each) for row in rows))]
     text = StringIO()
     text.write("\n".join(heads) + "\n")
-    writer = csv.DictWriter(text, columns, restval="", extrasaction="ignore", lineterminator="\n")
+    writer = csv.DictWriter(text, filled, restval="", extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
     return text.getvalue()
@@ -87,13 +80,12 @@ def _by_colour(ax: Axes) -> dict[tuple[float, ...], str]:
     return found
 
 
-def _rows(ax: Axes, number: int, series: Series, step: int) -> Iterator[dict[str, str]]:
-    """Return the rows of a series."""
-    names = {key: _tick_names(axis) for key, axis in (("x", ax.xaxis), ("y", ax.yaxis))}
-    printed = {key: [_number(value) for value in each[::step]] for key, each in series.columns.items()}
-    for i in range(len(printed["x"])):
-        row = {"panel": str(number), "series": series.name, **{key: each[i] for key, each in printed.items()}}
-        found = [names[key].get(round(float(row[key]))) for key in ("x", "y") if names[key] and row[key]]
+def _rows(ax: Axes, columns: dict[str, FloatArray]) -> Iterator[dict[str, str]]:
+    """Return the rows of a series, with the words at their places on the axes."""
+    names = [(key, _tick_names(axis)) for key, axis in (("x", ax.xaxis), ("y", ax.yaxis))]
+    for values in zip(*columns.values(), strict=True):
+        row = {key: _number(value) for key, value in zip(columns, values, strict=True)}
+        found = (words.get(round(float(row[key]))) for key, words in names if words and row[key])
         yield {**row, "name": ", ".join(filter(None, found))}
 
 
@@ -119,39 +111,34 @@ def _tick_names(axis: Axis) -> dict[int, str]:
 def _series(ax: Axes) -> Iterator[Series]:
     """Return the series of one panel."""
     taken: set[int] = set()
+    readers = {"ErrorbarContainer": _error_bars, "BarContainer": _bars}
     for container in ax.containers:
-        kind = type(container).__name__
-        if kind == "ErrorbarContainer":
-            yield _error_bars(container)
-        elif kind == "BarContainer":
-            yield _bars(container)
-        else:
-            continue
-        taken |= {id(part) for part in _flat(container)}
-    lines = [line for line in ax.lines if id(line) not in taken]
+        if read := readers.get(type(container).__name__):
+            yield read(container)
+            taken |= set(map(id, container.get_children()))
+    kinds: tuple[Any, ...] = ax.lines, ax.collections, ax.patches
+    lines, collections, patches = ([each for each in kind if id(each) not in taken] for kind in kinds)
     yield from _lines(ax, lines)
-    for number, collection in enumerate((each for each in ax.collections if id(each) not in taken), 1):
-        yield from _collection(ax, collection, number)
-    for patch in ax.patches:
-        if id(patch) not in taken and not str(patch.get_label()).startswith("_"):
-            yield from _outline(ax, patch)
+    for number, collection in enumerate(collections, 1):
+        yield from _collection(collection, number)
+    for patch in patches:
+        if not str(patch.get_label()).startswith("_"):
+            corners = patch.get_patch_transform().transform(patch.get_path().vertices)
+            known = patch.get_data_transform().contains_branch_seperately(ax.transData)
+            yield _named(patch, "shape"), _points(*np.where(known, corners, np.nan).T)
     for number, image in enumerate(ax.images, 1):
-        yield from _image(image, number)
-
-
-def _flat(parts: Any) -> Iterator[Any]:
-    """Return the artists of a container, whose parts may be tuples."""
-    for part in parts:
-        if isinstance(part, tuple | list):
-            yield from _flat(part)
-        elif part is not None:
-            yield part
+        value: Any = np.ma.asarray(image.get_array())
+        if value.ndim == 2:  # a colour image has no values
+            left, right, bottom, top = image.get_extent()
+            across, up = ((np.arange(size) + 0.5) / size for size in value.shape[::-1])
+            y = bottom + (up if image.origin == "lower" else up[::-1]) * (top - bottom)
+            yield _field(_named(image, f"image {number}"), left + across * (right - left), y[:, None], value)
 
 
 def _named(artist: Any, otherwise: str) -> str:
     """Return the label of an artist, or another name."""
     label = " ".join(str(artist.get_label() or "").split())
-    return otherwise if not label or label.startswith("_") else label
+    return otherwise if label.startswith(NAMELESS) else label.removeprefix("_") or otherwise
 
 
 def _points(x: ArrayLike, y: ArrayLike, **more: ArrayLike) -> dict[str, FloatArray]:
@@ -162,122 +149,61 @@ def _points(x: ArrayLike, y: ArrayLike, **more: ArrayLike) -> dict[str, FloatArr
     }
 
 
-def _lines(ax: Axes, lines: list[Any]) -> Iterator[Series]:
-    """Return lines and markers; the lines of a box as its five numbers."""
+def _lines(ax: Axes, lines: Sequence[Any]) -> Iterator[Series]:
+    """Return lines and markers."""
     labels = _by_colour(ax)
-    i = number = boxes = 0
-    while i < len(lines):
-        box = _box(lines[i : i + BOX_LINES])
-        if box is not None:
-            boxes, i = boxes + 1, i + BOX_LINES
-            yield from (Series(f"box {boxes}: {name}", _points([x], [y])) for name, x, y in box)
-            continue
-        line, i = lines[i], i + 1
-        x, y = (np.asarray(each, float) for each in line.get_data(orig=False))
-        if not x.size:
-            continue
-        number += 1
+    shown = [line for line in lines if np.size(line.get_xdata(orig=False))]
+    for number, line in enumerate(shown, 1):
+        points = _points(*line.get_data(orig=False))
         # a line across the axes, such as a bound, has a position along one of them only
-        known = line.get_transform().contains_branch_seperately(ax.transData)
+        known = dict(zip("xy", line.get_transform().contains_branch_seperately(ax.transData), strict=True))
         name = f"line {number}"
-        if all(known):
+        if all(known.values()):
             name = labels.get(rgba(line.get_color()), name)
         else:
-            x, y = (
-                each[:1] if inside else np.array([np.nan]) for each, inside in zip((x, y), known, strict=True)
-            )
-        yield Series(_named(line, name), _points(x, y))
-
-
-def _box(lines: list[Any]) -> list[tuple[str, float, float]] | None:
-    """Return names, positions and values of the numbers of a box plot; None if the lines are not one."""
-    if len(lines) < BOX_LINES or any(not str(line.get_label()).startswith("_") for line in lines):
-        return None
-    data = [np.column_stack(line.get_data(orig=False)).astype(float) for line in lines]
-    corners, low, high, _, _, median = data
-    if len(corners) != 5 or [len(each) for each in data[1:]] != [2] * 5 or (corners[0] != corners[-1]).any():
-        return None
-    x = float(corners[:4, 0].mean())
-    values = (low[:, 1].min(), corners[:, 1].min(), median[0, 1], corners[:, 1].max(), high[:, 1].max())
-    names = ("lower whisker", "lower quartile", "median", "upper quartile", "upper whisker")
-    return [(name, x, float(value)) for name, value in zip(names, values, strict=True)]
+            points = {key: each[:1] if known[key] else np.array([np.nan]) for key, each in points.items()}
+        yield _named(line, name), points
 
 
 def _error_bars(container: Any) -> Series:
     """Return points with the ends of their error bars."""
     line, _, bars = container.lines
-    ends = [np.array(each.get_segments(), float) for each in bars]
-    columns: dict[str, FloatArray] = {}
-    for segments in ends:
-        if len(segments):
-            along = "x" if np.ptp(segments[:, :, 1], axis=1).max() == 0.0 else "y"
-            values = segments[:, :, 0 if along == "x" else 1]
-            columns |= {f"{along}_low": values.min(axis=1), f"{along}_high": values.max(axis=1)}
-    if line is not None:
-        x, y = line.get_data(orig=False)
-    else:
-        middle = ends[0].mean(axis=1)
-        x, y = middle.T
+    segments = [np.array(each.get_segments(), float) for each in bars]
+    x, y = segments[0].mean(axis=1).T if line is None else line.get_data(orig=False)
     points = _points(x, y)
-    kept = {key: each for key, each in columns.items() if len(each) == len(points["x"])}
-    return Series(_named(container, "error bars"), {**points, **kept})
+    for ends in segments:
+        if len(ends) == len(points["x"]) > 0:
+            along = "x" if np.ptp(ends[:, :, 1], axis=1).max() == 0.0 else "y"
+            values = ends[:, :, "xy".index(along)]
+            points |= {f"{along}_low": values.min(axis=1), f"{along}_high": values.max(axis=1)}
+    return _named(container, "error bars"), points
 
 
 def _bars(container: Any) -> Series:
     """Return the middles and the lengths of bars."""
+    boxes = np.array([[*bar.get_xy(), bar.get_width(), bar.get_height()] for bar in container.patches])
+    x, y, width, height = boxes.reshape(-1, 4).T
     across = container.orientation == "horizontal"
-    place = [
-        bar.get_y() + 0.5 * bar.get_height() if across else bar.get_x() + 0.5 * bar.get_width()
-        for bar in container.patches
-    ]
-    size = [bar.get_width() if across else bar.get_height() for bar in container.patches]
-    return Series(_named(container, "bars"), _points(size, place) if across else _points(place, size))
+    points = _points(width, y + 0.5 * height) if across else _points(x + 0.5 * width, height)
+    return _named(container, "bars"), points
 
 
-def _collection(ax: Axes, collection: Any, number: int) -> Iterator[Series]:
-    """Return the points of a scatter, the corners of a filled area, a mesh, lines or contours."""
-    kind, name = type(collection).__name__, _named(collection, f"points {number}")
+def _collection(collection: Any, number: int) -> Iterator[Series]:
+    """Return the points of a scatter, the corners of a filled area, a mesh or lines."""
+    kind, value = type(collection).__name__, collection.get_array()
     if kind == "QuadMesh":
         corners = np.asarray(collection.get_coordinates(), float)
-        middle = 0.25 * (corners[:-1, :-1] + corners[1:, :-1] + corners[:-1, 1:] + corners[1:, 1:])
-        value = np.ma.asarray(collection.get_array()).reshape(middle.shape[:2])
-        yield _field(_named(collection, "mesh"), middle[..., 0], middle[..., 1], value)
-    elif hasattr(collection, "allsegs"):
-        for level, segments in zip(collection.levels, collection.allsegs, strict=False):
-            for each in segments:
-                if len(each):
-                    yield Series(f"contour {_number(level)}", _points(*np.asarray(each).T))
+        x, y = np.moveaxis(
+            0.25 * (corners[:-1, :-1] + corners[1:, :-1] + corners[:-1, 1:] + corners[1:, 1:]), -1, 0
+        )
+        yield _field(_named(collection, "mesh"), x, y, np.ma.asarray(value).reshape(x.shape))
     elif kind == "LineCollection" or "Poly" in kind:
         for each in collection.get_paths():
-            yield Series(_named(collection, f"outline {number}"), _points(*each.vertices.T))
+            yield _named(collection, f"outline {number}"), _points(*each.vertices.T)
     else:
         x, y = np.ma.asarray(collection.get_offsets()).T
-        value = collection.get_array()
         more = {"value": value} if value is not None and len(value) == len(x) else {}
-        yield Series(name, _points(x, y, **more))
-
-
-def _outline(ax: Axes, patch: Any) -> Iterator[Series]:
-    """Return the corners of a labelled shape in the units of the axes."""
-    known = patch.get_data_transform().contains_branch_seperately(ax.transData)
-    corners = patch.get_patch_transform().transform(patch.get_path().vertices)
-    x, y = (
-        each if inside else np.full(len(each), np.nan) for each, inside in zip(corners.T, known, strict=True)
-    )
-    yield Series(_named(patch, "shape"), _points(x, y))
-
-
-def _image(image: Any, number: int) -> Iterator[Series]:
-    """Return the values of an image with the middles of its pixels; a colour image has no values."""
-    value = np.ma.asarray(image.get_array())
-    if value.ndim == 2:
-        left, right, bottom, top = image.get_extent()
-        rows, columns = value.shape
-        x = left + (np.arange(columns) + 0.5) * (right - left) / columns
-        y = bottom + (np.arange(rows) + 0.5) * (top - bottom) / rows
-        y = y if image.origin == "lower" else y[::-1]
-        across, up = np.meshgrid(x, y)
-        yield _field(_named(image, f"image {number}"), across, up, value)
+        yield _named(collection, f"points {number}"), _points(x, y, **more)
 
 
 def _field(name: str, x: FloatArray, y: FloatArray, value: Any) -> Series:
@@ -285,4 +211,5 @@ def _field(name: str, x: FloatArray, y: FloatArray, value: Any) -> Series:
     step = int(np.ceil(np.sqrt(value.size / MOST_VALUES)))
     if step > 1:
         name = f"{name} (one of {step} rows and columns)"
-    return Series(name, _points(*(each[::step, ::step] for each in (x, y)), value=value[::step, ::step]))
+    x, y = (np.broadcast_to(each, value.shape)[::step, ::step] for each in (x, y))
+    return name, _points(x, y, value=value[::step, ::step])

@@ -15,6 +15,7 @@ from metafem.drawing import (
     FloatArray,
     circles,
     empty_sites,
+    law,
     plan,
     spacing,
 )
@@ -70,9 +71,6 @@ def residual_map(ax: Axes, values: FloatArray, width: float, height: float) -> N
 
 def made_law(ax: Axes, load: FloatArray, designed: FloatArray, made: FloatArray) -> None:
     """Draw the rescaled laws (k,) [mm^2] of the design and of the made surface."""
-    ax.plot(np.append(0.0, load), np.append(0.0, designed), color=TARGET, lw=1.8, label="designed")
-    ax.plot(np.append(0.0, load), np.append(0.0, made), color=ACHIEVED, lw=1.8, ls="--", label="made")
-    ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")
-    ax.set_xlim(left=0.0)
-    ax.set_ylim(bottom=0.0)
+    law(ax, load, designed, forces=False, color=TARGET, label="designed")
+    law(ax, load, made, forces=False, ls="--", label="made")
     ax.legend(frameon=False)

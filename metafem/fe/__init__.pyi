@@ -1,11 +1,11 @@
 from .axisymmetric.active_set import ActiveSetContact as ActiveSetContact
 from .axisymmetric.active_set import search_contact as search_contact
-from .axisymmetric.cap_compliance import measure_pedestal as measure_pedestal
 from .axisymmetric.prescribed_radius import PressedContact as PressedContact
+from .axisymmetric.press import measure_pedestal as measure_pedestal
 from .axisymmetric.press import press as press
 from .block3d.substrate import Block3D as Block3D
 from .large_strain.body import FiniteContact as FiniteContact
 from .large_strain.body import NewtonStatus as NewtonStatus
 from .large_strain.press import press_finite as press_finite
-from .large_strain.table import tabulated_contact as tabulated_contact
+from .large_strain.press import tabulated_contact as tabulated_contact
 from .linear_solve import LinearStatus as LinearStatus

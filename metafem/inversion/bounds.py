@@ -152,7 +152,7 @@ class Bounds:
         """Load P/E* [mm^2] that N asperities carry when the plane reaches the base plane."""
         law, most = self.law.without_adhesion, 0.0
         for radius in (self.radii.low, self.radii.high):
-            depth = min(limits.offset + limits.max_height, float(law.largest_indentation(radius)))
+            depth = min(limits.top, float(law.largest_indentation(radius)))
             most = max(most, float(contacts(law, np.array(depth), np.array(radius)).load))
         return self.count * most
 

@@ -82,7 +82,7 @@ class Candidate:
         position = template.position[self.sites]
         return template.replaced(position=position, height=self.height, radius=self.radius)
 
-    def placed(self, sites: IntArray, foot: float) -> Candidate:
+    def placed(self, sites: IntArray, foot: float = -np.inf) -> Candidate:
         """Return the heights on sites in any order (n,), clipped at the foot [mm] against rounding."""
         order = np.argsort(sites)
         height = np.maximum(self.height[order], foot)
@@ -104,4 +104,4 @@ def below_limit(height: FloatArray, limits: Limits) -> FloatArray:
 
     The shift changes the law only of models that include the compliance of the caps.
     """
-    return np.asarray(np.maximum(limits.offset + limits.max_height - (height.max() - height), limits.foot))
+    return np.asarray(np.maximum(limits.top - (height.max() - height), limits.foot))

@@ -14,7 +14,7 @@ from metafem.errors import Infeasible
 from metafem.inversion.adjustment.height_steps import rounded_to_steps
 from metafem.inversion.adjustment.pinned import with_pinned
 from metafem.inversion.adjustment.refinement import refined
-from metafem.inversion.adjustment.robustness import made_robust
+from metafem.inversion.adjustment.robustness import compared, made_robust
 from metafem.inversion.assessment import EXACT, assess
 from metafem.inversion.candidate import Parameter
 from metafem.inversion.design_notes import design_notes
@@ -180,7 +180,12 @@ def design(
     plain = rounded_to_steps(problem, candidate)
     if problem.pins.rows.size:
         plain, candidate = with_pinned(problem, plain, candidate, generator)
-    candidate = plain if robust is None else made_robust(problem, plain, candidate, generator)
+    if robust is None:
+        candidate = plain
+    else:
+        trial = rounded_to_steps(problem, made_robust(problem, candidate, generator))
+        with doing("measuring the expected misfit"):
+            candidate = compared(problem, plain, trial, generator)
     surface = candidate.surface(problem.template)
     found = assess(problem, candidate, surface)
     if radii is not None:
@@ -243,7 +248,8 @@ def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
     if problem.layout is not None or problem.robust is not None:
         attempt(np.array([best]), problem.layout, problem.robust)
     radii: dict[str, Parameter] = {"radius": best, "tried_radii": tried, "radius_misfits": misfits}
-    result = replace(found[best], parameters=found[best].parameters | radii | _coefficients(problem, tried))
+    parameters = {**found[best].parameters, **radii, **_coefficients(problem, tried)}
+    result = replace(found[best], parameters=parameters)
     if not refused:
         return result
     which = ", ".join(f"{radius:.4g}" for radius in sorted(refused))

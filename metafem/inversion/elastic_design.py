@@ -118,8 +118,7 @@ def design_for_hardness(
     try:
         plastic = under(template, with_contact(solver, law), radii=radii, common_radius=common_radius)
     except Infeasible as error:
-        words = f"{why}, and under {law!r} no surface is found: {{error}}"
-        message = Message(words, {"error": error.message})
+        message = Message((f"{why}, and under {law!r} no surface is found: ", error.message))
         raise Infeasible(message, error.nearest, error.by_search) from None
     text = (
         f"{why}; this design is for the law {law!r} of plastic contacts: the first loading flattens the "

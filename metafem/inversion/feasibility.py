@@ -74,24 +74,21 @@ def broken_sample(
     problem: Problem,
     wording: Wording,
     margin: float,
-    point: str = "sample {number} (load {load}, friction {friction})",
+    point: tuple[str, str, str] | None = None,
 ) -> Message | None:
-    """Return a message on the first sample (k,) that violates a bound by more than a margin, or None."""
+    """Return a message on the first sample (k,) that violates a bound by more than a margin, or None.
+
+    point: the words before its load, between this and its friction, and after it.
+    """
     broken = broken_bound(load, friction, problem.bounds, margin)
     if broken is None:
         return None
     i, words, bound = broken
-    return Message(
-        f"{point} is {{words}}, {{bound}}, for any surface of {problem.radii}{margin_words(margin)}",
-        {
-            "number": i + 1,
-            "load": ("loads", load[i]),
-            "friction": ("frictions", friction[i]),
-            "words": words,
-            "bound": ("frictions", bound),
-        },
-        wording,
-    )
+    before, between, after = point or (f"sample {i + 1} (load ", ", friction ", ")")
+    where, what = ("loads", load[i]), ("frictions", friction[i])
+    scope = f", for any surface of {problem.radii}{margin_words(margin)}"
+    parts = (before, where, between, what, f"{after} is {words}, ", ("frictions", bound), scope)
+    return Message(parts, wording)
 
 
 def nearest_within(load: FloatArray, friction: FloatArray, weight: FloatArray, bounds: Bounds) -> FloatArray:
@@ -115,11 +112,11 @@ def refuse_load(load: float, problem: Problem, wording: Wording) -> None:
     most = problem.bounds.largest_load(problem.limits)
     if load > most:
         words = (
-            "load {load} is beyond {most}, at which the plane reaches the base plane with "
-            f"{problem.count} summits of the largest height; raise max_height or offset, or use more "
-            "asperities"
+            f", at which the plane reaches the base plane with {problem.count} summits of the largest height"
+            "; raise max_height or offset, or use more asperities"
         )
-        raise Infeasible(Message(words, {"load": ("loads", load), "most": ("loads", most)}, wording))
+        parts = ("load ", ("loads", load), " is beyond ", ("loads", most), words)
+        raise Infeasible(Message(parts, wording))
 
 
 def margin_words(margin: float) -> str:

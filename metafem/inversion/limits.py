@@ -101,6 +101,11 @@ class Limits:
         return np.asarray(self.foot + self.height_step * (np.arange(number) + 0.5))
 
     @property
+    def top(self) -> float:
+        """Height of the tallest possible summit above the base plane, offset + max_height [mm]."""
+        return self.offset + self.max_height
+
+    @property
     def foot(self) -> float:
         """Height of the lowest possible summit above the base plane, offset + min_height [mm]."""
         return self.offset + self.min_height
@@ -122,7 +127,7 @@ class Pins:
         """Return the pins of the limits, or raise InvalidInput for those that do not fit the template."""
         pinned: Any = limits.pinned
         words = "a mapping of site numbers to heights [mm] or None, for example {9: 0.15, 3: None}"
-        check.instance("pinned", pinned, Mapping, words)  # type: ignore[type-abstract]
+        check.instance("pinned", pinned, Mapping, words)
         found: dict[int, float | None] = {}
         last = template.count - 1
         for site, height in pinned.items():
@@ -176,9 +181,10 @@ class Pins:
 def _checked_height(name: str, height: Any, limits: Limits) -> float:
     """Return a height above the base plane [mm], or raise InvalidInput for one outside the limits."""
     found = check.number(name, height, at_least=0.0)
-    top = limits.offset + limits.max_height
     must = "must be at most {.number}, limits.offset + limits.max_height, which are measured from the base "
-    refuse_if(found > top, must + "plane as this height is", Given(name, top), key=name, value=found)
+    refuse_if(
+        found > limits.top, must + "plane as this height is", Given(name, limits.top), key=name, value=found
+    )
     return found
 
 

@@ -114,13 +114,14 @@ class Problem:
         check.instance("template", template, Surface, "a metafem.Surface")
         solver: Model = Independent() if model is None else model
         bounds = Limits(max_height=float(template.height.max())) if limits is None else limits
-        for name, value, kind, words in (
+        checks: tuple[tuple[str, Any, Any, str], ...] = (
             ("model", solver, Model, "a model such as metafem.Independent()"),
             ("limits", bounds, Limits, "metafem.Limits"),
             ("layout", layout, Layout | None, "metafem.Layout"),
             ("robust", robust, Tolerances | None, "metafem.Tolerances"),
-        ):
-            check.instance(name, value, kind, words)
+        )
+        for each in checks:
+            check.instance(*each)
         pins = Pins.given(template, bounds)
         template = pins.reduced
         choice = Radii.given(radii, template)
@@ -146,6 +147,11 @@ class Problem:
         unlimited = Bounds(self.contact, self.radii, self.count, 0.0)
         last = self.target.last_load or unlimited.largest_load(self.limits)
         return replace(unlimited, last=last)
+
+    @property
+    def tolerances(self) -> Tolerances:
+        """Errors of the surfaces for which a robust design is sought; by default none."""
+        return self.robust or Tolerances()
 
     @property
     def count(self) -> int:

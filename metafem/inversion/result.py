@@ -146,7 +146,7 @@ class Design(Value):
         # a mapping proxy cannot be pickled; the constructor makes a new one
         members = {member.name: getattr(self, member.name) for member in fields(self)}
         plain = {"parameters": dict(self.parameters), "pinned": dict(self.pinned)}
-        return _restored, ({**members, **plain},)
+        return partial(Design, **members | plain), ()
 
     def _check_pinned(self) -> None:
         """Refuse asperities on sites pinned as empty, and heights that differ from the given ones."""
@@ -250,10 +250,6 @@ class Design(Value):
         ax = drawing.axes(ax)
         draw_laws(self, ax)
         return ax
-
-
-def _restored(members: dict[str, Any]) -> Design:
-    return Design(**members)
 
 
 def few(law: TargetLaw) -> bool:

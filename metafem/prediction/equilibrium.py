@@ -68,11 +68,11 @@ def equilibrium(
     top = float(surface.height.max())
     if load is not None:
         curve = solver.curve(surface, np.array([check.number("load", load, at_least=0.0) / modulus]))
-    elif approach is not None:
-        curve = solver.curve(surface, approach=np.array([check.number("approach", approach)]))
     else:
-        separation = check.number("separation", separation)
-        curve = solver.curve(surface, approach=np.array([top - separation]))
+        if separation is not None:
+            separation = check.number("separation", separation)
+        depth = check.number("approach", approach) if separation is None else top - separation
+        curve = solver.curve(surface, approach=np.array([depth]))
     last, reached = curve.last, float(curve.approach[0])
     notes = (*curve.notes, *last.notes)
     state = ContactState(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from metafem import _validate as check
 from metafem import drawing
 from metafem._validate import FloatArray
 from metafem._values import span
@@ -86,24 +86,18 @@ class FrictionLaw(BaseLaw):
     notes: tuple[Note, ...] = late_notes()
 
     def __post_init__(self) -> None:
-        arrays = {name: getattr(self, name) for name in ARRAYS}
-        for name, values in arrays.items():
+        converged = self.status is Status.CONVERGED  # the last state of a failed solver may be arbitrary
+        for name in ARRAYS:
+            values = getattr(self, name)
             refuse_if(
                 values.ndim != 1 or values.shape != self.rescaled_load.shape or not values.size,
                 f"{name} has shape {values.shape}; the arrays of a law have one entry for each load",
             )
             values.flags.writeable = False
-        if self.status is Status.CONVERGED:  # the last state of a failed solver may be arbitrary
-            self._refuse_impossible(arrays)
-
-    def _refuse_impossible(self, arrays: Mapping[str, FloatArray]) -> None:
-        for name, values in arrays.items():
-            signed = name in SIGNED
-            bad = ~np.isfinite(values) if signed else ~(values >= 0.0)
-            if bad.any():
-                i = int(bad.argmax())
-                raise InvalidInput(f"{name}[{i}] = {values[i]:g} is impossible in a converged law")
-        refuse_if((np.diff(self.rescaled_load) < 0.0).any(), "the loads of a law must not decrease")
+            possible = np.isfinite(values) if name in SIGNED else values >= 0.0
+            check.refuse_entries(name, values, converged & ~possible, "is impossible in a converged law")
+        fall = converged and (np.diff(self.rescaled_load) < 0.0).any()
+        refuse_if(fall, "the loads of a law must not decrease")
 
     def __repr__(self) -> str:
         facts = self._facts()

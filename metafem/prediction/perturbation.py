@@ -81,15 +81,13 @@ class Tolerances:
     position_sd: float = 0.0
 
     def __post_init__(self) -> None:
-        check.member(self, "height_sd", at_least=0.0)
         check.member(self, "angle", at_least=0.0, at_most=STEEPEST)
-        check.member(self, "radius_sd", at_least=0.0)
-        check.member(self, "position_sd", at_least=0.0)
+        for name in ("height_sd", "radius_sd", "position_sd"):
+            check.member(self, name, at_least=0.0)
 
     def scaled(self, factor: float) -> Tolerances:
         """Return the tolerances with all four values multiplied by a factor that is not negative."""
-        names = ("height_sd", "angle", "radius_sd", "position_sd")
-        return replace(self, **{name: factor * getattr(self, name) for name in names})
+        return replace(self, **{name: factor * value for name, value in vars(self).items()})
 
     def dimensions(self, surface: Surface) -> int:
         """Return the number of independent random numbers for one sample of a surface.
@@ -97,17 +95,13 @@ class Tolerances:
         One for each height, two for the tilt, one for each radius and two for each position; none for errors
         whose deviation is 0.
         """
+        return sum(self._counts(surface))
+
+    def _counts(self, surface: Surface) -> list[int]:
+        """Numbers of random numbers for the heights, the tilts, the radii and the positions."""
         n = surface.count
-        return sum(
-            number
-            for number, value in (
-                (n, self.height_sd),
-                (2, self.angle),
-                (n, self.radius_sd),
-                (2 * n, self.position_sd),
-            )
-            if value > 0.0
-        )
+        sizes = {"height_sd": n, "angle": 2, "radius_sd": n, "position_sd": 2 * n}
+        return [size if getattr(self, name) > 0.0 else 0 for name, size in sizes.items()]
 
     def perturbed(self, surface: Surface, unit: FloatArray) -> Perturbed:
         """Return samples of the surface from points uniformly distributed in the unit cube.
@@ -123,7 +117,6 @@ class Tolerances:
         -------
         Perturbed
         """
-        n, used = surface.count, 0
         refuse_if(
             unit.ndim != 2 or unit.shape[1] != self.dimensions(surface),
             f"unit has shape {unit.shape}; it must be (m, {self.dimensions(surface)})",
@@ -133,24 +126,18 @@ class Tolerances:
         refuse_if(
             WIDEST_RADIUS * wide > smallest, words, Given("radius", smallest), key="radius_sd", value=wide
         )
-
-        def columns(number: int) -> FloatArray:
-            nonlocal used
-            used += number
-            return unit[:, used - number : used]
-
-        height = np.broadcast_to(surface.height, (len(unit), n))
-        radius = position = slope = None
+        heights, tilts, radii, places = np.split(unit, np.cumsum(self._counts(surface))[:-1], axis=1)
+        height = np.broadcast_to(surface.height, (len(unit), surface.count))
+        radius = position = None
         if self.height_sd > 0.0:
-            height = height + self.height_sd * ndtri(columns(n))
-        if self.angle > 0.0:
-            slope = np.tan(self.angle * (2.0 * columns(2) - 1.0))
+            height = height + self.height_sd * ndtri(heights)
         if self.radius_sd > 0.0:
-            radius = surface.radius + self.radius_sd * ndtri(columns(n))
+            radius = surface.radius + self.radius_sd * ndtri(radii)
         if self.position_sd > 0.0:
-            moved = self.position_sd * ndtri(columns(2 * n))
-            position = surface.position + moved.reshape(-1, n, 2)
-        if slope is not None:
+            moved = self.position_sd * ndtri(places)
+            position = surface.position + moved.reshape(-1, surface.count, 2)
+        if self.angle > 0.0:
+            slope = np.tan(self.angle * (2.0 * tilts - 1.0))
             x, y = np.moveaxis(surface.position if position is None else position, -1, 0)
             height = height + slope[:, :1] * x + slope[:, 1:] * y
         return Perturbed(height, radius, position)

@@ -12,6 +12,7 @@ layer is used.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, cast
 
@@ -97,16 +98,16 @@ def reference_of(surface: Surface, model: Model) -> Interacting:
     return reference
 
 
-def _interaction_notes(surface: Surface, model: Model, curve: Curve, unloading: bool) -> list[Note]:
-    """Return notes on the change by neighbours and block, and on the validity of the interaction order."""
+def _interaction_notes(surface: Surface, model: Model, curve: Curve, unloading: bool) -> Iterator[Note]:
+    """Yield notes on the change by neighbours and block, and on the validity of the interaction order."""
     rows = _probed(curve.load, surface.count)
     if not rows.size:
-        return []
+        return
     load, area, law = curve.load[rows], curve.area[rows], contact_of(model)
-    notes: list[Note] = []
     if law.adhesive and surface.count > MOST_ADHESIVE:
         bare = cast("Model", replace(cast("Any", model), contact=law.without_adhesion))
-        return _interaction_notes(surface, bare, bare.curve(surface, load), False)
+        yield from _interaction_notes(surface, bare, bare.curve(surface, load), False)
+        return
     reference, gradient_model = reference_of(surface, model), model.gradient_model
     try:
         if reference != gradient_model:
@@ -115,17 +116,16 @@ def _interaction_notes(surface: Surface, model: Model, curve: Curve, unloading: 
                 area = _on_path(gradient_model, surface, load, unloading).checked().area
             if full.solved.any():
                 change = full.area[full.solved] / area[full.solved] - 1.0
-                notes += _change_notes(surface, model, reference, load[full.solved], change)
+                yield from _change_notes(surface, model, reference, load[full.solved], change)
             if not full.converged:
                 newtons = surface.material.composite_modulus * load[~full.solved][0]
                 raise NotConverged(f"order {reference.order} has no solution at {newtons:.4g} N", full)
     except MetafemError as reason:
-        notes.append(Note(f"{UNKNOWN}: {reason}; use {_resolved_or(law, 'lighter loads')}"))
+        yield Note(f"{UNKNOWN}: {reason}; use {_resolved_or(law)}lighter loads")
     if model == gradient_model:  # otherwise the contacts are resolved and may merge
-        notes += _width_notes(surface, model, reference, curve)
+        yield from _width_notes(surface, model, reference, curve)
     if model.couples and law.largest_order == 1:
-        notes += _size_notes(surface, reference, float(area[-1]))
-    return notes
+        yield _size_note(surface, reference, float(area[-1]))
 
 
 def _on_path(model: Model, surface: Surface, load: FloatArray, unloading: bool) -> Curve:
@@ -135,13 +135,13 @@ def _on_path(model: Model, surface: Surface, load: FloatArray, unloading: bool) 
     return model.curve(surface, load)
 
 
-def _resolved_or(law: Contact, remedy: str) -> str:
-    """Return a remedy, preceded by the resolved model for laws whose contacts can be resolved."""
-    return f"the model resolved, or {remedy}" if resolvable(law) else remedy
+def _resolved_or(law: Contact) -> str:
+    """Return the resolved model as a remedy before another one, for laws whose contacts can be resolved."""
+    return "the model resolved, or " if resolvable(law) else ""
 
 
-def _size_notes(surface: Surface, reference: Interacting, area: float) -> list[Note]:
-    """Return notes on the errors of point loads for laws without a profile, by paraboloids of equal area."""
+def _size_note(surface: Surface, reference: Interacting, area: float) -> Note:
+    """Return a note on the errors of point loads for laws without a profile, by paraboloids of equal area."""
     point = Interacting(1, reference.substrate)
 
     def excess(approach: float) -> float:
@@ -157,14 +157,12 @@ def _size_notes(surface: Surface, reference: Interacting, area: float) -> list[N
         load = point.curve(surface, approach=np.array([approach])).load
         larger = point.reference.curve(surface, load).checked().area[0]
     except MetafemError as reason:
-        return [Note(f"what point loads leave out of the size of the contacts cannot be estimated: {reason}")]
-    return [
-        information(
-            "the law has no profile, so its contacts are coupled as point loads: for paraboloids of the same "
-            f"area the size of the contacts changes A0 by {percent(larger / area - 1.0, '+.2g')}, and by up "
-            f"to {UNIFORM:g} times as much where the pressure is uniform"
-        )
-    ]
+        return Note(f"what point loads leave out of the size of the contacts cannot be estimated: {reason}")
+    return information(
+        "the law has no profile, so its contacts are coupled as point loads: for paraboloids of the same "
+        f"area the size of the contacts changes A0 by {percent(larger / area - 1.0, '+.2g')}, and by up to "
+        f"{UNIFORM:g} times as much where the pressure is uniform"
+    )
 
 
 def _probed(load: FloatArray, count: int) -> IntArray:
@@ -179,11 +177,11 @@ def _probed(load: FloatArray, count: int) -> IntArray:
 
 def _change_notes(
     surface: Surface, model: Model, reference: Interacting, load: FloatArray, change: FloatArray
-) -> list[Note]:
-    """Return notes on the change of A0 at given load by effects that the model neglects."""
+) -> Iterator[Note]:
+    """Yield a note on the change of A0 at given load by effects that the model neglects."""
     rms = math.sqrt(float((change**2).mean()))
     if rms < STATED:
-        return []
+        return
     most = int(np.abs(change).argmax())
     layer = reference.substrate != HalfSpace()
     if not model.couples:
@@ -198,43 +196,33 @@ def _change_notes(
         f"{surface.material.composite_modulus * load[most]:.4g} N (order {reference.order} on the "
         f"{'bonded layer' if layer else 'half-space'})"
     )
-    if rms <= BOUND:
-        return [information(text)]
-    return [Note(f"{text}; use the model {'layer' if layer else 'half-space'}, or a larger pitch")]
+    remedy = f"; use the model {'layer' if layer else 'half-space'}, or a larger pitch"
+    yield Note(text + remedy) if rms > BOUND else information(text)
 
 
-def _width_notes(surface: Surface, model: Model, reference: Interacting, curve: Curve) -> list[Note]:
-    """Return notes on contacts that overlap, or are too wide for their distances and their layer."""
+def _width_notes(surface: Surface, model: Model, reference: Interacting, curve: Curve) -> Iterator[Note]:
+    """Yield notes on contacts that overlap, or are too wide for their distances and their layer."""
     law, area, newtons = contact_of(model), curve.last.area, _last_force(surface, curve)
     overlaps, ratio = crowding(surface, area, law)
     if overlaps:
-        return [
-            Note(
-                f"contacts overlap: {overlaps} {'pair reaches' if overlaps == 1 else 'pairs reach'} into "
-                f"each other at {newtons:.4g} N, where real contacts merge; use "
-                f"{'the model resolved, ' if resolvable(law) else ''}a larger pitch or lighter loads"
-            )
-        ]
-    notes: list[Note] = []
-    if law.largest_order == 1:
-        return notes
+        yield Note(
+            f"contacts overlap: {overlaps} {'pair reaches' if overlaps == 1 else 'pairs reach'} into each "
+            f"other at {newtons:.4g} N, where real contacts merge; use "
+            f"{'the model resolved, ' if resolvable(law) else ''}a larger pitch or lighter loads"
+        )
+    if overlaps or law.largest_order == 1:
+        return
     if ratio > COMPARED and model.couples:
-        notes.append(
-            information(
-                f"a/r = {ratio:.2f} exceeds {COMPARED}, up to which order 3 was compared with resolved "
-                "contacts"
-            )
+        yield information(
+            f"a/r = {ratio:.2f} exceeds {COMPARED}, up to which order 3 was compared with resolved contacts"
         )
     error = truncation(surface, area, reference.substrate, law)
     if error > BOUND:
         remedy = "the model resolved" if resolvable(law) else "a larger pitch or lighter loads"
-        notes.append(
-            Note(
-                f"the contacts are too wide for their distances or their layer: the error of order 3 may be "
-                f"{percent(error)} in A0 at {newtons:.4g} N; use {remedy}"
-            )
+        yield Note(
+            f"the contacts are too wide for their distances or their layer: the error of order 3 may be "
+            f"{percent(error)} in A0 at {newtons:.4g} N; use {remedy}"
         )
-    return notes
 
 
 def _last_force(surface: Surface, curve: Curve) -> float:
@@ -269,33 +257,31 @@ def base_contact_load(surface: Surface, model: Model) -> float:
     return state_at(high)[1]
 
 
-def _base_notes(surface: Surface, model: Model, curve: Curve) -> list[Note]:
-    """Return notes on the load at which the plane would reach the base plane."""
+def _base_notes(surface: Surface, model: Model, curve: Curve) -> Iterator[Note]:
+    """Yield a note on the load at which the plane would reach the base plane."""
     gap, newtons = curve.last.base_gap, _last_force(surface, curve)
     if gap > 0.0:
-        return []
+        return
     try:
         onset = min(surface.material.composite_modulus * base_contact_load(surface, model), newtons)
     except MetafemError:  # no solution at lighter loads: the plane reaches the base by this load
         onset = newtons
-    return [
-        Note(
-            f"the base plane would touch from a load of {onset:.4g} N on: at {newtons:.4g} N the plane "
-            f"would be {-1e3 * gap:.3g} um below the base beside a summit; the load that the base "
-            "would carry is not counted"
-        )
-    ]
+    yield Note(
+        f"the base plane would touch from a load of {onset:.4g} N on: at {newtons:.4g} N the plane would be "
+        f"{-1e3 * gap:.3g} um below the base beside a summit; the load that the base would carry is not "
+        "counted"
+    )
 
 
-def _wide_notes(surface: Surface, model: Model, curve: Curve) -> list[Note]:
-    """Return notes on contacts that are too wide for small-strain models."""
+def _wide_notes(surface: Surface, model: Model, curve: Curve) -> Iterator[Note]:
+    """Yield a note on contacts that are too wide for small-strain models."""
     ratio = float((np.sqrt(curve.last.area / math.pi) / surface.radius).max())
     if ratio <= WIDEST:
-        return []
+        return
     range_of = (
         f"Hertz's law holds up to about {WIDEST:g}, with a fitted modulus"
         if has_paraboloids(model)
         else f"the law of small strain was compared with soft spheres up to {WIDEST:g} only"
     )
     text = f"the widest contact has a/R = {ratio:.2f} at {_last_force(surface, curve):.4g} N: {range_of}"
-    return [Note(text) if ratio > TOO_WIDE else information(text)]
+    yield Note(text) if ratio > TOO_WIDE else information(text)

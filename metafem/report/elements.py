@@ -85,31 +85,21 @@ def _cap_figures(design: Design, a: float, tallest: int) -> list[Drawn]:
 
 def mesh_figure(mesh: Any, cap: Cap, contact_radius: float) -> Figure:
     """Mesh of a cap with its curved edges: the whole mesh, and a view of the contact's edge."""
-    figure = new_figure(8.0, 3.6)
-    fraction = np.linspace(0.0, 1.0, 9)
-    lines = [
-        cap.point(mesh.p[:, i, None] * (1.0 - fraction) + mesh.p[:, j, None] * fraction)
-        for i, j in mesh.facets.T
-    ]
-    whole, edge = figure.subplots(1, 2)
-    edge_top = cap.height - 0.5 * contact_radius**2 / cap.radius
-    edge_width = EDGE_VIEW * contact_radius
-    reach = 4.0 * cap.foot
+    figure, fraction = new_figure(8.0, 3.6), np.linspace(0.0, 1.0, 9)
+    i, j = mesh.facets
+    r, z = cap.point(mesh.p[:, i, None] * (1.0 - fraction) + mesh.p[:, j, None] * fraction)
+    top, reach, half = cap.height + 0.02, 4.0 * cap.foot, EDGE_VIEW * contact_radius
+    edge = cap.height - 0.5 * contact_radius**2 / cap.radius
     views = (
-        (whole, (0.0, reach), (cap.height + 0.02 - reach, cap.height + 0.02)),
-        (
-            edge,
-            (contact_radius - edge_width, contact_radius + edge_width),
-            (edge_top - 1.3 * edge_width, edge_top + 0.7 * edge_width),
-        ),
+        ((0.0, reach), (top - reach, top)),
+        ((contact_radius - half, contact_radius + half), (edge - 1.3 * half, edge + 0.7 * half)),
     )
-    for ax, x, y in views:
-        for r, z in lines:
-            if r.min() <= x[1] and r.max() >= x[0] and (-z).max() >= y[0]:
-                ax.plot(r, -z, "k-", lw=0.3)
+    for ax, (x, y) in zip(figure.subplots(1, 2), views, strict=True):
+        seen = (r.min(axis=1) <= x[1]) & (r.max(axis=1) >= x[0]) & ((-z).max(axis=1) >= y[0])
+        ax.plot(r[seen].T, -z[seen].T, "k-", lw=0.3)
         ax.set_aspect("equal")
         ax.set(xlabel="r [mm]", ylabel="height above the block [mm]", xlim=x, ylim=y)
-    edge.set_title("at the contact's edge", fontsize=9)
+    figure.axes[1].set_title("at the contact's edge", fontsize=9)
     return figure
 
 

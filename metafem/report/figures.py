@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
+from metafem.drawing import ACHIEVED, QUIET, TARGET, finished, new_figure
 from metafem.inversion import Design, feasible_region
 from metafem.inversion.result import draw_laws, draw_target, few
 from metafem.report.comparison import Comparison
@@ -82,18 +82,15 @@ def force_figure(design: Design, friction: Friction) -> Figure:
         force = strength * target.law(design.target_area)
         draw_target(design, left, load, force)
         draw_target(design, right, load, force / load)
-    else:
-        for i, (branch, _) in enumerate(design.fits):
-            slope = branch.slope * strength / modulus
-            label = "target slope dF/dP" if i == 0 else None
-            right.plot(modulus * np.array(branch.load_range), [slope, slope], color=TARGET, label=label)
+    label = "target slope dF/dP"
+    for branch, _ in design.fits if design.density is not None else ():
+        ends, slope = modulus * np.array(branch.load_range), branch.slope * strength / modulus
+        right.plot(ends, [slope, slope], color=TARGET, label=label)
+        label = "_nolegend_"
     right.set(xlabel="load  P [N]", ylabel="friction coefficient  μ = F/P")
     right.set_xlim(left=0.0)
     right.set_ylim(bottom=0.0)
-    for ax in (left, right):
-        ax.spines[["top", "right"]].set_visible(False)
-        ax.legend(frameon=False)
-    return figure
+    return finished(figure)
 
 
 def comparison_figure(comparisons: tuple[Comparison, ...]) -> Figure:
@@ -102,20 +99,11 @@ def comparison_figure(comparisons: tuple[Comparison, ...]) -> Figure:
     ax = figure.add_subplot()
     ax.axhline(0.0, color=QUIET, lw=0.8)
     for comparison, style in zip(comparisons, cycle(("-", "--", ":")), strict=False):
-        load = comparison.law.rescaled_load
-        ax.plot(
-            load,
-            100.0 * comparison.difference,
-            style,
-            color=ACHIEVED,
-            label=comparison.name,
-        )
-    ax.set_xlabel("rescaled load  P/E* [mm²]")
-    ax.set_ylabel("change of A0 [%]")
+        load, change = comparison.law.rescaled_load, 100.0 * comparison.difference
+        ax.plot(load, change, style, color=ACHIEVED, label=comparison.name)
+    ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="change of A0 [%]")
     ax.set_xlim(left=0.0)
-    ax.spines[["top", "right"]].set_visible(False)
-    ax.legend(frameon=False)
-    return figure
+    return finished(figure)
 
 
 def sensitivity_figure(design: Design) -> Figure:
@@ -131,8 +119,7 @@ def sensitivity_figure(design: Design) -> Figure:
         rasterized=True, shading="nearest",
     )  # fmt: skip
     figure.colorbar(picture, label="dA0/dh [mm]")
-    ax.set_xlabel("asperity, the tallest first")
-    ax.set_ylabel("rescaled load  P/E* [mm²]")
+    ax.set(xlabel="asperity, the tallest first", ylabel="rescaled load  P/E* [mm²]")
     return figure
 
 

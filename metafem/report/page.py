@@ -26,7 +26,8 @@ from metafem.report.names import all_notes, in_python, misfit_words, model_words
 from metafem.report.sections.exactness import exactness_section
 from metafem.report.sections.explanation import explanation_section
 from metafem.report.sections.measured import measured_section
-from metafem.report.views import MOST_SHAPED, contact_figure, height_figure, several_radii, shape_figure
+from metafem.report.views import MOST_SHAPED, contact_figure, height_figure, shape_figure
+from metafem.studies.summaries.tolerances import TOLERANCES
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -91,15 +92,6 @@ PARAMETERS = {
 }
 
 
-# Errors of a robust design: names, units and factors.
-ROBUST = (
-    ("height_sd", "µm", MICROMETRES),
-    ("angle", "°", math.degrees(1.0)),
-    ("radius_sd", "µm", MICROMETRES),
-    ("position_sd", "µm", MICROMETRES),
-)
-
-
 @doing("drawing the report")
 def page(
     design: Design,
@@ -137,16 +129,13 @@ def page(
     notes, achieved = all_notes(design, hardness), design.status.name != "MISSED"
     return render(
         "page.html",
-        title=design.target.title,
-        status=design.status.value,
+        design=design,
         achieved=achieved,
         tiles=_tiles(design),
         notes=notes,
         warned=not achieved or any(note.warns for note in notes),
         excerpt=design.surface.count > MOST_SHAPED,
-        arranged=design.layout is not None,
         hardness=hardness,
-        height_sd=design.limits.height_sd,
         law=drawn(law_figure(design), "Target and achieved friction law"),
         forces=None
         if (friction := design.surface.friction) is None
@@ -169,7 +158,6 @@ def page(
         parameters=parameter_rows(design),
         fit_columns=fit_columns,
         fits=fits,
-        line=design.target_law.pointwise,
         inputs=_inputs(design),
         summits=_summits(design),
         residual=f"{design.law.residual.max():.1e}",
@@ -213,7 +201,8 @@ def parameter_rows(design: Design) -> list[Row]:
 def _summits(design: Design) -> dict[str, Any]:
     """Return the table of the summits, or of the first ones if there are many."""
     surface = design.surface
-    columns = ("site", "x [mm]", "y [mm]", "height [µm]", "radius [µm]")[: 4 + several_radii(surface)]
+    differ = bool(np.ptp(surface.radius) > 0.0)
+    columns = ("site", "x [mm]", "y [mm]", "height [µm]", "radius [µm]")[: 4 + differ]
     rows = [
         (
             str(design.sites[i]),
@@ -238,58 +227,43 @@ def _comparisons(comparisons: tuple[Comparison, ...]) -> list[tuple[str, ...]]:
     ]
 
 
-def _radii(design: Design) -> str:
-    """Return the radii of the summits if they are few, or their range."""
-    radii = np.unique(design.surface.radius) * MICROMETRES
-    if len(radii) > MOST_NAMED:
-        return f"{radii[0]:.4g} – {radii[-1]:.4g}"
-    return ", ".join(f"{radius:.6g}" for radius in radii)
-
-
-def _range(design: Design) -> list[Row]:
-    """Return the range of the radii to choose from, with its step."""
-    if not isinstance(design.radii, RadiusRange):
-        return []
-    low, high, step = (MICROMETRES * (value or 0.0) for value in astuple(design.radii))
-    return [("radii to choose from", f"{low:g} – {high:g}{f' in steps of {step:g}' if step else ''}", "µm")]
-
-
 def _inputs(design: Design) -> list[Row]:
-    surface = design.template
+    surface, limits, radii = design.template, design.limits, np.unique(design.surface.radius) * MICROMETRES
     rows = [
         ("composite modulus E*", f"{surface.material.composite_modulus:g}", "MPa"),
         ("Poisson's ratio ν", f"{surface.material.poisson_ratio:g}", ""),
-        ("summit radius R", _radii(design), "µm"),
-        *_range(design),
-        ("sites for asperities", f"{surface.count}", ""),
-        ("largest height h_m", f"{design.limits.max_height * MICROMETRES:g}", "µm"),
-        ("offset h_0", f"{design.limits.offset * MICROMETRES:g}", "µm"),
     ]
     if surface.friction is not None:
-        rows[2:2] = [
-            ("shear strength σ", f"{surface.friction.shear_strength:g}", "MPa"),
-            ("area ratio B", f"{surface.friction.area_ratio:g}", ""),
-        ]
+        rows.append(("shear strength σ", f"{surface.friction.shear_strength:g}", "MPa"))
+        rows.append(("area ratio B", f"{surface.friction.area_ratio:g}", ""))
+    few = ", ".join(f"{radius:.6g}" for radius in radii[:MOST_NAMED])
+    words = few if len(radii) <= MOST_NAMED else f"{radii[0]:.4g} – {radii[-1]:.4g}"
+    rows.append(("summit radius R", words, "µm"))
+    if isinstance(design.radii, RadiusRange):
+        low, high, step = (MICROMETRES * (value or 0.0) for value in astuple(design.radii))
+        rows.append(
+            ("radii to choose from", f"{low:g} – {high:g}{f' in steps of {step:g}' if step else ''}", "µm")
+        )
+    rows.append(("sites for asperities", f"{surface.count}", ""))
     if surface.block is not None:
         block = surface.block
         rows.append(("block", f"{block.width:g} × {block.length:g} × {block.thickness:g}", "mm"))
-    for name, value in (
-        ("height step", design.limits.height_step),
-        ("height error", design.limits.height_sd),
-    ):
-        if value is not None:
-            rows.append((name, f"{value * MICROMETRES:g}", "µm"))
+    lengths = {
+        "largest height h_m": limits.max_height,
+        "offset h_0": limits.offset,
+        "height step": limits.height_step,
+        "height error": limits.height_sd,
+        **{f"given height of site {site}": height for site, height in design.pinned.items()},
+    }
+    rows += [(name, f"{value * MICROMETRES:g}", "µm") for name, value in lengths.items() if value is not None]
     empty = [str(site) for site, height in design.pinned.items() if height is None]
     if empty:
         rows.append(("sites that stay empty by the specification", ", ".join(empty), ""))
-    for site, height in design.pinned.items():
-        if height is not None:
-            rows.append((f"given height of site {site}", f"{height * MICROMETRES:g}", "µm"))
     if design.robust is not None:
-        for name, unit, factor in ROBUST:
-            value = getattr(design.robust, name)
+        for name, value in vars(design.robust).items():
+            _, unit, factor = TOLERANCES[name]
             if value > 0.0:
-                rows.append((f"robust.{name}", f"{value * factor:.4g}", unit))
+                rows.append((f"robust.{name}", f"{value * factor:.4g}", unit.split()[0]))
     words = "load at which the plane reaches the base plane"
     try:
         onset = surface.material.composite_modulus * base_contact_load(design.surface, design.law.model)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,15 +29,6 @@ TALL, FACTORS = 0.45, (1, 2, 3, 5, 10, 20, 50, 100, 200, 500, 1000)
 SIDE, BASE_TONE, LEFT_TONE, RIGHT_TONE = 0.03, 0.97, 0.72, 0.6
 
 
-@dataclass(frozen=True, eq=False)
-class Relief:
-    """An image, and its extent in the plane of projection [mm]."""
-
-    image: FloatArray  # (rows, columns, 4), lowest row first; transparent outside the block
-    extent: tuple[float, float, float, float]  # left, right, lower and upper edge [mm]
-    factor: int  # exaggeration of the heights
-
-
 def turned(position: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the distances of points (..., 2) [mm] to the right and away from the viewer."""
     x, y = position[..., 0], position[..., 1]
@@ -58,8 +48,12 @@ def relief(
     colour: FloatArray,
     corners: FloatArray,
     shape: CapShape = SPHERES,
-) -> Relief:
-    """Draw caps of a shape and of colours (n, 4) on the rectangle between two corners (2, 2) [mm]."""
+) -> tuple[FloatArray, tuple[float, float, float, float], int]:
+    """Draw caps of a shape and of colours (n, 4) on the rectangle between two corners (2, 2) [mm].
+
+    Return the image (rows, columns, 4), the lowest row first and transparent outside the block; its left,
+    right, lower and upper edge in the plane of projection [mm]; and the exaggeration of the heights.
+    """
     ideal = TALL * spacing(position) / max(float(height.max()), 1e-300)
     factor = max(each for each in FACTORS if each <= max(1.0, ideal))
     right, away = turned(
@@ -87,7 +81,7 @@ def relief(
     image[wall, :3] = np.broadcast_to(np.where(u < corner, LEFT_TONE, RIGHT_TONE), wall.shape)[wall][:, None]
     image[hit | wall, 3] = 1.0
     extent = (float(u[0]), float(u[-1]), float(rows[0]), float(rows[-1]))
-    return Relief(_averaged(image), extent, factor)
+    return _averaged(image), extent, factor
 
 
 def _field(

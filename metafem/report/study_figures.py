@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from metafem._values import MICROMETRES, percent
-from metafem.drawing import ACHIEVED, QUIET, TARGET, law, new_figure
+from metafem.drawing import ACHIEVED, QUIET, TARGET, finished, law, new_figure
 from metafem.studies.summaries.parameters import in_words, main_quantity, shares
 from metafem.studies.summaries.tolerances import TOLERANCES
 
@@ -54,9 +54,8 @@ def manufacturing_figure(studies: Labelled) -> Figure:
             study["slope_sd"].values / nominal,
             fmt="o-", ms=3, lw=1.2, capsize=2, color=colour, label=label or None,
         )  # fmt: skip
-    ax.set_xlabel("standard deviation of the heights  SD(dh) [µm]")
-    ax.set_ylabel("mean slope over nominal, ± SD")
-    return _finished(figure)
+    ax.set(xlabel="standard deviation of the heights  SD(dh) [µm]", ylabel="mean slope over nominal, ± SD")
+    return finished(figure)
 
 
 def misalignment_figure(studies: Labelled) -> Figure:
@@ -71,11 +70,10 @@ def misalignment_figure(studies: Labelled) -> Figure:
         for i, each in enumerate(shuffled[:MOST_SHUFFLES]):
             name = f"{label} shuffled".strip() if i == 0 else None
             ax.plot(angle, each, "--", color=colour, lw=0.6, alpha=0.6, label=name)
-    ax.set_xlabel("largest angle  |φ| [°]")
-    ax.set_ylabel("SD of the slope over nominal [%]")
+    ax.set(xlabel="largest angle  |φ| [°]", ylabel="SD of the slope over nominal [%]")
     ax.set_xlim(left=0.0)
     ax.set_ylim(bottom=0.0)
-    return _finished(figure)
+    return finished(figure)
 
 
 def uncertainty_figure(study: Dataset) -> Figure:
@@ -103,7 +101,7 @@ def uncertainty_figure(study: Dataset) -> Figure:
     right.legend(**LEGEND_ABOVE)
     right.set_xlabel("share of the variance [%]")
     right.set_xlim(left=0.0)
-    return _finished(figure)
+    return finished(figure)
 
 
 def combined_figure(study: Dataset) -> Figure | None:
@@ -129,13 +127,4 @@ def combined_figure(study: Dataset) -> Figure | None:
     ax.legend(**LEGEND_ABOVE)
     wanted = percent(float(study.attrs["wanted_probability"]), ".4g")
     ax.set_xlabel(f"largest multiple for a probability of {wanted}")
-    return _finished(figure)
-
-
-def _finished(figure: Figure) -> Figure:
-    """Remove the frames; add a legend where lines have labels."""
-    for ax in figure.axes:
-        ax.spines[["top", "right"]].set_visible(False)
-        if ax.get_legend() is None and ax.get_legend_handles_labels()[1]:
-            ax.legend(frameon=False)
-    return figure
+    return finished(figure)

@@ -34,11 +34,6 @@ RING, LEAST_DOT = 0.3, 0.1
 MOST_SHAPED = 400
 
 
-def several_radii(surface: Surface) -> bool:
-    """Whether the summits have different radii."""
-    return bool(np.ptp(surface.radius) > 0.0)
-
-
 def height_figure(design: Design) -> Figure:
     """Heights at their sites, with diameters proportional to different radii; empty sites as rings."""
     figure = new_figure(5.0, 4.2, (0.7, 0.4, 0.8, 0.3))
@@ -87,14 +82,15 @@ def shape_figure(design: Design) -> Figure:
     scale = drawing.height_scale(surface.height)
     shape = contact_of(design.law.model).shape()
     colour = np.asarray(scale.to_rgba(MICROMETRES * height))
-    seen = relief(surface.position[shown], height, surface.radius[shown], colour, corners, shape)
+    caps = surface.position[shown], height, surface.radius[shown], colour
+    image, extent, factor = relief(*caps, corners, shape)
     figure = new_figure(8.0, 4.4, (0.1, 0.5, 0.1, 0.4))
     ax = figure.add_subplot()
-    ax.imshow(seen.image, extent=seen.extent, origin="lower", interpolation="none")
+    ax.imshow(image, extent=extent, origin="lower", interpolation="none")
     ax.set_axis_off()
-    _name_edges(ax, corners, SIDE * (seen.extent[1] - seen.extent[0]))
+    _name_edges(ax, corners, SIDE * (extent[1] - extent[0]))
     figure.colorbar(scale, ax=ax, label="summit height [µm]", shrink=0.7)
-    heights = "to scale" if seen.factor == 1 else f"heights exaggerated {seen.factor} times"
+    heights = "to scale" if factor == 1 else f"heights exaggerated {factor} times"
     ax.set_title(heights, fontsize=10, color=QUIET)
     return figure
 

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebpts1
+from numpy.polynomial.polynomial import polyval2d
+from numpy.typing import NDArray
+from scipy.optimize import elementwise
 
-from metafem._validate import FloatArray, IntArray
+from metafem._validate import FloatArray
 from metafem.contact import Hertz
 from metafem.contact.cap_geometry import foot_radius
-from metafem.errors import InvalidInput, NotConverged
+from metafem.errors import NotConverged, refuse_if
 from metafem.progress import each
 from metafem.surface import Surface
 
@@ -22,8 +27,10 @@ HEIGHT_NODES, RATIO_NODES = 3, 3
 # Largest number of radii: each needs a table, which takes half a minute.
 MOST_RADII = 4
 
-# Largest number of Newton steps for the contact radius; starting from Hertz's, 5 steps suffice to rounding.
-NEWTON_STEPS = 30
+# The contact radius is at most this multiple of Hertz's.
+WIDEST = 2.0
+
+HERTZ = Hertz()
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,144 +44,120 @@ class CapContact:
     radius: float  # R [mm]
     height: tuple[float, float]  # range of the table in h [mm]
     ratio: tuple[float, float]  # range of the table in s [-]
-    load_excess: FloatArray  # coefficients of f in scaled h and s, in ascending order
-    indentation_excess: FloatArray  # the same for g
-    error: float  # largest relative error of load or indentation at a test solution that is not in the table
+    excess: FloatArray  # (., ., 2), coefficients of f and g in scaled h and s, in ascending order
+    error: float = math.nan  # largest relative error of both at a test solution that is not in the table
 
     def solve(self, height: FloatArray, indentation: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return contact radii [mm] and rescaled loads [mm^2] at indentations d [mm], (n,); 0 if open.
+        """Return contact radii [mm] and rescaled loads [mm^2] at indentations d [mm], (n, ...); 0 if open.
 
         Raises NotConverged if the table cannot be extrapolated to an indentation.
         """
-        open_ = indentation <= 0.0
-        d, h = np.where(open_, 1.0, indentation), height
-        foot = foot_radius(h, self.radius)
-        a = Hertz().contact_radius(d, self.radius)
-        for _ in range(NEWTON_STEPS):
-            step = 1e-6 * a
-            value, ahead = (self._indentation(h, x, foot) for x in (a, a + step))
-            change = (d - value) * step / (ahead - value)
-            a = np.where(a + change > 0.0, a + change, 0.5 * a)
-            if (np.abs(change[~open_]) <= 1e-13 * a[~open_]).all():
-                break
-        else:
-            raise NotConverged("the table of caps cannot be extrapolated to this indentation", a)
-        load = Hertz().load(a, self.radius) * (1.0 + a / foot * self._excess(self.load_excess, h, a / foot))
-        return np.where(open_, 0.0, a), np.where(open_, 0.0, load)
-
-    def _indentation(self, h: FloatArray, a: FloatArray, foot: FloatArray) -> FloatArray:
-        ratio = a / foot
-        return a**2 / self.radius * (1.0 + ratio * self._excess(self.indentation_excess, h, ratio))
-
-    def _excess(self, table: FloatArray, h: FloatArray, ratio: FloatArray) -> FloatArray:
-        return np.asarray(
-            np.polynomial.polynomial.polyval2d(_scaled(h, self.height), _scaled(ratio, self.ratio), table)
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class Caps:
-    """The caps of a surface: a table for each radius of the summits in contact."""
-
-    surface: Surface
-    tables: tuple[CapContact, ...]  # one for each radius
-    table: IntArray  # (n,), index of the table of each asperity; -1 if none of its radius is in contact
-
-    @property
-    def error(self) -> float:
-        """Largest relative error of the tables."""
-        return max(table.error for table in self.tables)
-
-    def solve(self, indentation: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return contact radii [mm] and rescaled loads [mm^2] at indentations d [mm], (n,); 0 if open.
-
-        Asperities without a table follow Hertz's law.
-        """
-        depth = np.maximum(indentation, 0.0)
-        a = Hertz().contact_radius(depth, self.surface.radius)
-        load = Hertz().load(a, self.surface.radius)
-        for k, table in enumerate(self.tables):
-            own = self.table == k
-            a[own], load[own] = table.solve(self.surface.height[own], indentation[own])
+        height, indentation = np.broadcast_arrays(height, indentation)
+        a, load = np.zeros((2, *indentation.shape))
+        closed = indentation > 0.0
+        d, h = indentation[closed], height[closed]
+        if d.size:
+            most = WIDEST * HERTZ.contact_radius(d, self.radius)
+            found = elementwise.find_root(self._beyond, (np.zeros_like(d), most), args=(d, h))
+            if not found.success.all():
+                raise NotConverged("the table of caps cannot be extrapolated to this indentation", found.x)
+            a[closed], load[closed] = (
+                found.x,
+                self._relative(found.x, h)[0] * HERTZ.load(found.x, self.radius),
+            )
         return a, load
 
+    def _beyond(self, a: FloatArray, d: FloatArray, h: FloatArray) -> FloatArray:
+        """Return the indentation at a contact radius less a given one."""
+        return np.asarray(a**2 / self.radius * self._relative(a, h)[1] - d)
 
-def caps_of(surface: Surface, indentation: FloatArray) -> Caps:
-    """Compute the caps of each radius by finite elements, up to given indentations (n,) [mm].
+    def _relative(self, a: FloatArray, h: FloatArray) -> FloatArray:
+        """Return load and indentation over Hertz's, (2, n)."""
+        ratio = a / foot_radius(h, self.radius)
+        return np.asarray(1.0 + ratio * self.excess_at(h, ratio))
 
-    Raise InvalidInput if summits of more than four radii are in contact, and for the errors of `cap_contact`.
+    def excess_at(self, h: FloatArray, ratio: FloatArray) -> FloatArray:
+        """Return the polynomials f and g, (2, n)."""
+        x, y = _scaled(h, self.height), _scaled(ratio, self.ratio)
+        return np.asarray(polyval2d(x, y, self.excess))
+
+
+def solve_caps(
+    surface: Surface, tables: Mapping[float, CapContact], indentation: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return contact radii [mm] and rescaled loads [mm^2] of all caps at indentations (n, k) [mm]; 0 if open.
+
+    Asperities of a radius without a table follow Hertz's law.
     """
-    radii = np.unique(surface.radius[indentation > 0.0])
-    if len(radii) > MOST_RADII:
-        raise InvalidInput(
-            f"the summits in contact have {len(radii)} different radii; "
-            f"finite elements of caps are limited to {MOST_RADII} radii"
-        )
-    tables, table = [], np.full(surface.count, -1)
-    for k, radius in enumerate(radii):
-        own = surface.radius == radius
-        tables.append(cap_contact(surface, np.where(own, indentation, 0.0)))
-        table[own] = k
-    return Caps(surface, tuple(tables), table)
+    depth, radius = np.maximum(indentation, 0.0), surface.radius[:, None]
+    a = HERTZ.contact_radius(depth, radius)
+    load = HERTZ.load(a, radius)
+    for size, table in tables.items():
+        own = surface.radius == size
+        a[own], load[own] = table.solve(surface.height[own, None], indentation[own])
+    return a, load
 
 
-def cap_contact(surface: Surface, indentation: FloatArray) -> CapContact:
-    """Compute the caps of a surface by finite elements, up to given indentations (n,) [mm].
+def caps_of(surface: Surface, indentation: FloatArray) -> dict[float, CapContact]:
+    """Compute the caps of each radius by finite elements, up to given indentations (n,) [mm].
 
     Each is a true spherical cap on a bonded cylinder with a free side and the block's thickness and base
     area, at small strain, with the Poisson's ratio of the material. Raise InvalidInput if the surface has no
-    block, or if the summits in contact have several radii or not 0 < h <= R.
+    block, or if the summits in contact have more than four radii or not 0 < h <= R.
     """
     touching = indentation > 0.0
-    block, radius = surface.block, float(surface.radius[touching][0])
-    if block is None:
-        raise InvalidInput("the surface has no block")
-    if np.ptp(surface.radius[touching]) > 0.0:
-        raise InvalidInput("the summits differ in their radii")
-    heights = surface.height[touching]
-    if heights.min() <= 0.0 or heights.max() > radius:
-        raise InvalidInput("the height of a summit in contact must be above 0 and at most its radius")
-    foot = foot_radius(heights, radius)
-    ratio = Hertz().contact_radius(indentation[touching], radius) / foot
+    radii, height = np.unique(surface.radius[touching]).tolist(), surface.height[touching]
+    refuse_if(
+        len(radii) > MOST_RADII,
+        f"the summits in contact have {len(radii)} different radii; "
+        f"finite elements of caps are limited to {MOST_RADII} radii",
+    )
+    refuse_if(surface.block is None, "the surface has no block")
+    words = "the height of a summit in contact must be above 0 and at most its radius"
+    refuse_if(((height <= 0.0) | (height > surface.radius[touching])).any(), words)
+    return {
+        radius: cap_contact(surface, radius, touching & (surface.radius == radius), indentation)
+        for radius in radii
+    }
+
+
+def cap_contact(
+    surface: Surface, radius: float, which: NDArray[np.bool_], indentation: FloatArray
+) -> CapContact:
+    """Compute the caps of one radius by finite elements, up to the indentations of some of them."""
+    from metafem.fe import press
+
+    block, nu = surface.block, surface.material.poisson_ratio
+    assert block is not None
+    side = math.sqrt(block.width * block.length / math.pi)
+    heights = surface.height[which]
+    ratio = float((HERTZ.contact_radius(indentation[which], radius) / foot_radius(heights, radius)).max())
     low, high = float(heights.min()), float(heights.max())
     # small contacts obey Hertz's law; starting at a tenth of the range keeps the smallest contact meshable
-    ranges = (low, high), (0.1 * float(ratio.max()), min(float(ratio.max()), 0.9))
-    nu, side = surface.material.poisson_ratio, math.sqrt(block.width * block.length / math.pi)
+    ranges = (low, high), (0.1 * ratio, min(ratio, 0.9))
 
-    def excess(h: float, s: float) -> tuple[float, float]:
-        from metafem.fe import press
-
-        foot = float(foot_radius(h, radius))
-        a = s * foot
+    def excess(h: float, s: float) -> FloatArray:
+        """Return f and g."""
+        a = s * float(foot_radius(h, radius))
         contact = press(a, radius, nu, height=h, thickness=block.thickness, block_radius=side)
-        load = contact.rescaled_load / float(Hertz().load(a, radius))
-        return (load - 1.0) / s, (contact.indentation * radius / a**2 - 1.0) / s
+        load = contact.rescaled_load / float(HERTZ.load(a, radius))
+        return np.array([load - 1.0, contact.indentation * radius / a**2 - 1.0]) / s
 
-    h_nodes = _nodes(*ranges[0], HEIGHT_NODES if high > low else 1)
-    s_nodes = _nodes(*ranges[1], RATIO_NODES)
-    pairs = [(h, s) for h in h_nodes for s in s_nodes]
+    counts = HEIGHT_NODES if high > low else 1, RATIO_NODES
+    scaled = [chebpts1(count) for count in counts]
+    nodes = [
+        0.5 * (first + last) + 0.5 * (last - first) * x
+        for (first, last), x in zip(ranges, scaled, strict=True)
+    ]
+    pairs = [(h, s) for h in nodes[0] for s in nodes[1]]
     pressed = [excess(h, s) for h, s in each("finite elements of a cap", pairs)]
-    found = np.array(pressed).reshape(len(h_nodes), len(s_nodes), 2)
-    tables = []
-    for k in (0, 1):
-        by_height = np.vander(_scaled(h_nodes, ranges[0]), increasing=True)
-        by_ratio = np.vander(_scaled(s_nodes, ranges[1]), increasing=True)
-        tables.append(np.linalg.solve(by_height, found[:, :, k]) @ np.linalg.inv(by_ratio).T)
-    loads, indentations = tables
-    bare = CapContact(radius, ranges[0], ranges[1], loads, indentations, math.nan)
+    by_height, by_ratio = (np.linalg.inv(np.vander(x, increasing=True)) for x in scaled)
+    table = np.einsum("ih,hsk,js->ijk", by_height, np.reshape(pressed, (*counts, 2)), by_ratio)
+    bare = CapContact(radius, *ranges, table)
     # between the nodes, where the errors of both polynomials are nearly largest
-    place = np.array([0.75 * low + 0.25 * high, 0.6 * ranges[1][1]])
-    error = max(
-        abs(s_excess - float(bare._excess(table, place[0], place[1]))) * place[1]
-        for s_excess, table in zip(excess(*place), tables, strict=True)
-    )
-    return replace(bare, error=error)
-
-
-def _nodes(low: float, high: float, count: int) -> FloatArray:
-    """Return the Chebyshev nodes of an interval."""
-    angle = math.pi * (np.arange(count) + 0.5) / count
-    return np.asarray(0.5 * (low + high) - 0.5 * (high - low) * np.cos(angle))
+    h, s = 0.75 * low + 0.25 * high, 0.6 * ranges[1][1]
+    error = np.abs(excess(h, s) - bare.excess_at(np.array(h), np.array(s))).max() * s
+    return replace(bare, error=float(error))
 
 
 def _scaled(value: FloatArray, interval: tuple[float, float]) -> FloatArray:

@@ -206,7 +206,7 @@ def combined(
         variables,
         {load: task.shown, "quantile": QUANTILES, "tolerance": np.array(list(found), dtype=str)},
         model=used,
-        load_range=None if slope is None else slope.load_range,
+        slope=slope,
         seed=task.seed,
         draws=count,
         inputs=key,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -154,23 +155,17 @@ def cap_check() -> list[Check]:
     """
     checks = []
     for height, a in CAP_ROWS:
-        contact = press(a, RADIUS, height=height, thickness=THICKNESS, block_radius=BLOCK_RADIUS)
-        cell = CAP_CELLS * a
-        searched = search_contact(
-            contact.indentation, RADIUS, cell=cell, height=height, thickness=THICKNESS,
-            block_radius=BLOCK_RADIUS,
-        )  # fmt: skip
-        load = single_contacts.hertz(a, RADIUS)[0]
-        name = f"h = {height} mm, a = {a} mm"
+        block: dict[str, Any] = {"height": height, "thickness": THICKNESS, "block_radius": BLOCK_RADIUS}
+        contact = press(a, RADIUS, **block)
+        searched = search_contact(contact.indentation, RADIUS, cell=CAP_CELLS * a, **block)
+        name, load = f"h = {height} mm, a = {a} mm", single_contacts.hertz(a, RADIUS)[0]
+        over = contact.rescaled_load / load, searched.rescaled_load / load
         checks += [
-            _near(
-                f"{name}: load over Hertz", contact.rescaled_load / load, searched.rescaled_load / load, 1e-3,
-                SEARCHED,
-            ),
+            _near(f"{name}: load over Hertz", *over, 1e-3, SEARCHED),
             # the position of the last closed node is known to one cell
             _near(f"{name}: contact radius", a, searched.last_radius, CAP_CELLS, SEARCHED),
             _below(f"{name}: error estimate", contact.error_estimate, 1e-4, BRACKET),
-        ]  # fmt: skip
+        ]
     a = 0.5 * RADIUS
     sphere = press(a, profile=lambda r: sphere_profile(r, RADIUS))
     load, indentation = single_contacts.sneddon_sphere(a, RADIUS)

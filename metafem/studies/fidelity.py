@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import elementwise
 
-from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.inversion import Design
 from metafem.models.model import contact_of, has_paraboloids
 from metafem.notes import information
 from metafem.progress import doing
-from metafem.studies.cap_contact import Caps, caps_of
+from metafem.studies.cap_contact import CapContact, caps_of, solve_caps
 from metafem.studies.sampling.dataset import dataset, described
 from metafem.studies.sampling.store import inputs_hash
 from metafem.studies.substrates import laws_on_substrates
+from metafem.surface import Surface
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -70,7 +71,6 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     >>> fidelity(design, elements=False).model.values.tolist()
     ['independent', 'half-space']
     """
-    check.instance("design", design, Design, "a metafem.Design")
     surface, load = design.surface, design.law.load
     model = design.law.model
     laws, notes = laws_on_substrates(surface, load, contact_of(model), wait=True)
@@ -83,8 +83,8 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
         try:
             # a fifth more than Hertz's indentation: pedestals add this much on the source paper's surfaces
             caps = caps_of(surface, 1.2 * (surface.height - separation["independent"][-1]))
-            area["fe"], separation["fe"] = _law_of_caps(caps, load)
-            error = caps.error
+            area["fe"], separation["fe"] = _law_of_caps(surface, caps, design.law.rescaled_load)
+            error = max(table.error for table in caps.values())
             notes.append(information(ELEMENTS))
         except InvalidInput as reason:
             notes.append(information(f"fe is left out: {reason}"))
@@ -105,22 +105,18 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     return found.assign_coords(load=("rescaled_load", load, described("load")))
 
 
-def _law_of_caps(caps: Caps, load: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return areas and separations (k,) of independent asperities with a tabulated law, at loads [N]."""
-    surface = caps.surface
+def _law_of_caps(
+    surface: Surface, caps: Mapping[float, CapContact], rescaled_load: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return areas and separations (k,) of independent asperities with tabulated laws."""
     top = float(surface.height.max())
-    area, separation = np.empty(len(load)), np.empty(len(load))
 
-    def loaded(separation: float) -> tuple[FloatArray, FloatArray]:
-        return caps.solve(surface.height - separation)
+    def missing(separation: FloatArray, load: FloatArray) -> FloatArray:
+        indentation = surface.height[:, None] - separation
+        return np.asarray(solve_caps(surface, caps, indentation)[1].sum(axis=0) - load)
 
-    low = top
-    for k, rescaled in enumerate(load / surface.material.composite_modulus):
-        step = 0.02 * top
-        while loaded(low)[1].sum() < rescaled:
-            low, step = low - step, 1.5 * step
-        separation[k] = brentq(
-            lambda s, rescaled=rescaled: loaded(s)[1].sum() - rescaled, low, top, xtol=1e-15 * top, rtol=1e-14
-        )
-        area[k] = np.pi * (loaded(separation[k])[0] ** 2).sum()
-    return area, separation
+    start, given = np.full(len(rescaled_load), top), (rescaled_load,)
+    ends = elementwise.bracket_root(missing, 0.98 * start, start, xmax=start, args=given).bracket
+    separation = elementwise.find_root(missing, ends, args=given).x
+    radius = solve_caps(surface, caps, surface.height[:, None] - separation)[0]
+    return np.pi * (radius**2).sum(axis=0), separation

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
+from metafem.errors import NotConverged
 from metafem.inversion import Design
 from metafem.models import Independent, Interacting
 from metafem.models.model import contact_of
@@ -121,17 +122,12 @@ def _areas(
     model: Interacting, surface: Surface, orders: list[IndexArray], rescaled: FloatArray
 ) -> FloatArray:
     """Return A0 (m, k) of m assignments of the asperities to the sites, at k loads."""
-    if np.ptp(surface.radius) == 0.0:
-        parts = [orders[k : k + AT_ONCE] for k in range(0, len(orders), AT_ONCE)]
-        return np.concatenate(
-            [
-                model.curves(surface, surface.height[np.array(part)], rescaled)[2]
-                for part in each("assignments, part", parts)
-            ]
-        )
-    return np.array(
-        [
-            model.curve(surface.replaced(height=surface.height[o], radius=surface.radius[o]), rescaled).area
-            for o in each("assignment", orders)
-        ]
-    )
+    varied = np.ptp(surface.radius) > 0.0
+    parts = [np.array(orders[k : k + AT_ONCE]) for k in range(0, len(orders), AT_ONCE)]
+    areas = [
+        model.areas(surface, rescaled, surface.height[part], surface.radius[part] if varied else None)
+        for part in each("assignments, part", parts)
+    ]
+    if not all(np.isfinite(part).all() for part in areas):
+        raise NotConverged("the model has no solution for an assignment of the heights to the sites")
+    return np.concatenate(areas)

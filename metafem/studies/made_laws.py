@@ -16,10 +16,10 @@ from metafem.inversion.search.target_law import TargetLaw
 from metafem.models import Model
 from metafem.models.model import contact_of
 from metafem.prediction import Tolerances
+from metafem.studies.sampling.batches import Run
 from metafem.studies.sampling.inputs import Inputs
 from metafem.studies.sampling.moments import Sums, added, sums_of
 from metafem.studies.sampling.points import MOST_DRAWS, unit_points
-from metafem.studies.sampling.schedulers import Run
 from metafem.studies.sampling.slope import Slope
 from metafem.surface import Surface
 

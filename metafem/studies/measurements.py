@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from metafem.calibration import Comparison, Explanation
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.models import Model
 from metafem.studies.sampling.dataset import Variables, dataset
 from metafem.studies.sampling.store import inputs_hash
@@ -16,7 +16,8 @@ from metafem.studies.sampling.store import inputs_hash
 if TYPE_CHECKING:
     import xarray as xr
 
-    from metafem._validate import FloatArray
+# The attributes of a measured law that are kept at its points.
+OF_LAW = [f"{name}{sd}" for name in ("load", "rescaled_load", "rescaled_friction") for sd in ("", "_sd")]
 
 
 def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
@@ -53,41 +54,34 @@ def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
     array([-0.057,  0.054])
     """
     labels = [comparison.measured.label for comparison in comparisons]
-    if not labels or len(set(labels)) < len(labels):
-        raise InvalidInput(f"the labels of the measured laws, {labels!r:.80}, must be different")
-    over_points: dict[str, list[FloatArray]] = {}
-    for each in comparisons:
-        law, point = each.measured, each.point
-        arrays = {
-            "load": law.load[point],
-            "load_sd": law.load_sd[point],
-            "rescaled_load": law.rescaled_load[point],
-            "rescaled_load_sd": law.rescaled_load_sd[point],
-            "rescaled_friction": law.rescaled_friction[point],
-            "rescaled_friction_sd": law.rescaled_friction_sd[point],
-            "predicted": each.predicted,
-            "deviation": each.deviation,
-            "deviation_sd": each.deviation_sd,
-        }
-        for name, values in arrays.items():
-            over_points.setdefault(name, []).append(values)
-    variables: Variables = {name: (("point",), np.concatenate(parts)) for name, parts in over_points.items()}
-    of_law = np.repeat(labels, [len(each.point) for each in comparisons])
-    variables["of_law"] = ("point",), of_law
-    features = [(each.measured.label, feature) for each in comparisons for feature in each.features]
-    columns = {
-        "of_law_feature": [label for label, _ in features],
-        "unit": [feature.unit for _, feature in features],
-        "value": [feature.value for _, feature in features],
-        "value_sd": [feature.sd for _, feature in features],
-        "low": [feature.interval[0] for _, feature in features],
-        "high": [feature.interval[1] for _, feature in features],
-        "design": [feature.predicted for _, feature in features],
-        "target": [feature.target for _, feature in features],
+    words = f"the labels of the measured laws, {labels!r:.80}, must be different"
+    refuse_if(not labels or len(set(labels)) < len(labels), words)
+
+    points = [
+        {name: getattr(each.measured, name)[each.point] for name in OF_LAW}
+        | {name: getattr(each, name) for name in ("predicted", "deviation", "deviation_sd")}
+        for each in comparisons
+    ]
+    variables: Variables = {
+        name: (("point",), np.concatenate([each[name] for each in points])) for name in points[0]
     }
-    texts = ("of_law_feature", "unit")
-    for name, column in columns.items():
-        variables[name] = ("feature",), np.array(column, dtype=str if name in texts else float)
+    variables["of_law"] = ("point",), np.repeat(labels, [len(each.point) for each in comparisons])
+    features = [(each.measured.label, feature) for each in comparisons for feature in each.features]
+    variables["of_law_feature"] = ("feature",), np.array([label for label, _ in features], dtype=str)
+    variables["unit"] = ("feature",), np.array([feature.unit for _, feature in features], dtype=str)
+    for name, attribute in {
+        "value": "value",
+        "value_sd": "sd",
+        "design": "predicted",
+        "target": "target",
+    }.items():
+        column = [getattr(feature, attribute) for _, feature in features]
+        variables[name] = ("feature",), np.array(column, dtype=float)
+    for i, name in enumerate(("low", "high")):
+        variables[name] = (
+            ("feature",),
+            np.array([feature.interval[i] for _, feature in features], dtype=float),
+        )
     verdicts = [each.verdict for each in comparisons]
     variables["freedom"] = ("law",), [verdict.freedom for verdict in verdicts]
     for name, probability in (("chi_square", "probability"), ("runs", "runs_probability")):
@@ -102,18 +96,11 @@ def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
         for note in each.notes
     ]
     names = np.array([feature.name for _, feature in features], dtype=str)
-    study = dataset(
-        "measured",
-        variables,
-        {"feature": names, "law": np.array(labels)},
-        model=model,
-        inputs=inputs_hash(tuple(comparisons)),
-        notes=notes,
-    )
-    study.attrs["parameters"] = " ".join(
-        dict.fromkeys(name for each in comparisons for name in each.parameters)
-    )
-    return study
+    coordinates = {"feature": names, "law": np.array(labels)}
+    inputs = inputs_hash(tuple(comparisons))
+    parameters = dict.fromkeys(name for each in comparisons for name in each.parameters)
+    study = dataset("measured", variables, coordinates, model=model, inputs=inputs, notes=notes)
+    return study.assign_attrs(parameters=" ".join(parameters))
 
 
 def explained(found: Explanation) -> xr.Dataset:
@@ -143,7 +130,14 @@ def explained(found: Explanation) -> xr.Dataset:
     >>> explained(explain(measured, design, model=mf.Independent())).cause.values.tolist()
     ['angle_x', 'angle_y', 'height_scale', 'composite_modulus']
     """
-    names = [cause.name for cause in found.causes]
+    kinds = [name for name in ("height", "radius") if name in found.single]
+    causes, groups = np.array([cause.name for cause in found.causes], dtype=str), list(found.shares)
+    coordinates: dict[str, Any] = {
+        "cause": causes,
+        "other_cause": causes,
+        "group": np.array(groups, dtype=str),
+        "kind": np.array(kinds, dtype=str),
+    }
     variables: Variables = {
         name: (("cause",), np.array([getattr(cause, name) for cause in found.causes]))
         for name in ("prior_sd", "mean", "sd")
@@ -152,28 +146,16 @@ def explained(found: Explanation) -> xr.Dataset:
     variables["share"] = ("group",), np.array(list(found.shares.values()))
     variables["misfit_without"] = ("group",), np.array(list(found.misfit_without.values()))
     variables["sentence_text"] = ("sentence",), np.array(found.sentences())
-    kinds = [name for name in ("height", "radius") if name in found.single]
     for name in kinds:
         errors = found.single[name]
         variables |= {name: (("site",), errors.mean), f"{name}_sd": (("site",), errors.sd)}
     if kinds:
+        sites = np.arange(found.surface.count)
         variables["single_prior_sd"] = ("kind",), np.array([found.single[name].prior_sd for name in kinds])
-        variables["outlier"] = ("site",), np.isin(np.arange(found.surface.count), found.outliers).astype(int)
-    sites = np.arange(found.surface.count) if found.sites is None else found.sites
+        variables["outlier"] = ("site",), np.isin(sites, found.outliers).astype(int)
+        coordinates["site"] = sites if found.sites is None else found.sites
     for name in ("misfit_design", "misfit"):
         variables[name] = (), getattr(found, name)
     variables["values"] = (), found.count
-    return dataset(
-        "explained",
-        variables,
-        {
-            "cause": np.array(names, dtype=str),
-            "other_cause": np.array(names, dtype=str),
-            "group": np.array(list(found.shares), dtype=str),
-            "kind": np.array(kinds, dtype=str),
-            **({"site": sites} if kinds else {}),
-        },
-        model=found.model,
-        inputs=inputs_hash((found,)),
-        notes=found.notes,
-    )
+    inputs = inputs_hash((found,))
+    return dataset("explained", variables, coordinates, model=found.model, inputs=inputs, notes=found.notes)

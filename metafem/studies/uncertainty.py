@@ -138,24 +138,25 @@ def uncertainty(
     )
     fit, notes = Slope.if_any(surface, load_range, used)
     groups = len(inputs.groups)
-    size = plan(number.number if wanted is None else FIRST_DRAWS, groups)
+    size, points = plan(number.number if wanted is None else FIRST_DRAWS, groups)
     response = Response.reaching(surface, used, inputs, loads, fit)
-    task = LawDraws(surface, inputs, response, fit, loads, forces, size.points, entropy(rng))
+    task = LawDraws(surface, inputs, response, fit, loads, forces, points, entropy(rng))
     key = inputs_hash((task, used, size, wanted))
     first = 0
     with opened(execution, "uncertainty", key) as compute:
         while True:
-            batches = compute(replace(task, points=size.points), range(first, first + size.batches))
+            batches = compute(replace(task, points=points), range(first, first + size))
+            done = size * points * (2 + 2 * groups)
             found = estimated(np.array([batch["means"] for batch in batches]), task.nominal)
             area = slice(0, len(loads))
             enough = wanted is None or (found.sd.error[area] <= wanted * found.sd.value[area]).all()
-            if enough or size.draws >= MOST_DRAWS:
+            if enough or done >= MOST_DRAWS:
                 break
             # restarted: one net of twice as many points is more accurate than two
-            first, size = first + size.batches, plan(2 * size.draws, groups)
+            first, (size, points) = first + size, plan(2 * done, groups)
     if not enough:
-        notes.append(Note(f"the sampling error of area_sd exceeds {wanted:g} after {size.draws} draws"))
-    return _dataset(task, found, used, size.draws, key, notes)
+        notes.append(Note(f"the sampling error of area_sd exceeds {wanted:g} after {done} draws"))
+    return _dataset(task, found, used, done, key, notes)
 
 
 def _dataset(
@@ -182,7 +183,7 @@ def _dataset(
         variables,
         {"rescaled_load": rescaled, "parameter": task.inputs.labels},
         model=model,
-        load_range=task.fit.load_range if task.fit is not None else None,
+        slope=task.fit,
         seed=task.seed,
         draws=draws,
         inputs=key,

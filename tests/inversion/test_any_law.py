@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 import metafem as mf
 from metafem.inversion import DesignStatus
-from tests.models.scenes import said
 from validation.scenes.random_laws import LATTICE, LIMITS, random_law
 
 MODELS = [mf.Independent(), mf.Interacting(), mf.Interacting(substrate=mf.BondedLayer())]
@@ -130,15 +129,9 @@ def test_a_model_without_gradients_refines_and_names_whose_it_uses():
 @pytest.mark.slow
 def test_a_design_under_resolved_contacts_is_refined_and_drawn():
     """Light loads that the cells do not resolve are those of order 3, and a note says so."""
-    template = mf.Surface.square_lattice(0.12, (3, 3), radius=0.526, material=mf.Material(1.36))
-    target = mf.OperatingPoints([0.01, 0.03], [0.11, 0.26])
+    template = mf.Surface.square_lattice(0.12, (2, 3), radius=0.526, material=mf.Material(1.36))
+    target = mf.OperatingPoints([0.0067, 0.02], [0.073, 0.173])
     result = mf.design(target, template, mf.BoundaryElements(0.013))
     assert result.misfit <= 1e-6
     assert any("gradients were those of the model half-space" in str(note) for note in result.notes)
     assert any("the law is that of the model half-space" in str(note) for note in result.law.notes)
-
-
-def test_heights_that_were_only_found_are_not_called_adjusted():
-    result = mf.design(mf.PowerLaw(1.0, (0.1, 0.4)), LATTICE, limits=LIMITS)
-    assert result.status is DesignStatus.REACHED
-    assert "heights were moved" not in said(result)

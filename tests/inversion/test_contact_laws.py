@@ -121,9 +121,7 @@ def test_tools_are_mixed_by_the_power_of_the_caps():
     area = mf.Independent(contact=law).curves(height, mixture.mixed(), load)[2][0]
     delta = np.linspace(0.12, 0.0, 2000)
     expected = np.interp(
-        load,
-        density.rescaled_load(delta, mixture.carrying, mixture.radius, law),
-        density.area(delta, mixture.carrying, mixture.radius, law),
+        load, density.rescaled_load(delta, *mixture.asperities), density.area(delta, *mixture.asperities)
     )
     np.testing.assert_allclose(area, expected, rtol=2e-3)  # the ends of 4,000 intervals, not their middles
 

@@ -148,12 +148,6 @@ def test_heights_are_dealt_by_the_seed_and_never_sorted(template):
     assert (np.diff(first.surface.height) < 0).any()
 
 
-def test_sites_map_to_the_template(template):
-    result = mf.design(POINTS, template, limits=TALL)
-    np.testing.assert_array_equal(result.surface.position, template.position[result.sites])
-    assert len(set(result.sites.tolist())) == 58
-
-
 def test_heights_stay_within_the_limits(template):
     limits = mf.Limits(max_height=0.15, min_height=0.03, offset=0.02, height_step=0.006)
     height = mf.design(mf.LinearLaw(7.0), template, limits=limits).surface.height

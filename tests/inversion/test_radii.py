@@ -139,9 +139,7 @@ def test_a_mixture_has_the_law_of_its_mean_radius():
     area = mf.Independent().curves(height, mixture.mixed(), load)[2][0]
     delta = np.linspace(0.12, 0.0, 2000)
     expected = np.interp(
-        load,
-        density.rescaled_load(delta, mixture.carrying, mixture.radius),
-        density.area(delta, mixture.carrying, mixture.radius),
+        load, density.rescaled_load(delta, *mixture.asperities), density.area(delta, *mixture.asperities)
     )
     np.testing.assert_allclose(area, expected, rtol=2e-3)  # the ends of 4,000 intervals, not their middles
 

@@ -65,6 +65,19 @@ def lattice(height, radius=0.526, **material):
     return scene(np.column_stack([np.tile(x, side), np.repeat(x, side)]), height, radius, **material)
 
 
+def single_contact(law, cells, offset=(0.3, 0.1), contact_radius=0.2):
+    """States of one contact by so many cells per radius, its centre off those of the cells, and by its law.
+
+    A far, low summit moves the middle of the grid.
+    """
+    cell = contact_radius / cells
+    far = [200.0 * cell + 2.0 * offset[0] * cell, 2.0 * offset[1] * cell]
+    surface = mf.Surface([[0.0, 0.0], far], [0.0, -10.0], 0.526, mf.Material(1.36))
+    approach = float(law.indentation(contact_radius, 0.526))
+    models = mf.BoundaryElements(cell, contact=law), mf.Independent(contact=law)
+    return [mf.equilibrium(surface, model, approach=approach) for model in models]
+
+
 def said(result):
     """The notes of a state, a law or a design, as one text."""
     return "\n".join(map(str, result.notes))

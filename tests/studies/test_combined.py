@@ -207,12 +207,8 @@ def test_misfits_without_a_solution_count_as_infinite():
     ],
 )
 def test_bad_inputs_are_refused(design, changes, words):
-    with pytest.raises(mf.InvalidInput) as refused:
-        mf.studies.combined(**{"design": design, "tolerances": TOLERANCES, **changes})
-    assert words in str(refused.value)
-
-
-def test_bad_requirements_are_refused():
-    for given, words in ((0.0, 0.9), "misfit = 0 must be greater than 0"), ((0.1, 1.0), "must be below 1"):
-        with pytest.raises(mf.InvalidInput, match=words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        mf.studies.combined(design, TOLERANCES, **changes)
+    for given, must in ((0.0, 0.9), "misfit = 0 must be greater than 0"), ((0.1, 1.0), "must be below 1"):
+        with pytest.raises(mf.InvalidInput, match=must):
             Requirement(*given)

@@ -26,13 +26,6 @@ def test_made_surfaces_and_tilts(surface, model):
     assert (tilts.slope_sd > 0.0).all()
 
 
-def test_uncertain_parameters(surface):
-    model = mf.Independent(contact=CAP)
-    found = mf.studies.uncertainty(surface, {"radius": 0.005, "composite_modulus": 0.03}, model=model)
-    assert set(found.parameter.values) == {"radius", "composite_modulus"}
-    assert (found.area_sd > 0.0).all()
-
-
 def test_designs_are_compared_with_their_own_law(surface):
     target = mf.OperatingPoints([0.05, 0.1], [0.5, 0.9])
     design = mf.design(target, surface, mf.Independent(contact=CAP), mf.Limits(0.2))

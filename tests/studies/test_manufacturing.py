@@ -1,35 +1,23 @@
 """Errors of the made surface: theory, plain numpy and bad input."""
 
-from dataclasses import dataclass
+from importlib import import_module
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.special import ndtri
 
 import metafem as mf
 from metafem.studies import Draws
-from metafem.studies.sampling import draws
+from metafem.studies.sampling.points import batch_size, unit_points
 from tests.conftest import MATERIAL, RADIUS
 
 LAYER = mf.Interacting(substrate=mf.BondedLayer())
 
 
-@pytest.fixture(scope="module")
-def linear():
-    """The heights of an exponential law on the paper's lattice."""
-    height = 0.2 - 0.02 * np.log(64 / (np.arange(64) + 0.5))
-    return mf.Surface.square_lattice(
-        height, radius=RADIUS, material=MATERIAL, block=mf.Block(20.0, 20.0, 7.2)
-    )
-
-
 def test_plain_draws_are_those_of_numpy(linear):
     """The slope of each draw by a line fitted by numpy."""
     study = mf.studies.manufacturing(linear, 0.003, draws=Draws(64, plain=True), rng=3)
-    from scipy.special import ndtri
-
-    from metafem.studies.sampling.points import batch_size, unit_points
-
     size = batch_size(64)
     points = np.concatenate([unit_points(3, b, size, 64, plain=True) for b in range(64 // size)])
     load, slopes = study.rescaled_load.values, []
@@ -105,70 +93,69 @@ def test_control_variates_and_sobol_points_agree_with_plain_draws(linear):
 
 
 def test_draws_are_added_until_the_error_is_reached(linear):
-    study = mf.studies.manufacturing(linear, [0.0001, 0.01], draws=Draws(error=0.01))
-    assert (study.slope_sd_error <= 0.01 * study.slope_sd).all()
+    study = mf.studies.manufacturing(linear, [0.0001, 0.01], draws=Draws(error=0.02))
+    assert (study.slope_sd_error <= 0.02 * study.slope_sd).all()
     assert study.draws[1] > study.draws[0]
     assert study.attrs["draws"] == study.draws.max()
 
 
 @pytest.mark.slow
 def test_errors_cover_the_mean_of_many_studies():
-    """68 % of 300 studies with Sobol points and control variates, three standard deviations of their number.
+    """68 % of 150 studies with Sobol points and control variates, three standard deviations of their number.
 
     Student's factor for 16 batches lowers the expectation to 66.7 %.
     """
     pair = mf.Surface.square_lattice([0.1, 0.105, 0.11, 0.13], (2, 2), radius=RADIUS, material=MATERIAL)
     arguments = {"draws": 512, "load_range": (0.005, 0.02)}
-    studies = [mf.studies.manufacturing(pair, 0.003, rng=seed, **arguments) for seed in range(300)]
+    studies = [mf.studies.manufacturing(pair, 0.003, rng=seed, **arguments) for seed in range(150)]
     for name in ("slope_mean", "slope_sd", "area_mean", "area_sd"):
         value, error = (
             np.array([study[each].values.ravel()[-1] for study in studies])
             for each in (name, f"{name}_error")
         )
         covered = (np.abs(value - value.mean()) <= error).mean()
-        assert covered == pytest.approx(0.667, abs=3 * np.sqrt(0.667 * 0.333 / 300)), name
+        assert covered == pytest.approx(0.667, abs=3 * np.sqrt(0.667 * 0.333 / 150)), name
 
 
 def test_a_wanted_error_that_is_not_reached_is_noted(linear, monkeypatch):
-    monkeypatch.setattr(draws, "MOST_DRAWS", 200)
+    monkeypatch.setattr(import_module("metafem.studies.manufacturing"), "MOST_DRAWS", 200)
     study = mf.studies.manufacturing(linear, 0.003, draws=Draws(error=1e-4))
     assert study.draws.item() == 256
     assert "warning: the relative error 0.0001 of slope_sd is not reached within 256" in study.attrs["notes"]
 
 
-@dataclass(frozen=True)
-class Failing(mf.Independent):
-    """Independent asperities of which every tenth surface has no solution."""
+@pytest.fixture
+def unsolved(monkeypatch):
+    """A function that makes the laws of independent asperities fail for some surfaces."""
+    areas = mf.Independent.areas
 
-    def areas(self, surface, load, height, radius=None, position=None):
-        found = super().areas(surface, load, height, radius, position)
-        found[::10, -1] = np.nan
-        return found
+    def fail(which):
+        def failing(self, surface, load, height, radius=None, position=None):
+            found = areas(self, surface, load, height, radius, position)
+            found[which(height), -1] = np.nan
+            return found
+
+        monkeypatch.setattr(mf.Independent, "areas", failing)
+
+    return fail
 
 
-def test_draws_without_a_solution_are_counted_and_left_out(linear):
-    study = mf.studies.manufacturing(linear, [0.0, 0.003], draws=320, model=Failing())
+def test_draws_without_a_solution_are_counted_and_left_out(linear, unsolved):
+    whole = mf.studies.manufacturing(linear, [0.0, 0.003], draws=320)
+    unsolved(lambda height: slice(None, None, 10))
+    study = mf.studies.manufacturing(linear, [0.0, 0.003], draws=320)
     np.testing.assert_array_equal(study.failed, [0, 40])
     np.testing.assert_array_equal(study.draws, [320, 280])
     assert "warning: 40 draws have no solution under this model and are left out" in study.attrs["notes"]
-    whole = mf.studies.manufacturing(linear, [0.0, 0.003], draws=320)
     assert_allclose(study.slope_sd, whole.slope_sd, rtol=0.1)
     assert np.isfinite(study.area_sd_error).all()
 
 
-@dataclass(frozen=True)
-class Exact(mf.Independent):
-    """Independent asperities that have a solution for equal draws alone."""
-
-    def areas(self, surface, load, height, radius=None, position=None):
-        found = super().areas(surface, load, height, radius, position)
-        return found if np.ptp(height, axis=0).max() == 0.0 else np.full_like(found, np.nan)
-
-
-def test_draws_that_all_have_no_solution_have_no_moments(linear):
+def test_draws_that_all_have_no_solution_have_no_moments(linear, unsolved):
+    unsolved(lambda height: slice(None))
     words = r"fewer than two batches of draws have a solution at height_sd = 0\.003"
     with pytest.raises(mf.NotConverged, match=words):
-        mf.studies.manufacturing(linear, [0.0, 0.003], draws=32, model=Exact())
+        mf.studies.manufacturing(linear, [0.0, 0.003], draws=32)
 
 
 def test_a_study_states_where_its_numbers_come_from(linear):
@@ -190,7 +177,6 @@ def test_a_study_states_where_its_numbers_come_from(linear):
     [
         ({"height_sd": -0.001}, r"height_sd = -0.001 must be at least 0"),
         ({"height_sd": [0.001, -0.002]}, r"height_sd = -0.002 must be at least 0"),
-        ({"height_sd": 0.001, "draws": 1}, "draws = 1 must be a whole number of at least 2"),
         (
             {"height_sd": 0.001, "others": mf.Tolerances(radius_sd=0.1)},
             "must be at most a tenth of the smallest radius",

@@ -4,14 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-
-
-@pytest.fixture(scope="module")
-def surface():
-    height = 0.1 + np.random.default_rng(3).exponential(0.02, 16)
-    block = mf.Block(10.0, 10.0, 7.2)
-    return mf.Surface.square_lattice(height, (4, 4), radius=0.526, material=mf.Material(1.36), block=block)
-
+from metafem.studies.misalignment import within
 
 RANGE = (0.02, 0.1)
 
@@ -28,6 +21,7 @@ def test_moments_are_those_of_the_laws_of_tilted_surfaces(surface, model, axes, 
     steps = np.linspace(-0.001, 0.001, 5)
     laws = [slope(surface.tilted(x * angle, y * angle), model, RANGE) for angle in steps]
     found = mf.studies.misalignment(surface, steps[3:], model=model, axes=axes, load_range=RANGE)
+    assert "warning: errors estimated from 2 angles can be several times too small" in found.attrs["notes"]
     assert found.nominal_slope == pytest.approx(laws[2][0], rel=1e-10)
     np.testing.assert_allclose(found.nominal_area, laws[2][1], rtol=1e-10)
     # the law is linear between the angles; a hundred thousand values on each side make the integrals
@@ -50,11 +44,6 @@ def test_a_number_is_a_thousand_steps_of_the_source(surface):
     difference = np.abs(same.slope_sd.values - few.slope_sd.values)
     assert (difference <= few.slope_sd_error.values).all()
     assert "too small" not in few.attrs["notes"]
-
-
-def test_errors_from_few_angles_are_a_warning(surface):
-    found = mf.studies.misalignment(surface, [0.0005, 0.001], load_range=RANGE)
-    assert "warning: errors estimated from 2 angles can be several times too small" in found.attrs["notes"]
 
 
 def test_shuffled_placements_repeat_and_belong_to_the_seed(surface):
@@ -89,9 +78,6 @@ def test_radii_are_shuffled_with_their_heights(surface):
         ({"angle": [0.2, 0.1]}, r"angle\[1\] = 0.1 does not exceed"),
         ({"axes": "z"}, "axes = 'z' must be one of 'both', 'x', 'y'"),
         ({"shuffles": -1}, "shuffles = -1 must be a whole number of at least 0"),
-        ({"load_range": (0.1, 0.1)}, "load_range"),
-        ({"model": mf.Independent}, "model"),
-        ({"rng": -1}, "rng = -1 must be a non-negative seed"),
     ],
 )
 def test_wrong_arguments_are_named(surface, changes, message):
@@ -122,3 +108,27 @@ def test_a_base_plane_that_would_touch_is_a_warning(surface):
     # a rise of 5 mm times 0.02 in each direction exceeds the heights
     found = mf.studies.misalignment(surface, [0.02], load_range=RANGE)
     assert "warning: at 0.02 rad and a load of 0.1 mm^2 the edge of the base plane" in found.attrs["notes"]
+
+
+def test_errors_fall_with_the_square_of_the_step():
+    # mean and deviation of exp(x) over [-1, 1]
+    mean = np.sinh(1.0)
+    sd = np.sqrt(np.sinh(2.0) / 2.0 - mean**2)
+    errors, estimated = [], []
+    for steps in (7, 14, 28):
+        angle = np.linspace(-1.0, 1.0, 2 * steps + 1)
+        (value, value_error), (spread, spread_error) = within(angle, np.exp(angle))
+        errors.append([value[-1] - mean, spread[-1] - sd])
+        estimated.append([value_error[-1], spread_error[-1]])
+    order = np.log2(np.abs(np.array(errors)[:-1] / np.array(errors)[1:]))
+    np.testing.assert_allclose(order, 2.0, atol=0.1)
+    # half as many angles: three times the error
+    np.testing.assert_allclose(np.abs(np.array(estimated) / errors), 3.0, atol=0.6)
+
+
+def test_a_linear_slope_has_the_deviation_of_a_uniform_angle():
+    angle = np.array([-0.3, -0.1, 0.0, 0.1, 0.3])
+    (mean, mean_error), (sd, sd_error) = within(angle, 5.0 + angle)
+    np.testing.assert_allclose(mean, 5.0, rtol=1e-12)
+    np.testing.assert_allclose(sd, np.array([0.1, 0.3]) / np.sqrt(3.0), rtol=1e-12)
+    np.testing.assert_allclose([mean_error, sd_error], 0.0, atol=1e-12)

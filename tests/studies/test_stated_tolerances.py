@@ -8,25 +8,19 @@ from tests.conftest import MATERIAL, RADIUS
 from validation.scenes.stated_tolerances import ANGLE, HEIGHT_SD, differences
 
 
-@pytest.fixture(scope="module")
-def surface():
-    height = 0.2 - 0.02 * np.log(64 / (np.arange(64) + 0.5))
-    return mf.Surface.square_lattice(height, radius=RADIUS, material=MATERIAL)
-
-
-def test_the_largest_errors_of_the_heights_do_not_depend_on_those_studied(surface):
-    found = [mf.studies.manufacturing(surface, sd, draws=1024) for sd in (0.0, *HEIGHT_SD)]
+def test_the_largest_errors_of_the_heights_do_not_depend_on_those_studied(linear):
+    found = [mf.studies.manufacturing(linear, sd, draws=1024) for sd in (0.0, *HEIGHT_SD)]
     assert len({float(study.largest_height_sd) for study in found}) == 1
-    there = mf.studies.manufacturing(surface, float(found[0].largest_height_sd), draws=1024)
+    there = mf.studies.manufacturing(linear, float(found[0].largest_height_sd), draws=1024)
     # the search ends within a fifth of the sampling error
     scatter, error = (float(there[name][0] / there.nominal_slope) for name in ("slope_sd", "slope_sd_error"))
     assert scatter == pytest.approx(0.01, abs=0.2 * error)
 
 
-def test_the_largest_tilt_does_not_depend_on_those_studied(surface):
-    found = [mf.studies.misalignment(surface, np.radians(angle)) for angle in ANGLE]
+def test_the_largest_tilt_does_not_depend_on_those_studied(linear):
+    found = [mf.studies.misalignment(linear, np.radians(angle)) for angle in ANGLE]
     assert len({float(study.largest_angle) for study in found}) == 1
-    there = mf.studies.misalignment(surface, float(found[0].largest_angle))
+    there = mf.studies.misalignment(linear, float(found[0].largest_angle))
     assert float(there.slope_sd[0, -1] / there.nominal_slope) == pytest.approx(0.01, rel=1e-3)
 
 

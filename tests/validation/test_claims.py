@@ -13,7 +13,7 @@ from validation.sources import Source
 LONG = ("any_law", "fig_s3_manufacturing")
 
 # The longest of the slow ones come first, so that the processes end together.
-FIRST = ("block_or_layer", "fe_finite_strain", "order3_independent", "diagnosis", "layout", "misuse")
+FIRST = ("fe_finite_strain", "block_or_layer", "order3_against_resolved", "layout", "fe_hertz", "topography")
 
 NAMES = [
     pytest.param(name, marks=pytest.mark.slow) if is_slow(name) or name in LONG else name

@@ -39,15 +39,6 @@ def test_full_contact_begins_where_the_lowest_asperity_touches():
 
 
 @pytest.mark.slow
-def test_adhesion_misses_the_slopes_of_fig_4_with_the_printed_strength_alone():
-    for colour, high in (("blue", 3.5), ("red", 2.7)):
-        name = f"Fig. 4 {colour}"
-        assert table.deviation(name, table.ADHESION, table.PRINTED) == pytest.approx(high, abs=0.05)
-        assert abs(table.deviation(name, table.ADHESION, table.REFITTED)) < 1.05
-        assert abs(table.deviation(name, "Hertz", table.PRINTED)) < 0.8
-
-
-@pytest.mark.slow
 def test_hertz_fits_a_smaller_modulus_to_adhesive_contacts():
     assert table.softening(1.36) == pytest.approx(0.972, abs=0.002)
     assert table.softening(1e9) == pytest.approx(1.0, abs=1e-4)  # stiff contacts are those without adhesion

@@ -4,7 +4,6 @@ import re
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 import metafem as mf
 from validation.cost import model_table
@@ -63,13 +62,3 @@ def test_without_tamaas_a_row_says_so(monkeypatch):
     assert len(claim.checks) == 2 * len(against.PAIRS)
     assert all(check.passed for check in claim.checks)
     assert not claim.figures
-
-
-@pytest.mark.slow
-def test_order_3_agrees_with_tamaas_on_a_pair():
-    pytest.importorskip("tamaas")
-    name = "two equal asperities"
-    first, third = against.compared(name, 1), against.compared(name, 3)
-    assert abs(third.area) < third.uncertain[0] < AREA_ERROR
-    assert abs(third.load) < LOAD_ERROR
-    assert first.area > 3e-3  # point loads

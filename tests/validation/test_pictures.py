@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.scenes.pictures import BRIGHT, DARK, coverage, illumination, picture
+from validation.scenes.pictures import coverage
 
 SHAPE = (90, 110)
 CENTRE, AXES, ANGLE = (52.3, 40.9), (23.0, 14.0), 0.6
@@ -32,20 +32,6 @@ def test_area_centre_and_moments_are_those_of_the_ellipse(blur):
         [(a * cos) ** 2 + (b * sin) ** 2, (a * sin) ** 2 + (b * cos) ** 2, (a**2 - b**2) * sin * cos]
     )
     assert second == pytest.approx(wanted / 4.0 + (blur**2 + 1.0 / 12.0) * np.array([1, 1, 0]), rel=1e-6)
-
-
-def test_levels_noise_and_bits():
-    bare = picture(SHAPE, [CENTRE], [20.0], blur=1.0)
-    assert (bare.min(), bare.max()) == pytest.approx((DARK, BRIGHT), abs=1e-9)
-    noisy = picture(SHAPE, [CENTRE], [20.0], blur=1.0, noise=0.05)
-    # the standard deviation of a sample of 9900
-    assert np.std(noisy - bare) == pytest.approx(0.05 * (BRIGHT - DARK), rel=4.0 / np.sqrt(2 * bare.size))
-    eight = picture(SHAPE, [CENTRE], [20.0], blur=1.0, bits=8)
-    assert eight.dtype == np.uint8
-    assert np.abs(eight / 255.0 - bare).max() <= 0.5 / 255.0 + 1e-12
-    light = illumination(SHAPE, (0.3, -0.2))
-    assert light[0, -1] - light[-1, 0] == pytest.approx(0.3 - 0.2, abs=0.01)
-    assert np.array_equal(noisy, picture(SHAPE, [CENTRE], [20.0], blur=1.0, noise=0.05))
 
 
 def test_contacts_outside_the_frame_are_cut_at_its_edge():

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import click
 
-from validation.discovery import Listed, chosen, module
+from validation.discovery import Listed, chosen, groups, module
 
 # Functions of a benchmark; "long_rows" takes more than three minutes.
 KINDS = ("rows", "long_rows")
 
 
-class ListedBenchmarks(Listed):
-    """The command, whose help lists the benchmarks."""
-
-    attributes = KINDS
-
-
-@click.command(cls=ListedBenchmarks)
+@click.command(cls=Listed, listed=partial(groups, *KINDS))
 @click.option("--long", is_flag=True, help="Also measure what takes more than three minutes.")
 @click.argument("names", nargs=-1)
 def main(long: bool, names: tuple[str, ...]) -> None:

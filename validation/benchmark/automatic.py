@@ -44,10 +44,7 @@ def rows() -> list[Row]:
     ratios = np.array([ratio for seed in range(TIMED) if (ratio := time_ratios(seed))])
     one, law = np.median(ratios, axis=0)
     what = f"median time over that of order 3, {len(ratios)} surfaces"
-    return [
-        Row(f"{what}, one load", 1.1, one),
-        Row(f"{what}, each of {LOADS} loads", 1.1, law),
-    ]
+    return [Row(f"{what}, one load", 1.1, one), Row(f"{what}, each of {LOADS} loads", 1.1, law)]
 
 
 def long_rows(count: int = COMPARED) -> list[Row]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from itertools import chain
 
-from validation.scenes.damaged_files import LIMIT, measure
+from validation.scenes.damaged_files import measure
 from validation.timing import Row
 
 # Number of damaged files.
@@ -14,13 +14,7 @@ COUNT = 3_000
 
 def rows(count: int = COUNT) -> list[Row]:
     """Count the damaged files whose command does not end as it must."""
-    tally = measure(count)
-    faults = {
-        "tracebacks, or warnings of libraries": tally.tracebacks,
-        f"processor time above {LIMIT} s": tally.hangs,
-        "exit codes other than 0, 1 and 2": tally.codes,
-        "messages with other than one line per problem": tally.lines,
-    }
+    faults = measure(count).faults
     print(*chain(*faults.values()), sep="\n", file=sys.stderr)
     of = f"{count} damaged records, specifications and tables"
     return [Row(f"{of}: {what}", 0, len(found)) for what, found in faults.items()]

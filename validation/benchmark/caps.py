@@ -49,36 +49,23 @@ BELOW = np.array([0.01, 0.0, 0.008, 0.004, 0.002, 0.009])
 SIZES = np.array([0.95, 1.14, 0.76, 1.0, 0.86, 1.33])
 
 
-def lattice(radius: float) -> tuple[mf.Surface, float]:
-    """Return nine equal asperities, and their pitch [mm]."""
-    return mf.Surface.square_lattice(0.5, (3, 3), PITCH, radius=radius, material=MATERIAL), PITCH
+def irregular(place: list[list[float]], radius: float) -> mf.Surface:
+    """Return six unequal asperities."""
+    return mf.Surface(place, 0.5 - BELOW, radius * SIZES, MATERIAL)
 
 
-def irregular(place: list[list[float]], radius: float) -> tuple[mf.Surface, float]:
-    """Return six unequal asperities, and their smallest distance [mm]."""
-    x = np.array(place)
-    distance = np.linalg.norm(x[:, None] - x, axis=-1)[np.triu_indices(len(x), 1)].min()
-    return mf.Surface(x, 0.5 - BELOW, radius * SIZES, MATERIAL), float(distance)
-
-
-SCENES: dict[str, Callable[[float], tuple[mf.Surface, float]]] = {
-    "3 x 3": lattice,
+# Surfaces of a radius [mm].
+SCENES: dict[str, Callable[[float], mf.Surface]] = {
+    "3 x 3": lambda radius: mf.Surface.square_lattice(0.5, (3, 3), PITCH, radius=radius, material=MATERIAL),
     "six unequal": partial(irregular, PLACES[0]),
     "six closer": partial(irregular, PLACES[1]),
 }
 
-
-def quartic(_: float) -> tuple[Contact, float]:
-    """Return the quartic cap, whose results do not depend on R."""
-    return mf.PowerCap(4), RADIUS
-
-
-def sphere(contact_radius: float) -> tuple[Contact, float]:
-    """Return the sphere with a/R = 0.5."""
-    return mf.SphericalCap(), 2.0 * contact_radius
-
-
-LAWS = {"quartic cap": quartic, "sphere, a/R = .5": sphere}
+# Laws, and the radius of a cap whose contact has a radius: results of the quartic cap do not depend on it.
+LAWS: dict[str, tuple[Contact, Callable[[float], float]]] = {
+    "quartic cap": (mf.PowerCap(4), lambda contact_radius: RADIUS),
+    "sphere, a/R = .5": (mf.SphericalCap(), lambda contact_radius: 2.0 * contact_radius),
+}
 
 
 def errors(law: Contact, surface: mf.Surface, contact_radius: float) -> tuple[float, float]:
@@ -89,9 +76,8 @@ def errors(law: Contact, surface: mf.Surface, contact_radius: float) -> tuple[fl
     model = mf.Interacting(contact=law)
 
     def excess(approach: float) -> float:
-        return math.sqrt(mf.equilibrium(surface, model, approach=approach).asperity_area.max() / math.pi) - (
-            contact_radius
-        )
+        widest = mf.equilibrium(surface, model, approach=approach).asperity_area.max()
+        return math.sqrt(widest / math.pi) - contact_radius
 
     alone = float(law.indentation(contact_radius, float(np.max(surface.radius))))
     approach = brentq(excess, 0.2 * alone, 5.0 * alone, rtol=1e-4)
@@ -124,15 +110,17 @@ def rows() -> Iterator[Row]:
     }
     for name, (law, contact_radius) in ones.items():
         found = np.abs(one_contact(law, RADIUS, contact_radius)).max()
-        yield Row(f"one resolved contact, {name}: load and area", ONE_ERROR, float(found))
-    for name, law_of in LAWS.items():
+        yield Row(f"one resolved contact, {name}: load and area", ONE_ERROR, found)
+    for name, (law, radius_of) in LAWS.items():
         for where, scene in SCENES.items():
-            load, area = np.abs([at(law_of, scene, ratio) for ratio in RATIOS]).T
+            x = scene(RADIUS).position
+            apart = float(np.linalg.norm(x[:, None] - x, axis=-1)[np.triu_indices(len(x), 1)].min())
+            wide = [ratio * apart for ratio in RATIOS]
+            load, area = np.abs([errors(law, scene(radius_of(a)), a) for a in wide]).T
             what = f"order 3, {name}, {where}"
-            yield Row(f"{what}: load, a/L <= {RATIOS[-1]:g}", LOAD_ERROR, float(load.max()))
+            yield Row(f"{what}: load, a/L <= {RATIOS[-1]:g}", LOAD_ERROR, load.max())
             for most, required in AREA_ERROR.items():
-                largest = float(area[np.array(RATIOS) <= most].max())
-                yield Row(f"{what}: A0, a/L <= {most:g}", required, largest)
+                yield Row(f"{what}: A0, a/L <= {most:g}", required, area[np.array(RATIOS) <= most].max())
 
 
 def long_rows() -> Iterator[Row]:
@@ -141,14 +129,3 @@ def long_rows() -> Iterator[Row]:
         with ProcessPoolExecutor() as processes:
             found = list(processes.map(partial(automatic.error_and_uncertainty, law=law), range(SURFACES)))
         yield from (replace(row, what=f"{name}, {row.what}") for row in automatic.summary(found))
-
-
-def at(
-    law_of: Callable[[float], tuple[Contact, float]],
-    scene: Callable[[float], tuple[mf.Surface, float]],
-    ratio: float,
-) -> tuple[float, float]:
-    """Return the errors at one a/L."""
-    law, radius = law_of(ratio * scene(RADIUS)[1])
-    surface, distance = scene(radius)
-    return errors(law, surface, ratio * distance)

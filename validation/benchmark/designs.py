@@ -17,14 +17,8 @@ SURFACES, LOADS, ASPERITIES = 10_000, 100, 64
 
 # The claims that need the independent model only.
 INDEPENDENT = (
-    "bounds",
-    "equations",
-    "fig3_operating_points",
-    "fig4_linear",
-    "fig5_bilinear",
-    "table_s1",
-    "table_s2",
-)
+    "bounds", "equations", "fig3_operating_points", "fig4_linear", "fig5_bilinear", "table_s1", "table_s2",
+)  # fmt: skip
 
 
 def rows() -> list[Row]:

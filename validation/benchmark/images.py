@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import resource
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +16,7 @@ from metafem.calibration import stack_areas
 from validation.calibration.image_areas import errors
 from validation.check import rms
 from validation.scenes.pictures import picture
-from validation.timing import Row, Spent, spent
+from validation.timing import Row, Spent, peak_memory, spent
 
 # Images of a stack, rows and columns of each, and contacts along each side.
 IMAGES, SHAPE, SIDE = 100, (2048, 2048), 8
@@ -30,19 +28,6 @@ LARGEST, DRAWN = 80.0, 10
 GRID = [(r, n, b) for r in (8.0, 16.0, 40.0) for n in (0.02, 0.1) for b in (1.0, 2.5) if r > 5.0 * b]
 
 
-@dataclass(frozen=True)
-class Stack:
-    """A sequence of images; the pictures were drawn before."""
-
-    pictures: list[Any]
-
-    def __len__(self) -> int:
-        return IMAGES
-
-    def __getitem__(self, i: int) -> Any:
-        return self.pictures[i * DRAWN // IMAGES]
-
-
 def drawn(step: int) -> Any:
     """Draw the contacts of one load: the radii differ, and the smallest are open at small loads."""
     pitch = SHAPE[0] / SIDE
@@ -51,19 +36,11 @@ def drawn(step: int) -> Any:
     radius = LARGEST * np.sqrt(np.maximum((step + 1.0) / DRAWN - height, 0.0))
     centre = np.stack([x.ravel(), y.ravel()], axis=1)
     shown = radius > 0.0
-    return picture(
-        SHAPE,
-        centre[shown],
-        radius[shown],
-        noise=0.05,
-        gradient=(0.2, -0.1),
-        vignetting=0.1,
-        bits=8,
-        rng=step,
-    )
+    light = {"noise": 0.05, "gradient": (0.2, -0.1), "vignetting": 0.1}
+    return picture(SHAPE, centre[shown], radius[shown], **light, bits=8, rng=step)
 
 
-def command(stack: Stack) -> Spent:
+def command(stack: list[Any]) -> Spent:
     """Return what `metafem images` takes for a stack on disk."""
     import tifffile
 
@@ -80,7 +57,8 @@ def command(stack: Stack) -> Spent:
 
 def rows() -> Iterator[Row]:
     """Measure a stack in one process, and the reported errors over the scatter."""
-    stack = Stack([drawn(step) for step in range(DRAWN)])
+    pictures = [drawn(step) for step in range(DRAWN)]
+    stack = [pictures[i * DRAWN // IMAGES] for i in range(IMAGES)]
     # first, as a command inherits the peak memory of the process that starts it
     used = command(stack)
     steps: list[str] = []
@@ -88,23 +66,16 @@ def rows() -> Iterator[Row]:
     with mf.progress.listening(lambda step, done: steps.append(step)):
         found = stack_areas(stack, pixel_size=0.005)
     seconds = time.process_time() - start
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    peak = peak_memory()
     name = f"{IMAGES} images of {SHAPE[0]}², {found[-1].count} contacts in the last"
     yield Row(f"{name}: processor time", 30.0, seconds, "s")
     yield Row(f"{name}: peak memory, with {DRAWN} drawn pictures", 1.0, peak, "GiB")
-    yield Row(f"{name}: steps that were not reported", 0.0, float(IMAGES - len(steps)))
-    yield Row(
-        f"metafem images, TIFF stack of {IMAGES} images of {SHAPE[0]}²: elapsed time",
-        30.0,
-        used.seconds,
-        "s",
-    )
+    yield Row(f"{name}: steps that were not reported", 0.0, IMAGES - len(steps))
+    what = f"metafem images, TIFF stack of {IMAGES} images of {SHAPE[0]}²: elapsed time"
+    yield Row(what, 30.0, used.seconds, "s")
     yield Row("the same: processor time", 30.0, used.processor, "s")
     yield Row("the same: peak memory", 1.0, used.memory, "GiB")
     for radius, noise, blur in GRID:
         area, _, sd = errors(radius, noise=noise, blur=blur)
-        ratio = rms(area / sd)
-        what = (
-            f"radius {radius:g}, noise {noise:g}, blur {blur:g}: rms of error over reported error, off 1 by"
-        )
-        yield Row(what, 0.2, abs(ratio - 1.0))
+        scene = f"radius {radius:g}, noise {noise:g}, blur {blur:g}"
+        yield Row(f"{scene}: rms of error over reported error, off 1 by", 0.2, abs(rms(area / sd) - 1.0))

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import resource
-import time
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
 import metafem as mf
 from validation.scenes.models import MODELS
 from validation.scenes.random_laws import LATTICE, LIMITS, RADIUS, mixed_law, random_law
-from validation.timing import Row, best
+from validation.timing import Row, best, peak_memory, took
 
 RANDOM_LAWS = 1000
 
@@ -42,9 +41,9 @@ def rows() -> Iterator[Row]:
         worst = max(abs(fit.slope / branch.slope - 1.0) for branch, fit in fits)
         yield Row(f"slopes 9.5 and 7, {name}: worst slope", 0.01, worst)
     yield Row("largest exponent within 1 %, at most 1.667", 1.667, _largest_exponent())
-    failed = sum(_misfit(seed) > 2e-3 for seed in range(RANDOM_LAWS))
+    failed = sum(_misfit(random_law(seed)) > 2e-3 for seed in range(RANDOM_LAWS))
     yield Row(f"{RANDOM_LAWS} random laws, not recovered to 0.2 %", 10, failed)
-    failed = sum(_mixed_misfit(seed) > 2e-3 for seed in range(MIXED_LAWS))
+    failed = sum(_misfit(mixed_law(seed, TOOLS), radii=TOOLS) > 2e-3 for seed in range(MIXED_LAWS))
     yield Row(f"{MIXED_LAWS} random laws of three radii, not recovered to 0.2 %", 5, failed)
     yield from _large()
     yield from _arranged(SIDES[0], 3.0)
@@ -54,8 +53,7 @@ def rows() -> Iterator[Row]:
 def long_rows() -> list[Row]:
     """Measure the arrangement of thousands of asperities."""
     measured = [*_arranged(LARGEST, 240.0)]
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
-    return [*measured, Row(f"memory after arranging {LARGEST**2} asperities", 4.0, memory, "GiB")]
+    return [*measured, Row(f"memory after arranging {LARGEST**2} asperities", 4.0, peak_memory(), "GiB")]
 
 
 def _arranged(side: int, seconds: float) -> Iterator[Row]:
@@ -68,20 +66,15 @@ def _arranged(side: int, seconds: float) -> Iterator[Row]:
     )  # fmt: skip
     objective = mf.FollowLaw(count / 64 * 0.03 * np.arange(1, 21))
     for name in ("half-space", "layer"):
-        start = time.perf_counter()
-        result = mf.arrange(lattice, objective, MODELS[name])
-        took = time.perf_counter() - start
+        taken, result = took(partial(mf.arrange, lattice, objective, MODELS[name]))
         what = f"arrangement of {count} asperities, {name}"
-        yield Row(f"{what}: time", seconds, took, "s")
+        yield Row(f"{what}: time", seconds, taken, "s")
         yield Row(f"{what}: misfit, before {result.before:.2g}", result.before, result.after)
 
 
-def _pair(
-    name: str, target: mf.OperatingPoints | mf.SampledLaw | mf.PowerLaw, model, misfit, seconds, limits
-) -> list[Row]:
-    result = mf.design(target, LATTICE, model, limits)
-    took = best(lambda: mf.design(target, LATTICE, model, limits), 2)
-    return [Row(f"{name}: misfit", misfit, result.misfit), Row(f"{name}: time", seconds, took, "s")]
+def _pair(name: str, target, model, misfit, seconds, limits) -> list[Row]:
+    work = partial(mf.design, target, LATTICE, model, limits)
+    return [Row(f"{name}: misfit", misfit, work().misfit), Row(f"{name}: time", seconds, best(work, 2), "s")]
 
 
 def _largest_exponent() -> float:
@@ -93,13 +86,8 @@ def _largest_exponent() -> float:
     return low
 
 
-def _misfit(seed: int) -> float:
-    return mf.design(random_law(seed), LATTICE, limits=mf.Limits(0.6)).misfit
-
-
-def _mixed_misfit(seed: int) -> float:
-    """Misfit of the law of a surface of random heights and radii, designed with the same tools."""
-    return mf.design(mixed_law(seed, TOOLS), LATTICE, limits=mf.Limits(0.6), radii=TOOLS).misfit
+def _misfit(law: mf.SampledLaw, **options) -> float:
+    return mf.design(law, LATTICE, limits=mf.Limits(0.6), **options).misfit
 
 
 def _large() -> list[Row]:
@@ -110,10 +98,8 @@ def _large() -> list[Row]:
     lattice = mf.Surface.square_lattice(
         0.3, (64, 64), radius=RADIUS, material=mf.Material(1.36), block=mf.Block(120.0, 120.0, 7.2)
     )
-    start = time.perf_counter()
-    result = mf.design(target, lattice, MODELS["layer"], LIMITS)
-    took = time.perf_counter() - start
+    taken, result = took(lambda: mf.design(target, lattice, MODELS["layer"], LIMITS))
     return [
-        Row("4,096 asperities, layer, 40 loads: time", 60.0, took, "s"),
+        Row("4,096 asperities, layer, 40 loads: time", 60.0, taken, "s"),
         Row("4,096 asperities, layer, 40 loads: misfit", 1e-3, result.misfit),
     ]

@@ -16,9 +16,8 @@ SIDE, BLOCK = 100, '"156 mm"'
 def rows() -> list[Row]:
     """Run `metafem design` on a lattice of 100 x 100 in a separate process."""
     text = demo_text("linear").replace("shape = [8, 8]", f"shape = [{SIDE}, {SIDE}]")
-    text = text.replace('width = "20 mm"', f"width = {BLOCK}").replace(
-        'length = "20 mm"', f"length = {BLOCK}"
-    )
+    for length in ("width", "length"):
+        text = text.replace(f'{length} = "20 mm"', f"{length} = {BLOCK}")
     with tempfile.TemporaryDirectory() as parent:
         Path(parent, "large.toml").write_text(text, "utf-8")
         command = [sys.executable, "-m", "metafem", "design", "large.toml", "-o", "large", "--json"]

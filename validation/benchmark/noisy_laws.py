@@ -42,7 +42,7 @@ def long_rows() -> Iterator[Row]:
         yield Row(f"{what}: refused though the best surface is within 1 % of the noise", 0, refused)
         yield Row(f"{what}: nearest laws of refusals that are not met", 0, missed)
     yield Row("largest misfit", 0.04, max(misfits))
-    yield Row("median misfit over that of the surface without noise", 1.0, float(np.median(ratios)))
+    yield Row("median misfit over that of the surface without noise", 1.0, np.median(ratios))
     yield Row("largest misfit over that of the surface without noise", 1.0, max(ratios))
     yield Row("median time of a design", 0.5, float(np.median(times)), "s")
     yield Row("largest time of a design", 2.0, max(times), "s")

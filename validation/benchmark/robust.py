@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
 import metafem as mf
-from validation.timing import Row
+from validation.timing import Row, took
 
 # The source paper's template, and errors of its heights and of the plane.
 TEMPLATE = mf.Surface.square_lattice(
@@ -39,15 +39,13 @@ def rows() -> Iterator[Row]:
     """Measure robust designs on the bonded layer, on draws that are made here."""
     for name, target in LAWS.items():
         plain = mf.design(target, TEMPLATE, LAYER)
-        start = time.perf_counter()
-        robust = mf.design(target, TEMPLATE, LAYER, robust=TOLERANCES)
-        taken = time.perf_counter() - start
+        taken, robust = took(partial(mf.design, target, TEMPLATE, LAYER, robust=TOLERANCES))
         before, after = (_squares(design, 99) for design in (plain, robust))
         gain, error = (before - after).mean(), (before - after).std(ddof=1) / math.sqrt(PAIRS)
         share = robust.parameters["irreducible_share"]
         what = f"robust design, {name}, layer"
         yield Row(f"{what}: time", 30.0, taken, "s")
-        yield Row(f"{what}: three errors of the gain over the gain", 1.0, float(3.0 * error / gain))
+        yield Row(f"{what}: three errors of the gain over the gain", 1.0, 3.0 * error / gain)
         yield Row(f"{what}: expected misfit, plain", math.sqrt(before.mean()), math.sqrt(after.mean()))
         yield Row(f"{what}: share that no heights remove", 1.0, float(share))
 
@@ -56,11 +54,8 @@ def long_rows() -> Iterator[Row]:
     """Measure the probability to meet the target and the largest tolerances, against plain draws."""
     for name, allowed in ALLOWED.items():
         design = mf.design(LAWS[name], TEMPLATE)
-        start = time.perf_counter()
-        study = mf.studies.combined(
-            design, TOLERANCES, requirement=mf.studies.Requirement(allowed), draws=DRAWS
-        )
-        taken = time.perf_counter() - start
+        options = {"requirement": mf.studies.Requirement(allowed), "draws": DRAWS}
+        taken, study = took(partial(mf.studies.combined, design, TOLERANCES, **options))
         share = _share(design, allowed, HEIGHT_SD, ANGLE)
         error = math.hypot(math.sqrt(share * (1.0 - share) / PLAIN_DRAWS), float(study.probability_error))
         what = f"all errors, {name}"

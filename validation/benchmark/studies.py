@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import sys
-import time
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 import metafem as mf
 from validation.paper.surfaces import fig4
-from validation.timing import Row, best, spent
+from validation.timing import Row, best, spent, took
 
 # Fig. S3: standard deviations of the heights [mm], and its draws.
 LEVELS, DRAWS = 1e-4 * np.arange(31), 10_000
@@ -50,9 +50,8 @@ def long_rows() -> list[Row]:
     """Measure Fig. S3 on the bonded layer, and ten million draws."""
     measured, total = [], 0.0
     for colour in ("blue", "red"):
-        start = time.perf_counter()
-        study = _study(colour, model=LAYER, draws=mf.studies.Draws(error=OF_SD))
-        total += time.perf_counter() - start
+        taken, study = took(partial(_study, colour, model=LAYER, draws=mf.studies.Draws(error=OF_SD)))
+        total += taken
         drawn = study.sel(height_sd=LEVELS[1:], method="nearest")
         plain = _study(colour, COMPARED, model=LAYER, draws=mf.studies.Draws(plain=True))
         here = study.sel(height_sd=np.array(COMPARED), method="nearest")
@@ -65,13 +64,9 @@ def long_rows() -> list[Row]:
                 Row(f"{what}: error of {name} over slope_sd", bound, error),
                 Row(f"{what}: {name}, difference from plain draws", 3.0, float(apart.max()), "errors"),
             ]
+    what = "Fig. S3, both surfaces, layer, order 3, to the error of 10,000 plain draws: time"
     return [
-        Row(
-            "Fig. S3, both surfaces, layer, order 3, to the error of 10,000 plain draws: time",
-            60.0,
-            total,
-            "s",
-        ),
+        Row(what, 60.0, total, "s"),
         *measured,
         Row("10 million draws: memory", 1.0, spent([sys.executable, "-c", MANY]).memory, "GiB"),
     ]

@@ -24,6 +24,7 @@ from validation.scenes.repeated_estimates import (
     NOMINAL,
     Errors,
     bias_and_coverage,
+    histograms,
     judged,
 )
 from validation.sources import known_input, second_method
@@ -151,18 +152,11 @@ def _figure(*axes):
     states. The fit with errors on both axes follows the curve, as it must; the paper's straight line finds
     too large an E* and too much adhesion, with uncertainties that do not cover it.
     """
-    edges = np.linspace(-5.0, 8.0, 66)
-    x = np.linspace(-5.0, 8.0, 400)
-    for ax, name in zip(axes, ("E*", "√w"), strict=True):
-        for method, label in METHODS.items():
-            found = results(1, ENERGY)[1][f"{method}, {name}"]
-            ax.hist(
-                np.clip(found.error / found.sd, *edges[[0, -1]]), edges, density=True, alpha=0.6, label=label
-            )
-        ax.plot(x, np.exp(-0.5 * x**2) / math.sqrt(2.0 * math.pi), color="black", lw=0.9, label="as stated")
-        ax.set_xlabel(f"error of {name} over the stated uncertainty")
-    axes[0].set_ylabel("density of 5,000 calibrations")
-    axes[1].legend(frameon=False, fontsize="small")
+    errors = results(1, ENERGY)[1]
+    found = [{METHODS[method]: errors[f"{method}, {name}"] for method in METHODS} for name, _ in TRUE]
+    histograms(axes, found, np.linspace(-5.0, 8.0, 66))
+    for ax, (name, _) in zip(axes, TRUE, strict=True):
+        ax.set_title(name, fontsize="medium")
 
 
 def _biases():

@@ -17,7 +17,7 @@ from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels
 from validation.paper.surfaces import template
 from validation.published import paper, table
-from validation.scenes.repeated_estimates import Errors, bias_and_coverage, judged
+from validation.scenes.repeated_estimates import Errors, bias_and_coverage, histograms, judged
 from validation.scenes.sheared_contacts import ERRORS, RATIO, STRENGTH, sheared
 from validation.sources import known_input, second_method
 
@@ -201,16 +201,9 @@ def _figure(*axes):
     """Errors of 5,000 calibrations in units of the uncertainty that each states, by shear tests of one
     contact and by a surface that is in contact everywhere. All must follow the curve.
     """
-    edges, x = np.linspace(-4.0, 4.0, 41), np.linspace(-4.0, 4.0, 400)
-    errors, _, _ = results(1)
-    for ax, drawn in zip(axes, (errors, strengths()), strict=True):
-        for name, found in drawn.items():
-            ax.hist(found.error / found.sd, edges, density=True, histtype="step", lw=1.4, label=name)
-        ax.plot(x, np.exp(-0.5 * x**2) / math.sqrt(2.0 * math.pi), color="black", lw=0.9, label="as stated")
-        ax.set_xlabel("error over the stated uncertainty")
-    axes[0].set_ylabel("density")
-    axes[0].set_title("shear tests", fontsize="medium")
-    axes[1].set_title("fully contacting surface", fontsize="medium")
+    histograms(axes, (results(1)[0], strengths()), np.linspace(-4.0, 4.0, 41))
+    for ax, title in zip(axes, ("shear tests", "fully contacting surface"), strict=True):
+        ax.set_title(title, fontsize="medium")
 
 
 def _biases():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -17,8 +18,9 @@ from validation.sources import Source, closed_form, known_input, publication
 
 RADIUS, MODULUS = 0.526, 1.36
 
-# Hardness and yield strength over E* of the laws that are compared with the formulas.
-HARDNESS, STRENGTH = 0.1, 0.002
+# Laws that are compared with the formulas for P/P_c and A/A_c over w/w_c and Poisson's ratio.
+EXAMPLES = {mf.KogutEtsion: mf.KogutEtsion(0.1), mf.JacksonGreen: mf.JacksonGreen(0.002)}
+PUBLISHED = {mf.KogutEtsion: kogut_etsion, mf.JacksonGreen: partial(jackson_green, strain=0.002 / MODULUS)}
 
 # Poisson's ratios, indentations w/w_c, and the breaks of the formulas in w/w_c.
 RATIOS = (0.3, 0.4, 0.5)
@@ -72,22 +74,15 @@ def claim() -> Claim:
     )
 
 
-def published(kind: type[ElasticPlastic], w: float, ratio: float) -> tuple[float, float]:
-    """Return P/P_c and A/A_c at w/w_c by the published formulas."""
-    if kind is mf.KogutEtsion:
-        return kogut_etsion(w, ratio)
-    return jackson_green(w, ratio, STRENGTH / MODULUS)
-
-
 def relative(kind: type[ElasticPlastic], ratio: float) -> np.ndarray:
     """Return load and area of the law over the published ones, minus 1, at the indentations (k, 2)."""
-    law = bound(kind(HARDNESS if kind is mf.KogutEtsion else STRENGTH), ratio)
+    law = bound(EXAMPLES[kind], ratio)
     depth = law.yield_indentation(RADIUS)
     a = law.contact_radius(INDENTATIONS * depth, RADIUS)
     yielding = np.sqrt(depth * RADIUS)
     load, _ = single_contacts.hertz(float(yielding), RADIUS)
     found = np.column_stack([law.load(a, RADIUS) / load, (a / yielding) ** 2])
-    return found / [published(kind, float(w), ratio) for w in INDENTATIONS] - 1.0
+    return found / [PUBLISHED[kind](float(w), ratio) for w in INDENTATIONS] - 1.0
 
 
 def _formulas() -> Iterator[Row]:
@@ -95,7 +90,7 @@ def _formulas() -> Iterator[Row]:
     for kind, breaks in BREAKS.items():
         name, outside, most = kind.__name__, 0.0, np.zeros(2)
         for ratio in RATIOS:
-            law = bound(kind(HARDNESS if kind is mf.KogutEtsion else STRENGTH), ratio)
+            law = bound(EXAMPLES[kind], ratio)
             inside = np.zeros(len(INDENTATIONS), dtype=bool)
             for blend in law.blends():
                 inside |= (blend.start < INDENTATIONS) & (blend.end > INDENTATIONS)
@@ -107,7 +102,7 @@ def _formulas() -> Iterator[Row]:
             yield reported(f"{name}: largest change of the {what} by the blends [%]", 1e2 * value, BLENDED)
         for ratio in (0.3, 0.5):
             for at in breaks:
-                low, high = (published(kind, at * (1.0 + e), ratio) for e in (-ROUNDING, ROUNDING))
+                low, high = (PUBLISHED[kind](at * (1.0 + e), ratio) for e in (-ROUNDING, ROUNDING))
                 for what, before, after in zip(("load", "area"), low, high, strict=True):
                     where = f"{name}, ν = {ratio}, jump of the {what} at {at:g} w_c [%]"
                     yield reported(where, 1e2 * (after / before - 1.0), JUMP)
@@ -119,7 +114,7 @@ def _growth() -> Iterator[Row]:
         slopes = []
         for strain in np.geomspace(1e-3, 1.0, 25):
             for ratio in (0.0, 0.3, 0.5):
-                law = kind(MODULUS * strain * (2.8 if kind is mf.KogutEtsion else 1.0))
+                law = kind(MODULUS * strain * kind.strength_ratio)
                 d = np.geomspace(1e-6, 1.0, 400) * RADIUS
                 a = bound(law, ratio).contact_radius(d, RADIUS)
                 p = bound(law, ratio).load(a, RADIUS)

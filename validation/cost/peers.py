@@ -9,7 +9,6 @@ from __future__ import annotations
 import importlib.util
 import math
 import os
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,6 +17,7 @@ from typing import Any
 import numpy as np
 
 import metafem as mf
+from validation.timing import took
 
 # The tolerances of their solvers, on their own measures, with which they are fast: with a hundredth of them
 # the areas on the surface of Fig. 4, red, change by less than 0.2 %.
@@ -153,9 +153,7 @@ def _solved_by_tamaas(grid: Grid, model: Any, load: float, tolerance: float) -> 
 
     solver = tamaas.PolonskyKeerRey(model, grid.caps[0], tolerance)
     solver.setIntegralOperator("dcfft")
-    begin = time.perf_counter()
-    solver.solve(load / (grid.side * grid.cell) ** 2)
-    return time.perf_counter() - begin
+    return took(lambda: solver.solve(load / (grid.side * grid.cell) ** 2))[0]
 
 
 def solve_with_contact_mechanics(grid: Grid, load: float, *, tolerance: float = PENETRATION) -> Answer:
@@ -168,9 +166,7 @@ def solve_with_contact_mechanics(grid: Grid, load: float, *, tolerance: float = 
     half_space = FreeFFTElasticHalfSpace(count, grid.surface.material.composite_modulus, width)
     profile = grid.caps[0]
     system = NonSmoothContactSystem(substrate=half_space, surface=Topography(profile, width))
-    begin = time.perf_counter()
-    found = system.minimize_proxy(external_force=load, pentol=tolerance)
-    seconds = time.perf_counter() - begin
+    seconds, found = took(lambda: system.minimize_proxy(external_force=load, pentol=tolerance))
     force = np.asarray(found.jac)[: grid.side, : grid.side]
     area = float((force > 0.0).sum()) * grid.cell**2
     return Answer(seconds, float(force.sum()), area, grid.moments(force), -float(found.offset))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import statistics
-import time
 from dataclasses import dataclass
 from functools import cache
 
@@ -17,6 +16,7 @@ from metafem.models.interacting.model import DENSE_LIMIT
 from validation.check import Claim, Picture, Row, reported
 from validation.cost.times import exponent, floor, machine, renewed, repeated, rounded
 from validation.scenes.costs import MATERIAL, heights, scattered
+from validation.timing import took
 
 # Rows of the lattices; scattered sites are as many. The last lattice is solved once.
 SIDES, LARGEST = (8, 16, 32, 64, 100, 178, 316), 1000
@@ -102,28 +102,19 @@ def measure() -> Claim:
                 reported(f"{name}: exponent of the time", round(growth, 2), FIT),
                 reported(f"{name}: standard error of the exponent", round(error, 2), FIT),
             ]
-            rows += [
-                reported(
-                    f"{name}, {count:,} asperities, one load [s]", rounded(measured.median(count)), METHOD
-                )
-                for count in (SIDES[0] ** 2, SIDES[-1] ** 2)
-            ]
+            for count in (SIDES[0] ** 2, SIDES[-1] ** 2):
+                seconds = rounded(measured.median(count))
+                rows.append(reported(f"{name}, {count:,} asperities, one load [s]", seconds, METHOD))
     name = f"lattice, half-space, {LARGEST**2:,} asperities [s]"
     rows.append(reported(name, rounded(largest()), "Interacting(order=1), one run, rounded to 1, 2 or 5"))
-    return Claim(
-        "Seconds against the number of asperities",
-        rows,
-        {"growth": Picture(_growth)},
-        {"dense": DENSE_LIMIT, "machine": machine()},
-    )
+    values = {"dense": DENSE_LIMIT, "machine": machine()}
+    return Claim("Seconds against the number of asperities", rows, {"growth": Picture(_growth)}, values)
 
 
 def _load(surface: mf.Surface, model: mf.Interacting) -> float:
     """Seconds of one load."""
     load = LOAD_PER_ASPERITY * surface.count * MATERIAL.composite_modulus
-    begin = time.perf_counter()
-    mf.equilibrium(surface, model, load=load)
-    return time.perf_counter() - begin
+    return took(lambda: mf.equilibrium(surface, model, load=load))[0]
 
 
 def _growth():

@@ -5,14 +5,15 @@ from __future__ import annotations
 import os
 import platform
 import statistics
-import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from importlib.metadata import version
 from typing import Any
 
 import numpy as np
 
 import metafem as mf
+from validation.timing import took
 
 # Times are medians of this many runs, or of as many as take so long together [s], but at least of LEAST.
 REPEATS, ENOUGH, LEAST = 50, 0.3, 3
@@ -34,9 +35,8 @@ def repeated(work: Callable[[int], Any], long: float = LONG) -> tuple[list[float
     """Seconds of several runs, one if it is longer than `long`, and the last answer."""
     times: list[float] = []
     while len(times) < LEAST or (len(times) < REPEATS and sum(times) < ENOUGH):
-        begin = time.perf_counter()
-        answer = work(len(times))
-        times.append(time.perf_counter() - begin)
+        seconds, answer = took(partial(work, len(times)))
+        times.append(seconds)
         if times[0] > long:
             break
     return times, answer
@@ -68,12 +68,8 @@ def machine(*packages: str) -> str:
 
 def exponent(counts: Sequence[float], seconds: Sequence[float]) -> tuple[float, float, float]:
     """Fit seconds = c countᵇ by least squares of the logarithms: b, its standard error, and c."""
-    x, y = np.log(counts), np.log(seconds)
-    design = np.column_stack([x, np.ones_like(x)])
-    (slope, constant), *_ = np.linalg.lstsq(design, y, rcond=None)
-    scatter = float(((y - design @ [slope, constant]) ** 2).sum()) / (len(x) - 2)
-    error = float(np.sqrt(scatter / ((x - x.mean()) ** 2).sum()))
-    return float(slope), error, float(np.exp(constant))
+    (slope, constant), covariance = np.polyfit(np.log(counts), np.log(seconds), 1, cov=True)
+    return float(slope), float(np.sqrt(covariance[0, 0])), float(np.exp(constant))
 
 
 def rounded(value: float, *, down: bool = False) -> float:

@@ -75,15 +75,12 @@ def measure() -> Claim:
     other models are counted from order 3.{conditions} {machine}
     """
     rows: list[Row] = [row for scene in SCENES for row in _errors(scene)]
-    return Claim(
-        "Seconds against error",
-        [*_ratios(), *rows],
-        {
-            "A0(P)": Picture(partial(_drawn, "area_error"), {"what": "A0", "given": "load"}),
-            "P(δ)": Picture(partial(_drawn, "load_error"), {"what": "P", "given": "separation"}),
-        },
-        {"conditions": _conditions(), "machine": machine(*installed())},
-    )
+    figures = {
+        "A0(P)": Picture(partial(_drawn, "area_error"), {"what": "A0", "given": "load"}),
+        "P(δ)": Picture(partial(_drawn, "load_error"), {"what": "P", "given": "separation"}),
+    }
+    values = {"conditions": _conditions(), "machine": machine(*installed())}
+    return Claim("Seconds against error", [*_ratios(), *rows], figures, values)
 
 
 def _errors(scene: str) -> Iterator[Row]:
@@ -150,10 +147,8 @@ def _compared(point: Point, error: float) -> Iterator[Row]:
     """Report the times of a grid of another code over those of models with at most the same error of A0."""
     found = models(TABLE_SCENE)
     name = f"{SCENES[TABLE_SCENE].title}: A0 to {100.0 * error:g} %, time of {point.line} over that of"
-    method = (
-        f"{RUN}; cells of {1e3 * point.cell:g} µm, error {100.0 * point.area_error:.2g} %, "
-        f"{SOLVED_BY[point.code]}"
-    )
+    grid = f"cells of {1e3 * point.cell:g} µm, error {100.0 * point.area_error:.2g} %"
+    method = f"{RUN}; {grid}, {SOLVED_BY[point.code]}"
     for line in (ORDER_3, RESOLVED):
         if known := fastest_within(found, line, error):
             words = f"{name} {_named(known)}, one load of a new surface"
@@ -202,11 +197,9 @@ def _entries(ax):
 
 def _panel(ax, scene: str, error: str) -> None:
     known, exact = SCENES[scene], reference(scene)
-    time, uncertainty = (
-        ("cold", exact.area_uncertainty)
-        if error == "area_error"
-        else ("at_separation", exact.load_uncertainty)
-    )
+    time, uncertainty = "cold", exact.area_uncertainty
+    if error == "load_error":
+        time, uncertainty = "at_separation", exact.load_uncertainty
     every = (*models(scene), *peers(scene))
     for line, (colour, marker) in STYLES.items():
         shown = [each for each in every if each.line == line]

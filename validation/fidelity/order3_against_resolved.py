@@ -78,9 +78,8 @@ class Scene:
 
     def state(self, model: mf.Model, load: float | None = None) -> mf.ContactState:
         """Return the equilibrium at the scene's approach, or at a load."""
-        if load is None:
-            return mf.equilibrium(self.surface, model, approach=self.approach)
-        return mf.equilibrium(self.surface, model, load=load)
+        given = {"approach": self.approach} if load is None else {"load": load}
+        return mf.equilibrium(self.surface, model, **given)
 
     def expansion(self, order: int) -> mf.Interacting:
         """Return the model of an order."""
@@ -103,11 +102,12 @@ class Errors:
 
 def lattice(approach: float, **options) -> Scene:
     """Return nine equal asperities on the paper's lattice."""
-    block = mf.Block(20.0, 20.0, 7.2)
-    surface = mf.Surface.square_lattice(
-        0.2, (3, 3), PITCH, radius=RADIUS, material=mf.Material(1.0), block=block
-    )
-    return Scene(surface, approach, **options)
+    return Scene(_nine(PITCH), approach, **options)
+
+
+def _nine(pitch: float) -> mf.Surface:
+    part = {"radius": RADIUS, "material": mf.Material(1.0), "block": mf.Block(20.0, 20.0, 7.2)}
+    return mf.Surface.square_lattice(0.2, (3, 3), pitch, **part)
 
 
 @cache
@@ -122,9 +122,7 @@ def irregular() -> Scene:
 @cache
 def crowded(shape: str) -> Scene:
     """Return nine equal asperities of a shape at the approach of the crowded contacts."""
-    surface = mf.Surface.square_lattice(
-        0.2, (3, 3), WIDTH * RADIUS / CROWDED, radius=RADIUS, material=mf.Material(1.0)
-    )
+    surface = _nine(WIDTH * RADIUS / CROWDED)
     model = mf.Interacting(contact=SHAPES[shape])
 
     def beyond(approach: float) -> float:
@@ -151,11 +149,9 @@ def truth(name: str) -> tuple[np.ndarray, np.ndarray]:
     """Return load [N] and A0 [mm²] of resolved contacts without cells, and their relative uncertainties."""
     scene = scenes()[name]
     widest = np.sqrt(scene.state(scene.expansion(3)).asperity_area.max() / np.pi)
-    found = []
-    for cells in CELLS:
-        state = scene.state(mf.BoundaryElements(widest / cells, scene.substrate, scene.contact))
-        found.append((state.load, state.area))
-    return extrapolated(np.array(found), CELLS)
+    models = (mf.BoundaryElements(widest / cells, scene.substrate, scene.contact) for cells in CELLS)
+    states = [scene.state(model) for model in models]
+    return extrapolated(np.array([(each.load, each.area) for each in states]), CELLS)
 
 
 def extrapolated(values: np.ndarray, cells: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
@@ -186,14 +182,9 @@ def claim() -> Claim:
     much as interaction itself changes A0(P) of some of the paper's surfaces. Order 3 is the default. Its
     error for crowded spheres and power caps is up to four times that of paraboloids.
     """
-    return Claim(
-        "Interaction to third order against resolved contacts",
-        [*_single(), *_scenes(), *_rates()],
-        {
-            "errors": Picture(_errors_figure),
-            "resolved contacts": Picture(_cells_figure),
-        },
-    )
+    rows = [*_single(), *_scenes(), *_rates()]
+    figures = {"errors": Picture(_errors_figure), "resolved contacts": Picture(_cells_figure)}
+    return Claim("Interaction to third order against resolved contacts", rows, figures)
 
 
 def _scenes() -> Iterator[Check | Result]:
@@ -242,13 +233,9 @@ def single() -> np.ndarray:
     """Return the relative errors of load and area (k, 2) of one resolved contact of radius 0.2 mm."""
     radius = 0.2
     load = single_contacts.hertz(radius, RADIUS)[0]
-    surface = mf.Surface([[0.0, 0.0]], [0.2], RADIUS, mf.Material(1.0))
-    found = []
-    for cells in CELLS:
-        model = mf.BoundaryElements(radius / cells)
-        state = mf.equilibrium(surface, model, approach=radius**2 / RADIUS)
-        found.append((state.load / load - 1.0, state.area / (np.pi * radius**2) - 1.0))
-    return np.array(found)
+    scene = Scene(mf.Surface([[0.0, 0.0]], [0.2], RADIUS, mf.Material(1.0)), radius**2 / RADIUS)
+    states = [scene.state(mf.BoundaryElements(radius / cells)) for cells in CELLS]
+    return np.array([(each.load / load, each.area / (np.pi * radius**2)) for each in states]) - 1.0
 
 
 def _single() -> Iterator[Check | Result]:
@@ -274,12 +261,10 @@ def _errors_figure(ax):
         area = np.array([abs(errors(name, order).area) for name in names])
         bar = np.array([errors(name, order).uncertain[1] for name in names])
         low = np.minimum(bar, 0.9 * area)  # a bar to zero has no end on a logarithmic axis
-        ax.errorbar(
-            ratio, 100.0 * area, 100.0 * np.array([low, bar]), fmt=mark, color=colour, label=f"order {order}"
-        )
-    ax.set(
-        xlabel="contact radius over pitch  a/L", ylabel="error of A0 at a given load [%]", ylim=(1e-4, 2.0)
-    )
+        style = {"fmt": mark, "color": colour, "label": f"order {order}"}
+        ax.errorbar(ratio, 100.0 * area, 100.0 * np.array([low, bar]), **style)
+    ax.set(xlabel="contact radius over pitch  a/L", ylabel="error of A0 at a given load [%]")
+    ax.set_ylim(1e-4, 2.0)
     _plain_ticks(ax, (0.1, 0.15, 0.2))
     ax.legend(frameon=False, loc="lower right")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -108,9 +108,8 @@ def claim() -> Claim:
     for name, scene in SCENES.items():
         found, (approach, radius) = state(name), scene.second()
         area = np.abs(found.asperity_area[:9] / (np.pi * radius**2) - 1.0).max()
-        point = mf.equilibrium(
-            scene.surface, mf.Interacting(1, scene.model.substrate, scene.model.contact), load=LOAD
-        )
+        point_loads = replace(scene.model, order=1)
+        point = mf.equilibrium(scene.surface, point_loads, load=LOAD)
         change = np.abs(point.asperity_area[:9] / found.asperity_area[:9] - 1.0).max()
         depth = abs(found.approach / approach - 1.0)
         rows += [
@@ -132,9 +131,8 @@ def _figure(*axes):
         scene = SCENES[name]
         alone = mf.equilibrium(scene.surface, load=LOAD).asperity_area
         place = np.arange(1, 10)
-        ax.plot(
-            place, 1e2 * (state(name).asperity_area / alone - 1.0), "o", mfc="none", ms=8, label="metafem"
-        )
+        change = 1e2 * (state(name).asperity_area / alone - 1.0)
+        ax.plot(place, change, "o", mfc="none", ms=8, label="metafem")
         ax.plot(place, 1e2 * (np.pi * scene.second()[1] ** 2 / alone - 1.0), "k.", label="second solution")
         ax.set(xlabel="contact", title=name)
     axes[0].set_ylabel("change of the area [%]")

@@ -73,14 +73,11 @@ def solved(name: str) -> tuple[np.ndarray, np.ndarray]:
     scene = scenes()[name]
     state = scene.state(scene.expansion(3))
     widest = np.sqrt(state.asperity_area.max() / np.pi)
-    found = [
-        solve_with_tamaas(Grid(scene.surface, widest / cells), state.load, tolerance=TOLERANCE)
-        for cells in CELLS
-    ]
+    grids = [Grid(scene.surface, widest / cells) for cells in CELLS]
+    found = [solve_with_tamaas(grid, state.load, tolerance=TOLERANCE) for grid in grids]
     values = np.array([(each.moments, each.separation) for each in found])
-    line, covariance = zip(
-        *(np.polyfit(np.array(CELLS, float) ** -2, each, 1, cov=True) for each in values.T), strict=True
-    )
+    square = np.array(CELLS, float) ** -2
+    line, covariance = zip(*(np.polyfit(square, each, 1, cov=True) for each in values.T), strict=True)
     wide = student.ppf(0.975, len(CELLS) - 2)
     return np.array(line)[:, 1], wide * np.sqrt(np.array(covariance)[:, 1, 1])
 
@@ -91,10 +88,8 @@ def compared(name: str, order: int) -> Compared:
     scene, (value, uncertain) = scenes()[name], solved(name)
     load = scene.state(scene.expansion(3)).load
     found = scene.state(scene.expansion(order), load=load)
-    change = found.stiffness / load * np.array([found.separation - value[1], uncertain[1]])
-    return Compared(
-        found.area / value[0] - 1.0, float(change[0]), np.abs([uncertain[0] / value[0], change[1]])
-    )
+    change, unsure = found.stiffness / load * np.array([found.separation - value[1], uncertain[1]])
+    return Compared(found.area / value[0] - 1.0, float(change), np.abs([uncertain[0] / value[0], unsure]))
 
 
 def claim() -> Claim:
@@ -131,18 +126,13 @@ def _pairs() -> Iterator[Row]:
 def _rows(name: str) -> list[Row]:
     first, third = compared(name, 1), compared(name, 3)
     return [
-        # with the uncertainty of tamaas
-        below(
-            f"{name}, order 3: error of A0, uncertainty added",
-            abs(third.area) + float(third.uncertain[0]),
-            FEW_ERROR,
-            TAMAAS,
-        ),
+        below(f"{name}, order 3: error of A0, uncertainty added",
+              abs(third.area) + float(third.uncertain[0]), FEW_ERROR, TAMAAS),
         reported(f"{name}, {AGAINST}", third.area, str(TAMAAS)),
         below(f"{name}, order 3: error of P(δ)", abs(third.load), LOAD_ERROR, TAMAAS),
         reported(f"{name}, order 1: error of A0 [%]", 1e2 * first.area, str(TAMAAS)),
         reported(f"{name}: uncertainty of A0 [%]", 1e2 * float(third.uncertain[0]), INTERVAL),
-    ]
+    ]  # fmt: skip
 
 
 @panels(8.0, 3.6)
@@ -155,13 +145,10 @@ def _figure(ax):
     place = np.arange(len(scenes()))
     for order, mark, colour in ((1, "o", TARGET), (3, "s", ACHIEVED)):
         found = [compared(name, order) for name in scenes()]
-        value, bar = (
-            1e2 * np.array(each) for each in zip(*((f.area, f.uncertain[0]) for f in found), strict=True)
-        )
+        value, bar = 1e2 * np.array([(each.area, each.uncertain[0]) for each in found]).T
         ax.errorbar(place, value, bar, fmt=mark, color=colour, capsize=3, label=f"order {order}")
     for sign in (-1.0, 1.0):
         ax.axhline(sign * 1e2 * FEW_ERROR, color="grey", lw=0.8, ls="--")
-    ax.set_xticks(
-        place, [name.replace(" of ", "\nof ").replace(" asp", "\nasp") for name in scenes()], fontsize=8
-    )
+    names = [name.replace(" of ", "\nof ").replace(" asp", "\nasp") for name in scenes()]
+    ax.set_xticks(place, names, fontsize=8)
     ax.set_ylabel("error of A0 at a given load [%]")

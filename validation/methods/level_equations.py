@@ -1,4 +1,4 @@
-"""Levels of heights that reach operating points, from the printed eq. S1 by bisection."""
+"""Levels of heights that reach operating points, from the printed eq. S1 by a bracketed root finder."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from validation.methods.independent import FloatArray
 
-# Intervals of the separation in which a change of sign is looked for, and halvings of the one that has it.
-INTERVALS, HALVINGS = 400, 60
+# Intervals of the separation in which a change of sign is looked for.
+INTERVALS = 400
 
 
 class Levels(NamedTuple):
@@ -60,16 +61,10 @@ def levels(load: Sequence[float], friction: Sequence[float], top: float, radius:
 def _root(
     function: Callable[[float], float], top: float, meant: Callable[[float], bool] = lambda plane: True
 ) -> float:
-    """Return the highest separation below a level that is a root and is meant, by bisection."""
+    """Return the highest separation below a level that is a root and is meant."""
     edges = top * (1.0 - np.arange(1, INTERVALS + 1) / INTERVALS)
     values = [function(edge) for edge in edges]
     for upper, lower, first, second in zip(edges[:-1], edges[1:], values[:-1], values[1:], strict=True):
-        if first * second > 0.0:
-            continue
-        low, high, sign = lower, upper, np.sign(first)
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if np.sign(function(middle)) == sign else (middle, high)
-        if meant(0.5 * (low + high)):
-            return float(0.5 * (low + high))
+        if first * second <= 0.0 and meant(found := float(brentq(function, lower, upper, xtol=1e-16))):
+            return found
     raise ArithmeticError("no height of the asperities solves eq. S1 at this point")

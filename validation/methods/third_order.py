@@ -6,13 +6,12 @@ contacts are closed, loads are P/E*.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import root
-from scipy.special import j0, j1
+from scipy.special import beta, j0, j1
 
 FloatArray = NDArray[np.float64]
 
@@ -62,11 +61,8 @@ class Caps(NamedTuple):
     def depth(self, a: FloatArray) -> FloatArray:
         """Indentation of a cap alone, ``n a int_0^a rho^(n - 1)/sqrt(a² - rho²) drho/(2 R^(n - 1))``."""
         n = self.exponent
-        # int_0^1 t^(n - 1)/sqrt(1 - t²) dt, by Wallis's product for whole n
-        wallis = math.prod((k - 1) / k for k in range(int(n) - 1, 1, -2)) * (
-            1.0 if n % 2 == 0 else 0.5 * math.pi
-        )
-        return n * wallis * a**n / (2.0 * self.radius ** (n - 1.0))
+        # B(n/2, 1/2)/2 is int_0^1 t^(n - 1)/sqrt(1 - t²) dt
+        return 0.5 * n * beta(0.5 * n, 0.5) * a**n / (2.0 * self.radius ** (n - 1.0))
 
     def load(self, a: FloatArray) -> FloatArray:
         """Load of a cap alone without adhesion, the sum of flat punches 2 s dD(s)."""

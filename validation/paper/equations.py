@@ -85,9 +85,7 @@ def _points_equations() -> Check:
 
 
 def _integrals(
-    name: str,
-    densities: Sequence[ExponentialDensity],
-    parameters: Sequence[tuple[float, float, float]],
+    name: str, densities: Sequence[ExponentialDensity], parameters: Sequence[tuple[float, float, float]]
 ) -> list[Check]:
     """Compare mass, area and load of densities with quadrature."""
     worst = dict.fromkeys(("A0", "P"), 0.0)

@@ -16,7 +16,7 @@ from validation.check import Claim, Picture, Row, near, reported
 from validation.figures import panels
 from validation.methods.small_errors import drawn_deviation, relative_error
 from validation.paper.pictures import INKS
-from validation.paper.surfaces import surfaces, words
+from validation.paper.surfaces import RADIUS, surfaces, words
 from validation.published import paper
 from validation.sources import known_input, second_method
 
@@ -82,9 +82,9 @@ def measured(name: str, load: np.ndarray):
 def plain_deviation(name: str) -> np.ndarray:
     """Return the standard deviation of A0 [mm²] over plain draws of R, E* and P."""
     surface, sd = surfaces()[name], errors(name)
-    radius = float(surface.radius[0]), sd["radius"]
     modulus = surface.material.composite_modulus, sd["composite_modulus"]
-    return drawn_deviation(surface.height, radius, modulus, largest(name) * SHARES, sd["load"], DRAWS)
+    load = largest(name) * SHARES
+    return drawn_deviation(surface.height, (RADIUS, sd["radius"]), modulus, load, sd["load"], DRAWS)
 
 
 def claim() -> Claim:
@@ -126,13 +126,10 @@ def measured_checks(name: str) -> list[Row]:
     of_force = (numbers["friction_N"] + numbers["friction_relative"] * force) / force
     strength, ratio = sd["shear_strength"] / friction.shear_strength, sd["area_ratio"] / friction.area_ratio
     source = second_method(relative_error, "propagation of small errors, with the errors in the SM")
+    of_friction = relative_error(of_force, strength, ratio)
     bars = (
         ("P/E*", found.rescaled_load_sd / found["rescaled_load"], of_load),
-        (
-            "F/(σB)",
-            found.rescaled_friction_sd / found.nominal_rescaled_friction,
-            relative_error(of_force, strength, ratio),
-        ),
+        ("F/(σB)", found.rescaled_friction_sd / found.nominal_rescaled_friction, of_friction),
     )
     return [
         near(f"{name}, measured pair: relative error of {what}", float(bar), expected,

@@ -15,7 +15,7 @@ from metafem.reference import height_densities
 from validation.check import Check, Claim, Picture, Result, above, below, near, reported
 from validation.figures import panels
 from validation.methods import independent
-from validation.paper.surfaces import friction_of_slope
+from validation.paper.surfaces import RADIUS, friction_of_slope
 from validation.published import paper
 from validation.scenes.flow import COEFFICIENT, Flow, flow
 from validation.sources import closed_form, known_input, second_method
@@ -53,12 +53,9 @@ def claim() -> Claim:
     force.
     """
     found = flow()
-    return Claim(
-        f"Fig. 1: the flow for a friction coefficient of {COEFFICIENT}",
-        [*_target(found), *_heights(found), *_files(found), *_part(found)],
-        {"flow": Picture(_figure)},
-        {"coefficient": COEFFICIENT},
-    )
+    rows = [*_target(found), *_heights(found), *_files(found), *_part(found)]
+    title = f"Fig. 1: the flow for a friction coefficient of {COEFFICIENT}"
+    return Claim(title, rows, {"flow": Picture(_figure)}, {"coefficient": COEFFICIENT})
 
 
 def _slope(design: mf.Design) -> float:
@@ -69,12 +66,12 @@ def _slope(design: mf.Design) -> float:
 def _target(found: Flow) -> list[Check | Result]:
     template = found.specification.template
     slope = COEFFICIENT / friction_of_slope(template)
-    scale, radius = float(found.design.parameters["scale"]), float(template.radius[0])
+    scale = float(found.design.parameters["scale"])
     height = found.specification.limits.max_height
     return [
         near("1 target: slope m of the rescaled law", _slope(found.design), slope, ROUNDING, RESCALED),
         near("2 inversion: slope of the density with the scale λ",
-             height_densities.slope(scale, radius, height), slope, ROUNDING, DENSITY),
+             height_densities.slope(scale, RADIUS, height), slope, ROUNDING, DENSITY),
         reported("2 inversion: scale λ [µm]", 1e3 * scale, "mf.design"),
     ]  # fmt: skip
 
@@ -98,25 +95,22 @@ def _heights(found: Flow) -> list[Check]:
 
 def _files(found: Flow) -> list[Check]:
     design, ((branch, fit),) = found.design, found.design.fits
-    low, high = branch.load_range
-    modulus = design.surface.material.composite_modulus
+    heights, modulus = design.surface.height, design.surface.material.composite_modulus
     again = mf.friction_law(found.table, load=design.law.load)
-    loads = np.linspace(low, high, 100)
+    loads = np.linspace(*branch.load_range, 100)
     line = mf.friction_law(found.table, load=modulus * loads)
-    found_line = line.fit((low, high))
+    found_line = line.fit(branch.load_range)
     slope = found_line.slope
-    second = float(independent.fitted_slope(design.surface.height, loads, float(design.surface.radius[0])))
+    second = float(independent.fitted_slope(heights, loads, RADIUS))
     worst = np.abs(again.area / design.law.area - 1.0).max()
-    heights, radius = design.surface.height, float(design.surface.radius[0])
-    area = independent.areas(heights, design.law.load / modulus, radius)
     factor = friction_of_slope(design.surface)
-    force = factor * modulus * area
+    force = factor * modulus * independent.areas(heights, design.law.load / modulus, RADIUS)
     return [
         near("files: designs that differ after saving and loading", found.loaded != design, 0, 0, KEPT),
         below("files: largest difference of the heights in heights.csv [µm]",
-              1e3 * np.abs(found.table.height - design.surface.height).max(), WRITTEN_UM, KEPT),
+              1e3 * np.abs(found.table.height - heights).max(), WRITTEN_UM, KEPT),
         below("files: largest difference of depths in mould.csv from the heights [µm]",
-              1e3 * np.abs(found.mould - design.surface.height).max(), WRITTEN_UM, KEPT),
+              1e3 * np.abs(found.mould - heights).max(), WRITTEN_UM, KEPT),
         below("4 predicted law of heights.csv: largest difference from the design's law",
               worst, ROUNDING, KEPT),
         below("4 predicted law: largest relative difference of the friction force F = σB A0",
@@ -132,11 +126,9 @@ def _files(found: Flow) -> list[Check]:
 
 def _part(found: Flow) -> list[Check | Result]:
     ((branch, _),) = found.design.fits
-    low, high = branch.load_range
-    loads = found.made.material.composite_modulus * np.linspace(low, high, 100)
-    designed, made = (
-        mf.friction_law(surface, load=loads).fit((low, high)).slope for surface in (found.table, found.made)
-    )
+    loads = found.made.material.composite_modulus * np.linspace(*branch.load_range, 100)
+    laws = (mf.friction_law(surface, load=loads) for surface in (found.table, found.made))
+    designed, made = (law.fit(branch.load_range).slope for law in laws)
     feature, factor = found.feature, friction_of_slope(found.made)
     truth = _line(found.made, found.measured, branch.load_range)
     scatter = paper()["manufacturing"]["slope_sd_below_at_0p9um"]
@@ -249,10 +241,9 @@ def _draw_law(ax, found: Flow) -> None:
 
 def _draw_measured(ax, found: Flow) -> None:
     measured = found.measured
-    ax.errorbar(
-        measured.load, measured.friction_force, measured.friction_force_sd, measured.load_sd,
-        fmt="o", ms=3.5, lw=0.8, color=MEASURED, label="measured",
-    )  # fmt: skip
+    style = {"fmt": "o", "ms": 3.5, "lw": 0.8, "color": MEASURED, "label": "measured"}
+    bars = measured.friction_force_sd, measured.load_sd
+    ax.errorbar(measured.load, measured.friction_force, *bars, **style)
     law = mf.friction_law(found.made)
     _draw_slope(ax, law.load, law.friction_force)
     _forces(ax, "6 law of the made part")

@@ -74,15 +74,10 @@ def claim() -> Claim:
         reported("w by the paper's straight line [mJ/m²]", 1e6 * found.line.adhesion_energy, "the same data"),
     ]
     for name, true in (("E*", MODULUS), ("√w", math.sqrt(ENERGY))):
-        mean = float(results(CONTACTS, ENERGY)[1][f"line, {name}"].error.mean()) / true
-        rows.append(
-            reported(f"bias of {name} by the straight line [%]", 100.0 * mean, "mean of 5,000 repetitions")
-        )
-    return Claim(
-        "Fig. 2: calibration of single contacts",
-        rows,
-        {"loads, areas and friction forces of single contacts": Picture(_figure)},
-    )
+        bias = 100.0 * (float(results(CONTACTS, ENERGY)[1][f"line, {name}"].error.mean()) / true)
+        rows.append(reported(f"bias of {name} by the straight line [%]", bias, "mean of 5,000 repetitions"))
+    figures = {"loads, areas and friction forces of single contacts": Picture(_figure)}
+    return Claim("Fig. 2: calibration of single contacts", rows, figures)
 
 
 def _of_fig_2a():
@@ -107,24 +102,13 @@ def _figure(first, line, areas, forces):
     bars = {"fmt": "o", "ms": 2.5, "lw": 0.8, "color": MEASURED}
     load, area = found.load / CONTACTS, found.area.ravel() / CONTACTS
     power = load ** (2.0 / 3.0)
-    first.errorbar(
-        power,
-        area,
-        2.0 * ERRORS.boundary * np.sqrt(math.pi * area),
-        2.0 / 3.0 * load ** (-1.0 / 3.0) * ERRORS.load / CONTACTS,
-        **bars,
-    )
-    x = np.linspace(0.0, power.max(), 50)
-    first.plot(
-        x, math.pi * (0.75 * RADIUS / MODULUS) ** (2.0 / 3.0) * x, color=TARGET, label="Hertz, 1.36 MPa"
-    )
-    first.plot(
-        (found.law_load / CONTACTS) ** (2.0 / 3.0),
-        found.law_area / CONTACTS,
-        "--",
-        color=ACHIEVED,
-        label="fitted, with adhesion",
-    )
+    area_sd = 2.0 * ERRORS.boundary * np.sqrt(math.pi * area)
+    power_sd = 2.0 / 3.0 * load ** (-1.0 / 3.0) * ERRORS.load / CONTACTS
+    first.errorbar(power, area, area_sd, power_sd, **bars)
+    hertz_slope = math.pi * (0.75 * RADIUS / MODULUS) ** (2.0 / 3.0)
+    _proportional(first, power, hertz_slope, TARGET, "Hertz, 1.36 MPa")
+    x = (found.law_load / CONTACTS) ** (2.0 / 3.0)
+    first.plot(x, found.law_area / CONTACTS, "--", color=ACHIEVED, label="fitted, with adhesion")
     first.set(xlabel="p^(2/3) [N^(2/3)]", ylabel="a0 [mm²]")
     straight = found.line
     line.plot(straight.x, straight.y, "o", ms=2.5, color=MEASURED)
@@ -138,15 +122,16 @@ def _figure(first, line, areas, forces):
     )
     shear_errors = {"yerr": ERRORS.of_area(after), "xerr": ERRORS.of_area(before)}
     areas.errorbar(before, after, **shear_errors, **bars)
-    areas.plot(
-        [0.0, before.max()], [0.0, friction.area_ratio * before.max()], color=ACHIEVED, label="fitted: B"
-    )
+    _proportional(areas, before, friction.area_ratio, ACHIEVED, "fitted: B")
     areas.set(xlabel="a0 [mm²]", ylabel="af [mm²]")
     forces.errorbar(after, force, ERRORS.of_friction_force(force), ERRORS.of_area(after), **bars)
-    forces.plot(
-        [0.0, after.max()], [0.0, friction.shear_strength * after.max()], color=ACHIEVED, label="fitted: σ"
-    )
+    _proportional(forces, after, friction.shear_strength, ACHIEVED, "fitted: σ")
     forces.set(xlabel="af [mm²]", ylabel="f [N]")
     for ax in (first, line, areas, forces):
         ax.set_xlim(0.0)
         ax.set_ylim(0.0)
+
+
+def _proportional(ax, x: np.ndarray, slope: float, colour: str, label: str) -> None:
+    """Draw a line through the origin to the largest abscissa."""
+    ax.plot([0.0, x.max()], [0.0, slope * x.max()], color=colour, label=label)

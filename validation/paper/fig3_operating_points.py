@@ -24,7 +24,7 @@ from validation.check import (
     reported,
 )
 from validation.methods.level_equations import Levels, levels
-from validation.paper.surfaces import fig3, template
+from validation.paper.surfaces import RADIUS, fig3, template
 from validation.published import paper
 from validation.sources import known_input, printed, second_method
 
@@ -43,9 +43,10 @@ CHANGES = np.geomspace(0.01, 20.0, 156)
 SCHEME = "SM, inversion scheme for operating points"
 ORDER = printed(f"{SCHEME}: h_i+1 < h_i,a < h_i")
 NEAREST = printed(f"{SCHEME}, at a load that rounds to the printed one")
-SOLVED = second_method(levels, "eq. S1 for the printed points, by bisection")
+SOLVED = second_method(levels, "eq. S1 for the printed points, by Brent's method")
 AGAIN = known_input("the printed heights, from whose law these points follow")
 WITHIN = "the paper states that measured forces lie within 2.5 % of the first two targets, 5 % of the third"
+LAYER = "order 3 on the bonded layer, the design at its sites, which the paper does not print"
 NOTICED = "smallest change with which the law of the printed heights fails a check of this claim"
 
 
@@ -76,12 +77,8 @@ def claim() -> Claim:
     apart = np.subtract(_of_design(), list(heights().values())[1:])
     figures = {"Law through the points": Picture(_figure)}
     rows = [*_designed(), *points_of_printed_heights(), *_designed_again(), *differing, *_results(changes)]
-    return Claim(
-        "Fig. 3: three operating points",
-        rows,
-        figures,
-        {"most": np.abs(apart).max(), "up": max(up), "down": max(down[:-1]), "last": down[-1]},
-    )
+    values = {"most": np.abs(apart).max(), "up": max(up), "down": max(down[:-1]), "last": down[-1]}
+    return Claim("Fig. 3: three operating points", rows, figures, values)
 
 
 def heights() -> dict[str, float]:
@@ -94,8 +91,7 @@ def heights() -> dict[str, float]:
 def second() -> Levels:
     """Solve eq. S1 by the second method for the printed points."""
     numbers = paper()["fig3"]
-    top, radius = numbers["max_height_um"] / 1e3, paper()["sample"]["radius_um"] / 1e3
-    return levels(numbers["load_mm2"], numbers["friction_mm2"], top, radius)
+    return levels(numbers["load_mm2"], numbers["friction_mm2"], numbers["max_height_um"] / 1e3, RADIUS)
 
 
 def _designed() -> Iterator[Check]:
@@ -149,9 +145,8 @@ def printed_surface(changed: str = "", by: float = 0.0) -> mf.Surface:
     tops, added = list(named.values())[:3], list(named.values())[3:]
     height = np.append(np.repeat(tops, counts), added)
     count = len(height)
-    return lattice.replaced(
-        position=lattice.position[:count], height=height / 1e3, radius=lattice.radius[:count]
-    )
+    kept = {"position": lattice.position[:count], "radius": lattice.radius[:count]}
+    return lattice.replaced(height=height / 1e3, **kept)
 
 
 def points(surface: mf.Surface) -> list[mf.ContactState]:
@@ -175,10 +170,8 @@ def points_of_printed_heights(changed: str = "", by: float = 0.0) -> Iterator[Ch
     found, last = points(surface), len(numbers["counts"])
     for i, state in enumerate(found):
         which = f"operating point {i + 1} of the printed heights"
-        name, load = (
-            f"Fig. 3, {{}} of operating point {i + 1}",
-            state.load / surface.material.composite_modulus,
-        )
+        name = f"Fig. 3, {{}} of operating point {i + 1}"
+        load = state.load / surface.material.composite_modulus
         if i + 1 < last:  # the load of the last point is chosen
             source = printed(SCHEME, name.format("P/E*"))
             yield near(f"{which}: P/E* [mm²]", load, numbers["load_mm2"][i], LOAD_DIGIT, source)
@@ -193,21 +186,19 @@ def points_of_printed_heights(changed: str = "", by: float = 0.0) -> Iterator[Ch
     yield above("least distance of an adjustment height from its bounds [µm]", between, 0.0, ORDER)
 
 
-def _designed_again() -> list[Check]:
+def _designed_again() -> Iterator[Check]:
     """Return from the points of the printed heights to the heights."""
     surface, numbers = printed_surface(), paper()["fig3"]
     found = points(surface)
     modulus = surface.material.composite_modulus
     target = mf.OperatingPoints([state.load / modulus for state in found], [state.area for state in found])
     design = mf.design(target, template("fig3"), limits=mf.Limits(float(surface.height.max())))
-    if not np.array_equal(design.parameters["counts"], numbers["counts"]):
-        return [near("these points: numbers of asperities that differ", 1.0, 0, 0, AGAIN)]
-    difference = np.abs(np.sort(design.surface.height) - np.sort(surface.height)).max()
-    return [
-        near("these points: numbers of asperities that differ", 0.0, 0, 0, AGAIN),
-        below("these points: largest difference of the designed heights from the printed ones [µm]",
-                1e3 * difference, HEIGHT_DIGIT, AGAIN),
-    ]  # fmt: skip
+    other = not np.array_equal(design.parameters["counts"], numbers["counts"])
+    yield near("these points: numbers of asperities that differ", other, 0, 0, AGAIN)
+    if not other:
+        difference = np.abs(np.sort(design.surface.height) - np.sort(surface.height)).max()
+        yield below("these points: largest difference of the designed heights from the printed ones [µm]",
+                    1e3 * difference, HEIGHT_DIGIT, AGAIN)  # fmt: skip
 
 
 def noticed() -> dict[str, tuple[float, float]]:
@@ -222,30 +213,24 @@ def noticed() -> dict[str, tuple[float, float]]:
     return {name: (smallest(name, 1.0), smallest(name, -1.0)) for name in heights()}
 
 
-def _results(changes: dict[str, tuple[float, float]]) -> list[Row]:
+def _results(changes: dict[str, tuple[float, float]]) -> Iterator[Row]:
     """Report what is noticed, and the deviations of predictions from the points."""
-    rows: list[Row] = [
-        reported(f"printed {name}: smallest {side} that is noticed [µm]", value, NOTICED)
-        for name, values in changes.items()
-        for side, value in zip(("increase", "decrease"), values, strict=True)
-    ]
-    return [*rows, *_measured()]
+    for name, values in changes.items():
+        for side, value in zip(("increase", "decrease"), values, strict=True):
+            yield reported(f"printed {name}: smallest {side} that is noticed [µm]", value, NOTICED)
+    yield from _measured()
 
 
-def _measured() -> list[Result]:
+def _measured() -> Iterator[Result]:
     """Report the deviations of predictions from the points, beside those of the measured forces."""
-    numbers, surface, rows = paper()["fig3"], printed_surface(), []
+    numbers, surface = paper()["fig3"], printed_surface()
     modulus, layer = surface.material.composite_modulus, mf.Interacting(substrate=mf.BondedLayer())
     for i, (load, friction) in enumerate(zip(numbers["load_mm2"], numbers["friction_mm2"], strict=True)):
         area = mf.equilibrium(surface, load=modulus * load).area
         coupled = mf.equilibrium(fig3().surface, layer, load=modulus * load).area
         name = f"operating point {i + 1}: deviation of F/(σB)"
-        rows += [
-            reported(f"{name} of the printed heights [%]", 1e2 * (area / friction - 1.0), WITHIN),
-            reported(f"{name} with interaction [%]", 1e2 * (coupled / friction - 1.0),
-                     "order 3 on the bonded layer, the design at its sites, which the paper does not print"),
-        ]  # fmt: skip
-    return rows
+        yield reported(f"{name} of the printed heights [%]", 1e2 * (area / friction - 1.0), WITHIN)
+        yield reported(f"{name} with interaction [%]", 1e2 * (coupled / friction - 1.0), LAYER)
 
 
 def _figure():

@@ -11,7 +11,7 @@ from validation.check import Claim, Picture, Row, near, reported
 from validation.methods.densities import load_at_foot
 from validation.methods.independent import fitted_slope
 from validation.paper.pictures import law_and_slopes, slope_band
-from validation.paper.surfaces import fig4, friction_of_slope
+from validation.paper.surfaces import RADIUS, fig4, friction_of_slope
 from validation.published import paper, table
 from validation.sources import known_input, printed, second_method
 
@@ -45,7 +45,7 @@ def claim() -> Claim:
         checks += [
             near(
                 f"{colour}: asymptotic slope of the density",
-                design.density.asymptotic_slope(float(design.surface.radius[0])),
+                design.density.asymptotic_slope(RADIUS),
                 numbers["target_slope"], 1e-9, TARGET,
             ),
             near(
@@ -73,9 +73,8 @@ def claim() -> Claim:
 
 def foot_load(colour: str) -> float:
     """Load P/E* [mm²] at which the plane reaches the foot of the density of a design."""
-    design, numbers = fig4(colour), paper()["fig4"][colour]
-    radius = float(design.surface.radius[0])
-    return load_at_foot(design.parameters["scale"], numbers["max_height_um"] / 1e3, 64, radius)
+    top = paper()["fig4"][colour]["max_height_um"] / 1e3
+    return load_at_foot(fig4(colour).parameters["scale"], top, 64, RADIUS)
 
 
 def table_heights(colour: str) -> np.ndarray:
@@ -88,7 +87,7 @@ def table_slope(colour: str, points: int) -> float:
     """Slope of the law of Table S1's heights by the second method, at a number of loads."""
     foot = foot_load(colour)
     load = np.linspace(FROM * foot, foot, points)
-    return float(fitted_slope(table_heights(colour), load, paper()["sample"]["radius_um"] / 1e3))
+    return float(fitted_slope(table_heights(colour), load, RADIUS))
 
 
 def _seen(colour: str) -> dict[str, Any]:
@@ -106,13 +105,11 @@ def _figure(colour: str):
     inside the band of the measured slope, {measured} ± {error}.
     """
     design = fig4(colour)
-    figure, left, right = law_and_slopes(
-        f"Fig. 4 {colour}", {f"Fig. 4 {each}": fig4(each) for each in COLOURS}
-    )
+    designs = {f"Fig. 4 {each}": fig4(each) for each in COLOURS}
+    figure, left, right = law_and_slopes(f"Fig. 4 {colour}", designs)
     measured, error = paper()["fig4"][colour]["measured_slope"]
-    slope_band(
-        right, design.fits[0][0].load_range, measured, error, f"measured slope {measured:g} ± {error:g}"
-    )
+    label = f"measured slope {measured:g} ± {error:g}"
+    slope_band(right, design.fits[0][0].load_range, measured, error, label)
     left.legend(frameon=False, loc="lower right")
     right.legend(frameon=False, loc="lower right")
     return figure

@@ -13,7 +13,7 @@ from metafem.drawing import MEASURED
 from validation.check import Claim, Difference, Picture, Reason, Row, near, reported
 from validation.methods.independent import fitted_slope, sums
 from validation.paper.pictures import INKS, law_and_slopes, load_band, slope_band
-from validation.paper.surfaces import fig5
+from validation.paper.surfaces import RADIUS, fig5
 from validation.paper.table_s2 import heights, solved
 from validation.published import paper
 from validation.sources import known_input, printed, second_method
@@ -61,9 +61,7 @@ def claim() -> Claim:
     deviation of the red surface, not that of the blue one. A regression by two lines puts the blue prediction
     still lower.
     """
-    rows: list[Row] = []
-    for colour in COLOURS:
-        rows += [*_densities(colour), *_asperities(colour)]
+    rows = [row for colour in COLOURS for row in (*_densities(colour), *_asperities(colour))]
     rows += [row for colour in COLOURS for row in _crossover(colour)]
     above = {
         colour: 1e2 * (_intersection(colour) / fig5(colour).target.crossover_load - 1.0) for colour in COLOURS
@@ -130,21 +128,15 @@ def _seen(colour: str) -> dict[str, Any]:
     outside = [i for i, each in enumerate(deviations) if abs(each) > numbers["measured_within"]]
     words = f"; the second, {fits[1][1].slope:.2f}, lies outside the band" if outside == [1] else ""
     load, error = numbers[colour]["measured_crossover_mm2"]
-    percent = [1e2 * each for each in deviations]
-    return {
-        "surface": colour.capitalize(),
-        "load": load,
-        "error": error,
-        "deviations": percent,
-        "outside": words,
-    }
+    measured = {"load": load, "error": error, "deviations": [1e2 * each for each in deviations]}
+    return {"surface": colour.capitalize(), "outside": words, **measured}
 
 
 def _densities(colour: str) -> list[Row]:
     """Check that the density has the printed targets."""
     design = fig5(colour)
-    slopes = design.density.asymptotic_slopes(float(design.surface.radius[0]))
-    crossover = design.density.crossover_load(design.surface.count, float(design.surface.radius[0]))
+    slopes = design.density.asymptotic_slopes(RADIUS)
+    crossover = design.density.crossover_load(design.surface.count, RADIUS)
     numbers = paper()["fig5"]
     return [
         *(
@@ -161,16 +153,16 @@ def _densities(colour: str) -> list[Row]:
 def _asperities(colour: str) -> Iterator[Row]:
     """Check the law of 64 asperities by the second method, and report its deviations from the targets."""
     design, height = fig5(colour), heights(colour)
-    radius, modulus = paper()["sample"]["radius_um"] / 1e3, design.surface.material.composite_modulus
+    modulus = design.surface.material.composite_modulus
     for i, (branch, fit) in enumerate(design.fits):
-        expected = float(fitted_slope(height, branch.load, radius))
+        expected = float(fitted_slope(height, branch.load, RADIUS))
         source = second_method(fitted_slope, f"line through the law by Newton's method; {HEIGHTS}")
         name = f"{colour}: fitted slope {i + 1}"
         yield near(f"{name} of 64 asperities", fit.slope, expected, METHODS, source)
         yield _deviation(f"{name}, deviation from the target [%]", colour, i)
     crossover = design.parameters["crossover_height"]
     load = mf.equilibrium(design.surface, separation=crossover).load / modulus
-    expected = float(sums(height - solved(colour)[2], radius)[1])
+    expected = float(sums(height - solved(colour)[2], RADIUS)[1])
     target = design.target.crossover_load
     yield near(
               f"{colour}: load of 64 asperities at the crossover height [mm²]", load, expected, METHODS,
@@ -211,14 +203,12 @@ def _figure(colour: str):
     targets by {deviations[0]:+.1f} % and {deviations[1]:+.1f} %{outside}.
     """
     design, numbers = fig5(colour), paper()["fig5"]
-    figure, left, right = law_and_slopes(
-        f"Fig. 5 {colour}", {f"Fig. 5 {each}": fig5(each) for each in COLOURS}
-    )
+    designs = {f"Fig. 5 {each}": fig5(each) for each in COLOURS}
+    figure, left, right = law_and_slopes(f"Fig. 5 {colour}", designs)
     for ax in (left, right):
         ax.axvline(_intersection(colour), color=INKS[f"Fig. 5 {colour}"], lw=1.2, label="predicted crossover")
-        load_band(
-            ax, *numbers[colour]["measured_crossover_mm2"], "measured crossover" if ax is left else None
-        )
+        label = "measured crossover" if ax is left else None
+        load_band(ax, *numbers[colour]["measured_crossover_mm2"], label)
     right.axvline(design.target.crossover_load, color=MEASURED, ls=":", lw=1.2)
     for i, (branch, _) in enumerate(design.fits):
         label = "measured slopes within 5.2 %" if i == 0 else None

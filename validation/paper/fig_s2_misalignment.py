@@ -16,7 +16,7 @@ from metafem.report.study_figures import misalignment_figure
 from validation.check import Claim, Difference, Picture, Reason, Row, below, near, reported
 from validation.methods.tilts import slope_scatter, tilt_variance
 from validation.paper.pictures import INKS, inked
-from validation.paper.surfaces import fig4, template
+from validation.paper.surfaces import RADIUS, fig4, template
 from validation.published import paper
 from validation.sources import printed, second_method
 
@@ -97,22 +97,11 @@ def claim() -> Claim:
         error = float(at.slope_sd_error[0] / at.slope_sd[0])
         rows.append(reported(f"{colour}, {LARGEST:g}°: relative error by the steps of the angle", error,
                              "mf.studies.misalignment, from half as many angles"))  # fmt: skip
-    first, second, third, fourth = (shares[d, c] for d in bounds() for c in COLOURS)
     high = 1e2 * float(np.quantile(relative_scatter("blue", LARGEST)[1:], 0.95))
     rows += _tilt()
     figures = {"Scatter of the slopes": Picture(_figure)}
-    return Claim(
-        "Fig. S2: misalignment",
-        rows,
-        figures,
-        {
-            "first": first,
-            "second": second,
-            "third": third,
-            "fourth": fourth,
-            "high": high,
-        },
-    )
+    values = dict(zip(("first", "second", "third", "fourth"), shares.values(), strict=True))
+    return Claim("Fig. S2: misalignment", rows, figures, {**values, "high": high})
 
 
 def _as_designed(where: str, scatter: float, bound: float) -> Row:
@@ -136,9 +125,8 @@ def plain_scatter(colour: str, height: np.ndarray, steps: int) -> np.ndarray:
     """Scatter at the largest angle of lists of heights (…, n) at the sites of a design, by plain sums."""
     design = fig4(colour)
     low, high = design.fits[0][0].load_range
-    position, radius = design.surface.position, float(design.surface.radius[0])
-    load = np.linspace(low, high, LOADS)
-    return slope_scatter(position, height, load, radius, float(np.radians(LARGEST)), steps)
+    load, angle = np.linspace(low, high, LOADS), float(np.radians(LARGEST))
+    return slope_scatter(design.surface.position, height, load, RADIUS, angle, steps)
 
 
 def _designed(colour: str) -> Row:
@@ -176,21 +164,11 @@ def _tilt() -> list[Row]:
     variance = float(tilted.linear_covariance(flat, gradient[None])[0, 0])
     drawn = tilt_variance(flat.position, gradient, angle, COVARIANCE_STEPS)
     doubled = float((height + (height + 0.0)).max() / height.max())
+    label = f"largest change of a height at {LARGEST:g}°"
     return [
-        near(
-            f"largest change of a height at {LARGEST:g}° [µm]",
-            change,
-            37.0,
-            0.5,
-            printed(WHERE.text, f"largest change of a height at {LARGEST:g}°"),
-        ),
-        near(
-            f"variance of a linear function of the heights by tilts up to {LARGEST:g}° [mm²]",
-            variance,
-            drawn,
-            1e-5 * drawn,
-            second_method(tilt_variance, "squares of the tilts at fine steps"),
-        ),
+        near(f"{label} [µm]", change, 37.0, 0.5, printed(WHERE.text, label)),
+        near(f"variance of a linear function of the heights by tilts up to {LARGEST:g}° [mm²]", variance,
+             drawn, 1e-5 * drawn, second_method(tilt_variance, "squares of the tilts at fine steps")),
         Difference(
             "tallest height at φ = 0 by the printed formula, over the height of the list",
             doubled,
@@ -199,7 +177,7 @@ def _tilt() -> list[Row]:
             WHERE,
             Reason.MISPRINTED,
         ),
-    ]
+    ]  # fmt: skip
 
 
 def relative_scatter(colour: str, degrees: float) -> np.ndarray:

@@ -232,8 +232,11 @@ def _assignments(ax):
         for model, shift, colour in ((HALF_SPACE, -0.2, "#1b6f8a"), ("layer, order 3", 0.2, "#c8553d")):
             change = changes(name, model)
             spread = 100.0 * rms(change["random"])
-            ax.boxplot([spread], positions=[i + shift], widths=0.3, whis=(0, 100),
-                       boxprops={"color": colour}, medianprops={"color": colour})  # fmt: skip
+            box = ax.boxplot([spread], positions=[i + shift], widths=0.3, whis=(0, 100),
+                             boxprops={"color": colour}, medianprops={"color": colour})  # fmt: skip
+            for part, lines in box.items():  # names for the table of the figure
+                for line in lines:
+                    line.set_label(f"_{part}")
             ax.plot(i + shift, 100.0 * rms(change["designed"]), "D", ms=5, color=colour,
                     label=model if i == 0 else None)  # fmt: skip
     ax.axhline(2.3, color="grey", lw=0.8, ls="--", label="2.3 %, stated by the paper")

@@ -7,7 +7,6 @@ synthetic: the force rises to a peak of σB A0 and falls to a plateau of σ'B' A
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -19,8 +18,7 @@ from metafem.drawing import ACHIEVED, MEASURED, MEASURED_BESIDE, QUIET, TARGET
 from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels
 from validation.methods import independent
-from validation.paper.surfaces import fig4
-from validation.published import paper
+from validation.paper.surfaces import RADIUS, fig4
 from validation.scenes.compression_tests import RADII
 from validation.scenes.sheared_contacts import ERRORS
 from validation.sources import known_input, second_method
@@ -47,24 +45,16 @@ TRUE = known_input("σ and B of the synthetic records, within three standard dev
 RANGE = known_input("range of the evaluation, 100 to 200 µm after the peak as in the paper's SM")
 
 
-@dataclass(frozen=True, eq=False)
-class Test:
-    """Records of a surface at several loads, and their areas before shear [mm²]."""
-
-    records: tuple[ShearRecord, ...]
-
-    def calibrated(self, sliding: bool) -> ShearCalibration:
-        """Return B and σ of peaks or plateaus."""
-        before = np.array([each.area_before for each in self.records])
-        kind = "sliding" if sliding else "static"
-        return shear(before, [getattr(each, f"{kind}_area") for each in self.records], self.force(sliding))
-
-    def force(self, sliding: bool) -> FloatArray:
-        """Return static or sliding friction forces [N]."""
-        return np.array([each.sliding_force if sliding else each.static_force for each in self.records])
+# Both kinds of friction, with the true values.
+KINDS = {"static": STATIC, "sliding": SLIDING}
 
 
-def pulled(area: FloatArray, rng: np.random.Generator) -> Test:
+def of_each(records: list[ShearRecord], name: str) -> FloatArray:
+    """Return an attribute of each record."""
+    return np.array([getattr(each, name) for each in records])
+
+
+def pulled(area: FloatArray, rng: np.random.Generator) -> list[ShearRecord]:
     """Return records of contacts of areas before shear (k,) [mm²]."""
     rising = np.minimum(PULL / PEAK, 1.0)
     # from 0 at the peak to 1 on the plateau
@@ -79,27 +69,31 @@ def pulled(area: FloatArray, rng: np.random.Generator) -> Test:
         areas = each * ratio
         areas = areas + ERRORS.of_area(areas) * rng.standard_normal(len(PULL))
         records.append(shear_record(PULL, force, areas))
-    return Test(tuple(records))
+    return records
 
 
 @cache
-def calibrations() -> tuple[ShearCalibration, ShearCalibration]:
+def calibrations() -> dict[str, ShearCalibration]:
     """Return the calibrations of static and sliding friction by one contact at 20 loads, three times."""
-    test = pulled(np.pi * np.tile(RADII, 3) ** 2, np.random.default_rng(0))
-    return test.calibrated(False), test.calibrated(True)
+    records = pulled(np.pi * np.tile(RADII, 3) ** 2, np.random.default_rng(0))
+    before = of_each(records, "area_before")
+    return {
+        kind: shear(before, of_each(records, f"{kind}_area"), of_each(records, f"{kind}_force"))
+        for kind in KINDS
+    }
 
 
 @cache
-def measured() -> tuple[Test, tuple[MeasuredLaw, MeasuredLaw]]:
+def measured() -> tuple[list[ShearRecord], dict[str, MeasuredLaw]]:
     """Return the records of the surface of Fig. 4, red, and its two laws, rescaled by the calibrations."""
     surface, rng = fig4("red").surface, np.random.default_rng(1)
-    test = pulled(mf.friction_law(surface, load=LOADS).area, rng)
+    records = pulled(mf.friction_law(surface, load=LOADS).area, rng)
     load = LOADS + ERRORS.of_load(LOADS) * rng.standard_normal(LOADS.shape)
-    static, sliding = (
-        MeasuredLaw(load, friction_force=test.force(kind), material=surface.material, friction=found.friction)
-        for kind, found in zip((False, True), calibrations(), strict=True)
-    )
-    return test, (static, sliding)
+    laws = {}
+    for kind, found in calibrations().items():
+        calibrated = {"material": surface.material, "friction": found.friction}
+        laws[kind] = MeasuredLaw(load, friction_force=of_each(records, f"{kind}_force"), **calibrated)
+    return records, laws
 
 
 def claim() -> Claim:
@@ -109,59 +103,51 @@ def claim() -> Claim:
     forces differ, the rescaled laws do not: a design holds for either.
     """
     rows: list[Row] = []
-    for name, found, true in zip(("static", "sliding"), calibrations(), (STATIC, SLIDING), strict=True):
+    for name, true in KINDS.items():
+        found = calibrations()[name]
         sd = WITHIN * np.sqrt(np.diag(found.covariance))
         rows += [
             near(f"{name} friction: B", found.area_ratio, true.area_ratio, sd[0], TRUE),
             near(f"{name} friction: σ [MPa]", found.shear_strength, true.shear_strength, sd[1], TRUE),
         ]
-    test, laws = measured()
-    low, high = test.records[0].sliding_range
+    records, laws = measured()
+    low, high = records[0].sliding_range
     rows += [
         near("sliding range, beginning [mm]", low, 0.1, 0.0, RANGE),
         near("sliding range, end [mm]", high, 0.2, 0.0, RANGE),
     ]
     height = fig4("red").surface.height
     line = second_method(independent.areas, "slope of the line through A0 of the heights at the same loads")
-    slopes = {}
+    slopes, errors = {}, {}
     rows += [each for friction in (STATIC, SLIDING) for each in _forces(friction)]
-    for name, law, found in zip(("static", "sliding"), laws, calibrations(), strict=True):
-        wanted = np.polyfit(law.rescaled_load, independent.areas(height, law.rescaled_load, 0.526), 1)[0]
-        slope, sd = slope_of(law, found)
-        slopes[name] = slope
-        rows.append(near(f"{name} friction, rescaled: slope", slope, wanted, WITHIN * sd, line))
+    for name, law in laws.items():
+        wanted = np.polyfit(law.rescaled_load, independent.areas(height, law.rescaled_load, RADIUS), 1)[0]
+        slopes[name], errors[name] = slope_of(law, calibrations()[name])
+        tolerance = WITHIN * errors[name]
+        rows.append(near(f"{name} friction, rescaled: slope", slopes[name], wanted, tolerance, line))
     # the forces of both have the errors of their own records, and share those of the load
-    both = np.hypot(*(slope_of(*each)[1] for each in zip(laws, calibrations(), strict=True)))
+    both = np.hypot(*errors.values())
+    static, sliding = (found.shear_strength * found.area_ratio for found in calibrations().values())
+    forces = of_each(records, "sliding_force") / of_each(records, "static_force")
     rows += [
-        near(
-            "rescaled slopes, sliding less static",
-            slopes["sliding"] - slopes["static"],
-            0.0,
-            WITHIN * both,
-            SAME,
-        ),
-        reported("sliding over static friction force", ratio(test), "mean over 20 loads"),
-        reported(
-            "sliding friction rescaled by σB of static friction: slope over that of static friction",
-            slopes["sliding"] / slopes["static"] * _stress(1) / _stress(0),
-            "straight lines through the points",
-        ),
-    ]
-    return Claim(
-        "Static and sliding friction",
-        rows,
-        {"one record": Picture(_record), "laws of static and sliding friction": Picture(_laws)},
-    )
+        near("rescaled slopes, sliding less static", slopes["sliding"] - slopes["static"], 0.0,
+             WITHIN * both, SAME),
+        reported("sliding over static friction force", forces.mean(), "mean over 20 loads"),
+        reported("sliding friction rescaled by σB of static friction: slope over that of static friction",
+                 slopes["sliding"] / slopes["static"] * sliding / static,
+                 "straight lines through the points"),
+    ]  # fmt: skip
+    figures = {"one record": Picture(_record), "laws of static and sliding friction": Picture(_laws)}
+    return Claim("Static and sliding friction", rows, figures)
 
 
 def _forces(friction: mf.Friction) -> list[Row]:
     """Compare forces of the design with σB times the areas of its heights, and rescale them again."""
     surface = fig4("red").surface.replaced(friction=friction)
     law, stress = mf.friction_law(surface, load=LOADS), friction.shear_strength * friction.area_ratio
-    area = independent.areas(surface.height, law.load / surface.material.composite_modulus, 0.526)
-    measured = MeasuredLaw(
-        law.load, friction_force=stress * area, material=surface.material, friction=friction
-    )
+    area = independent.areas(surface.height, law.load / surface.material.composite_modulus, RADIUS)
+    calibrated = {"material": surface.material, "friction": friction}
+    measured = MeasuredLaw(law.load, friction_force=stress * area, **calibrated)
     pairs = {
         "predicted force F = σB A0": (law.friction_force, stress * area),
         "rescaled friction F/(σB)": (law.rescaled_friction, area),
@@ -169,17 +155,15 @@ def _forces(friction: mf.Friction) -> list[Row]:
     }
     label = f"σ = {friction.shear_strength} MPa: largest relative difference of the"
     modulus = surface.material.composite_modulus
-    whole = stress * independent.areas(surface.height, FULL / modulus, 0.526)
-    given = MeasuredLaw(FULL, friction_force=whole, material=surface.material, friction=friction)
-    pairs["strength that full contact gives"] = (
-        np.array([mf.calibration.shear_strength(given, surface, FULL[0]).shear_strength]),
-        np.array([friction.shear_strength]),
+    whole = stress * independent.areas(surface.height, FULL / modulus, RADIUS)
+    given = mf.calibration.shear_strength(
+        MeasuredLaw(FULL, friction_force=whole, **calibrated), surface, FULL[0]
     )
-    return [below(f"{label} {what}", _largest(*pair), EXACT, FORCE) for what, pair in pairs.items()]
-
-
-def _largest(found: FloatArray, expected: FloatArray) -> float:
-    return float(np.abs(found / expected - 1.0).max())
+    pairs["strength that full contact gives"] = given.shear_strength, friction.shear_strength
+    return [
+        below(f"{label} {what}", np.abs(found / expected - 1.0).max(), EXACT, FORCE)
+        for what, (found, expected) in pairs.items()
+    ]
 
 
 # Rounding of sums of 64 terms.
@@ -192,22 +176,11 @@ SAME = known_input("identity: both forces of the records are proportional to the
 def slope_of(law: MeasuredLaw, found: ShearCalibration) -> tuple[float, float]:
     """Return the slope of a line through rescaled points and its standard deviation, with that of σB."""
     sd = np.hypot(law.rescaled_friction_sd, 7.0 * law.rescaled_load_sd)  # errors of the load by the slope
-    (slope, _), covariance = np.polyfit(
-        law.rescaled_load, law.rescaled_friction, 1, w=1.0 / sd, cov="unscaled"
-    )
+    points = law.rescaled_load, law.rescaled_friction
+    (slope, _), covariance = np.polyfit(*points, 1, w=1.0 / sd, cov="unscaled")
     inverse = np.array([1.0 / found.area_ratio, 1.0 / found.shear_strength])
     of_stress = np.sqrt(inverse @ found.covariance @ inverse)  # relative, of σB
     return float(slope), float(np.hypot(np.sqrt(covariance[0, 0]), slope * of_stress))
-
-
-def ratio(test: Test) -> float:
-    """Return the mean ratio of sliding to static friction forces."""
-    return float((test.force(True) / test.force(False)).mean())
-
-
-def _stress(index: int) -> float:
-    found = calibrations()[index]
-    return found.shear_strength * found.area_ratio
 
 
 @panels(8.0, 3.0, columns=2)
@@ -216,7 +189,7 @@ def _record(force, area):
     grey range, 100 to 200 µm after the peak, the sliding friction. Right, the sum of the contact areas, which
     falls as the force rises.
     """
-    record = measured()[0].records[-1]
+    record = measured()[0][-1]
     force.plot(record.displacement, record.friction_force, color=MEASURED, lw=1.0)
     force.plot(record.peak_displacement, record.static_force, "o", color=ACHIEVED, label="static friction")
     low, high = (record.peak_displacement + end for end in record.sliding_range)
@@ -236,23 +209,13 @@ def _laws(forces, rescaled):
     Right, both rescaled by their own σB: the points must fall on one curve, which is that of the heights
     (line).
     """
-    for law, name, ink in zip(measured()[1], ("static", "sliding"), (ACHIEVED, MEASURED_BESIDE), strict=True):
-        forces.errorbar(
-            law.load,
-            law.friction_force,
-            law.friction_force_sd,
-            law.load_sd,
-            fmt="o",
-            ms=3,
-            color=ink,
-            label=name,
-        )
-        rescaled.errorbar(
-            law.rescaled_load, law.rescaled_friction, law.rescaled_friction_sd, law.rescaled_load_sd,
-            fmt="o", ms=3, color=ink, label=name,
-        )  # fmt: skip
+    for (name, law), ink in zip(measured()[1].items(), (ACHIEVED, MEASURED_BESIDE), strict=True):
+        style = {"fmt": "o", "ms": 3, "color": ink, "label": name}
+        forces.errorbar(law.load, law.friction_force, law.friction_force_sd, law.load_sd, **style)
+        bars = law.rescaled_friction_sd, law.rescaled_load_sd
+        rescaled.errorbar(law.rescaled_load, law.rescaled_friction, *bars, **style)
     load = np.linspace(0.005, 0.45, 100)
-    area = independent.areas(fig4("red").surface.height, load, paper()["sample"]["radius_um"] / 1e3)
+    area = independent.areas(fig4("red").surface.height, load, RADIUS)
     rescaled.plot(load, area, color=TARGET, lw=1.0, label="law of the heights")
     forces.set(xlabel="load P [N]", ylabel="friction force F [N]")
     rescaled.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")

@@ -8,7 +8,7 @@ from metafem.drawing import ACHIEVED
 from validation.check import Claim, Difference, Picture, Reason, Row, near
 from validation.figures import panels
 from validation.methods.densities import expected_counts, scale_of_slope
-from validation.paper.surfaces import fig4
+from validation.paper.surfaces import RADIUS, fig4
 from validation.published import paper, table
 from validation.sources import printed, second_method
 
@@ -51,30 +51,19 @@ def claim() -> Claim:
         ]  # fmt: skip
     rounded = np.rint(_expected("blue"))
     level = int(np.flatnonzero(rounded != numbers["count_blue"][: len(rounded)])[0])
-    rows.append(
-        Difference(
-            "blue: asperities with the closest integer on each level",
-            float(rounded.sum()),
-            "N = 64, with the closest integer to the expectation on each level",
-            WORDS.format(
-                total=rounded.sum(), level=numbers["height"][level], expected=_expected("blue")[level]
-            ),
-            RULE,
-            Reason.MISPRINTED,
-        )
-    )
-    return Claim(
-        "Table S1: levels of the linear laws",
-        rows,
-        {"Asperities on each level": Picture(_figure)},
-    )
+    name = "blue: asperities with the closest integer on each level"
+    rule = "N = 64, with the closest integer to the expectation on each level"
+    found = {"total": rounded.sum(), "level": numbers["height"][level], "expected": _expected("blue")[level]}
+    words = WORDS.format(**found)
+    rows.append(Difference(name, float(rounded.sum()), rule, words, RULE, Reason.MISPRINTED))
+    figures = {"Asperities on each level": Picture(_figure)}
+    return Claim("Table S1: levels of the linear laws", rows, figures)
 
 
 def _scale(colour: str) -> float:
     """Scale λ of the target slope by the second method [mm]."""
     numbers = paper()["fig4"][colour]
-    radius = paper()["sample"]["radius_um"] / 1e3
-    return scale_of_slope(numbers["target_slope"], numbers["max_height_um"] / 1e3, radius)
+    return scale_of_slope(numbers["target_slope"], numbers["max_height_um"] / 1e3, RADIUS)
 
 
 def _expected(colour: str) -> np.ndarray:
@@ -93,9 +82,8 @@ def _figure(*axes):
     for ax, colour in zip(axes, ("blue", "red"), strict=True):
         design, numbers = fig4(colour), table("table_s1")
         levels = (design.parameters["levels"] - design.limits.offset) * 1e3
-        ax.bar(
-            levels, design.parameters["counts"], width=5.0, color=f"tab:{colour}", alpha=0.5, label="designed"
-        )
+        style = {"width": 5.0, "color": f"tab:{colour}", "alpha": 0.5}
+        ax.bar(levels, design.parameters["counts"], **style, label="designed")
         expected = _expected(colour)
         ax.plot(numbers["height"][: len(expected)], expected, color=ACHIEVED, lw=0.8, label="expectation")
         ax.plot(numbers["height"], numbers[f"count_{colour}"], "k_", ms=8, label="Table S1")

@@ -10,7 +10,7 @@ import numpy as np
 from validation.check import Claim, Difference, Picture, Reason, Row, below, near
 from validation.figures import panels
 from validation.methods.densities import interval_middles, share_above, two_branches
-from validation.paper.surfaces import fig5
+from validation.paper.surfaces import RADIUS, fig5
 from validation.published import paper, table
 from validation.sources import printed, second_method
 
@@ -76,12 +76,8 @@ def claim() -> Claim:
             ),
         ]  # fmt: skip
     rows += [_other_rule(colour) for colour in COLOURS]
-    return Claim(
-        "Table S2: heights of the bilinear laws",
-        rows,
-        {"Heights": Picture(_figure, _agreeing())},
-        _agreeing(),
-    )
+    figures = {"Heights": Picture(_figure, _agreeing())}
+    return Claim("Table S2: heights of the bilinear laws", rows, figures, _agreeing())
 
 
 @cache
@@ -90,7 +86,7 @@ def solved(colour: str, digits: tuple[float, float, float] = (0.0, 0.0, 0.0)) ->
     numbers = paper()["fig5"]
     first, second = (slope + digit for slope, digit in zip(numbers["slopes"], digits[:2], strict=True))
     load, top = numbers[colour]["crossover_load_mm2"] + digits[2], numbers["max_height_um"] / 1e3
-    return two_branches((first, second), load, top, 64, paper()["sample"]["radius_um"] / 1e3)
+    return two_branches((first, second), load, top, 64, RADIUS)
 
 
 def share(colour: str) -> float:
@@ -140,12 +136,9 @@ def _outside(design, colour: str) -> Difference:
     beyond = _difference(design, colour) - allowance(colour)
     worst = int(beyond.argmax())
     words = OUTSIDE.format(
-        most=_difference(design, colour)[outside].max(),
-        beyond=beyond[worst],
-        height=listed[worst],
-        least=allowance(colour)[worst],
-        mean=(listed - computed)[lower].mean(),
-    )
+        most=_difference(design, colour)[outside].max(), mean=(listed - computed)[lower].mean(),
+        beyond=beyond[worst], height=listed[worst], least=allowance(colour)[worst],
+    )  # fmt: skip
     text = f"{len(listed)} heights in µm with one decimal"
     name = f"{colour}: heights of Table S2 that differ by more than the digits explain"
     return Difference(name, float(outside.sum()), text, words, printed("Table S2"), Reason.AMBIGUOUS)
@@ -153,14 +146,9 @@ def _outside(design, colour: str) -> Difference:
 
 def _other_rule(colour: str) -> Difference:
     miss = np.abs(1e3 * heights(colour, printed_rule=True) + 50.0 - np.sort(table("table_s2")[colour])).max()
-    return Difference(
-        f"{colour}: largest difference from Table S2 with intervals of mass 1/(N1 + N2) [µm]",
-        float(miss),
-        "intervals [b_i, b_{i+1}] whose probability is equal to 1/(N1 + N2)",
-        WORDS,
-        RULE,
-        Reason.MISPRINTED,
-    )
+    name = f"{colour}: largest difference from Table S2 with intervals of mass 1/(N1 + N2) [µm]"
+    rule = "intervals [b_i, b_{i+1}] whose probability is equal to 1/(N1 + N2)"
+    return Difference(name, float(miss), rule, WORDS, RULE, Reason.MISPRINTED)
 
 
 def _difference(design, colour: str) -> np.ndarray:
@@ -175,19 +163,11 @@ def _figure(upper, lower):
     the printed slopes and crossover loads on each height. {agree} of {all} dots lie below their line.
     """
     for colour in COLOURS:
-        design, rank = fig5(colour), np.arange(1, 65)
-        upper.plot(
-            rank, 1e3 * np.sort(design.surface.height), color=f"tab:{colour}", label=f"{colour} design"
-        )
-        upper.plot(
-            rank,
-            np.sort(table("table_s2")[colour]),
-            ".",
-            ms=4,
-            color=f"tab:{colour}",
-            label=f"{colour}, Table S2",
-        )
-        lower.plot(rank, _difference(design, colour), ".", color=f"tab:{colour}")
-        lower.plot(rank, allowance(colour), color=f"tab:{colour}", lw=0.8)
+        design, rank, ink = fig5(colour), np.arange(1, 65), f"tab:{colour}"
+        upper.plot(rank, 1e3 * np.sort(design.surface.height), color=ink, label=f"{colour} design")
+        listed = np.sort(table("table_s2")[colour])
+        upper.plot(rank, listed, ".", ms=4, color=ink, label=f"{colour}, Table S2")
+        lower.plot(rank, _difference(design, colour), ".", color=ink)
+        lower.plot(rank, allowance(colour), color=ink, lw=0.8)
     upper.set_ylabel("height with offset [µm]")
     lower.set(xlabel="asperity, by height", ylabel="difference [µm]")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 import metafem as mf
 from metafem.models.model import Model
 from metafem.models.truncation import truncation
-from validation.paper.surfaces import fig4
+from validation.paper.surfaces import surfaces
 
 MATERIAL = mf.Material(1.36)
 
@@ -86,12 +86,6 @@ def heights(count: int | tuple[int, ...]) -> np.ndarray:
 
 
 @cache
-def printed() -> mf.Surface:
-    """Return the design of Fig. 4, red."""
-    return fig4("red").surface
-
-
-@cache
 def dense() -> mf.Surface:
     """Return 64 asperities on a lattice of pitch 0.8 mm."""
     return mf.Surface.square_lattice(heights(64), (8, 8), 0.8, radius=0.526, material=MATERIAL)
@@ -101,18 +95,12 @@ def dense() -> mf.Surface:
 def irregular() -> mf.Surface:
     """Return 64 asperities at random sites at least 0.8 mm apart, with radii from 0.3 to 0.8 mm."""
     rng = np.random.default_rng(2)
-    sites: list[np.ndarray] = []
+    sites = rng.uniform(0.0, 10.0, (1, 2))
     while len(sites) < 64:
         site = rng.uniform(0.0, 10.0, 2)
-        if all(np.hypot(*(site - other)) >= 0.8 for other in sites):
-            sites.append(site)
-    return mf.Surface(np.array(sites), heights(64), rng.uniform(0.3, 0.8, 64), MATERIAL)
-
-
-@cache
-def many() -> mf.Surface:
-    """Return 10,000 asperities at scattered sites."""
-    return scattered(10_000)
+        if np.hypot(*(sites - site).T).min() >= 0.8:
+            sites = np.vstack([sites, site])
+    return mf.Surface(sites, heights(64), rng.uniform(0.3, 0.8, 64), MATERIAL)
 
 
 def scattered(count: int) -> mf.Surface:
@@ -125,7 +113,7 @@ def scattered(count: int) -> mf.Surface:
 
 SCENES = {
     "paper": Scene(
-        "Fig. 4 red, 64 asperities", printed, 0.6,
+        "Fig. 4 red, 64 asperities", lambda: surfaces()["Fig. 4 red"], 0.6,
         (0.04, 0.02, 0.01, 0.005), (0.01, 0.005, 0.0025), (0.04, 0.028, 0.02, 0.014, 0.01), TOLERANCES,
     ),
     "dense": Scene(
@@ -136,7 +124,7 @@ SCENES = {
         "random sites and radii, 64 asperities", irregular, 0.5,
         (0.02, 0.01), (0.02, 0.01, 0.005), (0.04, 0.02), TOLERANCES,
     ),
-    "many": Scene("10,000 scattered asperities", many, 30.0, (), (), (), ()),
+    "many": Scene("10,000 scattered asperities", cache(partial(scattered, 10_000)), 30.0, (), (), (), ()),
 }  # fmt: skip
 
 

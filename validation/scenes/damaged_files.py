@@ -12,9 +12,11 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import count
 from pathlib import Path
 from types import FrameType
 from typing import Any
+from unittest import mock
 
 from click.testing import CliRunner
 
@@ -56,20 +58,26 @@ TOML = (
     *('["1 um"]', '["1 um", "2 um"]', '["2 mm^2", "1 mm^2"]', '"automatic"', "a.b.c = 1", "{a = {b = 1}}"),
 )
 
+SIGNS = (b"\0", b"\xff\xfe", b'"', b"[[", b"\xce\xbb", b"\r", b"#", b"=")
+
 ENTRIES = (
     *("", "nan", "inf", "1e300", "-1e300", "1e-320", "-5", "0", "1,5", '"', '"1,5"', "é", "#", ";", "\t"),
     *("0x10", "1e999", "9" * 50, "text", "x_mm", "1.2.3", "  ", "\0", "1_000"),
 )
 
 
+# Kinds of faults.
+TRACEBACK, HANG = "tracebacks, or warnings of libraries", f"processor time above {LIMIT} s"
+CODE, LINES = "exit codes other than 0, 1 and 2", "messages with other than one line per problem"
+
+
 @dataclass
 class Tally:
     """Commands that did not end as they must, by kind of fault, and the number of refused files."""
 
-    tracebacks: list[str] = field(default_factory=list)
-    hangs: list[str] = field(default_factory=list)
-    codes: list[str] = field(default_factory=list)
-    lines: list[str] = field(default_factory=list)
+    faults: dict[str, list[str]] = field(
+        default_factory=lambda: {kind: [] for kind in (TRACEBACK, HANG, CODE, LINES)}
+    )
     refused: int = 0
 
 
@@ -96,55 +104,40 @@ def bounded(seconds: int) -> Iterator[None]:
             signal.signal(number, before[number])
 
 
-class Accepted(NotConverged):
-    """Raised instead of making a design."""
-
-
 @contextmanager
 def few_designs() -> Iterator[None]:
     """Design only every n-th accepted specification, and none with many sites."""
-    original, seen = Specification.design, [0]
+    original, seen = Specification.design, count(1)
 
     def design(self: Specification, model: Any = None) -> Any:
-        seen[0] += 1
         fast = model is None and not self.model.couples and self.radii is None and self.layout is None
-        if seen[0] % DESIGNED or self.template.count > FEW_SITES or not fast:
-            raise Accepted("accepted")
+        if next(seen) % DESIGNED or self.template.count > FEW_SITES or not fast:
+            raise NotConverged("accepted, and not designed")
         return original(self, model)
 
-    Specification.design = design  # type: ignore[method-assign]
-    try:
+    with mock.patch.object(Specification, "design", design):
         yield
-    finally:
-        Specification.design = original  # type: ignore[method-assign]
 
 
 def damaged_bytes(rng: random.Random, raw: bytes) -> bytes:
     """Flip, cut, repeat or insert bytes."""
-    content = bytearray(raw)
+    content, start = bytearray(raw), rng.randrange(len(raw))
     match rng.randrange(5):
         case 0:
-            content[rng.randrange(len(content))] ^= 1 << rng.randrange(8)
+            content[start] ^= 1 << rng.randrange(8)
         case 1:
-            del content[rng.randrange(len(content)) :]
+            del content[start:]
         case 2:
-            start = rng.randrange(len(content))
             del content[start : start + rng.randrange(1, 40)]
         case 3:
-            start = rng.randrange(len(content))
             content[start:start] = content[start : start + rng.randrange(1, 200)]
         case _:
-            start = rng.randrange(len(content))
-            content[start:start] = rng.choice(
-                [b"\0", b"\xff\xfe", b'"', b"[[", b"\xce\xbb", b"\r", b"#", b"="]
-            )
+            content[start:start] = rng.choice(SIGNS)
     return bytes(content)
 
 
 def damaged_record(rng: random.Random, raw: bytes) -> bytes:
     """Replace, delete or duplicate a member of a JSON file."""
-    if rng.random() < 0.2:
-        return damaged_bytes(rng, raw)
     record = json.loads(raw)
     members = list(_members(record))
     parent, key = rng.choice(members)
@@ -167,16 +160,13 @@ def _members(record: Any) -> Iterator[tuple[Any, Any]]:
     members = record.items() if isinstance(record, dict) else enumerate(record)
     for key, member in list(members):
         yield record, key
-        if (
-            isinstance(member, (dict, list)) and len(member) < 50
-        ):  # members of long lists would be most of the choices
+        # members of long lists would be most of the choices
+        if isinstance(member, (dict, list)) and len(member) < 50:
             yield from _members(member)
 
 
 def damaged_lines(rng: random.Random, raw: bytes) -> bytes:
     """Delete, duplicate, exchange or fill lines of a specification."""
-    if rng.random() < 0.2:
-        return damaged_bytes(rng, raw)
     lines = raw.decode().splitlines()
     i = rng.randrange(len(lines))
     match rng.randrange(6):
@@ -196,8 +186,6 @@ def damaged_lines(rng: random.Random, raw: bytes) -> bytes:
 
 def damaged_table(rng: random.Random, raw: bytes) -> bytes:
     """Replace entries, rows or the separators of a table."""
-    if rng.random() < 0.2:
-        return damaged_bytes(rng, raw)
     rows = [line.split(",") for line in raw.decode().splitlines()]
     i = rng.randrange(len(rows))
     match rng.randrange(6):
@@ -215,7 +203,7 @@ def damaged_table(rng: random.Random, raw: bytes) -> bytes:
     return "\n".join(",".join(row) for row in rows).encode()
 
 
-def cases(folder: Path, count: int, seed: int = 0) -> Iterator[list[str]]:
+def cases(folder: Path, number: int, seed: int = 0) -> Iterator[list[str]]:
     """Write one damaged file after another and yield the command that reads it."""
     rng = random.Random(seed)
     template = mf.Surface.square_lattice(0.12, (3, 3), radius=0.526, material=mf.Material(1.36))
@@ -229,8 +217,9 @@ def cases(folder: Path, count: int, seed: int = 0) -> Iterator[list[str]]:
         (damaged_lines, specs, "spec.toml", ["design", "spec.toml", "-o", "out", "--force"]),
         (damaged_table, [table], "table.csv", ["predict", "table.csv", "--composite-modulus", "1 MPa"]),
     )
-    for i in range(count):
+    for i in range(number):
         damage, originals, name, command = kinds[i % len(kinds)]
+        damage = damaged_bytes if rng.random() < 0.2 else damage
         (folder / name).write_bytes(damage(rng, rng.choice(originals)))
         yield command
 
@@ -238,41 +227,40 @@ def cases(folder: Path, count: int, seed: int = 0) -> Iterator[list[str]]:
 def record_faults(tally: Tally, label: str, code: int, output: str, errors: str) -> None:
     """Record the faults in how a command ended."""
     if "Traceback" in errors or "Traceback" in output:
-        tally.tracebacks.append(f"{label}: {errors[-300:]}")
+        tally.faults[TRACEBACK].append(f"{label}: {errors[-300:]}")
     if code not in (0, 1, 2):
-        tally.codes.append(f"{label}: {code}")
+        tally.faults[CODE].append(f"{label}: {code}")
     if code == 2:
         tally.refused += 1
         name = label.rpartition(" ")[2]
         first, *rest = errors.splitlines() or [""]
         if not first.startswith("Error: ") or any(name not in line for line in rest):
-            tally.lines.append(f"{label}: {errors[:300]}")
+            tally.faults[LINES].append(f"{label}: {errors[:300]}")
 
 
-def measure(count: int, seed: int = 0) -> Tally:
+def measure(number: int, seed: int = 0) -> Tally:
     """Run the command on a number of damaged files."""
     tally = Tally()
     with tempfile.TemporaryDirectory() as parent, few_designs(), warnings.catch_warnings():
         warnings.simplefilter("error")  # a warning of a library counts like a traceback
         folder, runner = Path(parent), CliRunner()
-        for i, command in enumerate(cases(folder, count, seed)):
+        for i, command in enumerate(cases(folder, number, seed)):
             arguments = [str(folder / part) if (folder / part).exists() else part for part in command]
             if "-o" in arguments:
                 arguments[arguments.index("-o") + 1] = str(folder / "out")
             label = f"{seed}/{i} {Path(arguments[1]).name}"
             if i % SEPARATE == SEPARATE - 1:
-                done = subprocess.run(
-                    [sys.executable, "-m", "metafem", *arguments], capture_output=True, text=True, check=False
-                )
+                program = [sys.executable, "-m", "metafem", *arguments]
+                done = subprocess.run(program, capture_output=True, text=True, check=False)
                 record_faults(tally, label, done.returncode, done.stdout, done.stderr)
                 continue
             try:
                 with bounded(LIMIT):
                     result = runner.invoke(cli.main, arguments)
             except TooLong:
-                tally.hangs.append(label)
+                tally.faults[HANG].append(label)
                 continue
             if not isinstance(result.exception, (SystemExit, type(None))):
-                tally.tracebacks.append(f"{label}: {result.exception!r}")
+                tally.faults[TRACEBACK].append(f"{label}: {result.exception!r}")
             record_faults(tally, label, result.exit_code, result.stdout, result.stderr)
     return tally

@@ -63,8 +63,7 @@ class Repeated:
 
 
 def repeated(
-    scene: Callable[[np.random.Generator, int], tuple[FloatArray, FloatArray]],
-    contacts: int,
+    scene: Callable[[np.random.Generator, int], tuple[FloatArray, FloatArray]], contacts: int
 ) -> Repeated:
     """Calibrate 300 times to three tests of 20 loads."""
     rng, test = np.random.default_rng(5), np.repeat(np.arange(TESTS), RADII.size)

@@ -56,17 +56,9 @@ class Series:
         axes = np.column_stack([ratio * radius, radius])[closed]
         turn = np.array([[math.cos(CAMERA), -math.sin(CAMERA)], [math.sin(CAMERA), math.cos(CAMERA)]])
         centre = self.surface.position[closed] @ turn.T + SHIFT + 0.5 * self.width
-        return picture(
-            (side, side),
-            centre / self.pixel,
-            axes / self.pixel,
-            CAMERA,
-            blur=1.5,
-            noise=0.05,
-            gradient=(0.15, -0.1),
-            bits=8,
-            rng=(self.seed, number, int(sheared)),
-        )
+        light = {"blur": 1.5, "noise": 0.05, "gradient": (0.15, -0.1), "bits": 8}
+        shown = centre / self.pixel, axes / self.pixel, CAMERA
+        return picture((side, side), *shown, **light, rng=(self.seed, number, int(sheared)))
 
     def images(self, sheared: bool = False) -> Iterator[NDArray[np.uint8]]:
         """Yield all images, in the order of the loads."""
@@ -94,16 +86,10 @@ def measured(
     true = surface.replaced(material=MATERIAL, friction=FRICTION)
     area = np.array([mf.equilibrium(true, law, load=each).asperity_area for each in load.tolist()])
     force = FRICTION.shear_strength * FRICTION.area_ratio * area.sum(axis=1)
-    extent = float(np.ptp(surface.position, axis=0).max())
-    return Series(
-        true,
-        load + noise.of_load(load) * rng.standard_normal(load.shape),
-        force + noise.of_friction_force(force) * rng.standard_normal(load.shape),
-        area,
-        pixel,
-        extent + 2.0,  # 1 mm around the outermost sites
-        seed,
-    )
+    found = load + noise.of_load(load) * rng.standard_normal(load.shape)
+    friction = force + noise.of_friction_force(force) * rng.standard_normal(load.shape)
+    width = float(np.ptp(surface.position, axis=0).max()) + 2.0  # 1 mm around the outermost sites
+    return Series(true, found, friction, area, pixel, width, seed)
 
 
 def calibration_tests(count: int = 3, loads: int = 10, pixel: float = 0.01) -> list[Series]:

@@ -10,6 +10,7 @@ One kind of scene is a design whose target is the law of a random surface.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
@@ -150,25 +151,24 @@ def _law(rng: np.random.Generator, units: Units) -> Contact:
     stress, energy = units.modulus, units.length * units.modulus
     cap: Contact = (mf.Hertz(), mf.SphericalCap(), mf.PowerCap(rng.uniform(1.5, 4.0)))[int(rng.integers(3))]
     work = energy * float(np.exp(rng.uniform(np.log(1e-6), np.log(3e-5))))
-    kind = int(rng.choice(len(LAWS), p=LAWS))
-    if kind == 0:
-        return mf.Hertz()
-    if kind == 1:
-        return mf.SphericalCap()
-    if kind == 2:
-        return mf.PowerCap(rng.uniform(1.0, 8.0), rng.uniform(0.3, 1.0))
-    if kind == 3:
-        return _profile(int(rng.integers(PROFILES)), units)
-    if kind == 4:
-        return mf.JKR(work, cap)
-    if kind == 5:
-        return mf.JKR(work)
-    if kind == 6:
-        return mf.KogutEtsion(stress * float(np.exp(rng.uniform(np.log(1.0), np.log(100.0)))))
-    if kind == 7:
-        return mf.JacksonGreen(stress * float(np.exp(rng.uniform(np.log(0.5), np.log(50.0)))))
+    laws: tuple[Callable[[], Contact], ...] = (
+        mf.Hertz,
+        mf.SphericalCap,
+        lambda: mf.PowerCap(rng.uniform(1.0, 8.0), rng.uniform(0.3, 1.0)),
+        lambda: _profile(int(rng.integers(PROFILES)), units),
+        lambda: mf.JKR(work, cap),
+        lambda: mf.JKR(work),
+        lambda: mf.KogutEtsion(stress * float(np.exp(rng.uniform(np.log(1.0), np.log(100.0))))),
+        lambda: mf.JacksonGreen(stress * float(np.exp(rng.uniform(np.log(0.5), np.log(50.0))))),
+        lambda: _tabulated(rng, units),
+    )
+    return laws[int(rng.choice(len(LAWS), p=LAWS))]()
+
+
+def _tabulated(rng: np.random.Generator, units: Units) -> mf.TabulatedContact:
+    """Return powers of the indentation as a table."""
     d = np.geomspace(1e-6, 3.0, 60)
-    load = MODULUS * stress * units.length**2 * d ** rng.uniform(1.2, 1.6)
+    load = MODULUS * units.modulus * units.length**2 * d ** rng.uniform(1.2, 1.6)
     return mf.TabulatedContact(units.length * d, load, units.length**2 * d ** rng.uniform(0.8, 1.2))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -45,6 +45,19 @@ def judged(case: str, name: str, errors: Errors) -> Iterator[Check]:
     yield below(f"{case}: bias of {name} over its uncertainty", abs(errors.bias), 0.2, TRUTH)
     what = f"{case}: 68 % intervals of {name} that hold it"
     yield near(what, errors.coverage, NOMINAL, ALLOWED, COVERED)
+
+
+def histograms(axes: Sequence[Any], found: Sequence[Mapping[str, Errors]], edges: FloatArray) -> None:
+    """Draw errors over their stated standard deviations, and the distribution that is stated."""
+    x = np.linspace(edges[0], edges[-1], 400)
+    for ax, estimates in zip(axes, found, strict=True):
+        for name, each in estimates.items():
+            score = np.clip(each.error / each.sd, edges[0], edges[-1])
+            ax.hist(score, edges, density=True, histtype="step", lw=1.4, label=name)
+        ax.plot(x, np.exp(-0.5 * x**2) / np.sqrt(2.0 * np.pi), color="black", lw=0.9, label="as stated")
+        ax.set_xlabel("error over the stated uncertainty")
+        ax.legend(frameon=False, fontsize="small")
+    axes[0].set_ylabel("density")
 
 
 def bias_and_coverage(found: Mapping[str, Mapping[str, Errors]], limit: float = 1.0) -> Any:

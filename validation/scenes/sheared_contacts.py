@@ -14,11 +14,7 @@ RATIO, STRENGTH = 0.85, 0.37
 
 
 def sheared(
-    rng: np.random.Generator,
-    shape: tuple[int, ...] = (),
-    tests: int = 3,
-    loads: int = 20,
-    contacts: int = 1,
+    rng: np.random.Generator, shape: tuple[int, ...] = (), tests: int = 3, loads: int = 20, contacts: int = 1
 ) -> tuple[FloatArray, FloatArray]:
     """Return A0, Af and F (..., 3, k) of contact radii from 0.08 to 0.4 mm with noise, and without."""
     radius = np.tile(np.linspace(0.08, 0.4, loads), tests)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 from scipy.special import ndtri
 
-from metafem.studies.sampling.sobol_indices import sobol_indices
+from metafem.studies.sampling.sobol_indices import SobolIndices, batch_means, estimated, exchanged, plan
 
 GROUPS = ((0,), (1,), (2,))
 
@@ -32,6 +34,16 @@ def both(unit: np.ndarray) -> np.ndarray:
     x, y, z = np.moveaxis(np.pi * (2.0 * unit - 1.0), -1, 0)
     ishigami = np.sin(x) + 7.0 * np.sin(y) ** 2 + 0.1 * z**4 * np.sin(x)
     return np.stack([ishigami, ndtri(unit) @ LINEAR], axis=-1)
+
+
+def sobol_indices(
+    function: Callable[[np.ndarray], np.ndarray], groups: Sequence[Sequence[int]], draws: int, seed: int
+) -> SobolIndices:
+    """Estimate mean, deviation and Sobol indices of a function of groups of inputs in the unit cube."""
+    batches, points = plan(draws, len(groups))
+    centre = function(np.full(sum(map(len, groups)), 0.5))
+    drawn = (function(exchanged(seed, batch, groups, points)) for batch in range(batches))
+    return estimated(np.array([batch_means(values, centre) for values in drawn]), centre)
 
 
 def coverage(repetitions: int, draws: int) -> np.ndarray:

@@ -75,21 +75,12 @@ def solve(surface: mf.Surface, load: float, substrate: Radial, apart: float, cel
     except mf.MetafemError as error:
         refusal = str(error)
     state = mf.equilibrium(surface, mf.Automatic(TOLERANCE, substrate), load=load)
-    exact, uncertainty = extrapolated_area(
-        surface, load, TOLERANCE / 3.0, substrate=substrate, first=cells, sizes=SIZES
-    )
-    return Point(
-        third=third / exact - 1.0,
-        automatic=state.area / exact - 1.0,
-        uncertainty=uncertainty,
-        estimate=estimate,
-        ratio=float(np.sqrt(state.asperity_area.max() / math.pi)) / apart,
-        steps=steps,
-        residual=residual,
-        warned=warned,
-        resolved=isinstance(state.model, mf.BoundaryElements),
-        refusal=refusal,
-    )
+    options = {"substrate": substrate, "first": cells, "sizes": SIZES}
+    exact, uncertainty = extrapolated_area(surface, load, TOLERANCE / 3.0, **options)
+    ratio = float(np.sqrt(state.asperity_area.max() / math.pi)) / apart
+    resolved = isinstance(state.model, mf.BoundaryElements)
+    errors = third / exact - 1.0, state.area / exact - 1.0, uncertainty, estimate
+    return Point(*errors, ratio, steps, residual, warned, resolved, refusal)
 
 
 def newton(surface: mf.Surface, model: mf.Interacting, rescaled_load: float) -> Results:
@@ -127,13 +118,8 @@ def equal() -> Point:
 @cache
 def on_layer(width: float, poisson_ratio: float) -> Point:
     """One contact of a given width on a layer of thickness 1."""
-    surface = mf.Surface(
-        [[0.0, 0.0]],
-        [1.0],
-        RADIUS,
-        mf.Material(1.0, poisson_ratio),
-        block=mf.Block(50.0, 50.0, 1.0),
-    )
+    material, block = mf.Material(1.0, poisson_ratio), mf.Block(50.0, 50.0, 1.0)
+    surface = mf.Surface([[0.0, 0.0]], [1.0], RADIUS, material, block=block)
     return solve(surface, alone(surface, width**2 / RADIUS), mf.BondedLayer(), 1.0)
 
 

@@ -11,18 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from validation.pages import site_page
+from validation.site import interface
 from validation.site.docstrings import Address, html, linked, summary
 from validation.site.extras import refuse_missing_docs
-from validation.site.interface import (
-    Entry,
-    Member,
-    Page,
-    addresses,
-    inherited,
-    members,
-    pages,
-    value_names,
-)
+from validation.site.interface import Entry, Member, Page, addresses, pages
 from validation.site.signatures import result, signature
 
 # Title of the names of a module that has no groups.
@@ -40,17 +32,15 @@ def write_api(folder: Path) -> list[str]:
     listed = []
     for page in pages().values():
         address = address_on(page)
-        text = site_page(
-            "module.html",
-            here=f"api/{page.name}.html",
-            page=page,
-            text=html(page.docstring, address),
-            elsewhere=", ".join(linked(name, address) for name in page.elsewhere),
-            groups=[
+        shown = {
+            "text": html(page.docstring, address),
+            "elsewhere": ", ".join(linked(name, address) for name in page.elsewhere),
+            "groups": [
                 (title or ALL, [_shown(e, address) for e in entries])
                 for title, entries in page.groups.items()
             ],
-        )
+        }
+        text = site_page("module.html", here=f"api/{page.name}.html", page=page, **shown)
         (target / f"{page.name}.html").write_text(text, "utf-8")
         listed.append(_summaries(page))
     text = site_page("reference.html", here="api/index.html", modules=listed)
@@ -65,7 +55,7 @@ def address_on(page: Page | None = None) -> Address:
     """
 
     def address(name: str) -> str | None:
-        if name in value_names():
+        if name in interface.value_names():
             return None
         own = None if page is None else addresses().get(f"{page.name}.{name}")
         return own or addresses().get(name)
@@ -76,20 +66,19 @@ def address_on(page: Page | None = None) -> Address:
 def _summaries(page: Page) -> tuple[Page, str, list[tuple[str, list[tuple[str, str, str]]]]]:
     """Return a module with its first paragraph and those of its names."""
     address = address_on(page)
-    groups = [
-        (
-            title or ALL,
-            [(e.name, f"{page.name}.html#{e.name}", summary(e.docstring, address)) for e in entries],
-        )
-        for title, entries in page.groups.items()
-    ]
+
+    def listed(entry: Entry) -> tuple[str, str, str]:
+        return entry.name, f"{page.name}.html#{entry.name}", summary(entry.docstring, address)
+
+    groups = [(title or ALL, [*map(listed, entries)]) for title, entries in page.groups.items()]
     return page, summary(page.docstring, address), groups
 
 
 def _shown(entry: Entry, address: Address) -> dict[str, Any]:
     """Return what the page shows of a name."""
-    inner = members(entry.value) if inspect.isclass(entry.value) else []
-    above = inherited(entry.value) if inspect.isclass(entry.value) else {}
+    of_class = inspect.isclass(entry.value)
+    inner = interface.members(entry.value) if of_class else []
+    above = interface.inherited(entry.value) if of_class else {}
     rest = entry.docstring.partition("\n\n")[2]
     return {
         "name": entry.name,

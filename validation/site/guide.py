@@ -7,28 +7,17 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from validation.cited import IN_CODE, breaking
 from validation.pages import site_page
-
-if TYPE_CHECKING:
-    from markdown_it.token import Token
 
 FOLDER = Path(__file__).parents[1] / "guide"
 
 # The pages in the order in which a newcomer reads them.
 ORDER = (
-    "start",
-    "explorer",
-    "design",
-    "models",
-    "tolerances",
-    "measurements",
-    "commands",
-    "words",
-    "modules",
-)
+    "start", "explorer", "design", "models", "tolerances", "measurements", "commands", "words", "modules",
+)  # fmt: skip
 
 # The cells of tables, and the code in them.
 CELL = re.compile(r"<td.*?</td>", re.DOTALL)
@@ -91,7 +80,7 @@ def anchor(words: str) -> str:
     return re.sub(r"[^\w-]", "", words.lower().replace(" ", "-"))
 
 
-def _relinked(tokens: list[Token]) -> list[Token]:
+def _relinked(tokens: list[Any]) -> list[Any]:
     """Lead links to other pages of the guide; a link to a file that the site does not show becomes text."""
     kept, dropped = [], False
     for token in tokens:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import inspect
 import re
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from enum import Enum
@@ -67,9 +68,8 @@ class Entry:
         """What it is in one word."""
         if not inspect.isclass(self.value):
             return "function"
-        if issubclass(self.value, Warning):
-            return "warning"
-        return "exception" if issubclass(self.value, BaseException) else "class"
+        kinds = {Warning: "warning", BaseException: "exception", object: "class"}
+        return next(word for kind, word in kinds.items() if issubclass(self.value, kind))
 
     @property
     def constants(self) -> list[tuple[str, str]]:
@@ -112,12 +112,8 @@ class Page:
     def elsewhere(self) -> list[str]:
         """Names of the module that stand on a page before."""
         own = {entry.name for entry in self.entries}
-        listed = PAGES[self.name] is None and getattr(self.module, "__all__", ())
-        return [
-            name
-            for name in listed or ()
-            if name not in own and not inspect.ismodule(getattr(self.module, name))
-        ]
+        listed = () if PAGES[self.name] else getattr(self.module, "__all__", ())
+        return [n for n in listed if n not in own and not inspect.ismodule(getattr(self.module, n))]
 
     @property
     def entries(self) -> list[Entry]:
@@ -181,20 +177,13 @@ def addresses() -> dict[str, str]:
     """Return page and anchor of every public name, in the forms in which texts mention it."""
     found: dict[str, str] = {}
     for page in pages().values():
-        file = f"{page.name}.html"
-        found |= {page.name: file, page.name.replace("metafem", "mf"): file}
+        file, short = f"{page.name}.html", page.name.replace("metafem", "mf")
+        found |= {page.name: file, short: file}
         for entry in page.entries:
-            anchors = [entry.name]
-            if inspect.isclass(entry.value):
-                anchors += [f"{entry.name}.{member.name}" for member in members(entry.value)]
-            for anchor in anchors:
-                target = f"{file}#{anchor}"
-                for form in (
-                    f"{page.name}.{anchor}",
-                    f"{page.name}.{anchor}".replace("metafem", "mf"),
-                    anchor,
-                ):
-                    found.setdefault(form, target)
+            inner = members(entry.value) if inspect.isclass(entry.value) else []
+            for anchor in (entry.name, *(f"{entry.name}.{member.name}" for member in inner)):
+                for form in (f"{page.name}.{anchor}", f"{short}.{anchor}", anchor):
+                    found.setdefault(form, f"{file}#{anchor}")
     return found
 
 
@@ -221,11 +210,11 @@ def members(cls: type) -> list[Member]:
 
 def inherited(cls: type) -> dict[str, list[str]]:
     """Return the names of members that another public class explains, by the name of that class."""
-    found: dict[str, list[str]] = {}
+    found: dict[str, list[str]] = defaultdict(list)
     for member, base in _members(cls):
         if base is not None:
-            found.setdefault(base, []).append(member.name)
-    return found
+            found[base].append(member.name)
+    return dict(found)
 
 
 def _members(cls: type) -> Iterator[tuple[Member, str | None]]:
@@ -242,10 +231,7 @@ def _members(cls: type) -> Iterator[tuple[Member, str | None]]:
             if name.startswith("_") or name in seen or function is None:
                 continue
             seen.add(name)
-            docs = (
-                inspect.getdoc(function) or "",
-                *(inspect.getdoc(getattr(b, name, None)) or "" for b in bases),
-            )
+            docs = map(inspect.getdoc, (function, *(getattr(base, name, None) for base in bases)))
             text = next(filter(None, docs), "")
             if text and _takes_public_types(function):
                 member = Member(name, kind, function, text)

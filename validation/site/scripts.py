@@ -10,10 +10,7 @@ from contextlib import redirect_stdout
 from dataclasses import dataclass
 from itertools import takewhile
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from typing import Any, NamedTuple
 
 FOLDER = Path(__file__).parents[1] / "examples"
 
@@ -69,12 +66,11 @@ class Script:
         return " ".join(line.removeprefix("# ") for line in reversed(list(lines)))
 
 
-@dataclass(frozen=True)
-class Run:
+class Run(NamedTuple):
     """What a script printed and drew."""
 
     output: str
-    figure: Figure
+    figure: Any
 
 
 def scripts() -> list[Script]:

@@ -12,7 +12,7 @@ import metafem as mf
 from metafem.drawing import QUIET
 from metafem.models import Model
 from metafem.reference import single_contacts
-from validation.check import Check, Claim, Picture, Row, below, near, reported
+from validation.check import Check, Claim, Picture, below, near, reported
 from validation.figures import panels
 from validation.methods.equation_errors import equation_error
 from validation.sources import closed_form, known_input, self_consistency
@@ -81,11 +81,9 @@ def rescaled(model: Model) -> float:
 
 def nearly_equal(model: Model) -> float:
     """Return the relative change of A0 by height differences of 1e-12 R."""
-    areas = [
-        mf.equilibrium(scene(below_top=below_top), model, load=0.1).area
-        for below_top in (0.0, DIFFERENCE * RADIUS)
-    ]
-    return abs(areas[1] / areas[0] - 1.0)
+    equal, other = (scene(below_top=below_top) for below_top in (0.0, DIFFERENCE * RADIUS))
+    area = mf.equilibrium(equal, model, load=0.1).area
+    return abs(mf.equilibrium(other, model, load=0.1).area / area - 1.0)
 
 
 def lone(model: Model) -> float:
@@ -140,12 +138,10 @@ def claim() -> Claim:
     refuses and says what to use; Automatic resolves these contacts. {refused}
     """
     ends = {f"a/t = {w:g}, ν = {r:g}": thin(w, r) for w in THIN for r in RATIOS}
-    return Claim(
-        "Extreme inputs",
-        [*_checks(ends), *_results(ends)],
-        {"twelve decades of load": Picture(_decades_figure)},
-        {"refused": _refused(ends)},
-    )
+    thinner = sum(first.startswith("refused") for first, _ in ends.values())
+    rows = [*_checks(ends), reported("thin layers that order 3 refuses", thinner, f"of {len(ends)} layers")]
+    figures = {"twelve decades of load": Picture(_decades_figure)}
+    return Claim("Extreme inputs", rows, figures, {"refused": _refused(ends)})
 
 
 def _checks(ends: dict[str, tuple[str, str]]) -> Iterator[Check]:
@@ -167,11 +163,6 @@ def _checks(ends: dict[str, tuple[str, str]]) -> Iterator[Check]:
                         ROUNDING, RECOMPUTED)  # fmt: skip
     refused = sum(second.startswith("refused") for _, second in ends.values())
     yield near("layers thinner than the contacts that Automatic refuses", refused, 0, 0, SAID)
-
-
-def _results(ends: dict[str, tuple[str, str]]) -> list[Row]:
-    refused = sum(first.startswith("refused") for first, _ in ends.values())
-    return [reported("thin layers that order 3 refuses", refused, f"of {len(ends)} layers")]
 
 
 def _refused(ends: dict[str, tuple[str, str]]) -> str:

@@ -113,12 +113,10 @@ def _solved(scene: Scene) -> tuple[mf.Surface, mf.models.Model, Curve]:
 def _designed(names: tuple[int, bool, str, str], scene: Scene) -> Outcome:
     """Design the heights again from the law of the surface of a scene."""
     law = scene.model.curve(scene.surface, scene.control).checked()
-    design = mf.design(
-        mf.SampledLaw(law.load, law.area),
-        scene.surface.replaced(height=np.full(scene.surface.count, scene.surface.height.max())),
-        scene.model,
-        limits=mf.Limits(float(scene.surface.height.max())),
-    )
+    top = float(scene.surface.height.max())
+    template = scene.surface.replaced(height=np.full(scene.surface.count, top))
+    target = mf.SampledLaw(law.load, law.area)
+    design = mf.design(target, template, scene.model, limits=mf.Limits(top))
     end = "not solved" if design.status.name == "MISSED" else "converged"
     reason = design.status.value if end == "not solved" else ""
     return Outcome(*names, end, reason, design.misfit / MISSED)
@@ -170,28 +168,22 @@ def _results(found: list[Outcome]) -> Iterator[Row]:
     """State how many scenes of each model and of each law are solved."""
     recomputed = sum(each.error is not None for each in found)
     yield reported("scenes", len(found), "half of them inside the documented ranges")
-    yield reported(
-        "scenes whose equations are recomputed", recomputed, "those that converge, at the last load"
-    )
+    last = "those that converge, at the last load"
+    yield reported("scenes whose equations are recomputed", recomputed, last)
     for kind in ("model", "law"):
         for name, group in _groups(found, kind).items():
             unsolved = [each for each in group if each.end in ("refused", "not solved")]
             inside = sum(each.inside for each in unsolved)
-            words = (
-                f"of {len(group)} scenes; refused or not solved: {inside} inside the ranges, "
-                f"{len(unsolved) - inside} outside"
-            )
+            sides = f"{inside} inside the ranges, {len(unsolved) - inside} outside"
+            words = f"of {len(group)} scenes; refused or not solved: {sides}"
             yield reported(f"{kind} {name}: scenes that converge", _count(group, "converged"), words)
     designs, others = _designs(found)
-    search = _count(designs, "not solved")
+    every, rest = f"of {len(designs):,} designs", f"of {len(others):,} other scenes"
+    missed = _count(designs, "not solved")
     yield reported("scenes whose solver does not converge", _count(others, "not solved"), "it says so")
-    yield reported(
-        "designs whose search misses the target", search, f"of {len(designs):,} designs; it says so"
-    )
-    yield reported("designs that are refused", _count(designs, "refused"), f"of {len(designs):,} designs")
-    yield reported(
-        "other scenes that are refused", _count(others, "refused"), f"of {len(others):,} other scenes"
-    )
+    yield reported("designs whose search misses the target", missed, f"{every}; it says so")
+    yield reported("designs that are refused", _count(designs, "refused"), every)
+    yield reported("other scenes that are refused", _count(others, "refused"), rest)
     yield from _unsolved(found)
 
 
@@ -211,15 +203,10 @@ def _numbers(found: list[Outcome]) -> dict[str, float]:
     """Return the numbers that the text states."""
     designs, others = _designs(found)
     return {
-        "width": WIDTH,
-        "crowding": CROWDING,
-        "layer": LAYER,
-        "designs": len(designs),
-        "refused_designs": _count(designs, "refused"),
-        "others": len(others),
-        "refused_others": _count(others, "refused"),
-        "unsolved": _count(found, "not solved"),
-    }
+        "width": WIDTH, "crowding": CROWDING, "layer": LAYER, "unsolved": _count(found, "not solved"),
+        "designs": len(designs), "refused_designs": _count(designs, "refused"),
+        "others": len(others), "refused_others": _count(others, "refused"),
+    }  # fmt: skip
 
 
 def _designs(found: list[Outcome]) -> tuple[list[Outcome], list[Outcome]]:

@@ -55,29 +55,20 @@ def claim() -> Claim:
     pairs = [points.crowded(width, spread) for spread in points.SPREADS for width in points.WIDTHS]
     layers = [points.on_layer(width, ratio) for ratio in points.RATIOS for width in points.LAYERS]
     every = [*pairs, *layers, *(points.unequal(ratio) for ratio in points.RADII), points.equal()]
-    return Claim(
-        "Maps of the errors: where order 3 holds, and what Automatic chooses",
-        [*_checks(every, pairs), *_results(every)],
-        {
-            "crowded contacts": Picture(_crowded_figure),
-            "layers": Picture(_layer_figure),
-            "number of asperities": Picture(_numerous_figure),
-        },
-        {
-            "overlap": OVERLAP,
-            "bound": 100.0 * BOUND,
-            "wide": TOO_WIDE,
-            "compared": COMPARED,
-            "refusal": next(
-                (
-                    f" On a layer thinner than the contacts order 3 refuses: “{point.refusal}”."
-                    for point in every
-                    if point.refusal
-                ),
-                "",
-            ),
-        },
-    )
+    refusals = [
+        f" On a layer thinner than the contacts order 3 refuses: “{p.refusal}”." for p in every if p.refusal
+    ]
+    figures = {
+        "crowded contacts": Picture(_crowded_figure),
+        "layers": Picture(_layer_figure),
+        "number of asperities": Picture(_numerous_figure),
+    }
+    values = {
+        "overlap": OVERLAP, "wide": TOO_WIDE, "bound": 100.0 * BOUND, "compared": COMPARED,
+        "refusal": next(iter(refusals), ""),
+    }  # fmt: skip
+    title = "Maps of the errors: where order 3 holds, and what Automatic chooses"
+    return Claim(title, [*_checks(every, pairs), *_results(every)], figures, values)
 
 
 def _checks(every: list[points.Point], pairs: list[points.Point]) -> list[Check]:
@@ -199,11 +190,10 @@ def _layer_figure(ax):
 @panels(7.6, 3.2, columns=2)
 def _numerous_figure(left, right):
     """Newton steps and residual of order 3 under one load, over the number of asperities of a lattice."""
-    left.semilogx(points.COUNTS, [points.numerous(count)[0] for count in points.COUNTS], "o-", ms=4)
+    steps, residuals = zip(*map(points.numerous, points.COUNTS), strict=True)
+    left.semilogx(points.COUNTS, steps, "o-", ms=4)
     left.set(xlabel="asperities", ylabel="Newton steps", ylim=(0, 10))
-    right.loglog(
-        points.COUNTS, [points.numerous(count)[1] for count in points.COUNTS], "o", ms=4, label="residual"
-    )
+    right.loglog(points.COUNTS, residuals, "o", ms=4, label="residual")
     tolerance = [RESIDUAL if count <= LATTICE_LIMIT else LARGE_RESIDUAL for count in points.COUNTS]
     right.loglog(points.COUNTS, tolerance, color=QUIET, lw=1.0, drawstyle="steps-mid", label="tolerance")
     right.set(xlabel="asperities", ylabel="residual")

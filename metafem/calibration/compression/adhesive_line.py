@@ -77,5 +77,6 @@ def adhesive_line(load: FloatArray, area: FloatArray, radius: float) -> Adhesive
         modulus = 0.75 / slope
         root = intercept / np.sqrt(slope)  # sqrt(4 E*/3) = 1/sqrt(slope)
         rows = (-modulus / slope, 0.0), (-0.5 * root / slope, 1.0 / np.sqrt(slope))
-    found = (each.item() if load.ndim == 1 else each for each in (slope, intercept, modulus, root))
-    return AdhesiveLine(x, y, *found, propagated(covariance, *rows))
+    covariance, found = propagated(covariance, *rows), (slope, intercept, modulus, root)
+    slope, intercept, modulus, root = (each.item() if load.ndim == 1 else each for each in found)
+    return AdhesiveLine(x, y, slope, intercept, modulus, root, covariance)

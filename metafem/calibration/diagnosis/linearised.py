@@ -65,7 +65,7 @@ class Scene:
 
     @property
     def totals(self) -> list[str]:
-        """Names of the quantities of all contacts together; a sum of known areas is none."""
+        """Names of the measured totals; the total area is not used beside the areas of the contacts."""
         names = ("friction_force", "area") if self.measured.asperity_area is None else ("friction_force",)
         return [name for name in names if getattr(self.measured, name) is not None]
 
@@ -89,7 +89,8 @@ class Scene:
     def opened(self) -> tuple[IntArray, IntArray, FloatArray]:
         """Largest load at which a contact was found open, its asperity, and the largest overlooked area.
 
-        At smaller loads the contact is open, too. The area 0 follows from the error of its boundary.
+        At smaller loads the contact is open, too. An overlooked area of 0 means that of the error of its
+        boundary.
         """
         area, sd, site = self.single
         column = np.flatnonzero((area <= 0.0).any(axis=0))

@@ -20,6 +20,7 @@ from metafem.surface import Material, Surface
 # Relative step of E*, of the root of the adhesion energy and of radii in central differences of a contact
 # law, whose error is its square.
 STEP = 1e-4
+FACTORS = (1.0 - STEP, 1.0 + STEP)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,16 +97,24 @@ def response(model: Model, part: Made, load: FloatArray) -> Response:
     stiffness = _where_closed(law.stiffness, size, radius)
     rate = np.where(closed, _where_closed(law.area_slope, size, radius), math.pi * radius)
     area = np.where(closed, law.area(size), math.pi * radius * np.minimum(indentation, 0.0))
+    # if indentation and load change by x and y at a fixed contact radius, then load and area change by
+    # y - p' x and -A' x at a fixed indentation; an open contact has the latent area pi R d
+    latent = math.pi * indentation
+    if law == PARABOLOID:
+        load_by_radius, area_by_radius = carried / (2.0 * radius), latent
+    else:
+        low, high = (_depth_and_load(law, size, factor * radius) for factor in FACTORS)
+        x, y = (high - low) / (2.0 * STEP * radius)
+        load_by_radius, area_by_radius = y - stiffness * x, np.where(closed, -rate * x, latent)
     total = stiffness.sum(axis=1)
-    share = stiffness / total[:, None]
-    by_radius = _by_radius(law, size, radius, indentation, carried, stiffness, rate)
     return Response(
         area,
         indentation,
         rate,
-        share,
+        stiffness / total[:, None],
         total,
-        *by_radius,
+        load_by_radius,
+        area_by_radius,
         *law_changes(contact, surface.material, size, radius),
     )
 
@@ -114,14 +123,13 @@ def law_changes(
     contact: Contact, material: Material, size: FloatArray, radius: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the derivatives (2, ...) of indentation and load at contact radii by log E* and log sqrt(w)."""
-    factors = (1.0 - STEP, 1.0 + STEP)
-    stiffer = [replace(material, composite_modulus=f * material.composite_modulus) for f in factors]
-    by_modulus = [contact.for_material(each) for each in stiffer]
-    by_adhesion = [with_adhesion(contact, factor).for_material(material) for factor in factors]
-    return (
-        _change(by_modulus if contact.for_material(material).scales_with_stress else [], size, radius),
-        _change(by_adhesion if contact.adhesive else [], size, radius),
-    )
+    moduli = (replace(material, composite_modulus=f * material.composite_modulus) for f in FACTORS)
+    by_modulus = [contact.for_material(each) for each in moduli]
+    by_adhesion = [with_adhesion(contact, factor).for_material(material) for factor in FACTORS]
+    low, high = (_depth_and_load(law, size, radius) for law in by_modulus)
+    less, more = (_depth_and_load(law, size, radius) for law in by_adhesion)
+    # laws that do not depend on E* or on w have no change
+    return (high - low) / (2.0 * STEP), (more - less) / (2.0 * STEP)
 
 
 def with_adhesion(contact: Contact, root: float) -> Contact:
@@ -132,40 +140,9 @@ def with_adhesion(contact: Contact, root: float) -> Contact:
     return cast("Contact", replace(adhesive, adhesion_energy=root**2 * adhesive.adhesion_energy))
 
 
-def _by_radius(
-    law: Contact,
-    size: FloatArray,
-    radius: FloatArray,
-    indentation: FloatArray,
-    load: FloatArray,
-    stiffness: FloatArray,
-    rate: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
-    """Return the derivatives of load and area of each contact by its radius at fixed indentation.
-
-    At a fixed contact radius the indentation and the load change by x and y. At a fixed indentation the load
-    and the area change by ``y - p' x`` and ``-A' x``; for a paraboloid by ``P/(2 R)`` and ``pi d``, as does
-    the latent area of an open contact.
-    """
-    latent = math.pi * indentation
-    if law == PARABOLOID:
-        return load / (2.0 * radius), latent
-    x, y = (
-        (_where_closed(of, size, (1.0 + STEP) * radius) - _where_closed(of, size, (1.0 - STEP) * radius))
-        / (2.0 * STEP * radius)
-        for of in (law.indentation, law.load)
-    )
-    return y - stiffness * x, np.where(size > 0.0, -rate * x, latent)
-
-
-def _change(laws: list[Contact], size: FloatArray, radius: FloatArray) -> FloatArray:
-    """Return the derivatives between two laws, low and high, at contact radii (k, n); 0 without laws."""
-    if not laws:
-        return np.zeros((2, *size.shape))
-    low, high = (
-        np.array([_where_closed(of, size, radius) for of in (law.indentation, law.load)]) for law in laws
-    )
-    return np.asarray((high - low) / (2.0 * STEP))
+def _depth_and_load(law: Contact, size: FloatArray, radius: FloatArray) -> FloatArray:
+    """Return indentation and load at contact radii, (2, ...), 0 where the contact is open."""
+    return np.array([_where_closed(of, size, radius) for of in (law.indentation, law.load)])
 
 
 def _where_closed(value: Callable[..., Any], size: FloatArray, radius: FloatArray) -> FloatArray:

@@ -97,25 +97,20 @@ def unresolved(causes: Causes, covariance: FloatArray) -> tuple[Unresolved, ...]
     """
     names = causes.common
     index = np.array([causes.where[name].start for name in names], dtype=np.intp)
-    if not names:
-        return ()
+    sd = np.array([causes.sd[name] for name in names])
     block = covariance[np.ix_(index, index)]
     # the other errors of the whole part are known; single errors and loads stay unknown
-    known = 1.0 / np.diag(np.linalg.inv(block))
-    unseen = known > UNSEEN
-    found = [Unresolved({names[i]: causes.sd[names[i]]}, float(block[i, i])) for i in np.flatnonzero(unseen)]
+    unseen = 1.0 / np.diag(np.linalg.inv(block)) > UNSEEN
+    found = [Unresolved({names[i]: sd[i].item()}, float(block[i, i])) for i in np.flatnonzero(unseen)]
     seen = np.flatnonzero(~unseen)
-    if len(seen):
-        part = block[np.ix_(seen, seen)]
-        values, vectors = np.linalg.eigh(part)
-        for vector in _sparse(vectors[:, values >= UNRESOLVED]).T:
-            vector = vector * np.sign(vector[np.abs(vector).argmax()])
-            left = float(vector @ part @ vector)
-            large = np.flatnonzero(np.abs(vector) >= NAMED * np.abs(vector).max())
-            change = {
-                names[seen[i]]: float(np.sqrt(left) * vector[i] * causes.sd[names[seen[i]]]) for i in large
-            }
-            found.append(Unresolved(change, left))
+    part = block[np.ix_(seen, seen)]
+    values, vectors = np.linalg.eigh(part)
+    for vector in _sparse(vectors[:, values >= UNRESOLVED]).T:
+        vector = vector * np.sign(vector[np.abs(vector).argmax()])
+        left = float(vector @ part @ vector)
+        size = np.sqrt(left) * vector * sd[seen]
+        large = np.flatnonzero(np.abs(vector) >= NAMED * np.abs(vector).max())
+        found.append(Unresolved({names[seen[i]]: float(size[i]) for i in large}, left))
     return tuple(found)
 
 

@@ -52,47 +52,38 @@ class Posterior:
 
 def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Posterior:
     """Return the posterior of `size` unknowns under residuals that are linearised at its mean."""
-    mean = np.zeros(size)
-    precision_open = shift_open = np.zeros(0)
-    covariance = np.eye(size)
-    change, log_open = math.inf, 0.0
-    least = math.inf
+    mean, covariance, log_open, least = np.zeros(size), np.eye(size), 0.0, math.inf
+    factors = np.zeros((2, 0))
     for step in range(MOST_STEPS):
         at = linear(mean, covariance)
+        if step == 0:
+            factors = np.zeros((2, len(at.indentation)))
+        precision_open, shift_open = factors
         cost = float(0.5 * (at.residual @ at.residual + mean @ mean) - log_open)
         gradient, gap_gradient = at.gradient, at.indentation_gradient
-        if not len(precision_open):
-            precision_open = shift_open = np.zeros(len(at.indentation))
-        precision = gradient.T @ gradient
-        precision[np.diag_indices(size)] += 1.0
+        precision = gradient.T @ gradient + np.eye(size)
         precision += (gap_gradient.T * precision_open) @ gap_gradient
         # Newton's step of the quadratic form around the present mean
         force = gradient.T @ at.residual - mean
         force += gap_gradient.T @ (shift_open - precision_open * at.indentation)
         factor = cho_factor(precision, lower=True)
-        move = cho_solve(factor, force)
-        covariance = cho_solve(factor, np.eye(size))
+        if step == 0 or (step >= FULL_STEPS and cost < least):
+            least = cost if step else math.inf
+            best = mean, factor, log_open
+        move, covariance = cho_solve(factor, force), cho_solve(factor, np.eye(size))
         whole = float((np.abs(move) / np.sqrt(np.diag(covariance))).max())
         move *= min(1.0, LONGEST / max(float(np.abs(move).max()), 1e-300))
         move *= 1.0 if step < FULL_STEPS else FULL_STEPS / (step + 1.0)
-        if step == 0 or (step >= FULL_STEPS and cost < least):
-            least = cost if step else math.inf
-            best = mean, covariance, factor, log_open
-        moved = 0.0
-        if len(precision_open):
-            new = _factors(at, move, covariance, precision_open, shift_open)
-            precision_new, shift_new, log_open = new
-            moved = float(
-                np.abs(precision_new - precision_open).max(initial=0.0) / (1.0 + precision_open.max())
-            )
-            precision_open = precision_open + DAMPING * (precision_new - precision_open)
-            shift_open = shift_open + DAMPING * (shift_new - shift_open)
+        new, log_open = _factors(at, move, covariance, factors)
+        moved = np.abs(new[0] - precision_open).max(initial=0.0) / (1.0 + precision_open.max(initial=0.0))
+        factors = factors + DAMPING * (new - factors)
         mean = mean + move
-        change = max(whole, moved)
+        change = max(whole, float(moved))
         if change <= STILL:
             break
     if change > NEARLY:  # an adhesive contact alternately jumps in and out
-        mean, covariance, factor, log_open = best
+        mean, factor, log_open = best
+        covariance = cho_solve(factor, np.eye(size))
     at = linear(mean, covariance)
     log_det = 2.0 * float(np.log(np.diag(factor[0])).sum())
     log_evidence = log_open - 0.5 * (at.residual @ at.residual + mean @ mean + log_det)
@@ -101,9 +92,9 @@ def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Pos
 
 
 def _factors(
-    at: Linear, move: FloatArray, covariance: FloatArray, precision: FloatArray, shift: FloatArray
-) -> tuple[FloatArray, FloatArray, float]:
-    """Return the Gaussian factors ``exp(-precision g^2 / 2 + shift g)`` of open contacts.
+    at: Linear, move: FloatArray, covariance: FloatArray, factors: FloatArray
+) -> tuple[FloatArray, float]:
+    """Return precision and shift (2, c) of factors ``exp(-precision g^2 / 2 + shift g)`` of open contacts.
 
     The last number is the logarithm of their product, normalised, at the mean of the indentations g.
     """
@@ -111,10 +102,10 @@ def _factors(
     mean = at.indentation + gradient @ move
     variance = ((gradient @ covariance) * gradient).sum(axis=1)
     active = mean > -FAR * np.sqrt(variance)
-    new_precision, new_shift = np.zeros_like(precision), np.zeros_like(shift)
+    new = np.zeros_like(factors)
     if not active.any():
-        return new_precision, new_shift, 0.0
-    g, v, tau, nu = mean[active], variance[active], precision[active], shift[active]
+        return new, 0.0
+    g, v, (tau, nu) = mean[active], variance[active], factors[:, active]
     # the distribution without the factor itself
     without = 1.0 / np.maximum(1.0 / v - tau, 1e-6 / v)
     centre = without * (g / v - nu)
@@ -126,7 +117,7 @@ def _factors(
     narrowed = without - (without / width) ** 2 * ratio * (ratio + u)
     narrowed = np.clip(narrowed, 1e-9 * without, without)
     tau, nu = 1.0 / narrowed - 1.0 / without, matched / narrowed - centre / without
-    new_precision[active], new_shift[active] = tau, nu
+    new[:, active] = tau, nu
     rest = 0.5 * ((centre / without + nu) ** 2 / (1.0 / without + tau) - centre**2 / without)
     log = log_mass + 0.5 * np.log1p(tau * without) - rest - 0.5 * tau * g**2 + nu * g
-    return new_precision, new_shift, float(log.sum())
+    return new, float(log.sum())

@@ -15,7 +15,7 @@ from metafem.calibration.images.contact_areas import ContactAreas
 from metafem.calibration.images.grey import Options
 from metafem.calibration.images.levels import Levels
 from metafem.calibration.images.measuring import measured
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import ArgumentNote
 from metafem.progress import each
 
@@ -101,16 +101,7 @@ def contact_areas(
 
 
 def stack_areas(
-    images: Sequence[Any],
-    pixel_size: float,
-    loads: ArrayLike | None = None,
-    *,
-    threshold: float | None = None,
-    dark_level: float | None = None,
-    blur: float | None = None,
-    subpixel: bool = True,
-    bright_contacts: bool = False,
-    smallest_area: float | None = None,
+    images: Sequence[Any], pixel_size: float, loads: ArrayLike | None = None, **options: Any
 ) -> tuple[ContactAreas, ...]:
     """Measure the areas of the contacts in k images with the threshold of the image at the largest load.
 
@@ -129,8 +120,9 @@ def stack_areas(
         Side of a pixel [mm].
     loads : array_like, (k,), optional
         Normal loads [N]; default: the last image has the largest.
-    threshold, dark_level, blur, subpixel, bright_contacts, smallest_area
-        As for `contact_areas`.
+    **options
+        ``threshold``, ``dark_level``, ``blur``, ``subpixel``, ``bright_contacts`` and ``smallest_area``, as
+        for `contact_areas`.
 
     Returns
     -------
@@ -151,52 +143,34 @@ def stack_areas(
     >>> [areas.count for areas in found], found[0].failed, len({areas.threshold for areas in found})
     ([0, 1, 1, 1], True, 1)
     """
-    options = Options(pixel_size, threshold, dark_level, blur, subpixel, bright_contacts, smallest_area)
+    given = Options(pixel_size, **options)
     try:
         count = len(images)
     except TypeError:
         raise InvalidInput(f"images = {shown(images)} must be a sequence of images") from None
-    if not count:
-        raise InvalidInput("images is empty; it must hold at least one image")
+    refuse_if(not count, "images is empty; it must hold at least one image")
     load = np.arange(count) if loads is None else check.array("loads", loads, shape=(count,))
     found: dict[int, ContactAreas] = {}
-    failures: dict[int, str] = {}
+    failures: dict[int, tuple[Given, Given]] = {}
     levels: Levels | None = None
     for i in each("measuring image", np.argsort(-load, kind="stable").tolist()):
+        own = Given(f"images[{i}]")
         try:
-            found[i], levels = measured(images[i], options, levels)
+            found[i], levels = measured(images[i], given, levels)
         except InvalidInput as error:
-            failures[i] = str(error)
+            failures[i] = own, Given("reason", str(error))
             continue
         if len(found) == 1 and failures:
             # each result with these levels has a note on their source
-            other = next(iter(failures))
-            first = ArgumentNote.of(
-                "threshold and levels are from {.name}, because {.name} cannot be measured",
-                Given(f"images[{i}]"),
-                Given(f"images[{other}]"),
-            )
-            found[i] = replace(found[i], notes=(*found[i].notes, first))
+            other, _ = next(iter(failures.values()))
+            source = "threshold and levels are from {.name}, because {.name} cannot be measured"
+            found[i] = replace(found[i], notes=(*found[i].notes, ArgumentNote.of(source, own, other)))
     if not found:
-        first_failure = _failure(*next(iter(failures.items())))
-        raise InvalidInput(f"none of the images can be measured: {NOT_MEASURED}", *first_failure)
-    reference = next(iter(found.values()))
-    empty = {i: _none(reference, _failure(i, text)) for i, text in failures.items()}
-    return tuple(found[i] if i in found else empty[i] for i in range(count))
-
-
-def _failure(image: int, why: str) -> tuple[Given, Given]:
-    """Return the image that was not measured, and why."""
-    return Given(f"images[{image}]"), Given("reason", why)
-
-
-def _none(reference: ContactAreas, failure: tuple[Given, Given]) -> ContactAreas:
-    """Return the result of an image that is not measured: no contacts."""
-    none = {
-        name: getattr(reference, name)[:0]
-        for name in (
-            *("area", "area_error", "otsu_area", "centre", "axes", "angle"),
-            *("edge", "merged", "saturated", "holes"),
-        )
-    }
-    return replace(reference, **none, failed=True, notes=(ArgumentNote.of(NOT_MEASURED, *failure),))
+        first = next(iter(failures.values()))
+        raise InvalidInput(f"none of the images can be measured: {NOT_MEASURED}", *first)
+    reference = vars(next(iter(found.values())))
+    none = {name: value[:0] for name, value in reference.items() if isinstance(value, np.ndarray)}
+    for i, failure in failures.items():
+        notes = (ArgumentNote.of(NOT_MEASURED, *failure),)
+        found[i] = ContactAreas(**{**reference, **none, "failed": True, "notes": notes})
+    return tuple(found[i] for i in range(count))

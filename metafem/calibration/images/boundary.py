@@ -37,12 +37,14 @@ def contours(image: NDArray[np.float32], labels: NDArray[np.int32], level: float
     squares). They lie inside smooth contours by `errors.INTERPOLATION`.
     """
     label, start, end, number = _sides(image, labels, level, count)
-    origin = _mean(label, start, count)
-    p, q = start - origin[label], end - origin[label]
 
     def total(of: FloatArray) -> FloatArray:
         return np.asarray(np.bincount(label, of, count), dtype=np.float64)
 
+    # about the mean of the points of each region
+    points = np.bincount(label, minlength=count)[:, None]
+    origin = np.stack([total(column) for column in start.T], axis=1) / points
+    p, q = start - origin[label], end - origin[label]
     # integrals over a polygon as sums over its sides
     (x0, y0), (x1, y1) = p.T, q.T
     cross = x0 * y1 - x1 * y0
@@ -84,12 +86,6 @@ def _owner(labels: NDArray[np.int32], line: FloatArray) -> int:
     """Return the region of a contour; its points lie between a pixel of the region and one of the ground."""
     before, after = (labels[tuple(pixel.astype(int).T)] for pixel in (np.floor(line), np.ceil(line)))
     return int(np.maximum(before, after).max())
-
-
-def _mean(label: NDArray[np.intp], points: FloatArray, count: int) -> FloatArray:
-    """Return the mean of the points of each region."""
-    sums = [np.bincount(label, column, count) for column in points.T]
-    return np.asarray(np.stack(sums, axis=1) / np.bincount(label, minlength=count)[:, None])
 
 
 def semi_axes(shape: Contours, total: float) -> tuple[FloatArray, FloatArray]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from metafem import _validate as check
 from metafem._extras import refuse_missing
 from metafem._given import shown
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 
 # Smallest number of pixels along the shorter side of an image: a contact and the ground around it.
 FEWEST = 16
@@ -23,10 +23,8 @@ FULL_SCALE = tuple(2**bits - 1 for bits in (8, 10, 12, 14, 16, 32))
 def grey_values(image: Any) -> NDArray[Any]:
     """Return the grey values (rows, columns) of an image, row 0 uppermost, in its own type of numbers."""
     if isinstance(image, (str, bytes)) or hasattr(image, "__fspath__"):
-        raise InvalidInput(
-            f"image = {shown(image)} is a name; it must be an array of grey values. "
-            "`metafem images` reads files"
-        )
+        must = "is a name; it must be an array of grey values. `metafem images` reads files"
+        raise InvalidInput(must, key="image", value=shown(image))
     try:
         values = np.asarray(np.ma.getdata(image) if not np.ma.is_masked(image) else None)
     except (TypeError, ValueError):
@@ -36,25 +34,19 @@ def grey_values(image: Any) -> NDArray[Any]:
             f"image must be an array of grey values without mask; its entries are {values.dtype}"
         )
     values = _one_channel(values)
-    if values.ndim != 2 or min(values.shape) < FEWEST:
-        several = "; a stack of images is measured by stack_areas" if values.ndim > 2 else ""
-        raise InvalidInput(
-            f"image has shape {values.shape}; it must be (rows, columns) with at least "
-            f"{FEWEST} of each{several}"
-        )
-    finite = np.isfinite(values)
-    if not finite.all():
-        row, column = np.argwhere(~finite)[0].tolist()
-        raise InvalidInput(
-            f"image holds {values[row, column]} in row {row}, column {column}; all grey values must be finite"
-        )
+    several = "; a stack of images is measured by stack_areas" if values.ndim > 2 else ""
+    refuse_if(
+        values.ndim != 2 or min(values.shape) < FEWEST,
+        f"image has shape {values.shape}; it must be (rows, columns) with at least {FEWEST} of each{several}",
+    )
+    for row, column in np.argwhere(~np.isfinite(values))[:1].tolist():
+        where = f"{values[row, column]} in row {row}, column {column}"
+        raise InvalidInput(f"image holds {where}; all grey values must be finite")
     low, high = float(values.min()), float(values.max())
-    if low == high:
-        raise InvalidInput(
-            f"image is constant: all its grey values are {low:g}, all dark or all bright; it shows no contact"
-        )
-    if not max(abs(low), abs(high)) < float(np.finfo(np.float32).max) / values.size:
-        raise InvalidInput(f"image holds grey values from {low:g} to {high:g}; they are too large")
+    same = f"all its grey values are {low:g}, all dark or all bright; it shows no contact"
+    refuse_if(low == high, f"image is constant: {same}")
+    large = not max(abs(low), abs(high)) < float(np.finfo(np.float32).max) / values.size
+    refuse_if(large, f"image holds grey values from {low:g} to {high:g}; they are too large")
     return values
 
 
@@ -64,11 +56,11 @@ def _one_channel(values: NDArray[Any]) -> NDArray[Any]:
         return values
     channels = values.shape[2]
     colours = values[..., : channels - (channels in (2, 4))]  # the last of 2 or 4 is the opacity
-    if (colours != colours[..., :1]).any():
-        raise InvalidInput(
-            f"image has shape {values.shape}: it is in colour, and its channels differ; pass one channel, "
-            "such as image[..., 1], or the grey values of the camera"
-        )
+    refuse_if(
+        (colours != colours[..., :1]).any(),
+        f"image has shape {values.shape}: it is in colour, and its channels differ; pass one channel, such "
+        "as image[..., 1], or the grey values of the camera",
+    )
     return colours[..., 0]
 
 
@@ -96,14 +88,9 @@ class Options:
     def __post_init__(self) -> None:
         refuse_missing("skimage", "images", "measuring contact areas")
         check.member(self, "pixel_size", above=0.0)
-        check.member(self, "threshold", optional=True)
-        check.member(self, "dark_level", optional=True)
-        check.member(self, "blur", optional=True, at_least=0.0)
-        check.member(self, "smallest_area", optional=True, at_least=0.0)
+        for name in ("blur", "smallest_area"):
+            check.member(self, name, optional=True, at_least=0.0)
         for name in ("threshold", "dark_level"):
-            value = getattr(self, name)
-            if value is not None and value >= 1.0:
-                raise InvalidInput(f"{name} = {value:g} must be below 1, the grey level of the ground")
-        for name in ("subpixel", "bright_contacts"):
-            if not isinstance(getattr(self, name), bool):
-                raise InvalidInput(f"{name} = {shown(getattr(self, name))} must be True or False")
+            check.member(self, name, optional=True)
+            value = getattr(self, name) or 0.0
+            refuse_if(value >= 1.0, "must be below 1, the grey level of the ground", key=name, value=value)

@@ -27,7 +27,7 @@ from metafem.calibration.images.contact_areas import ContactAreas
 from metafem.calibration.images.grey import Options, grey_values
 from metafem.calibration.images.illumination import MAD, Ground, without_illumination
 from metafem.calibration.images.levels import Levels
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note, information
 
 # Smallest contrast of contacts, in standard deviations of the noise of the smoothed image.
@@ -66,16 +66,14 @@ def _contacts(
     labels, count = label(image < found.half)
     windows = find_objects(labels)
     contrast, scatter = 1.0 - found.dark, levels.smoothed_noise(image, labels, width)
-    if contrast < CONTRAST * max(scatter, 0.5 * ground.structure):
-        raise InvalidInput(
-            f"image shows no contacts, it is all dark or bright: its grey levels differ by {contrast:.2g} "
-            f"of the ground's, with noise of {scatter:.2g} after smoothing. If it has contacts too small for "
-            "Otsu's method, give threshold and dark_level of an image with larger ones"
-        )
-    if not found.dark < found.threshold:
-        raise InvalidInput(
-            f"threshold = {found.threshold:.4g} must be above the grey level {found.dark:.4g} of the contacts"
-        )
+    refuse_if(
+        contrast < CONTRAST * max(scatter, 0.5 * ground.structure),
+        f"image shows no contacts, it is all dark or bright: its grey levels differ by {contrast:.2g} of the "
+        f"ground's, with noise of {scatter:.2g} after smoothing. If it has contacts too small for Otsu's "
+        "method, give threshold and dark_level of an image with larger ones",
+    )
+    above = f"must be above the grey level {found.dark:.4g} of the contacts"
+    refuse_if(not found.dark < found.threshold, f"threshold = {found.threshold:.4g} {above}")
     # white noise of the standard deviation n is n/(2 sqrt(pi) w) after the smoothing
     noise = 2.0 * math.sqrt(math.pi * variance) * scatter / contrast
     total = math.sqrt(found.blur**2 + variance)
@@ -94,7 +92,9 @@ def _contacts(
     enough = area >= least
     edge = np.array([at_edge(w, image.shape, math.ceil(2.0 * total)) for w in windows], dtype=bool)
     counted = _counted(ground.corrected, labels, windows, found.threshold)
-    steps = errors.quantisation(noise, _step(values, ground) / contrast)
+    # one step of integer grey levels over that of the ground
+    step = 1.0 / abs(ground.level) if values.dtype.kind in "ui" else 0.0
+    steps = errors.quantisation(noise, step / contrast)
     axes, angle = semi_axes(shape, total)
     joined = merged(shape, labels, windows) & ~edge
     drift = 0.0
@@ -154,11 +154,6 @@ def _drift(middle: FloatArray, found: Levels, scatter: float, common: float) -> 
     chance = math.sqrt(0.5 * math.pi / middle.size) * max(spread, scatter)
     away = level - found.dark
     return away if abs(away) > CLEAR * math.hypot(chance, found.dark_scatter, common) else 0.0
-
-
-def _step(values: NDArray[Any], ground: Ground) -> float:
-    """Return one step of the grey levels over that of the ground; 0 for floats."""
-    return 1.0 / abs(ground.level) if values.dtype.kind in "ui" else 0.0
 
 
 def _counted(

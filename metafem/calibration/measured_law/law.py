@@ -14,7 +14,7 @@ from metafem._values import span
 from metafem.calibration.contact_table import ContactTable, of_contacts
 from metafem.calibration.measured_law.arrays import ARRAYS, checked
 from metafem.calibration.measurement_errors import MeasurementErrors
-from metafem.drawing import measured
+from metafem.drawing import MEASURED, calibration, name_law
 from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note, counted, to_lines
 from metafem.prediction.base_law import BaseLaw
@@ -277,4 +277,5 @@ class MeasuredLaw(BaseLaw):
         else:
             deviations = self.rescaled_load_sd, self.rescaled_friction_sd
             points = self.rescaled_load, self.rescaled_friction, *deviations
-        measured.points(ax, *points, forces=forces, label=label)
+        calibration.measured(ax, *points, label, MEASURED)
+        name_law(ax, forces=forces)

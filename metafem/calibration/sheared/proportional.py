@@ -31,7 +31,8 @@ def proportional(
     Parameters
     ----------
     measured : ndarray, (..., c, k)
-        Quantities y_j of k points; nan where one was not measured. Leading axes are separate fits.
+        Quantities y_j of k points; nan where one was not measured. Each quantity and the previous one were
+        both measured at some points. Leading axes are separate fits.
     deviation : sequence of callables
         Standard deviation of each quantity from its value.
 
@@ -70,26 +71,17 @@ def proportional(
 
 
 def _first(y: FloatArray, known: NDArray[np.bool_]) -> FloatArray:
-    """Return the ratios of the sums over the points at which both quantities were measured."""
-    count = y.shape[-2]
-    factor = np.ones(y.shape[:-1])
-    for j in range(1, count):
-        # from the first quantity, or from the previous one if no point has both
-        both = known[..., j, :] & known[..., 0, :]
-        before = known[..., j, :] & known[..., j - 1, :]
-        direct = both.any(-1)
-        top = np.where(direct, (both * y[..., j, :]).sum(-1), (before * y[..., j, :]).sum(-1))
-        bottom = np.where(direct, (both * y[..., 0, :]).sum(-1), (before * y[..., j - 1, :]).sum(-1))
-        factor[..., j] = top / bottom * np.where(direct, 1.0, factor[..., j - 1])
-    return factor
+    """Return ratios of sums over the points at which a quantity and the previous one were measured."""
+    both = known[..., 1:, :] & known[..., :-1, :]
+    ratio = (both * y[..., 1:, :]).sum(-1) / (both * y[..., :-1, :]).sum(-1)
+    return np.concatenate([np.ones((*y.shape[:-2], 1)), ratio.cumprod(axis=-1)], axis=-1)
 
 
 def _latent(factor: FloatArray, y: FloatArray, weight: FloatArray) -> FloatArray:
     """Return the x_0 of each point that fit its quantities best."""
     weighted = weight * factor[..., None]
     value = (weighted * y).sum(-2) / (weighted * factor[..., None]).sum(-2)
-    floored: FloatArray = np.maximum(value, SMALLEST * value.max(-1, keepdims=True))
-    return floored
+    return np.asarray(np.maximum(value, SMALLEST * value.max(-1, keepdims=True)))
 
 
 def _weights(
@@ -99,6 +91,5 @@ def _weights(
     deviation: Sequence[Callable[[FloatArray], FloatArray]],
 ) -> FloatArray:
     fitted = factor[..., None] * value[..., None, :]
-    deviations = np.stack([of(fitted[..., j, :]) for j, of in enumerate(deviation)], axis=-2)
-    weight: FloatArray = known / deviations**2
-    return weight
+    deviations = [of(fitted[..., j, :]) for j, of in enumerate(deviation)]
+    return np.asarray(known / np.stack(deviations, axis=-2) ** 2)

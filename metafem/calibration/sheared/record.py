@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -67,12 +67,12 @@ class ShearRecord(Value):
     noise: float
     peak_displacement: float
     sliding_range: tuple[float, float]
-    area_before: float | None
-    static_area: float | None
-    sliding_area: float | None
     displacement: FloatArray
     friction_force: FloatArray
     area: FloatArray | None = None
+    area_before: float | None = None
+    static_area: float | None = None
+    sliding_area: float | None = None
     notes: tuple[Note, ...] = ()
 
     def __repr__(self) -> str:
@@ -160,27 +160,9 @@ def shear_record(
                 f"more than {DISTINCT:g} times the noise of {noise:.2g} N: the record has no distinct peak"
             )
         )
-    areas: FloatArray | None = None
-    found: tuple[float, float, float] | tuple[None, None, None] = (None, None, None)
-    if area is not None:
-        areas = measured_or_nan("area", area)
-        lengths = f"area has {len(areas)} entries and displacement {len(x)}; give as many of both"
-        refuse_if(len(areas) != len(x), lengths)
-        found = _areas(x, force, areas, peak, sliding, notes)
-    return ShearRecord(
-        static_force=float(force[peak]),
-        sliding_force=mean,
-        noise=noise,
-        peak_displacement=float(x[peak]),
-        sliding_range=(low, high),
-        area_before=found[0],
-        static_area=found[1],
-        sliding_area=found[2],
-        displacement=x,
-        friction_force=force,
-        area=areas,
-        notes=tuple(notes),
-    )
+    forces = float(force[peak]), mean, noise
+    record = ShearRecord(*forces, float(x[peak]), (low, high), x, force, notes=tuple(notes))
+    return record if area is None else _with_areas(record, measured_or_nan("area", area), sliding)
 
 
 def _refuse_without_peak(x: FloatArray, force: FloatArray, peak: int) -> None:
@@ -210,16 +192,12 @@ def _noise(x: FloatArray, force: FloatArray) -> float:
     return float(np.sqrt((rest @ rest) / max(len(x) - 2, 1)))
 
 
-def _areas(
-    x: FloatArray,
-    force: FloatArray,
-    area: FloatArray,
-    peak: int,
-    sliding: NDArray[np.bool_],
-    notes: list[Note],
-) -> tuple[float, float, float]:
-    """Return the areas before shear, at the peak and while sliding."""
-    frames = np.flatnonzero(np.isfinite(area))
+def _with_areas(record: ShearRecord, area: FloatArray, sliding: NDArray[np.bool_]) -> ShearRecord:
+    """Return the record with the areas before shear, at the peak and while sliding."""
+    x, force, frames = record.displacement, record.friction_force, np.flatnonzero(np.isfinite(area))
+    lengths = f"area has {len(area)} entries and displacement {len(x)}; give as many of both"
+    refuse_if(len(area) != len(x), lengths)
+    peak, notes = int(force.argmax()), [*record.notes]
     refuse_if(
         not frames.size or not frames[0] <= peak <= frames[-1],
         "has no frame on both sides of the peak at displacement {.number}; measure areas from before shear "
@@ -231,20 +209,22 @@ def _areas(
     refuse_if(not moving.size, "area has no frame in sliding_range; widen it, or leave out the areas")
     share = abs(float(force[frames[0]] / force[peak]))
     if share > UNSHEARED:
-        notes.append(
-            Note(
-                f"the friction force of the first frame is {100.0 * share:.2g} % of the peak: its area may "
-                "already be smaller than before shear"
-            )
-        )
+        words = f"the friction force of the first frame is {100.0 * share:.2g} % of the peak"
+        notes.append(Note(f"{words}: its area may already be smaller than before shear"))
     if not np.isfinite(area[peak]):
         after = int(np.searchsorted(frames, peak))
         low, high = x[frames[after - 1 : after + 1]]
         words = f"the area at the peak, {x[peak]:.4g} mm, is interpolated between the frames at"
         notes.append(information(f"{words} {low:.4g} and {high:.4g} mm"))
-    # interpolation in time: entries are equidistant in time, and displacements may repeat
-    static = float(np.interp(peak, frames, area[frames]))
-    return float(area[frames[0]]), static, float(area[moving].mean())
+    return replace(
+        record,
+        area=area,
+        area_before=float(area[frames[0]]),
+        # interpolation in time: entries are equidistant in time, and displacements may repeat
+        static_area=float(np.interp(peak, frames, area[frames])),
+        sliding_area=float(area[moving].mean()),
+        notes=tuple(notes),
+    )
 
 
 def measured_or_nan(name: str, value: ArrayLike) -> FloatArray:

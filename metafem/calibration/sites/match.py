@@ -5,28 +5,26 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
 
 from metafem import _validate as check
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.calibration.sites import search
 from metafem.calibration.sites.search import (
     Bounds,
-    ComplexArray,
     IntArray,
-    Lattice,
     Pose,
-    Similarity,
+    Search,
     complex_points,
     real_points,
+    spacing_of,
 )
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note, information
 
 # The sides from which contacts are viewed, and whether x is then mirrored.
@@ -116,7 +114,11 @@ def match_sites(
     """
     centres = check.array("centre", centre, shape=(None, 2))
     sites = check.array("site_position", site_position, shape=(None, 2))
-    mirrored = viewing_side(viewed_from)
+    refuse_if(
+        viewed_from not in SIDES,
+        f"viewed_from = {shown(viewed_from)} must be 'glass', if the camera looks through the glass, or "
+        "'block', if it looks through the block",
+    )
     bounds = Bounds(
         check.number("rotation", rotation),
         check.number("rotation_range", rotation_range, above=0.0, at_most=math.pi),
@@ -124,71 +126,43 @@ def match_sites(
     )
     areas = None
     if expected_area is not None:
-        if area is None:
-            raise InvalidInput("expected_area needs area, the measured areas of the contacts")
+        refuse_if(area is None, "expected_area needs area, the measured areas of the contacts")
         areas = (
             check.array("area", area, shape=(len(centres),)),
             check.array("expected_area", expected_area, shape=(len(sites),)),
         )
     size = None if frame is None else check.array("frame", frame, shape=(2,), positive=True)
-    for what, points in (("contacts", centres), ("sites", sites)):
-        if len(points) < FEWEST:
-            raise InvalidInput(
-                f"{len(points)} {what} cannot be matched: shift, rotation and scale need at least {FEWEST}"
-            )
-    scene = _Scene(complex_points(centres), sites, mirrored, bounds, areas, size)
-    if scene.lattice.spacing == 0.0:
-        raise InvalidInput("site_position holds coincident sites; each site must have a position of its own")
+    for what, count in (("contacts", len(centres)), ("sites", len(sites))):
+        must = f"cannot be matched: shift, rotation and scale need at least {FEWEST}"
+        refuse_if(count < FEWEST, f"{count} {what} {must}")
+    mirrored = SIDES[viewed_from]
+    scene = _Scene(complex_points(centres), complex_points(sites, mirrored), bounds, mirrored, areas, size)
+    coincident = "site_position holds coincident sites; each site must have a position of its own"
+    refuse_if(scene.spacing == 0.0, coincident)
     poses = scene.poses()
     if not poses or poses[0].matched < max(FEWEST, ON_SITES * len(centres)):
         raise InvalidInput(scene.another_lattice(poses[:1]))
     return scene.match(poses)
 
 
-def viewing_side(viewed_from: Any) -> bool:
-    """Return whether the image is mirrored."""
-    if viewed_from not in SIDES:
-        raise InvalidInput(
-            f"viewed_from = {shown(viewed_from)} must be 'glass', if the camera looks through the glass, or "
-            "'block', if it looks through the block"
-        )
-    return SIDES[viewed_from]
-
-
 @dataclass(frozen=True)
-class _Scene:
-    """The contacts in an image, the sites of a design viewed from one side, and further known data."""
+class _Scene(Search):
+    """A search within bounds, seen from one side, with the measured and the expected areas."""
 
-    points: ComplexArray
-    sites: FloatArray
-    mirrored: bool
     bounds: Bounds
+    mirrored: bool
     areas: tuple[FloatArray, FloatArray] | None
     frame: FloatArray | None
 
-    @cached_property
-    def lattice(self) -> Lattice:
-        return Lattice(complex_points(self.sites, self.mirrored))
-
     def poses(self) -> list[Pose]:
         """Return the poses that match the largest number of contacts, the most likely first."""
-        found = search.searched(self.points, self.lattice, self.bounds)
-        if not found:
-            return []
-        return self._best([*found, *search.shifted(self.points, self.lattice, found[0], self.bounds)])
+        found = self.searched(self.bounds)
+        return self._likeliest([*found, *self.shifted(found[0], self.bounds)] if found else [])
 
-    def turned(self, pose: Pose, quarters: int) -> list[Pose]:
-        """Return the best poses after quarter turns of a pose, for lattices that allow them."""
-        turned = Similarity(pose.similarity.factor * 1j**quarters, pose.similarity.shift)
-        bounds = replace(self.bounds, rotation=self.bounds.rotation + 0.5 * math.pi * quarters)
-        return self._best(search.shifted(self.points, self.lattice, Pose(turned, pose.site), bounds))
-
-    def _best(self, poses: list[Pose]) -> list[Pose]:
-        if not poses:
-            return []
-        known = {pose.site.tobytes(): pose for pose in reversed(poses)}
-        most = max(pose.matched for pose in known.values())
-        best = [pose for pose in known.values() if pose.matched == most]
+    def _likeliest(self, poses: list[Pose]) -> list[Pose]:
+        known = {pose.site.tobytes(): pose for pose in reversed(poses)}.values()
+        most = max((pose.matched for pose in known), default=0)
+        best = [pose for pose in known if pose.matched == most]
         if self.areas is None:
             return sorted(best, key=self._off_centre)
         return sorted(best, key=lambda pose: -self.likely(pose))
@@ -196,32 +170,43 @@ class _Scene:
     def _off_centre(self, pose: Pose) -> float:
         """Return the distance between the middle of the design and that of the frame or of the contacts."""
         middle = 0.5 * complex(*self.frame) if self.frame is not None else self.points.mean()
-        return float(abs(pose.similarity.image(self.lattice.sites).mean() - middle))
+        return float(abs(pose.image(self.sites).mean() - middle))
 
     def likely(self, pose: Pose) -> float:
-        """Return the log-likelihood of the areas."""
+        """Return the log-likelihood of the areas under the expected ones, up to a constant.
+
+        The areas are those of the law times one unknown factor, for an error of modulus or load, with normal
+        errors of one unknown standard deviation. A site in the frame without a contact has the area 0.
+        """
         assert self.areas is not None
-        seen = np.ones(len(self.sites), dtype=bool)
+        area, expected = self.areas
+        measured: Any = np.zeros(len(expected))
+        measured[pose.site[pose.site >= 0]] = area[pose.site >= 0]
         if self.frame is not None:
-            place = real_points(pose.similarity.image(self.lattice.sites))
+            place = real_points(pose.image(self.sites))
             seen = np.all((place >= 0.0) & (place <= self.frame), axis=1)
-        return log_likelihood(*self.areas, pose.site, seen)
+            measured, expected = measured[seen], expected[seen]
+        total, own = measured @ measured, expected @ expected
+        if not total or not own:
+            return 0.0
+        part = max(measured @ expected, 0.0) ** 2 / (total * own)
+        # areas that agree to the last digit would have an infinite likelihood
+        return -0.5 * len(measured) * math.log(max(1.0 - part, np.finfo(float).eps))
 
     def match(self, poses: list[Pose]) -> SiteMatch:
         """Return the match of the first of several poses that match equally many contacts."""
-        best, similarity = poses[0], poses[0].similarity
-        matched = best.site >= 0
-        away = self.points[matched] - similarity.image(self.lattice.sites[best.site[matched]])
+        best, matched = poses[0], poses[0].site >= 0
+        away = self.points[matched] - best.image(self.sites[best.site[matched]])
         ambiguous = len(poses) > 1
         if self.areas is not None and ambiguous:
-            ambiguous = not decides(self.likely(best), self.likely(poses[1]))
+            ambiguous = not _decides(self.likely(best), self.likely(poses[1]))
         site = best.site.copy()
         site.flags.writeable = False
         return SiteMatch(
             site=site,
-            shift=np.array([similarity.shift.real, similarity.shift.imag]),
-            rotation=float(np.angle(similarity.factor)),
-            scale=abs(similarity.factor),
+            shift=np.array([best.shift.real, best.shift.imag]),
+            rotation=float(np.angle(best.factor)),
+            scale=abs(best.factor),
             mirrored=self.mirrored,
             residual=float(np.sqrt(np.mean(np.abs(away) ** 2))),
             ambiguous=ambiguous,
@@ -248,14 +233,18 @@ class _Scene:
 
     def _other_views(self, best: Pose) -> Iterator[Note]:
         """Return a warning if the areas are more likely from the other side or after a quarter turn."""
-        own, others = self.likely(best), []
-        for scene in (self, replace(self, mirrored=not self.mirrored)):
-            for quarter in range(scene is self, 4):
-                poses = scene.turned(best, quarter)
+        own = self.likely(best)
+        others: list[tuple[float, bool, int]] = []
+        mirror = replace(self, sites=-self.sites.conj(), mirrored=not self.mirrored)
+        for scene, first in ((self, 1), (mirror, 0)):
+            for quarter in range(first, 4):
+                turned = replace(best, factor=best.factor * 1j**quarter)
+                rotation = self.bounds.rotation + 0.5 * math.pi * quarter
+                poses = scene._likeliest(scene.shifted(turned, replace(self.bounds, rotation=rotation)))
                 if poses and poses[0].matched >= best.matched:
                     others.append((scene.likely(poses[0]), scene.mirrored, 90 * quarter))
         likely, side, angle = max(others, default=(own, self.mirrored, 0))
-        if not decides(likely, own):
+        if not _decides(likely, own):
             return
         views = [name for name, value in SIDES.items() if value == side != self.mirrored]
         changes = [f"seen through the {name}" for name in views] + [f"turned by {angle}°"] * bool(angle)
@@ -268,22 +257,21 @@ class _Scene:
 
     def another_lattice(self, poses: list[Pose]) -> str:
         """Return the error for contacts that are not on sites."""
-        lattice, count = self.lattice, len(self.points)
-        own = Lattice(self.points).spacing
-        apart = f"neighbours are {own:.3g} mm apart in the image and {lattice.spacing:.3g} mm in the design"
+        count, spacing, own = len(self.points), self.spacing, spacing_of(cKDTree(real_points(self.points)))
+        apart = f"neighbours are {own:.3g} mm apart in the image and {spacing:.3g} mm in the design"
         turn, range_ = math.degrees(self.bounds.rotation), math.degrees(self.bounds.turn)
         searched = (
             f"rotations of {turn:.3g}° ± {range_:.3g}° and scales of 1 ± {self.bounds.stretch:.2g} were tried"
         )
         best = "no pair of them"
-        if poses:
-            distance, _ = lattice.nearest(poses[0].similarity.sites(self.points), np.inf)
+        for pose in poses:
+            distance, _ = self.nearest(pose.sites(self.points), np.inf)
             median = float(np.median(distance))
             best = (
-                f"at best {poses[0].matched} of them, and the median distance from the nearest site is "
-                f"{median:.3g} mm, {100.0 * median / lattice.spacing:.0f} % of the distance between sites"
+                f"at best {pose.matched} of them, and the median distance from the nearest site is "
+                f"{median:.3g} mm, {100.0 * median / spacing:.0f} % of the distance between sites"
             )
-        ratio = lattice.spacing / own if own else 1.0
+        ratio = spacing / own if own else 1.0
         pixel = ""
         if abs(1.0 / ratio - 1.0) > self.bounds.stretch:
             pixel = f", which would agree if the pixels were {ratio:.3g} times as large"
@@ -291,6 +279,15 @@ class _Scene:
             f"the {count} contacts are not on the sites of the design: {best}; {apart}{pixel}; {searched}. "
             "Check the design, the pixel size, the rotation and the viewing side"
         )
+
+
+# Odds at which one of two placements is preferred: with equal prior probabilities the other one has 1 %.
+ODDS = 100.0
+
+
+def _decides(likely: float, other: float) -> bool:
+    """Whether a log-likelihood clearly exceeds another one."""
+    return likely - other >= math.log(ODDS)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -347,29 +344,3 @@ class SiteMatch(Value):
         factor = self.scale * np.exp(1j * self.rotation)
         points = complex_points(np.asarray(position, dtype=np.float64) - self.shift) / factor
         return real_points(-points.conj() if self.mirrored else points)
-
-
-# Odds at which one of two placements is preferred: with equal prior probabilities the other one has 1 %.
-ODDS = 100.0
-
-
-def log_likelihood(area: FloatArray, expected: FloatArray, site: IntArray, seen: Any) -> float:
-    """Return the log-likelihood of areas (k,) at sites (k,) under the expected ones (n,), up to a constant.
-
-    The areas are those of the law times one unknown factor, for an error of modulus or load, with normal
-    errors of one unknown standard deviation. A site that is `seen` (n,) without a contact has the area 0.
-    """
-    measured = np.zeros(len(expected))
-    measured[site[site >= 0]] = area[site >= 0]
-    measured, expected = measured[seen], expected[seen]
-    total, own = measured @ measured, expected @ expected
-    if not total or not own:
-        return 0.0
-    part = max(measured @ expected, 0.0) ** 2 / (total * own)
-    # areas that agree to the last digit would have an infinite likelihood
-    return -0.5 * len(measured) * math.log(max(1.0 - part, np.finfo(float).eps))
-
-
-def decides(likely: float, other: float) -> bool:
-    """Whether a log-likelihood clearly exceeds another one."""
-    return likely - other >= math.log(ODDS)

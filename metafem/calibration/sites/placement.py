@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,15 +13,10 @@ from metafem._values import Value
 from metafem.calibration.images.contact_areas import ContactAreas
 from metafem.calibration.sites.search import (
     REFINED,
-    ComplexArray,
     IntArray,
-    Lattice,
     Pose,
-    Similarity,
-    assigned,
+    Search,
     complex_points,
-    rating,
-    reach_of,
     real_points,
 )
 
@@ -95,19 +90,17 @@ def placed(
     of the same image with more sites is used.
     """
     own = np.zeros(len(position)) if reach is None else reach
-    whole = np.flatnonzero(areas.complete)
-    lattice = Lattice(complex_points(position))
+    view = _View(areas, Search(complex_points(areas.centre[areas.complete]), complex_points(position)), own)
     if before is None:
-        pose, unclear = _drifted(areas, lattice, own)
+        pose, unclear = view.drifted()
     else:
-        points = complex_points(areas.centre[whole])
-        pose, unclear = _settled(points, lattice, before.shift), before.unclear
-    where = real_points(pose.similarity.image(lattice.sites))
+        pose, unclear = view.settled(before.shift), before.unclear
+    where = real_points(pose.image(view.search.sites))
     site = np.full(areas.count, -1, dtype=np.intp)
-    site[whole] = pose.site
+    site[areas.complete] = pose.site
     taken = set(pose.site[pose.site >= 0].tolist())
-    for region in whole[pose.site < 0].tolist():
-        inside = [s for s in _within(areas, region, where, own) if s not in taken]
+    for region in np.flatnonzero(areas.complete & (site < 0)).tolist():
+        inside = view.within(region, where, taken)
         if len(inside) == 1 and own[inside[0]] > 0.0:
             site[region] = inside[0]
             taken.update(inside)
@@ -115,88 +108,88 @@ def placed(
     outside[site[site >= 0]] = False
     spoilt, strays = [], []
     for region in np.flatnonzero(site < 0).tolist():
-        inside = [s for s in _within(areas, region, where, own) if s not in taken]
+        inside = view.within(region, where, taken)
         taken.update(inside)
         spoilt += [(s, _reason(areas, region, inside, s, names)) for s in inside]
         if not inside and not areas.edge[region]:
             strays.append(region)
     return Placed(
-        where,
-        site,
-        outside,
-        tuple(sorted(spoilt)),
-        np.array(sorted(strays), dtype=np.intp),
-        unclear,
-        pose.similarity.shift,
+        where, site, outside, tuple(sorted(spoilt)), np.array(strays, dtype=np.intp), unclear, pose.shift
     )
 
 
-def _drifted(areas: ContactAreas, lattice: Lattice, own: FloatArray) -> tuple[Pose, bool]:
-    """Return the shift, the sites of the complete contacts, and whether another shift is possible."""
-    still = Similarity(1.0, 0.0)
-    points = complex_points(areas.centre[areas.complete])
-    if not points.size:
-        return Pose(still, np.zeros(0, dtype=np.intp)), False
-    some = points[np.unique(np.linspace(0, len(points) - 1, GUESSES).astype(int))]
-    shift = np.append((some[:, None] - lattice.sites).ravel(), 0.0)
-    shift = shift[np.argsort(np.abs(shift), kind="stable")]
-    rated = rating(points, lattice, np.ones(len(shift), complex), shift)
-    short = np.flatnonzero(np.abs(shift) <= HALF * lattice.spacing)
-    best = [
-        *np.argsort(-rated, kind="stable")[:REFINED],
-        *short[np.argsort(-rated[short], kind="stable")][:GUESSES],
-    ]
-    poses = [_settled(points, lattice, complex(shift[i])) for i in dict.fromkeys(best)]
-    found = [(pose, _votes(areas, pose, lattice, own), pose.similarity.shift) for pose in poses]
-    order = sorted(found, key=lambda one: (-one[1], abs(one[2])))
-    near = next((one for one in order if abs(one[2]) <= HALF * lattice.spacing), order[0])
-    clearly = max(MORE, PART * areas.count)
-    chosen = order[0] if order[0][1] - near[1] >= clearly else near
-    if chosen is near and near[1] == order[0][1] and abs(near[2]) <= CERTAIN * lattice.spacing:
-        return near[0], False
-    others = [votes for _, votes, by in found if abs(by - chosen[2]) > HALF * lattice.spacing]
-    return chosen[0], max(others, default=0) > chosen[1] - clearly
+@dataclass(frozen=True)
+class _View:
+    """The regions of an image, the search for the sites of its complete ones, and the errors of sites."""
 
+    areas: ContactAreas
+    search: Search
+    own: FloatArray
 
-def _votes(areas: ContactAreas, pose: Pose, lattice: Lattice, own: FloatArray) -> int:
-    """Return the number of regions at sites, including those at the edge and merged ones."""
-    where = real_points(pose.similarity.image(lattice.sites))
-    taken = set(pose.site[pose.site >= 0].tolist())
-    count = len(taken)
-    whole = np.flatnonzero(areas.complete)
-    rest = [*whole[pose.site < 0].tolist(), *np.flatnonzero(~areas.complete).tolist()]
-    for region in rest:
-        inside = [s for s in _within(areas, region, where, own) if s not in taken]
-        taken.update(inside)
-        count += bool(inside)
-    return count
+    def drifted(self) -> tuple[Pose, bool]:
+        """Return the shift with the sites of the complete regions, and whether another one is possible."""
+        points, sites, spacing = self.search.points, self.search.sites, self.search.spacing
+        if not points.size:
+            return Pose(1.0, 0.0), False
+        some = points[np.unique(np.linspace(0, len(points) - 1, GUESSES).astype(int))]
+        shift = np.append((some[:, None] - sites).ravel(), 0.0)
+        shift = shift[np.argsort(np.abs(shift), kind="stable")]
+        rated = self.search.rating(np.ones(len(shift), complex), shift)
+        short = np.flatnonzero(np.abs(shift) <= HALF * spacing)
+        best = [
+            *np.argsort(-rated, kind="stable")[:REFINED],
+            *short[np.argsort(-rated[short], kind="stable")][:GUESSES],
+        ]
+        poses = [self.settled(complex(shift[i])) for i in dict.fromkeys(best)]
+        found = [(pose, self.votes(pose)) for pose in poses]
+        order = sorted(found, key=lambda one: (-one[1], abs(one[0].shift)))
+        near, votes = next((one for one in order if abs(one[0].shift) <= HALF * spacing), order[0])
+        most = order[0][1]
+        clearly = max(MORE, PART * self.areas.count)
+        chosen, own = order[0] if most - votes >= clearly else (near, votes)
+        if chosen is near and votes == most and abs(near.shift) <= CERTAIN * spacing:
+            return near, False
+        others = [count for pose, count in found if abs(pose.shift - chosen.shift) > HALF * spacing]
+        return chosen, max(others, default=0) > own - clearly
 
+    def votes(self, pose: Pose) -> int:
+        """Return the number of regions at sites, including those at the edge and merged ones."""
+        where = real_points(pose.image(self.search.sites))
+        taken = set(pose.site[pose.site >= 0].tolist())
+        count = len(taken)
+        complete = self.areas.complete
+        rest = [np.flatnonzero(complete)[pose.site < 0], np.flatnonzero(~complete)]
+        for region in np.concatenate(rest).tolist():
+            inside = self.within(region, where, taken)
+            taken.update(inside)
+            count += bool(inside)
+        return count
 
-def _settled(points: ComplexArray, lattice: Lattice, shift: complex) -> Pose:
-    """Return the median shift of the contacts near sites."""
-    reach = reach_of(None, lattice)
-    for _ in range(3):
-        similarity = Similarity(1.0, shift)
-        site, _ = assigned(points, lattice, similarity, reach)
-        matched = site >= 0
-        if not matched.any():
-            break
-        away = points[matched] - lattice.sites[site[matched]]
-        shift = complex(np.median(away.real), np.median(away.imag))
-        reach = reach_of(np.abs(away - shift), lattice)
-    return Pose(similarity, site)
+    def settled(self, shift: complex) -> Pose:
+        """Return the median shift of the complete regions near sites."""
+        search, reach = self.search, self.search.reach()
+        for _ in range(3):
+            pose = Pose(1.0, shift)
+            site, _ = search.assigned(pose, reach)
+            matched = site >= 0
+            if not matched.any():
+                break
+            away = search.points[matched] - search.sites[site[matched]]
+            shift = complex(np.median(away.real), np.median(away.imag))
+            reach = search.reach(np.abs(away - shift))
+        return replace(pose, site=site)
 
-
-def _within(areas: ContactAreas, region: int, where: FloatArray, own: FloatArray) -> list[int]:
-    """Return the sites within the ellipse of a region or the errors of their positions, the nearest first."""
-    away = where - areas.centre[region]
-    cos, sin = np.cos(areas.angle[region]), np.sin(areas.angle[region])
-    along, across = away @ [cos, sin], away @ [-sin, cos]
-    distance = np.hypot(along / areas.axes[region, 0], across / areas.axes[region, 1])
-    order = np.argsort(distance, kind="stable")
-    most = SEMI_AXES if areas.edge[region] else 1.0
-    close = (distance <= most) | (np.hypot(*away.T) < own)
-    return [int(s) for s in order if close[s]]
+    def within(self, region: int, where: FloatArray, taken: set[int]) -> list[int]:
+        """Return the free sites within the ellipse of a region or within their errors, the nearest first."""
+        areas = self.areas
+        away = where - areas.centre[region]
+        cos, sin = np.cos(areas.angle[region]), np.sin(areas.angle[region])
+        along, across = away @ [cos, sin], away @ [-sin, cos]
+        distance = np.hypot(along / areas.axes[region, 0], across / areas.axes[region, 1])
+        close = distance <= (SEMI_AXES if areas.edge[region] else 1.0)
+        close |= np.hypot(*away.T) < self.own
+        order = np.argsort(distance, kind="stable")
+        return [site for site in order[close[order]].tolist() if site not in taken]
 
 
 def _reason(areas: ContactAreas, region: int, inside: list[int], site: int, names: list[str]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 from metafem._validate import FloatArray
 
 IntArray = NDArray[np.intp]
+ComplexArray = NDArray[np.complex128]
 
 # Largest distance of a contact from the image of its site during the search, over the distance between
 # neighbouring sites. Images of two sites are at least 0.9 apart, so that a contact is near only one.
@@ -36,44 +37,27 @@ SLACK = 1.2
 
 @dataclass(frozen=True)
 class Pose:
-    """A similarity, and the site of each contact, -1 if none: (n,)."""
+    """The map w -> factor w + shift of the plane, with points x + iy as complex numbers.
 
-    similarity: Similarity
-    site: IntArray
+    `site` holds the site of each contact, -1 if none: (n,).
+    """
+
+    factor: complex
+    shift: complex
+    site: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
 
     @property
     def matched(self) -> int:
         """Number of contacts that have a site."""
         return int(np.count_nonzero(self.site >= 0))
 
+    def image(self, sites: ComplexArray) -> ComplexArray:
+        """Return the images of sites."""
+        return self.factor * sites + self.shift
 
-@dataclass(frozen=True)
-class Lattice:
-    """The sites of a design as they appear in the image, in any arrangement."""
-
-    sites: ComplexArray
-
-    @cached_property
-    def tree(self) -> Any:
-        """The sites in a tree of their positions."""
-        return cKDTree(real_points(self.sites))
-
-    @cached_property
-    def spacing(self) -> float:
-        """Median distance of a site from its nearest neighbour [mm]."""
-        distance, _ = self.tree.query(real_points(self.sites), k=2)
-        return float(np.median(distance[:, 1]))
-
-    def nearest(self, points: ComplexArray, reach: float) -> tuple[FloatArray, IntArray]:
-        """Return the nearest site of each point of the design and its distance; inf beyond `reach`."""
-        flat = points.ravel()
-        distance, site = self.tree.query(real_points(flat), distance_upper_bound=reach)
-        return distance.reshape(points.shape), site.reshape(points.shape)
-
-    def pairs(self) -> tuple[IntArray, IntArray]:
-        """Return first and second sites of the compared pairs, in both orders."""
-        first, second = near_pairs(self.tree, 1.2 * LONGEST * self.spacing)
-        return np.concatenate([first, second]), np.concatenate([second, first])
+    def sites(self, points: ComplexArray) -> ComplexArray:
+        """Return the points of the design from their images."""
+        return (points - self.shift) / self.factor
 
 
 @dataclass(frozen=True)
@@ -84,139 +68,131 @@ class Bounds:
     turn: float
     stretch: float
 
-    def admit(self, factor: Any, slack: float = SLACK) -> Any:
+    def admit(self, factor: Any) -> Any:
         """Whether the factors of similarities are within the bounds."""
         angle = np.abs(np.angle(factor * np.exp(-1j * self.rotation)))
-        return (angle <= slack * self.turn) & (np.abs(np.abs(factor) - 1.0) <= slack * self.stretch)
+        return (angle <= SLACK * self.turn) & (np.abs(np.abs(factor) - 1.0) <= SLACK * self.stretch)
 
 
-def reach_of(distance: FloatArray | None, lattice: Lattice) -> float:
-    """Return the largest distance of a contact from its site [mm]; `distance` None: not yet known."""
-    if distance is None:
-        return REACH * lattice.spacing
-    return min(
-        max(MEDIANS * float(np.median(distance)), LEAST_REACH * lattice.spacing), reach_of(None, lattice)
-    )
+@dataclass(frozen=True)
+class Search:
+    """The contacts in an image, and the sites of a design as they appear in it, in any arrangement."""
+
+    points: ComplexArray
+    sites: ComplexArray
+
+    @cached_property
+    def tree(self) -> Any:
+        """The sites in a tree of their positions."""
+        return cKDTree(real_points(self.sites))
+
+    @cached_property
+    def spacing(self) -> float:
+        """Median distance of a site from its nearest neighbour [mm]."""
+        return spacing_of(self.tree)
+
+    def reach(self, distance: FloatArray | None = None) -> float:
+        """Return the largest distance of a contact from its site [mm]; `distance` None: not yet known."""
+        widest = REACH * self.spacing
+        if distance is None:
+            return widest
+        return min(max(MEDIANS * float(np.median(distance)), LEAST_REACH * self.spacing), widest)
+
+    def nearest(self, points: ComplexArray, reach: float) -> tuple[FloatArray, IntArray]:
+        """Return the distance of points of the design from the nearest site, inf beyond `reach`, and it."""
+        flat = points.ravel()
+        distance, site = self.tree.query(real_points(flat), distance_upper_bound=reach)
+        return distance.reshape(points.shape), site.reshape(points.shape)
+
+    def rating(self, factor: ComplexArray, shift: ComplexArray) -> FloatArray:
+        """Return for each similarity the number of contacts near sites, each weighted by its distance."""
+        some = self.points[np.unique(np.linspace(0, len(self.points) - 1, RATING).astype(int))]
+        reach = self.reach()
+        distance, _ = self.nearest((some - shift[:, None]) / factor[:, None], reach)
+        return np.asarray(np.maximum(1.0 - (distance / reach) ** 2, 0.0).sum(axis=1))
+
+    def assigned(self, pose: Pose, reach: float) -> tuple[IntArray, FloatArray]:
+        """Return the site of each contact, -1 if none, and its distance; of two contacts the nearer."""
+        distance, nearest = self.nearest(pose.sites(self.points), reach)
+        site = np.full(len(self.points), -1, dtype=np.intp)
+        order = np.argsort(distance, kind="stable")
+        order = order[np.isfinite(distance[order])]
+        chosen = order[np.unique(nearest[order], return_index=True)[1]]
+        site[chosen] = nearest[chosen]
+        return site, distance
+
+    def searched(self, bounds: Bounds) -> list[Pose]:
+        """Return the poses that the search finds, sorted by the number of matched contacts."""
+        factor, shift = self._candidates(bounds)
+        return self._ordered(self._best(factor, shift), bounds) if factor.size else []
+
+    def shifted(self, pose: Pose, bounds: Bounds) -> list[Pose]:
+        """Return the poses with the rotation and scale of a pose and any shift, the best first.
+
+        Each of them maps some site to the contact nearest to the middle of the matched ones.
+        """
+        matched = self.points[pose.site >= 0]
+        middle = matched[np.argmin(np.abs(matched - matched.mean()))]
+        factor = np.full(len(self.sites), pose.factor)
+        return self._ordered([pose, *self._best(factor, middle - factor * self.sites)], bounds)
+
+    def _candidates(self, bounds: Bounds) -> tuple[ComplexArray, ComplexArray]:
+        """Return factors and shifts of the similarities that map a pair of sites to a pair of contacts."""
+        points = self.points
+        first, second = _near_pairs(cKDTree(real_points(points)), LONGEST * self.spacing)
+        long = np.flatnonzero(np.abs(points[second] - points[first]) > REACH * self.spacing)
+        chosen = long[np.unique(np.linspace(0, len(long) - 1, PAIRS).astype(int))] if long.size else long
+        one, two = _near_pairs(self.tree, 1.2 * LONGEST * self.spacing)
+        site, other = np.concatenate([one, two]), np.concatenate([two, one])
+        between = self.sites[other] - self.sites[site]
+        factors, shifts = [np.zeros(0, complex)], [np.zeros(0, complex)]
+        for i in chosen:
+            factor = (points[second[i]] - points[first[i]]) / between
+            admitted = np.flatnonzero(bounds.admit(factor))
+            factors.append(factor[admitted])
+            shifts.append(points[first[i]] - factor[admitted] * self.sites[site[admitted]])
+        return np.concatenate(factors), np.concatenate(shifts)
+
+    def _best(self, factor: ComplexArray, shift: ComplexArray) -> list[Pose]:
+        """Return the similarities with the highest rating."""
+        best = np.argsort(-self.rating(factor, shift), kind="stable")[:REFINED]
+        return [Pose(complex(factor[i]), complex(shift[i])) for i in best]
+
+    def _ordered(self, poses: list[Pose], bounds: Bounds) -> list[Pose]:
+        """Return the different poses to which similarities are refined, sorted by their matches."""
+        found: dict[bytes, Pose] = {}
+        for pose in filter(None, map(self._refined, poses)):
+            if bounds.admit(pose.factor):
+                found.setdefault(pose.site.tobytes(), pose)
+        return sorted(found.values(), key=lambda pose: -pose.matched)
+
+    def _refined(self, pose: Pose) -> Pose | None:
+        """Return the pose with the least squares of the distances of its matched contacts."""
+        reach, before = self.reach(), None
+        for _ in range(20):  # converges after three or four
+            site, distance = self.assigned(pose, reach)
+            matched = site >= 0
+            if np.count_nonzero(matched) < 2:
+                return None
+            if before is not None and np.array_equal(site, before):
+                break
+            pose, before = fitted(self.points[matched], self.sites[site[matched]]), site
+            _, distance = self.assigned(pose, reach)
+            reach = self.reach(distance[np.isfinite(distance)])
+        return Pose(pose.factor, pose.shift, site)
 
 
-def near_pairs(tree: Any, reach: float) -> tuple[IntArray, IntArray]:
+def spacing_of(tree: Any) -> float:
+    """Return the median distance of a point of a tree from its nearest neighbour."""
+    distance, _ = tree.query(tree.data, k=2)
+    return float(np.median(distance[:, 1]))
+
+
+def _near_pairs(tree: Any, reach: float) -> tuple[IntArray, IntArray]:
     """Return the pairs of points within a distance, in a fixed order."""
     pairs = tree.query_pairs(reach, output_type="ndarray")
     pairs = pairs[np.lexsort(pairs.T[::-1])]
     return pairs[:, 0], pairs[:, 1]
-
-
-def searched(points: ComplexArray, lattice: Lattice, bounds: Bounds) -> list[Pose]:
-    """Return the poses that the search finds, sorted by the number of matched contacts."""
-    factor, shift = _candidates(points, lattice, bounds)
-    if not factor.size:
-        return []
-    rated = rating(points, lattice, factor, shift)
-    best = np.argsort(-rated, kind="stable")[:REFINED]
-    return _ordered(
-        points, lattice, [Similarity(complex(factor[i]), complex(shift[i])) for i in best], bounds
-    )
-
-
-def shifted(points: ComplexArray, lattice: Lattice, pose: Pose, bounds: Bounds) -> list[Pose]:
-    """Return the poses with the rotation and scale of a pose and any shift, the best first.
-
-    Each of them maps some site to the contact nearest to the middle of the matched ones.
-    """
-    matched = np.flatnonzero(pose.site >= 0)
-    middle = matched[np.argmin(np.abs(points[matched] - points[matched].mean()))]
-    factor = np.full(len(lattice.sites), pose.similarity.factor)
-    shift = points[middle] - factor * lattice.sites
-    rated = rating(points, lattice, factor, shift)
-    best = np.argsort(-rated, kind="stable")[:REFINED]
-    similarities = [pose.similarity, *(Similarity(complex(factor[i]), complex(shift[i])) for i in best)]
-    return _ordered(points, lattice, similarities, bounds)
-
-
-def _candidates(points: ComplexArray, lattice: Lattice, bounds: Bounds) -> tuple[ComplexArray, ComplexArray]:
-    """Return factors and shifts of the similarities that map a pair of sites to a pair of contacts."""
-    first, second = near_pairs(cKDTree(real_points(points)), LONGEST * lattice.spacing)
-    apart = np.abs(points[second] - points[first])
-    long = np.flatnonzero(apart > REACH * lattice.spacing)
-    chosen = long[np.unique(np.linspace(0, len(long) - 1, PAIRS).astype(int))] if long.size else long
-    site, other = lattice.pairs()
-    between = lattice.sites[other] - lattice.sites[site]
-    factors, shifts = [np.zeros(0, complex)], [np.zeros(0, complex)]
-    for i in chosen:
-        factor = (points[second[i]] - points[first[i]]) / between
-        admitted = np.flatnonzero(bounds.admit(factor))
-        factors.append(factor[admitted])
-        shifts.append(points[first[i]] - factor[admitted] * lattice.sites[site[admitted]])
-    return np.concatenate(factors), np.concatenate(shifts)
-
-
-def rating(points: ComplexArray, lattice: Lattice, factor: ComplexArray, shift: ComplexArray) -> FloatArray:
-    """Return for each similarity the number of contacts near sites, each weighted by its distance."""
-    some = points[np.unique(np.linspace(0, len(points) - 1, RATING).astype(int))]
-    reach = reach_of(None, lattice)
-    distance, _ = lattice.nearest((some - shift[:, None]) / factor[:, None], reach)
-    return np.asarray(np.maximum(1.0 - (distance / reach) ** 2, 0.0).sum(axis=1))
-
-
-def _ordered(
-    points: ComplexArray, lattice: Lattice, similarities: list[Similarity], bounds: Bounds
-) -> list[Pose]:
-    """Return the different poses to which the similarities are refined, sorted by their matches."""
-    found: dict[bytes, Pose] = {}
-    for similarity in similarities:
-        pose = _refined(points, lattice, similarity)
-        if pose is not None and bounds.admit(pose.similarity.factor):
-            found.setdefault(pose.site.tobytes(), pose)
-    return sorted(found.values(), key=lambda pose: -pose.matched)
-
-
-def _refined(points: ComplexArray, lattice: Lattice, similarity: Similarity) -> Pose | None:
-    """Return the pose with the least squares of the distances of its matched contacts."""
-    reach, before = reach_of(None, lattice), None
-    for _ in range(20):  # converges after three or four
-        site, distance = assigned(points, lattice, similarity, reach)
-        matched = site >= 0
-        if np.count_nonzero(matched) < 2:
-            return None
-        if before is not None and np.array_equal(site, before):
-            break
-        similarity, before = fitted(points[matched], lattice.sites[site[matched]]), site
-        _, distance = assigned(points, lattice, similarity, reach)
-        reach = reach_of(distance[np.isfinite(distance)], lattice)
-    return Pose(similarity, site)
-
-
-def assigned(
-    points: ComplexArray, lattice: Lattice, similarity: Similarity, reach: float
-) -> tuple[IntArray, FloatArray]:
-    """Return the site of each contact, -1 if none, and its distance; of two contacts the nearer is used."""
-    distance, nearest = lattice.nearest(similarity.sites(points), reach)
-    site = np.full(len(points), -1, dtype=np.intp)
-    order = np.argsort(distance, kind="stable")
-    order = order[np.isfinite(distance[order])]
-    _, first = np.unique(nearest[order], return_index=True)
-    chosen = order[first]
-    site[chosen] = nearest[chosen]
-    return site, distance
-
-
-ComplexArray = NDArray[np.complex128]
-
-
-@dataclass(frozen=True)
-class Similarity:
-    """The map w -> factor w + shift of the plane, with points x + iy as complex numbers."""
-
-    factor: complex
-    shift: complex
-
-    def image(self, sites: ComplexArray) -> ComplexArray:
-        """Return the images of sites."""
-        return self.factor * sites + self.shift
-
-    def sites(self, points: ComplexArray) -> ComplexArray:
-        """Return the points of the design from their images."""
-        return (points - self.shift) / self.factor
 
 
 def complex_points(points: FloatArray, mirrored: bool = False) -> ComplexArray:
@@ -230,9 +206,9 @@ def real_points(points: ComplexArray) -> FloatArray:
     return np.column_stack([points.real, points.imag])
 
 
-def fitted(points: ComplexArray, sites: ComplexArray) -> Similarity:
+def fitted(points: ComplexArray, sites: ComplexArray) -> Pose:
     """Return the similarity that minimises the squares of ``points - image(sites)``; two pairs are enough."""
     middle, origin = points.mean(), sites.mean()
     away = sites - origin
     factor = np.vdot(away, points - middle) / np.vdot(away, away).real
-    return Similarity(complex(factor), complex(middle - factor * origin))
+    return Pose(complex(factor), complex(middle - factor * origin))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,9 +17,12 @@ from metafem.calibration.contact_table import ContactTable
 from metafem.calibration.images.contact_areas import ContactAreas
 from metafem.calibration.sites.match import SiteMatch, match_sites
 from metafem.calibration.sites.placement import Placed, mean_positions, placed
-from metafem.calibration.sites.stack_remarks import not_numbered, remarks_of, unclear_notes
-from metafem.errors import InvalidInput
+from metafem.calibration.sites.stack_remarks import not_numbered, remarks_of, unclear
+from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note
+
+# The sites in each image; None where there is no image, or none that could be measured.
+Views = tuple[Placed | None, ...]
 
 # Largest number of images, those with the most contacts, that are matched to the sites until one succeeds.
 TRIED = 3
@@ -80,13 +83,28 @@ def track_contacts(
     >>> table.area.round(3).tolist(), table.load
     ([[0.032], [0.032]], array([0.05, 0.05]))
     """
-    stack = _Stack.checked(areas, image, test, load, friction_force, sheared)
+    found, names = tuple(areas), tuple(map(str, image))
+    k = len(found)
+    for one in found:
+        check.instance("areas", one, ContactAreas, "ContactAreas, as stack_areas returns them")
+    tests = ("",) * k if test is None else tuple(map(str, test))
+    others = (None,) * k if sheared is None else tuple(sheared)
+    for name, values in (("image", names), ("test", tests), ("sheared", others)):
+        refuse_if(len(values) != k, f"{name} holds {len(values)} entries; areas holds {k}")
+    for i, twice in enumerate(names):
+        must = f"image holds {printable(twice, 60)} twice; names of images must differ"
+        refuse_if(twice in names[:i], must)
+    forces = [
+        np.full(k, np.nan) if values is None else check.array_with_gaps(name, values, shape=(k,))
+        for name, values in (("load", load), ("friction_force", friction_force))
+    ]
+    stack = _Stack(found, others, names, tests, *forces)
     if sites is None:
         return stack.numbered()
     check.instance("sites", sites, DesignSites, "a metafem.calibration.DesignSites")
-    shape = (len(stack.areas), len(sites.position))
-    if sites.expected_area is not None and sites.expected_area.shape != shape:
-        raise InvalidInput(f"expected_area has shape {sites.expected_area.shape}; it must have shape {shape}")
+    expected, shape = sites.expected_area, (k, len(sites.position))
+    if expected is not None and expected.shape != shape:
+        raise InvalidInput(f"expected_area has shape {expected.shape}; it must have shape {shape}")
     return stack.matched(sites)
 
 
@@ -129,8 +147,8 @@ class DesignSites(Value):
         position = check.array("site_position", self.position, shape=(None, 2))
         m = len(position)
         number = np.arange(m) if self.number is None else np.asarray(self.number, dtype=np.intp)
-        if number.shape != (m,) or len(np.unique(number)) != m:
-            raise InvalidInput(f"site must hold {m} different numbers, one for each site")
+        wrong = number.shape != (m,) or len(np.unique(number)) != m
+        refuse_if(wrong, f"site must hold {m} different numbers, one for each site")
         expected = None if self.expected_area is None else np.asarray(self.expected_area, dtype=np.float64)
         for name, value in (("position", position), ("number", number), ("expected_area", expected)):
             object.__setattr__(self, name, value)
@@ -146,29 +164,6 @@ class _Stack:
     test: tuple[str, ...]
     load: FloatArray
     friction_force: FloatArray
-
-    @classmethod
-    def checked(
-        cls, areas: Any, image: Any, test: Any, load: Any, friction_force: Any, sheared: Any
-    ) -> _Stack:
-        """Return the stack, or raise InvalidInput."""
-        found, names = tuple(areas), tuple(map(str, image))
-        k = len(found)
-        for one in found:
-            check.instance("areas", one, ContactAreas, "ContactAreas, as stack_areas returns them")
-        tests = ("",) * k if test is None else tuple(map(str, test))
-        others = (None,) * k if sheared is None else tuple(sheared)
-        for name, values in (("image", names), ("test", tests), ("sheared", others)):
-            if len(values) != k:
-                raise InvalidInput(f"{name} holds {len(values)} entries; areas holds {k}")
-        twice = next((name for i, name in enumerate(names) if name in names[:i]), None)
-        if twice is not None:
-            raise InvalidInput(f"image holds {printable(twice, 60)} twice; names of images must differ")
-        forces = (
-            np.full(k, np.nan) if values is None else check.array_with_gaps(name, values, shape=(k,))
-            for name, values in (("load", load), ("friction_force", friction_force))
-        )
-        return cls(found, others, names, tests, *forces)
 
     def fullest(self) -> list[int]:
         """Return the images, sorted by the number of measurable contacts, the largest first.
@@ -192,140 +187,122 @@ class _Stack:
         # a region at the edge counts if another image shows it whole; its centre is known to its semi-axis
         known = areas.complete | areas.edge
         reach = np.where(areas.edge, areas.axes[:, 0], 0.0)
-        found: Sequence[Placed | None] = [None] * len(self.areas)
-        sheared = found
+        before: Sequence[Views] | None = None
         while True:
             centre = areas.centre[known]
             names = [f"contact {j + 1}" for j in range(len(centre))]
-            found, sheared = self._placed(centre, names, reach[known], found, sheared)
+            before = found, _ = self._placed(centre, names, reach[known], before)
             sites = [one.site for one in found if one is not None]
             seen = np.isin(np.arange(len(centre)), np.concatenate(sites))
             if seen.all():
                 break
             known[np.flatnonzero(known)[~seen]] = False
-        remarks = self._remarks(found, sheared, names, {reference: not_numbered(areas, known)})
+        remarks = not_numbered(areas, known)
+        number = np.arange(len(centre))
         centre = mean_positions(found, self.areas, centre)
-        table = self._table(found, sheared, centre, np.arange(len(centre)), False, remarks)
-        return TrackedContacts(
-            table, reference, None, found, sheared, unclear_notes(self.image, found, "contact")
-        )
+        return self._tracked(reference, before, (centre, number, names), None, remarks)
 
     def matched(self, sites: DesignSites) -> TrackedContacts:
         """Match the contacts of the fullest image to sites."""
         reference, match = self._match(sites)
         names = [f"site {s}" for s in sites.number]
-        found, sheared = self._placed(match.to_image(sites.position), names)
-        own = {reference: tuple(str(note) for note in match.notes if note.warns)}
-        remarks = self._remarks(found, sheared, names, own)
-        table = self._table(found, sheared, sites.position, sites.number, True, remarks)
-        notes = tuple(replace(note, text=f"{self.image[reference]}: {note.text}") for note in match.notes)
-        return TrackedContacts(
-            table, reference, match, found, sheared, (*notes, *unclear_notes(self.image, found, "site"))
-        )
+        found = self._placed(match.to_image(sites.position), names)
+        remarks = tuple(str(note) for note in match.notes if note.warns)
+        return self._tracked(reference, found, (sites.position, sites.number, names), match, remarks)
 
     def _match(self, sites: DesignSites) -> tuple[int, SiteMatch]:
         """Return the fullest image that can be matched, and its match."""
-        first: InvalidInput | None = None
+        errors = []
         for i in self.fullest()[:TRIED]:
             areas = self.areas[i]
             known = None if sites.expected_area is None else sites.expected_area[i]
-            decided = known is not None and np.isfinite(known).all()
             try:
-                match = match_sites(
+                return i, match_sites(
                     areas.centre[areas.complete],
                     sites.position,
                     viewed_from=sites.viewed_from,
                     rotation=sites.rotation,
                     area=areas.area[areas.complete],
-                    expected_area=known if decided else None,
+                    expected_area=known if known is not None and np.isfinite(known).all() else None,
                     frame=areas.frame,
                 )
             except InvalidInput as error:
-                first = first or InvalidInput(f"{printable(self.image[i], 60)}: {error}")
-                continue
-            return i, match
-        raise first or AssertionError  # fullest() returns at least one image
+                errors.append(f"{printable(self.image[i], 60)}: {error}")
+        raise InvalidInput(errors[0])
 
     def _placed(
         self,
         position: FloatArray,
         names: list[str],
         reach: FloatArray | None = None,
-        *before: Sequence[Placed | None],
-    ) -> tuple[tuple[Placed | None, ...], tuple[Placed | None, ...]]:
+        before: Sequence[Views] | None = None,
+    ) -> tuple[Views, Views]:
         """Return the sites in each image, and in each sheared one."""
-        first, second = before or ([None] * len(self.areas),) * 2
-        found = tuple(
-            None if one.failed else placed(one, position, names, reach, known)
-            for one, known in zip(self.areas, first, strict=True)
-        )
-        sheared = tuple(
-            None
-            if one is None or one.failed
-            else placed(one, position if near is None else near.position, names, reach, known)
-            for one, near, known in zip(self.sheared, found, second, strict=True)
-        )
-        return found, sheared
+        first, second = before or ((None,) * len(self.areas),) * 2
+        found, sheared = [], []
+        for i, (one, other) in enumerate(zip(self.areas, self.sheared, strict=True)):
+            near = None if one.failed else placed(one, position, names, reach, first[i])
+            where = position if near is None else near.position
+            found.append(near)
+            sheared.append(
+                None if other is None or other.failed else placed(other, where, names, reach, second[i])
+            )
+        return tuple(found), tuple(sheared)
 
-    def _remarks(
+    def _tracked(
         self,
-        found: Sequence[Placed | None],
-        sheared: Sequence[Placed | None],
-        names: list[str],
-        own: Mapping[int, tuple[str, ...]],
-    ) -> tuple[str, ...]:
-        """Return the remarks in order of the images, including the `own` ones of each image."""
+        reference: int,
+        placed: tuple[Views, Views],
+        sites: tuple[FloatArray, Any, list[str]],
+        match: SiteMatch | None,
+        own: tuple[str, ...],
+    ) -> TrackedContacts:
+        """Return the areas at sites with position, number and name; `own` are remarks on the reference."""
+        position, number, names = sites
         remarks: list[str] = []
         for i, image in enumerate(self.image):
-            remarks += [f"{image}: {text}" for text in own.get(i, ())]
-            ahead, behind = remarks_of(image, "", self.areas[i], found[i], names)
-            if (other := self.sheared[i]) is not None:
-                first, second = remarks_of(image, "in the sheared image ", other, sheared[i], names)
-                ahead, behind = [*ahead, *first], [*behind, *second]
-            remarks += [*ahead, *(text for _, text in sorted(behind))]
-        return tuple(remarks)
-
-    def _table(
-        self,
-        found: Sequence[Placed | None],
-        sheared: Sequence[Placed | None],
-        position: FloatArray,
-        number: Any,
-        matched: bool,
-        remarks: tuple[str, ...],
-    ) -> ContactTable:
-        none = np.full(len(position), np.nan)
-
-        def stacked(
-            sites: Sequence[Placed | None], stack: Any, quantity: str, of_open: str = ""
-        ) -> FloatArray:
-            rows = [
-                none
-                if one is None or areas is None
-                else one.values(getattr(areas, quantity), getattr(areas, of_open) if of_open else 0.0)
-                for one, areas in zip(sites, stack, strict=True)
-            ]
-            return np.array(rows)
-
-        area, sheared_area = stacked(found, self.areas, "area"), stacked(sheared, self.sheared, "area")
-        area_error, sheared_area_error = (
-            stacked(sites, stack, "area_error", "smallest_area")
-            for sites, stack in ((found, self.areas), (sheared, self.sheared))
-        )
-        return ContactTable(
+            remarks += [f"{image}: {text}" for text in own if i == reference]
+            remarks += remarks_of(
+                image, (self.areas[i], self.sheared[i]), [each[i] for each in placed], names
+            )
+        area, area_error = _at_sites(placed[0], self.areas, len(position))
+        sheared_area, sheared_area_error = _at_sites(placed[1], self.sheared, len(position))
+        table = ContactTable(
             image=self.image,
             test=self.test,
             load=self.load,
             friction_force=self.friction_force,
             position=position,
             site=np.asarray(number, dtype=np.intp),
-            matched=matched,
+            matched=match is not None,
             area=area,
             area_error=area_error,
             sheared_area=sheared_area,
             sheared_area_error=sheared_area_error,
-            remarks=remarks,
+            remarks=tuple(remarks),
         )
+        of_match = () if match is None else match.notes
+        notes = [replace(note, text=f"{self.image[reference]}: {note.text}") for note in of_match]
+        notes += [
+            Note(f"{image}: {unclear(names)}")
+            for image, one in zip(self.image, placed[0], strict=True)
+            if one is not None and one.unclear
+        ]
+        return TrackedContacts(table, reference, match, *placed, tuple(notes))
+
+
+def _at_sites(
+    found: Views, stack: Sequence[ContactAreas | None], count: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return the areas at sites and their errors, (k, m); an open site has the error of the smallest area."""
+    none = np.full(count, np.nan)
+    rows = [
+        (none, none)
+        if one is None or areas is None
+        else (one.values(areas.area, 0.0), one.values(areas.area_error, areas.smallest_area))
+        for one, areas in zip(found, stack, strict=True)
+    ]
+    return np.array([area for area, _ in rows]), np.array([error for _, error in rows])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -358,6 +335,6 @@ class TrackedContacts(Value):
     table: ContactTable
     reference: int
     match: SiteMatch | None
-    placed: tuple[Placed | None, ...]
-    placed_sheared: tuple[Placed | None, ...]
+    placed: Views
+    placed_sheared: Views
     notes: tuple[Note, ...] = ()

@@ -5,16 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem._given import Given
 from metafem._validate import FloatArray, IntArray
 from metafem._values import percent
 from metafem.calibration.sites.match import FEWEST, match_sites
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note, information
 from metafem.surface import Surface
 
@@ -77,11 +76,11 @@ def _placed(
     centre: FloatArray, height: FloatArray, design: Surface, mirrored: bool, rotation: float
 ) -> Alignment:
     """Match summits in one view, then move them by the least-squares rigid motion."""
-    side = "block" if mirrored else "glass"
-    view = partial(match_sites, viewed_from=side, rotation=rotation, rotation_range=TURN)
-    match = view(centre, design.position)
+    view: dict[str, Any] = {"viewed_from": "block" if mirrored else "glass", "rotation": rotation}
+    match = match_sites(centre, design.position, rotation_range=TURN, **view)
     if match.ambiguous:
-        match = view(centre, design.position, area=height, expected_area=design.height)
+        view |= {"area": height, "expected_area": design.height}
+        match = match_sites(centre, design.position, rotation_range=TURN, **view)
     on_site = match.site >= 0
     points = centre * np.array([-1.0, 1.0]) if mirrored else centre
     position, angle = _rigid(points, points[on_site], design.position[match.site[on_site]])
@@ -101,11 +100,11 @@ def _rigid(points: FloatArray, have: FloatArray, wanted: FloatArray) -> tuple[Fl
 
 def _few(centre: FloatArray, height: FloatArray, design: Surface) -> Alignment:
     """Match one or two summits to as many sites without rotation; the order of x and y decides."""
-    if len(centre) != design.count:
-        raise InvalidInput(
-            f"the map shows {len(centre)} caps and the design has "
-            f"{design.count} asperities; at least {FEWEST} of each are needed to match them"
-        )
+    refuse_if(
+        len(centre) != design.count,
+        f"the map shows {len(centre)} caps and the design has {design.count} asperities; at least {FEWEST} "
+        "of each are needed to match them",
+    )
     site = np.empty(design.count, dtype=np.intp)
     along = centre[-1] - centre[0]
     axis = int(np.abs(along).argmax())
@@ -133,14 +132,13 @@ def placement_notes(
     design: Surface, centre: FloatArray, place: Alignment, missing: IntArray, other: list[tuple[float, float]]
 ) -> Iterator[Note]:
     """Return notes on unmatched summits, missing asperities, and rotation, mirroring or scale of the part."""
-    apart = [on_map(*each) for each in centre[place.site < 0].tolist()]
-    yield from _named(
-        "cap", apart, "on the map has no site in the design", "on the map have no site in the design"
-    )
-    hills = [on_map(*each) for each in other]
-    yield from _named(
-        "hill", hills, "on the map is no cap of the design", "on the map are no caps of the design"
-    )
+    for what, places, one, many in (
+        ("cap", centre[place.site < 0].tolist(), "has no site in the design", "have no site in the design"),
+        ("hill", other, "is no cap of the design", "are no caps of the design"),
+    ):
+        yield from (Note(f"the {what} at {on_map(*at)} on the map {one}") for at in places[:NAMED])
+        if len(places) > NAMED:
+            yield Note(f"{len(places) - NAMED} other {what}s on the map {many}")
     for i in missing[:NAMED]:
         yield Note(f"asperity {i} of the design, at {on_map(*design.position[i])}, is missing on the map")
     if len(missing) > NAMED:
@@ -148,10 +146,9 @@ def placement_notes(
         yield Note(f"so are {len(missing) - NAMED} others of the design: {numbers}")
     height = design.height[place.site[place.site >= 0]]
     if place.misfit > FOREIGN * height.std() and place.misfit > FOREIGN_MEAN * height.mean():
-        error, designed = f"{place.misfit:g}", f"{height.std():g}"
         yield Note(
-            f"the heights of the caps are not those of the design: their errors have the standard "
-            f"deviation {error} mm, the designed heights {designed} mm; check the design, and whether "
+            "the heights of the caps are not those of the design: their errors have the standard deviation "
+            f"{place.misfit:g} mm, the designed heights {height.std():g} mm; check the design, and whether "
             "the map shows the mould"
         )
     turn = round(math.degrees(place.rotation) / 90.0) % 4 * 90
@@ -165,23 +162,6 @@ def placement_notes(
         yield Note(f"distances on the map differ from the design's by {larger}; check pixel_size")
 
 
-def _named(what: str, places: list[str], one: str, many: str) -> Iterator[Note]:
-    """Return notes on a few places, and one on the number of the others."""
-    yield from (Note(f"the {what} at {place} {one}") for place in places[:NAMED])
-    if len(places) > NAMED:
-        yield Note(f"{len(places) - NAMED} other {what}s {many}")
-
-
 def on_map(x: float, y: float) -> str:
     """Return a point of a map for a note."""
     return f"({x:.3f}, {y:.3f}) mm"
-
-
-def no_cap(radius: float, hills: int, mould: bool) -> InvalidInput:
-    """Return the error for a map on which no hill is a cap of about this radius [mm]."""
-    other = "1 hill of another shape" if hills == 1 else f"{hills} hills of other shapes"
-    return InvalidInput(
-        f"the map shows no cap of a radius near {radius:g} mm, but {other}; check {{.name}}, {{.name}} and "
-        "{.name}",
-        *map(Given, ("pixel_size", "the unit of the heights", f"mould={not mould}")),
-    )

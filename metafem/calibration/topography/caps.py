@@ -56,26 +56,17 @@ class Cap:
     reach: float = 0.0
     cause: str = ""
 
-    def part(self, steepest: float, foot: float = FOOT) -> float:
+    def part(self, steepest: float) -> float:
         """Return the radius of the circle [mm] above the foot and below the largest slope."""
-        height = (1.0 - foot) * self.height
+        height = (1.0 - FOOT) * self.height
         wide = max(height * (2.0 * self.radius - height), 0.0)
         steep = steepest / math.hypot(1.0, steepest) * self.radius
         return min(math.sqrt(wide), steep)
 
 
-@dataclass(frozen=True, eq=False)
-class _Grid:
-    """Residuals of one fit and its derivatives, summed in cells, and the inverse of the normal matrix."""
-
-    residual: FloatArray
-    weight: FloatArray
-    columns: FloatArray
-    inverse: FloatArray
-
-    @property
-    def variance(self) -> float:
-        return float((self.residual**2).sum() / (self.weight**2).sum())
+# Of one fit: its derivatives by the four unknowns, residuals and weights, summed in cells (6, rows, columns),
+# and the inverse of the normal matrix.
+_Sums = tuple[FloatArray, FloatArray]
 
 
 def fitted_caps(
@@ -90,25 +81,26 @@ def fitted_caps(
     """
     widest = max(cap.part(steepest) for cap in starts)
     side = max(1, round(2.0 * widest / ACROSS / max(height_map.pixel)))
-    caps, grids = [], []
-    for start in each("fitting spheres: summit", starts):
-        cap, grid = _fitted(height_map, levelling, start, steepest, side)
-        caps.append(cap)
-        grids.append(grid)
+    found = [
+        _fitted(height_map, levelling, start, steepest, side)
+        for start in each("fitting spheres: summit", starts)
+    ]
+    caps, sums = (list(column) for column in zip(*found, strict=True))
     covariance = np.full((len(caps), 4, 4), np.nan)
-    good = [grid for grid in grids if grid is not None]
+    good = [one[0] for one in sums if one is not None]
     if good:
-        common = correlation([grid.residual for grid in good], [grid.weight for grid in good], 4)
-        for i, grid in enumerate(grids):
-            if grid is not None:
-                meat = grid.variance * summed(grid.columns, common)
-                covariance[i] = grid.inverse @ meat @ grid.inverse
+        common = correlation([values[4] for values in good], [values[5] for values in good], 4)
+        for i, fit in enumerate(sums):
+            if fit is not None:
+                values, inverse = fit
+                variance = float((values[4] ** 2).sum() / (values[5] ** 2).sum())
+                covariance[i] = inverse @ (variance * summed(values[:4], common)) @ inverse
     return caps, covariance
 
 
 def _fitted(
     height_map: HeightMap, levelling: Levelling, start: Cap, steepest: float, side: int
-) -> tuple[Cap, _Grid | None]:
+) -> tuple[Cap, _Sums | None]:
     """Fit one sphere by Gauss-Newton steps."""
     cap = start
     rows, columns = height_map.window(np.array([cap.x, cap.y]), 1.2 * cap.part(steepest))
@@ -146,7 +138,8 @@ def _fitted(
             outlier = _outliers(z, known, x, y, cap)
     else:
         return replace(cap, cause=f"its sphere is not found in {ROUNDS} steps"), None
-    return cap, _summed(z.shape, used, side, matrix, distance - (matrix.T @ step) * cosine, inverse)
+    residual = distance - (matrix.T @ step) * cosine
+    return cap, (_summed(used, side, np.vstack([matrix, residual, np.ones(count)])), inverse)
 
 
 def _outliers(
@@ -160,20 +153,12 @@ def _outliers(
     return np.asarray(binary_dilation(far, iterations=BESIDE) if far.any() else far)
 
 
-def _summed(
-    shape: tuple[int, ...], used: NDArray[np.bool_], side: int, matrix: FloatArray, distance: FloatArray,
-    inverse: FloatArray,
-) -> _Grid:  # fmt: skip
-    """Return sums over cells of pixels."""
-    row, column = (index.astype(np.int64) for index in np.nonzero(used))
-    cells = (-(-shape[0] // side), -(-shape[1] // side))
+def _summed(used: NDArray[np.bool_], side: int, values: FloatArray) -> FloatArray:
+    """Return the sums of values at pixels (m, pixels) over cells."""
+    row, column = np.nonzero(used)
+    cells = (-(-used.shape[0] // side), -(-used.shape[1] // side))
     cell = (row // side) * cells[1] + column // side
-
-    def total(values: FloatArray) -> FloatArray:
-        return np.asarray(np.bincount(cell, values, cells[0] * cells[1]).reshape(cells), dtype=np.float64)
-
-    sums = np.array([total(each) for each in matrix])
-    return _Grid(total(distance), total(np.ones(len(distance))), sums, inverse)
+    return np.array([np.bincount(cell, each, cells[0] * cells[1]).reshape(cells) for each in values])
 
 
 def pooled(value: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:

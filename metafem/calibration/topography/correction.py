@@ -13,7 +13,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem._values import MICROMETRES, Value, percent
 from metafem.calibration.topography.made_surface import MadeSurface
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.inversion import Design
 from metafem.notes import Note, information
 from metafem.surface import Surface
@@ -144,106 +144,97 @@ def corrected_heights(design: Surface | Design, made: MadeSurface) -> Correction
     same = wanted.count == made.design.count and all(
         np.array_equal(getattr(wanted, name), getattr(made.design, name)) for name in ("position", "height")
     )
-    if not same:
-        raise InvalidInput("design is not the surface that was given to measured_surface; pass made.design")
-    count = len(made.site)
-    if count < FEWEST:
-        raise InvalidInput(f"made has {count} asperities; the regression of their errors needs {FEWEST}")
-    error = made.height_error
+    refuse_if(not same, "design is not the surface that was given to measured_surface; pass made.design")
+    count, error = len(made.site), made.height_error
+    refuse_if(count < FEWEST, f"made has {count} asperities; the regression of their errors needs {FEWEST}")
     every = _terms(wanted, made.site)
-    fit = _significant(every, made.site, error)
-    significant = dict(zip(fit.names, fit.value.tolist(), strict=True))
-    systematic = sum((value * every[name] for name, value in significant.items()), np.zeros(wanted.count))
+    measured = {group: terms[:, made.site] for group, terms in every.items()}
+    groups, left_out = _determined(measured)
+    while (worst := _least_significant(measured, groups, error)) is not None:
+        groups.remove(worst)
+    matrix, value, square = _least_squares(measured, groups, error)
+    terms = matrix.shape[1]
+    variance = square / (count - terms)
+    names = tuple(name for group in groups for name in GROUPS[group])
+    columns = [column for group in groups for column in every[group]]
+    systematic = sum(
+        (each * column for each, column in zip(value, columns, strict=True)), np.zeros(wanted.count)
+    )
     # the corrected height h' solves h' + e(h') = h
-    surface = wanted.replaced(height=wanted.height - systematic / (1.0 + significant.get("scale", 0.0)))
-    random = max(fit.variance - float((made.height_sd**2).mean()), 0.0)
+    scale = dict(zip(names, value.tolist(), strict=True)).get("scale", 0.0)
+    surface = wanted.replaced(height=wanted.height - systematic / (1.0 + scale))
+    random = max(variance - float((made.height_sd**2).mean()), 0.0)
     # the errors of p terms add p / n of the variance; the error of the offset is common to all heights
-    terms = len(significant)
-    around = terms - ("offset" in significant)
+    around = terms - ("offset" in groups)
     return Correction(
-        surface,
-        fit.names,
-        fit.value,
-        fit.sd,
-        math.sqrt(random),
-        math.sqrt(float((error**2).mean())),
-        float(error.std()),
-        math.sqrt(random + fit.variance * terms / count),
-        math.sqrt(random + fit.variance * around / count),
-        systematic,
-        _renewed(design, surface) if isinstance(design, Design) else None,
-        tuple(_notes(made, surface, fit.left_out)),
+        surface=surface,
+        terms=names,
+        value=value,
+        value_sd=np.sqrt(variance * np.diagonal(np.linalg.inv(matrix.T @ matrix))),
+        random_sd=math.sqrt(random),
+        error=math.sqrt(float((error**2).mean())),
+        spread=float(error.std()),
+        expected_error=math.sqrt(random + variance * terms / count),
+        expected_spread=math.sqrt(random + variance * around / count),
+        systematic=systematic,
+        design=_renewed(design, surface) if isinstance(design, Design) else None,
+        notes=tuple(_notes(made, surface, left_out)),
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Fit:
-    names: tuple[str, ...]
-    value: FloatArray
-    sd: FloatArray
-    variance: float
-    left_out: tuple[str, ...]  # groups that the asperities do not determine
-
-
 def _terms(surface: Surface, site: IntArray) -> dict[str, FloatArray]:
-    """Return the terms at all asperities; except the offset, they have zero mean over the measured ones."""
+    """Return the terms of each group (p, n); except the offset, their mean over the measured ones is zero."""
     x, y = (surface.position - surface.position[site].mean(axis=0)).T
-    terms = {
-        "scale": surface.height,
-        "tilt_x": x,
-        "tilt_y": y,
-        "bow_xx": x**2,
-        "bow_xy": x * y,
-        "bow_yy": y**2,
+    groups = {"scale": [surface.height], "tilt": [x, y], "bow": [x**2, x * y, y**2]}
+    centred = {
+        name: np.array([values - values[site].mean() for values in terms]) for name, terms in groups.items()
     }
-    centred = {name: values - values[site].mean() for name, values in terms.items()}
-    return {"offset": np.ones(surface.count), **centred}
+    return {"offset": np.ones((1, surface.count)), **centred}
 
 
-def _significant(every: dict[str, FloatArray], site: IntArray, error: FloatArray) -> _Fit:
-    """Remove the least significant group of terms until all are significant."""
+def _determined(measured: dict[str, FloatArray]) -> tuple[list[str], list[str]]:
+    """Return the groups that the asperities determine, with degrees of freedom left, and the others."""
     groups: list[str] = []
     left_out: list[str] = []
-    for group in GROUPS:  # groups that the asperities determine, with three degrees of freedom left
-        matrix = _matrix(every, [*groups, group], site)
-        full = (
-            np.linalg.matrix_rank(matrix / np.maximum(np.linalg.norm(matrix, axis=0), _TINY))
-            == matrix.shape[1]
-        )
-        (groups if full and matrix.shape[1] + SPARE <= len(error) else left_out).append(group)
-    while True:
-        matrix = _matrix(every, groups, site)
-        value, square = _least_squares(matrix, error)
-        freedom = len(error) - matrix.shape[1]
-        variance = square / freedom
-        worst, probability = "", SIGNIFICANT
-        for group in groups:
-            less = [each for each in groups if each != group]
-            count = len(GROUPS[group])
-            added = _least_squares(_matrix(every, less, site), error)[1] - square
-            chance = float(fdtrc(count, freedom, added / count / variance)) if variance > 0.0 else 0.0
-            if chance >= probability:
-                worst, probability = group, chance
-        if not worst:
-            break
-        groups.remove(worst)
-    names = tuple(name for group in groups for name in GROUPS[group])
-    sd = np.sqrt(variance * np.diagonal(np.linalg.inv(matrix.T @ matrix))) if names else np.empty(0)
-    return _Fit(names, value, sd, variance, tuple(left_out))
+    for group in measured:
+        matrix = _matrix(measured, [*groups, group])
+        rank = np.linalg.matrix_rank(matrix / np.maximum(np.linalg.norm(matrix, axis=0), _TINY))
+        enough = rank == matrix.shape[1] <= len(matrix) - SPARE
+        (groups if enough else left_out).append(group)
+    return groups, left_out
 
 
-def _matrix(every: dict[str, FloatArray], groups: list[str], site: IntArray) -> FloatArray:
-    columns = [every[name][site] for group in groups for name in GROUPS[group]]
-    return np.array(columns).reshape(-1, len(site)).T
+def _least_significant(measured: dict[str, FloatArray], groups: list[str], error: FloatArray) -> str | None:
+    """Return the group with the largest probability of an F test, None if all are significant."""
+    matrix, _, square = _least_squares(measured, groups, error)
+    freedom = len(error) - matrix.shape[1]
+    variance = square / freedom
+    worst: str | None = None
+    probability = SIGNIFICANT
+    for group in groups:
+        added = _least_squares(measured, [each for each in groups if each != group], error)[2] - square
+        count = len(GROUPS[group])
+        chance = float(fdtrc(count, freedom, added / count / variance)) if variance > 0.0 else 0.0
+        if chance >= probability:
+            worst, probability = group, chance
+    return worst
 
 
-def _least_squares(matrix: FloatArray, error: FloatArray) -> tuple[FloatArray, float]:
-    """Return coefficients and the sum of the squares of the residuals."""
+def _matrix(measured: dict[str, FloatArray], groups: list[str]) -> FloatArray:
+    none = np.empty((0, measured["offset"].size))
+    return np.vstack([none, *(measured[group] for group in groups)]).T
+
+
+def _least_squares(
+    measured: dict[str, FloatArray], groups: list[str], error: FloatArray
+) -> tuple[FloatArray, FloatArray, float]:
+    """Return the matrix of some groups, the coefficients and the sum of the squares of the residuals."""
+    matrix = _matrix(measured, groups)
     value = np.asarray(np.linalg.lstsq(matrix, error, rcond=None)[0]) if matrix.size else np.empty(0)
-    return value, float(((error - matrix @ value) ** 2).sum())
+    return matrix, value, float(((error - matrix @ value) ** 2).sum())
 
 
-def _notes(made: MadeSurface, surface: Surface, left_out: tuple[str, ...]) -> Iterator[Note]:
+def _notes(made: MadeSurface, surface: Surface, left_out: list[str]) -> Iterator[Note]:
     if left_out:
         yield information(f"the asperities do not determine the terms {', '.join(left_out)}")
     if made.missing.size:

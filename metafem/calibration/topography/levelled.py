@@ -11,7 +11,7 @@ from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.topography.cells import Cells, HeightMap
 from metafem.calibration.topography.correlation import correlation, summed
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 
 # Standard deviation of a normal variable over the median of its absolute value.
 SD_OF_MEDIAN = 1.4826
@@ -96,13 +96,14 @@ def levelled(
     u, v = np.meshgrid((found.x - centre[0]) / extent, (found.y - centre[1]) / extent)
     known = np.isfinite(found.mean) if caps is None else np.isfinite(found.mean) & ~caps
     count = 6 if bowed else 3
-    if known.sum() < FEWEST:
-        if not np.isfinite(height_map.values).any():
-            raise InvalidInput("the map holds no heights: none of its pixels was measured")
-        raise InvalidInput(
-            f"the map shows {int(known.sum())} cells of {found.size:.3g} mm between its "
-            f"summits; at least {FEWEST} are needed for the base plane"
-        )
+    few = int(known.sum()) < FEWEST
+    empty = few and not np.isfinite(height_map.values).any()
+    refuse_if(empty, "the map holds no heights: none of its pixels was measured")
+    refuse_if(
+        few,
+        f"the map shows {int(known.sum())} cells of {found.size:.3g} mm between its summits; at least "
+        f"{FEWEST} are needed for the base plane",
+    )
     values = found.mean[known]
     matrix = _powers(u[known], v[known], bowed)
     inside = np.ones(len(values), dtype=bool)
@@ -122,16 +123,14 @@ def levelled(
         before, inside = inside, np.abs(residual - middle) <= OUTLIER * sd
         if (before == inside).all():
             break
-    if inside.sum() < FEWEST:
-        raise InvalidInput("the map holds no base plane: its cells between the summits do not lie on one")
-    grid = np.zeros(found.mean.shape)
-    grid[known] = np.where(inside, residual, 0.0)
-    weight_of = np.zeros(found.mean.shape)
-    weight_of[known] = inside
-    tensor = np.zeros((count, *found.mean.shape))
-    tensor[:, known] = matrix * inside
-    bread = np.linalg.inv(np.einsum("kij,lij->kl", tensor, tensor))
-    meat = summed(tensor, correlation([grid], [weight_of], count)) * float((residual[inside] ** 2).mean())
+    lie = "its cells between the summits do not lie on one"
+    refuse_if(inside.sum() < FEWEST, f"the map holds no base plane: {lie}")
+    grids = np.zeros((count + 2, *found.mean.shape))
+    grids[:, known] = np.vstack([matrix * inside, np.where(inside, residual, 0.0), inside])
+    columns, errors, weights = grids[:count], grids[count], grids[count + 1]
+    bread = np.linalg.inv(np.einsum("kij,lij->kl", columns, columns))
+    variance = float((residual[inside] ** 2).mean())
+    meat = summed(columns, correlation([errors], [weights], count)) * variance
     scale = extent ** -np.array([sum(power) for power in BOWED[:count]], dtype=float)
     coefficient = np.zeros(6)
     coefficient[:count] = fit * scale

@@ -9,14 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
+from metafem._given import Given
 from metafem._validate import FloatArray, IntArray
 from metafem._values import MICROMETRES, Value, span
-from metafem.calibration.topography.alignment import Alignment, aligned, no_cap, on_map, placement_notes
+from metafem.calibration.topography.alignment import aligned, on_map, placement_notes
 from metafem.calibration.topography.caps import Cap, fitted_caps, pooled
 from metafem.calibration.topography.cells import HeightMap, cells
 from metafem.calibration.topography.levelled import Levelling, levelled
 from metafem.calibration.topography.summits import hills
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note
 from metafem.progress import doing
 from metafem.surface import Surface
@@ -190,65 +191,64 @@ def measured_surface(
     limit = check.number("steepest", steepest, above=0.0)
     picture = _height_map(height_map, pixel_size, mould)
     design = design_surface
-    lowest = _lowest(design)
     with doing("measuring the surface"):
-        foot = math.sqrt(lowest * (2.0 * float(design.radius.min()) - lowest))
-        side = max(1, int(2.0 * foot / ACROSS / max(picture.pixel)))
-        if min(picture.values.shape) < FEWEST * side:
-            side = max(1, min(picture.values.shape) // FEWEST)
-        found = cells(picture, side)
-        radius = float(np.median(design.radius))
-        first = levelled(picture, found, bow)
-        on_hills, starts, other = hills(found, first, LOWEST * lowest, radius)
-        level = levelled(picture, found, bow, on_hills)
-        if not starts:
-            raise no_cap(radius, len(other), mould)
-        caps, covariance = fitted_caps(picture, level, starts, limit)
-    good = np.array([not cap.cause for cap in caps])
+        level, every, covariance, other = _spheres(picture, design, bow, limit, mould)
+    caps = [cap for cap in every if not cap.cause]
     notes = [
         Note(f"the cap at {on_map(cap.x, cap.y)} on the map was not measured: {cap.cause}")
-        for cap in caps
+        for cap in every
         if cap.cause
     ]
-    if not good.any():
+    if not caps:
         raise InvalidInput(f"the map shows no cap that can be measured; {notes[0].text}")
-    caps = [cap for cap in caps if not cap.cause]
-    covariance = covariance[good]
+    covariance = covariance[[not cap.cause for cap in every]]
     value = np.array([[cap.x, cap.y, cap.height, cap.radius] for cap in caps])
     if common_radius:
         value, covariance = pooled(value, covariance)
-    want = True if mould and mirrored is None else mirrored
-    place = aligned(value[:, :2], value[:, 2], design, want)
-    return _made(design, caps, value, covariance, level, place, other, notes)
-
-
-def _made(
-    design: Surface, caps: list[Cap], value: FloatArray, covariance: FloatArray, level: Levelling,
-    place: Alignment, other: list[tuple[float, float]], notes: list[Note],
-) -> MadeSurface:  # fmt: skip
+    place = aligned(value[:, :2], value[:, 2], design, True if mould and mirrored is None else mirrored)
     matched = np.flatnonzero(place.site >= 0)
-    if not matched.size:
-        raise InvalidInput(f"none of the {len(caps)} caps of the map lies on a site of the design")
+    refuse_if(not matched.size, f"none of the {len(caps)} caps of the map lies on a site of the design")
     order = matched[np.argsort(place.site[matched])]
     site = place.site[order].astype(np.int64)
     missing = np.setdiff1d(np.arange(design.count), site)
     notes += placement_notes(design, value[:, :2], place, missing, other)
-    base = level.base_sd(value[order, 0], value[order, 1])
+    x, y, height, radii = value[order].T
     variance = np.diagonal(covariance[order], axis1=1, axis2=2)
-    surface = Surface(
-        place.position[order],
-        value[order, 2],
-        value[order, 3],
-        design.material,
-        design.friction,
-        design.block,
-    )
     return MadeSurface(
-        surface, design, site, np.sqrt(variance[:, 2] + base**2), np.sqrt(variance[:, 3]),
-        np.sqrt(variance[:, :2].mean(axis=1)), level, missing.astype(np.int64),
-        float(np.sqrt(np.mean([cap.sd**2 for cap in caps]))), place.rotation,
-        place.mirrored, value[order, :2], tuple(notes),
-    )  # fmt: skip
+        surface=Surface(place.position[order], height, radii, design.material, design.friction, design.block),
+        design=design,
+        site=site,
+        height_sd=np.sqrt(variance[:, 2] + level.base_sd(x, y) ** 2),
+        radius_sd=np.sqrt(variance[:, 3]),
+        position_sd=np.sqrt(variance[:, :2].mean(axis=1)),
+        levelling=level,
+        missing=missing.astype(np.int64),
+        roughness=float(np.sqrt(np.mean([cap.sd**2 for cap in caps]))),
+        rotation=place.rotation,
+        mirrored=place.mirrored,
+        on_map=value[order, :2],
+        notes=tuple(notes),
+    )
+
+
+def _spheres(
+    picture: HeightMap, design: Surface, bow: bool, steepest: float, mould: bool
+) -> tuple[Levelling, list[Cap], FloatArray, list[tuple[float, float]]]:
+    """Return the base plane, the caps with their covariance, and the centres of other hills."""
+    lowest = _lowest(design)
+    foot = math.sqrt(lowest * (2.0 * float(design.radius.min()) - lowest))
+    side = max(1, int(2.0 * foot / ACROSS / max(picture.pixel)))
+    if min(picture.values.shape) < FEWEST * side:
+        side = max(1, min(picture.values.shape) // FEWEST)
+    found = cells(picture, side)
+    radius = float(np.median(design.radius))
+    on_hills, starts, other = hills(found, levelled(picture, found, bow), LOWEST * lowest, radius)
+    level = levelled(picture, found, bow, on_hills)
+    hill = "1 hill of another shape" if len(other) == 1 else f"{len(other)} hills of other shapes"
+    names = ("pixel_size", "the unit of the heights", f"mould={not mould}")
+    must = f"the map shows no cap of a radius near {radius:g} mm, but {hill}; check "
+    refuse_if(not starts, must + "{.name}, {.name} and {.name}", *map(Given, names))
+    return level, *fitted_caps(picture, level, starts, steepest), other
 
 
 def _height_map(values: ArrayLike, pixel_size: float | tuple[float, float], mould: bool) -> HeightMap:
@@ -265,16 +265,14 @@ def _height_map(values: ArrayLike, pixel_size: float | tuple[float, float], moul
             array = array.astype(np.float64)
     except (TypeError, ValueError):
         raise InvalidInput("height_map is not an array of numbers") from None
-    if array.ndim != 2 or min(array.shape) < FEWEST:
-        raise InvalidInput(
-            f"the map has shape {array.shape}; it must have shape (rows, columns), each at least {FEWEST}"
-        )
+    wrong = array.ndim != 2 or min(array.shape) < FEWEST
+    must = f"it must have shape (rows, columns), each at least {FEWEST}"
+    refuse_if(wrong, f"the map has shape {array.shape}; {must}")
     return HeightMap(array, (width, height), -1.0 if mould else 1.0)
 
 
 def _lowest(design: Surface) -> float:
     """Return the smallest height of a cap that can be measured [mm]."""
     measurable = design.height > FLATTEST * design.radius
-    if not measurable.any():
-        raise InvalidInput(f"design_surface has no summit above {FLATTEST:g} of its radius")
+    refuse_if(not measurable.any(), f"design_surface has no summit above {FLATTEST:g} of its radius")
     return float(min(design.height[measurable].min(), design.radius.min()))

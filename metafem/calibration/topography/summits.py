@@ -42,14 +42,11 @@ def hills(
     for number, window in enumerate(ndimage.find_objects(label), 1):
         own = (label[window] == number) & np.isfinite(above[window])
         at = x[window][own], y[window][own], above[window][own]
-        if own.sum() < FEWEST:
-            other.append((float(at[0].mean()), float(at[1].mean())))
-            continue
-        guess = _sphere(*at)
-        if guess is None or not radius / RADIUS_FACTOR <= guess.radius <= radius * RADIUS_FACTOR:
-            other.append((float(at[0].mean()), float(at[1].mean())))
-        else:
+        guess = _sphere(*at) if own.sum() >= FEWEST else None
+        if guess is not None and radius / RADIUS_FACTOR <= guess.radius <= radius * RADIUS_FACTOR:
             starts.append(guess)
+        else:
+            other.append((float(at[0].mean()), float(at[1].mean())))
     # the foot below the threshold reaches one cell further; one more for the closing
     return np.asarray(ndimage.binary_dilation(closed, np.ones((3, 3)), iterations=2)), starts, other
 

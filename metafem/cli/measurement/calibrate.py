@@ -13,18 +13,10 @@ import numpy as np
 import metafem as mf
 from metafem._given import Names
 from metafem.cli.group import Name, force_option, json_option, main, model_option
-from metafem.cli.measurement.fits import (
-    ERRORS,
-    LENGTHS,
-    errors_of,
-    fitted_contact,
-    fitted_shear,
-    fitted_strength,
-    sliding_range,
-    written_names,
-)
+from metafem.cli.measurement.fits import ERRORS, LENGTHS, Fits
+from metafem.cli.measurement.quantities import quantity_options
 from metafem.cli.progress import progress
-from metafem.cli.study.options import option_name, seed_option, with_options
+from metafem.cli.study.options import seed_option
 from metafem.cli.terminal import (
     notes_data,
     print_json,
@@ -34,40 +26,28 @@ from metafem.cli.terminal import (
     say,
     terminal,
 )
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
+from metafem.files.measurement.numbers import interval, published, rounded
 from metafem.notes import information
 
 if TYPE_CHECKING:
     from metafem.calibration import ContactCalibration, ShearCalibration, StrengthFit
-    from metafem.files import CalibrationData
     from metafem.notes import Note
 
 # mJ/m^2 in N/mm.
 ENERGY = 1e-6
 
-error_options = with_options(
-    *(
-        click.option(
-            option_name(name),
-            metavar="PERCENT" if unit == "%" else "QUANTITY",
-            help=f"Standard deviation {what}. Default: {default}"
-            + (", or that of the tables of images." if name == "boundary_error" else "."),
-        )
-        for name, (_, unit, default, what) in ERRORS.items()
-    )
-)
+# The kinds of the written files.
+KINDS = {".toml": "sections", ".json": "calibration"}
 
-length_options = with_options(
-    *(
-        click.option(option_name(name), metavar="LENGTH", help=what.format(f'"{shown}"'))
-        for name, (shown, what) in LENGTHS.items()
-    )
-)
+COLUMNS = ("quantity", "value", "68 % interval", "unit", "± standard deviation", "of the bootstrap")
+
+Row = tuple[str, ...]
 
 
 @main.command(short_help="Measure E*, adhesion energy, B and σ from tables of tests.")
 @click.argument("data", type=Name(), nargs=-1, metavar="DATA.csv...")
-@length_options
+@quantity_options(LENGTHS)
 @click.option(
     "--contacts",
     type=click.IntRange(min=1),
@@ -75,7 +55,7 @@ length_options = with_options(
     "the columns.",
 )
 @click.option("--poisson-ratio", type=float, help="ν of the material. Default: 0.5.")
-@error_options
+@quantity_options(ERRORS)
 @click.option(
     "--sliding", is_flag=True, help="Use the sliding friction of records instead of the static one."
 )
@@ -138,119 +118,128 @@ def calibrate(
     """
     from metafem.calibration.figures import calibration_figure
 
-    kinds = {".toml": "sections", ".json": "calibration"}
     for path in output:
-        if path.suffix.lower() not in kinds:
-            raise InvalidInput(f"--output {path} must end with .toml or .json")
-        mf.files.refuse_existing(path, force, kinds[path.suffix.lower()])
+        suffix = path.suffix.lower()
+        refuse_if(suffix not in KINDS, f"--output {path} must end with .toml or .json")
+        mf.files.refuse_existing(path, force, KINDS[suffix])
     if figure is not None:
         mf.files.refuse_figure(figure, force)
     sources = [str(path) for path in (*data, options["full_contact"]) if path is not None]
-    if not sources:
-        raise InvalidInput("no table is given; write for example metafem calibrate compression.csv shear.csv")
+    refuse_if(not sources, "no table is given; write for example metafem calibrate compression.csv shear.csv")
     with progress():
-        measured = mf.files.read_calibration(
-            data, sliding=options["sliding"], sliding_range=sliding_range(options)
+        distances: Any = tuple(
+            mf.files.quantity("--sliding-range", text, "mm", "0.1 mm")
+            for text in options["sliding_range"] or ()
         )
-        names = written_names(options)
-        errors = errors_of(options, measured)
-        contact = fitted_contact(measured, options, errors, names, sources)
-        shear = fitted_shear(measured, options, errors, names, sources)
-        strength = fitted_strength(options, errors, contact, shear)
+        measured = mf.files.read_calibration(
+            data, sliding=options["sliding"], sliding_range=distances or None
+        )
+        fits = Fits(measured, options, sources)
+        contact, shear, strength = fits.contact, fits.shear, fits.strength
+        notes = _notes(fits)
         found = mf.files.calibration_data(contact, shear, sources, measured.records, strength)
-        found["notes"] = notes_data(_notes(contact, shear, measured))
-        text = json.dumps(found)
+        found["notes"] = notes_data(notes)
+        texts = {
+            ".toml": mf.files.block_text(contact, shear, sources, options["contact"], strength),
+            ".json": json.dumps(found) + "\n",
+        }
         for path in output:
             suffix = path.suffix.lower()
-            content = (
-                mf.files.block_text(contact, shear, sources, options["contact"], strength)
-                if suffix == ".toml"
-                else text + "\n"
-            )
-            mf.files.write_text(path, content, force=force, kind=kinds[suffix])
+            mf.files.write_text(path, texts[suffix], force=force, kind=KINDS[suffix])
         if figure is not None:
-            mf.files.write_figure(
-                figure, calibration_figure(contact, shear, strength), "calibration", force=force
-            )
+            drawn = calibration_figure(contact, shear, strength)
+            mf.files.write_figure(figure, drawn, "calibration", force=force)
     if as_json:
         print_json(found)
         return
-    _print(contact, shear, strength, measured)
+    _print(fits, notes)
     print_written([*output, figure])
 
 
-def _print(
-    contact: ContactCalibration | None,
-    shear: ShearCalibration | None,
-    strength: StrengthFit | None,
-    measured: CalibrationData,
-) -> None:
+def _print(fits: Fits, notes: list[Note]) -> None:
     """Print the values with their intervals, the verdicts and the tests."""
-    from metafem.calibration.bounded_interval import bounded_interval
-    from metafem.files.measurement.numbers import interval, published, rounded
-
     console = terminal()
-    rows: list[tuple[str, ...]] = []
-    lines = []
-
-    def row(what: str, value: float, ends: tuple[float, float], sd: float, unit: str, drawn: Any) -> None:
-        scatter = "" if drawn is None else rounded(float(drawn), float(drawn))
-        rows.append((what, rounded(value, sd), interval(ends, sd), unit, published(value, sd), scatter))
-
-    if contact is not None:
-        sd = math.sqrt(contact.root_covariance[0, 0])
-        draws = contact.bootstrap
-        drawn = None if draws is None or len(draws) < 2 else draws[:, 0].std(ddof=1)
-        ends = contact.composite_modulus_interval
-        row("E*, composite modulus", contact.composite_modulus, ends, sd, "MPa", drawn)
-        if contact.adhesion_energy <= 0.0:
-            alone, without = contact.modulus_without_adhesion
-            low, high = (float(end) for end in bounded_interval(alone, without))
-            row("E* without adhesion", alone, (low, high), without, "MPa", None)
-        energy = contact.adhesion_energy / ENERGY
-        low, high = (end / ENERGY for end in contact.adhesion_energy_interval)
-        width = 0.5 * (high - low)
-        more, less = rounded(high - energy, width, 1), rounded(energy - low, width, 1)
-        apart = f"{rounded(energy, width, 1)} +{more} -{less}"
-        within = interval((low, high), width)
-        rows.append(("w, adhesion energy", rounded(energy, width), within, "mJ/m²", apart, ""))
-        lines.append(f"E* and w, {len(contact.load)} points: {contact.verdict}")
-        if contact.heterogeneity is not None:
-            lines.append(f"E* and w, {len(contact.tests)} tests: {contact.heterogeneity}")
-    if shear is not None:
-        ratio_sd, strength_sd = np.sqrt(np.diagonal(shear.covariance)).tolist()
-        spread = (None, None) if shear.bootstrap is None else shear.bootstrap.std(axis=0, ddof=1).tolist()
-        row("B, area ratio", shear.area_ratio, shear.area_ratio_interval, ratio_sd, "", spread[0])
-        ends = shear.shear_strength_interval
-        row("σ, shear strength", shear.shear_strength, ends, strength_sd, "MPa", spread[1])
-        for name, verdict in (("B", shear.area_verdict), ("σ", shear.friction_verdict)):
-            lines.append(f"{name}, {verdict.freedom + 1} points: {verdict}")
-        if shear.heterogeneity is not None:
-            lines.append(f"B and σ, {len(shear.tests)} tests: {shear.heterogeneity}")
-    if strength is not None:
-        sd, ends = math.sqrt(strength.covariance[-1, -1]), strength.shear_strength_interval
-        row("σ, full contact", strength.shear_strength, ends, sd, "MPa", None)
-        lines.append(f"σ, full contact, {len(strength.load)} points: {strength.verdict}")
-    columns = ["quantity", "value", "68 % interval", "unit", "± standard deviation", "of the bootstrap"]
-    if all(not each[-1] for each in rows):
-        columns, rows = columns[:-1], [each[:-1] for each in rows]
-    print_table(console, columns, rows)
-    for name, record in measured.records.items():
+    parts: list[tuple[list[Row], list[str]]] = []
+    if fits.contact is not None:
+        parts.append(_of_contact(fits.contact))
+    if fits.shear is not None:
+        parts.append(_of_shear(fits.shear))
+    if fits.strength is not None:
+        parts.append(_of_strength(fits.strength))
+    rows = [row for part, _ in parts for row in part]
+    lines = [line for _, verdicts in parts for line in verdicts]
+    count = len(COLUMNS) - (not any(row[-1] for row in rows))
+    print_table(console, COLUMNS[:count], [row[:count] for row in rows])
+    for name, record in fits.measured.records.items():
         lines.append(
             f"{name}: static {record.static_force:.4g} N at {record.peak_displacement:.4g} mm, sliding "
             f"{record.sliding_force:.4g} N"
         )
     say(console, *lines)
-    print_notes(console, _notes(contact, shear, measured))
+    print_notes(console, notes)
 
 
-def _notes(
-    contact: ContactCalibration | None, shear: ShearCalibration | None, measured: CalibrationData
-) -> list[Note]:
+def _row(what: str, value: float, sd: float, ends: tuple[float, float], unit: str, drawn: Any = None) -> Row:
+    """Return the row of a parameter; `drawn` are the values of a bootstrap."""
+    spread = None if drawn is None or len(drawn) < 2 else float(drawn.std(ddof=1))
+    scatter = "" if spread is None else rounded(spread, spread)
+    return what, rounded(value, sd), interval(ends, sd), unit, published(value, sd), scatter
+
+
+def _of_contact(found: ContactCalibration) -> tuple[list[Row], list[str]]:
+    """Return the rows and the verdicts on E* and the adhesion energy."""
+    from metafem.calibration.bounded_interval import bounded_interval
+
+    sd = math.sqrt(found.root_covariance[0, 0])
+    drawn = None if found.bootstrap is None else found.bootstrap[:, 0]
+    ends = found.composite_modulus_interval
+    rows = [_row("E*, composite modulus", found.composite_modulus, sd, ends, "MPa", drawn)]
+    if found.adhesion_energy <= 0.0:
+        alone, without = found.modulus_without_adhesion
+        low, high = (float(end) for end in bounded_interval(alone, without))
+        rows.append(_row("E* without adhesion", alone, without, (low, high), "MPa"))
+    energy = found.adhesion_energy / ENERGY
+    low, high = (end / ENERGY for end in found.adhesion_energy_interval)
+    width = 0.5 * (high - low)
+    value, more, less = (rounded(each, width, 1) for each in (energy, high - energy, energy - low))
+    within, apart = interval((low, high), width), f"{value} +{more} -{less}"
+    rows.append(("w, adhesion energy", rounded(energy, width), within, "mJ/m²", apart, ""))
+    verdicts = [f"E* and w, {len(found.load)} points: {found.verdict}"]
+    if found.heterogeneity is not None:
+        verdicts.append(f"E* and w, {len(found.tests)} tests: {found.heterogeneity}")
+    return rows, verdicts
+
+
+def _of_shear(found: ShearCalibration) -> tuple[list[Row], list[str]]:
+    """Return the rows and the verdicts on B and the shear strength."""
+    rows, verdicts = [], []
+    sds = np.sqrt(np.diagonal(found.covariance)).tolist()
+    for i, (name, what, unit, verdict) in enumerate(
+        (
+            ("area_ratio", "B, area ratio", "", found.area_verdict),
+            ("shear_strength", "σ, shear strength", "MPa", found.friction_verdict),
+        )
+    ):
+        drawn = None if found.bootstrap is None else found.bootstrap[:, i]
+        rows.append(_row(what, getattr(found, name), sds[i], getattr(found, f"{name}_interval"), unit, drawn))
+        verdicts.append(f"{what[0]}, {verdict.freedom + 1} points: {verdict}")
+    if found.heterogeneity is not None:
+        verdicts.append(f"B and σ, {len(found.tests)} tests: {found.heterogeneity}")
+    return rows, verdicts
+
+
+def _of_strength(found: StrengthFit) -> tuple[list[Row], list[str]]:
+    """Return the row and the verdict on the shear strength of a part in full contact."""
+    sd, what = math.sqrt(found.covariance[-1, -1]), "σ, full contact"
+    row = _row(what, found.shear_strength, sd, found.shear_strength_interval, "MPa")
+    return [row], [f"{what}, {len(found.load)} points: {found.verdict}"]
+
+
+def _notes(fits: Fits) -> list[Note]:
     """Return the notes of both calibrations, and one on areas that both have."""
-    pressed, sheared = measured.compression, measured.shear
-    notes = [*measured.notes]
-    for found, points in ((contact, pressed), (shear, sheared)):
+    pressed, sheared = fits.measured.compression, fits.measured.shear
+    notes = [*fits.measured.notes]
+    for found, points in ((fits.contact, pressed), (fits.shear, sheared)):
         if found is not None and points is not None:
             notes += [note.named(Names(places=points.place)) for note in found.notes]
     if pressed is not None and sheared is not None and not set(pressed.place).isdisjoint(sheared.place):

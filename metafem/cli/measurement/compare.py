@@ -2,24 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 import metafem as mf
 from metafem.cli.group import Name, force_option, json_option, main
-from metafem.cli.measurement.explanation import (
-    explain_options,
-    given_priors,
-)
 from metafem.cli.measurement.pair import PARAMETERS, measured_laws, pair_of, pair_options
+from metafem.cli.measurement.quantities import names_of, quantities, quantity_options
 from metafem.cli.progress import progress
+from metafem.cli.study.options import option_name
 from metafem.cli.study.parameters import given_deviations
 from metafem.cli.terminal import loaded, print_json, print_study
+from metafem.errors import named, refuse_if
 
-if TYPE_CHECKING:
-    pass
+# The expected errors of a part.
+EXPECTED = {
+    name: (unit, example, f"{meaning}, as a standard deviation; 0 leaves it out. Default: {{}}.")
+    for name, unit, example, meaning in (
+        ("angle_sd", "rad", "0.05deg", "Expected tilt about either axis"),
+        ("height_scale_sd", "%", "2%", "Expected error of the scale of all heights"),
+        ("composite_modulus_sd", "%", "5%", "Expected error of E*"),
+        ("friction_sd", "%", "5%", "Expected error of σB"),
+        ("height_sd", "mm", "0.9um", "Expected error of each height"),
+        ("radius_sd", "mm", "5um", "Expected error of each radius"),
+        ("position_sd", "mm", "0um", "Expected error of x and of y of each site"),
+        ("adhesion_root_sd", "%", "20%", "Expected error of the root of the adhesion energy"),
+    )
+}
 
 
 @main.command(short_help="Compare a measured friction law with the design of a folder.")
@@ -32,7 +44,8 @@ if TYPE_CHECKING:
     help="Table of the sliding friction law, to be compared beside the static one.",
 )
 @pair_options
-@explain_options
+@click.option("--explain", is_flag=True, help="State which errors of the part explain the difference.")
+@quantity_options(EXPECTED)
 @force_option
 @json_option
 def compare(
@@ -67,7 +80,7 @@ def compare(
     from metafem.studies.measurements import explained, measured
     from metafem.studies.summaries.measurements import answers, features, sentences
 
-    priors = given_priors(given, explain)
+    priors = _priors(given, explain)
     still = mf.files.same_design(folder)
     with progress(), given_deviations(sd, PARAMETERS) as errors:
         design = loaded(folder)
@@ -94,3 +107,18 @@ def compare(
     print_study(dataset, path, points, (more.columns, more.rows, more.title) if more.rows else ())
     if why is not None:
         print_study(why, explained_path, reasons)
+
+
+def _priors(options: Mapping[str, Any], explain: bool) -> mf.calibration.Priors | None:
+    """Return the expected errors of the options; None without any."""
+    texts = {name: options[name] for name in EXPECTED}
+    given = [name for name, text in texts.items() if text is not None]
+    if not given:
+        return None
+    refuse_if(not explain, f"{option_name(given[0])} needs --explain")
+    for name in given:
+        if texts[name].strip() == "0":
+            texts[name] = f"0 {EXPECTED[name][0]}"
+    values = {name: value for name, value in quantities(EXPECTED, texts).items() if value is not None}
+    with named(names_of(texts)):
+        return mf.calibration.Priors(**values)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,17 +12,35 @@ import numpy as np
 
 import metafem as mf
 from metafem._given import Names
+from metafem.calibration.contact_table import listed
 from metafem.cli.terminal import loaded, notes_data
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note, information
 from metafem.progress import doing
 
 if TYPE_CHECKING:
-    from metafem.calibration import ContactAreas, TrackedContacts
-    from metafem.files import ImageFile, Images, Shot
+    from metafem.calibration import ContactAreas, DesignSites, TrackedContacts
+    from metafem.files import Images, Shot
 
 # Difference of the scale of a matched lattice from 1 that is reported: areas are then wrong by 2 %.
 SCALE = 0.01
+
+
+# Titles of the columns of the printed table. Those of the second kind are left out where they are empty.
+TITLES = {
+    "image": "image",
+    "test": "test",
+    "load_N": "load [N]",
+    "friction_force_N": "friction [N]",
+    "contacts": "contacts",
+    "open": "open",
+    "not_measured": "not measured",
+    "area_mm2": "area [mm²]",
+    "area_error_mm2": "± [mm²]",
+    "sheared_area_mm2": "sheared area [mm²]",
+    "sheared_area_error_mm2": "± [mm²]",
+}
+OPTIONAL = ("test", "load_N", "friction_force_N", "sheared_area_mm2", "sheared_area_error_mm2")
 
 
 @dataclass(frozen=True)
@@ -39,60 +57,37 @@ class Series:
     @property
     def failed(self) -> list[str]:
         """Names of the images that could not be measured."""
-        pairs: list[tuple[ImageFile | None, ContactAreas | None]] = []
-        for shot, areas, other in zip(self.series, self.areas, self.sheared, strict=True):
-            pairs += [(shot.image, areas), (shot.sheared, other)]
+        files = [image for shot in self.series for image in (shot.image, shot.sheared)]
+        found = [areas for pair in zip(self.areas, self.sheared, strict=True) for areas in pair]
+        pairs = zip(files, found, strict=True)
         return [image.name for image, areas in pairs if image and areas and areas.failed]
 
-    def lines(self) -> tuple[list[str], list[tuple[str, ...]]]:
+    def lines(self) -> tuple[list[str], list[list[str]]]:
         """Return the headings and the lines of the printed table."""
         rows = self.rows()
-        titles = {
-            "image": "image",
-            "test": "test",
-            "load_N": "load [N]",
-            "friction_force_N": "friction [N]",
-            "contacts": "contacts",
-            "open": "open",
-            "not_measured": "not measured",
-            "area_mm2": "area [mm²]",
-            "area_error_mm2": "± [mm²]",
-            "sheared_area_mm2": "sheared area [mm²]",
-            "sheared_area_error_mm2": "± [mm²]",
-        }
-        optional = ("test", "load_N", "friction_force_N", "sheared_area_mm2", "sheared_area_error_mm2")
-        kept = [name for name in titles if name not in optional or any(row[name] for row in rows)]
-        return [titles[name] for name in kept], [
-            tuple(_text(name, row[name]) for name in kept) for row in rows
-        ]
+        names = [name for name in TITLES if name not in OPTIONAL or any(row[name] for row in rows)]
+        return [TITLES[name] for name in names], [[_text(name, row[name]) for name in names] for row in rows]
 
     def rows(self) -> list[dict[str, Any]]:
         """Return the numbers of each image; areas are of the contacts that could be measured."""
         table = self.tracked.table
-        rows = []
-        for i, name in enumerate(table.image):
-            failed = self.areas[i].failed
-            sheared = self.sheared[i]
-            rows.append(
-                {
-                    "image": name,
-                    "test": table.test[i],
-                    "load_N": _known(table.load[i]),
-                    "friction_force_N": _known(table.friction_force[i]),
-                    "contacts": None if failed else int(np.count_nonzero(table.area[i] > 0.0)),
-                    "open": None if failed else int(np.count_nonzero(table.area[i] == 0.0)),
-                    "not_measured": None if failed else int(np.count_nonzero(np.isnan(table.area[i]))),
-                    "area_mm2": None if failed else float(np.nansum(table.area[i])),
-                    "area_error_mm2": None if failed else _together(table.area_error[i], table.area[i]),
-                    "sheared_area_mm2": None
-                    if sheared is None or sheared.failed
-                    else float(np.nansum(table.sheared_area[i])),
-                    "sheared_area_error_mm2": None
-                    if sheared is None or sheared.failed
-                    else _together(table.sheared_area_error[i], table.sheared_area[i]),
-                }
-            )
-        return rows
+        return [
+            {
+                "image": name,
+                "test": table.test[i],
+                "load_N": _known(table.load[i]),
+                "friction_force_N": _known(table.friction_force[i]),
+                **_numbers(self.areas[i], table.area[i], table.area_error[i]),
+                **{
+                    f"sheared_{key}": value
+                    for key, value in _numbers(
+                        self.sheared[i], table.sheared_area[i], table.sheared_area_error[i]
+                    ).items()
+                    if key.startswith("area")
+                },
+            }
+            for i, name in enumerate(table.image)
+        ]
 
     def sentences(self) -> list[str]:
         """Return sentences on the positions of the contacts."""
@@ -110,22 +105,20 @@ class Series:
 
     def data(self, files: Sequence[Path]) -> dict[str, Any]:
         """Return the data for JSON."""
-        match = self.tracked.match
-        table = self.tracked.table
+        table, match = self.tracked.table, self.tracked.match
+        matched = match and {
+            "image": table.image[self.tracked.reference],
+            "viewed_from": "block" if match.mirrored else "glass",
+            "rotation_deg": math.degrees(match.rotation),
+            "scale": match.scale,
+            "residual_mm": match.residual,
+            "ambiguous": match.ambiguous,
+        }
         return {
             "files": [str(path) for path in files],
             "pixel_size_mm": self.pixel,
             "images": self.rows(),
-            "match": None
-            if match is None
-            else {
-                "image": table.image[self.tracked.reference],
-                "viewed_from": "block" if match.mirrored else "glass",
-                "rotation_deg": math.degrees(match.rotation),
-                "scale": match.scale,
-                "residual_mm": match.residual,
-                "ambiguous": match.ambiguous,
-            },
+            "match": matched,
             "site": table.site.tolist(),
             "area_mm2": [[_known(value) for value in row] for row in table.area.tolist()],
             "failed": self.failed,
@@ -135,42 +128,18 @@ class Series:
 
 
 def measured_series(
-    series: Sequence[Shot],
-    pixel: float,
-    notes: Sequence[Note],
-    rotation: float,
-    options: dict[str, Any],
+    series: Sequence[Shot], pixel: float, notes: Sequence[Note], rotation: float, options: dict[str, Any]
 ) -> Series:
     """Measure the images, with one threshold before and after shear, and track the contacts."""
     before = [shot.image for shot in series]
     after = [i for i, shot in enumerate(series) if shot.sheared is not None]
-    files = [*before, *(shot.sheared for shot in series if shot.sheared is not None)]
     load = np.array([shot.load for shot in series])
-    known = np.isfinite(load)
-    # an image without a load does not have the largest load; without any loads the last image has it
-    order = np.where(known, load, load[known].min() - 1.0) if known.any() else np.arange(float(len(load)))
+    files = [*before, *(shot.sheared for shot in series if shot.sheared is not None)]
     images = mf.files.Images(files)
-    names = Names({f"images[{i}]": file.name for i, file in enumerate(files)})
-    bright = options["bright_contacts"]
-    try:
-        found = mf.calibration.stack_areas(
-            images, pixel, loads=[*order, *order[after]], bright_contacts=bright
-        )
-    except InvalidInput as error:
-        hint = "; --bright-contacts is given: are the contacts brighter than the ground?" if bright else ""
-        error.names = names
-        raise InvalidInput(f"{error}{hint}") from None
-    found = tuple(_named(one, names, i) for i, one in enumerate(found))
-    areas = found[: len(before)]
-    sheared: list[ContactAreas | None] = [None] * len(before)
-    for i, one in zip(after, found[len(before) :], strict=True):
-        sheared[i] = one
-    sites, expected = _sites(options["sites"], load)
-    seen = None
-    if sites is not None:
-        seen = mf.calibration.DesignSites(
-            sites.position, sites.number, expected, options["viewed_from"], rotation
-        )
+    found = _measured(images, pixel, np.concatenate([load, load[after]]), options["bright_contacts"])
+    areas, sheared = found[: len(before)], dict(zip(after, found[len(before) :], strict=True))
+    sites = _sites(options, load, rotation)
+    others = [sheared.get(i) for i in range(len(before))]
     with doing("following the contacts"):
         tracked = mf.calibration.track_contacts(
             areas,
@@ -178,11 +147,13 @@ def measured_series(
             test=[shot.test for shot in series],
             load=load,
             friction_force=[shot.friction_force for shot in series],
-            sheared=sheared,
-            sites=seen,
+            sheared=others,
+            sites=sites,
         )
     more = [*notes, *_notes(images, areas, tracked, pixel)]
-    if sites is not None and (expected is None or np.isnan(expected[tracked.reference]).any()):
+    if sites is not None and (
+        sites.expected_area is None or np.isnan(sites.expected_area[tracked.reference]).any()
+    ):
         more.append(
             information(
                 "positions alone do not show whether the viewing side and the quarter turn are right; areas "
@@ -190,79 +161,93 @@ def measured_series(
             )
         )
     # warnings on the match follow the sentence on it
-    of_match = sorted(tracked.notes, key=lambda note: not note.warns)
-    first = [note for note in of_match if note.warns]
-    return Series(series, areas, sheared, tracked, pixel, (*first, *more, *of_match[len(first) :]))
+    first = [note for note in tracked.notes if note.warns]
+    last = [note for note in tracked.notes if not note.warns]
+    return Series(series, areas, others, tracked, pixel, (*first, *more, *last))
+
+
+def _measured(images: Images, pixel: float, load: Any, bright: bool) -> list[ContactAreas]:
+    """Return the contacts of the images, with notes that name other images by their files."""
+    names = Names({f"images[{i}]": file.name for i, file in enumerate(images.files)})
+    known = np.isfinite(load)
+    # an image without a load does not have the largest load; without any loads the last image has it
+    order = np.where(known, load, load[known].min() - 1.0) if known.any() else None
+    try:
+        found = mf.calibration.stack_areas(images, pixel, loads=order, bright_contacts=bright)
+    except InvalidInput as error:
+        hint = "; --bright-contacts is given: are the contacts brighter than the ground?" if bright else ""
+        error.names = names
+        raise InvalidInput(f"{error}{hint}") from None
+    own = [names.under(Names({f"images[{i}]": "this image"})) for i in range(len(found))]
+    return [
+        replace(areas, notes=tuple(note.named(own[i]) for note in areas.notes))
+        for i, areas in enumerate(found)
+    ]
 
 
 def _notes(
-    images: Images,
-    areas: Sequence[ContactAreas],
-    tracked: TrackedContacts,
-    pixel: float,
-) -> list[Note]:
+    images: Images, areas: Sequence[ContactAreas], tracked: TrackedContacts, pixel: float
+) -> Iterator[Note]:
     """Return the notes on all images."""
-    from metafem.calibration.contact_table import listed
-
-    notes = []
     if images.coloured:
-        notes.append(
-            information(
-                f"in colour, the luminance of ITU-R BT.709 is measured: {listed(list(images.coloured))}"
-            )
-        )
+        names = listed(list(images.coloured))
+        yield information(f"in colour, the luminance of ITU-R BT.709 is measured: {names}")
     smallest = max(one.smallest_area for one in areas if not one.failed)
     if smallest > 0.0:
-        notes.append(
-            information(
-                f"contacts of less than {smallest:.2g} mm² are not found and count as open; ± is the "
-                "standard deviation of the sum over the closed ones"
-            )
+        yield information(
+            f"contacts of less than {smallest:.2g} mm² are not found and count as open; ± is the standard "
+            "deviation of the sum over the closed ones"
         )
     match = tracked.match
     if match is not None and abs(match.scale - 1.0) > SCALE:
-        notes.append(
-            Note(
-                f"the sites are {match.scale:.4f} times as far apart as in the design: with pixels of "
-                f"{1e3 * pixel / match.scale:.4g} um instead of {1e3 * pixel:.4g} um they would agree, and "
-                f"areas would be {100.0 * (match.scale**-2 - 1.0):+.2g} % different"
-            )
+        yield Note(
+            f"the sites are {match.scale:.4f} times as far apart as in the design: with pixels of "
+            f"{1e3 * pixel / match.scale:.4g} um instead of {1e3 * pixel:.4g} um they would agree, and areas "
+            f"would be {100.0 * (match.scale**-2 - 1.0):+.2g} % different"
         )
-    return notes
 
 
-def _named(areas: ContactAreas, files: Names, own: int) -> ContactAreas:
-    """Return the contacts of an image, with notes that name other images by their files."""
-    names = Names({f"images[{own}]": "this image"})
-    return replace(areas, notes=tuple(note.named(files.under(names)) for note in areas.notes))
-
-
-def _sites(source: Path | None, load: Any) -> tuple[mf.files.Sites | None, Any]:
+def _sites(options: dict[str, Any], load: Any, rotation: float) -> DesignSites | None:
     """Return the sites of a design and, for a result folder, the areas that its law predicts at the loads."""
+    source = options["sites"]
     if source is None:
-        return None, None
-
-    if not source.is_dir():
-        if not source.exists():
-            raise InvalidInput(f"--sites {source}: no such file or folder")
-        return mf.files.read_sites(source), None
-    design = loaded(source)
-    expected = np.full((len(load), design.surface.count), np.nan)
-    with doing("predicting the areas"):
-        for i, force in enumerate(load.tolist()):
-            if force > 0.0:
-                # independent contacts suffice: the areas are compared up to a common factor
-                expected[i] = mf.equilibrium(design.surface, mf.Independent(), load=force).asperity_area
-    return mf.files.Sites(design.surface.position, np.asarray(design.sites)), expected
+        return None
+    expected: Any = None
+    number: Any
+    if source.is_dir():
+        design = loaded(source)
+        position, number = design.surface.position, np.asarray(design.sites)
+        expected = np.full((len(load), len(position)), np.nan)
+        with doing("predicting the areas"):
+            for i, force in enumerate(load.tolist()):
+                if force > 0.0:
+                    # independent contacts suffice: the areas are compared up to a common factor
+                    state = mf.equilibrium(design.surface, mf.Independent(), load=force)
+                    expected[i] = state.asperity_area
+    else:
+        refuse_if(not source.exists(), f"--sites {source}: no such file or folder")
+        position, number = mf.files.read_sites(source)
+    return mf.calibration.DesignSites(position, number, expected, options["viewed_from"], rotation)
 
 
 def _known(value: float) -> float | None:
     return None if math.isnan(value) else float(value)
 
 
-def _together(error: Any, area: Any) -> float:
-    """Return the standard deviation of the sum of the areas of closed contacts with independent errors."""
-    return float(np.sqrt(np.square(error[area > 0.0]).sum()))
+def _numbers(areas: ContactAreas | None, area: Any, error: Any) -> dict[str, Any]:
+    """Return the numbers of contacts and the sum of their areas with its error; None if not measured.
+
+    The errors of the areas of closed contacts are independent.
+    """
+    measured = areas is not None and not areas.failed
+    values = {
+        "contacts": int(np.count_nonzero(area > 0.0)),
+        "open": int(np.count_nonzero(area == 0.0)),
+        "not_measured": int(np.count_nonzero(np.isnan(area))),
+        "area_mm2": float(np.nansum(area)),
+        "area_error_mm2": float(np.sqrt(np.square(error[area > 0.0]).sum())),
+    }
+    return {name: value if measured else None for name, value in values.items()}
 
 
 def _text(name: str, value: Any) -> str:

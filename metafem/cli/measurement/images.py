@@ -8,14 +8,18 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import metafem as mf
+from metafem import _validate as check
 from metafem.cli.group import NOT_ACHIEVED, Name, force_option, json_option, main
 from metafem.cli.measurement.image_series import measured_series
+from metafem.cli.measurement.quantities import quantities
 from metafem.cli.progress import progress
 from metafem.cli.terminal import print_json, print_notes, print_table, print_written, say, terminal
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.progress import doing
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from metafem.cli.measurement.image_series import Series
 
 # Largest number of printed remarks; the table has all of them.
@@ -100,27 +104,21 @@ def images(
 
     Example: metafem images pictures --pixel "5.3 um" --forces forces.csv -o contacts.csv --picture found.png
     """
-    from metafem.calibration.figures import found_figure
-
     if output is not None:
         mf.files.refuse_existing(output, force, "contacts")
     if picture is not None:
         mf.files.refuse_figure(picture, force)
-    elif options["picture_of"] is not None:
-        raise InvalidInput("--picture-of needs --picture FOUND.png, the file of the picture")
+    else:
+        needs = "--picture-of needs --picture FOUND.png, the file of the picture"
+        refuse_if(options["picture_of"] is not None, needs)
     with progress():
         found = _measured(source, options)
-        drawn = _drawn(found, options["picture_of"]) if picture is not None else None
         if output is not None:
-            mf.files.write_text(
-                output, mf.files.contacts_table(found.tracked.table), force=force, kind="contacts"
-            )
-        if picture is not None and drawn is not None:
+            text = mf.files.contacts_table(found.tracked.table)
+            mf.files.write_text(output, text, force=force, kind="contacts")
+        if picture is not None:
             with doing("drawing the picture"):
-                index, file, sheared = drawn
-                areas = (found.sheared[index] if sheared else None) or found.areas[index]
-                figure = found_figure(mf.files.Images([file])[0], areas, found.tracked, index, sheared)
-                mf.files.write_figure(picture, figure, file.name, force=force)
+                mf.files.write_figure(picture, *_figure(found, options["picture_of"]), force=force)
     files = [path for path in (output, picture) if path is not None]
     if as_json:
         print_json(found.data(files))
@@ -132,33 +130,30 @@ def images(
 
 def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> Series:
     """Measure the images and track their contacts."""
-    given = (
-        None if options["pixel"] is None else mf.files.quantity("--pixel", options["pixel"], "mm", "5.3 um")
-    )
-    if given is not None and not given > 0.0:
-        raise InvalidInput(f'--pixel = "{options["pixel"]}" must be greater than 0')
-    turn = 0.0 if options["rotation"] is None else mf.files.quantity("--rotation", options["rotation"], "rad")
+    given = quantities({"pixel": ("mm", "5.3 um", ""), "rotation": ("rad", "90 deg", "")}, options)
+    pixel, name = given["pixel"], options["picture_of"]
+    pixel = None if pixel is None else check.number("--pixel", pixel, above=0.0)
     with doing("opening the images"):
         files = mf.files.find_images(source)
-        name = options["picture_of"]
-        if name is not None and not any(file.name == name and file.page is not None for file in files):
-            raise InvalidInput(f"--picture-of = {name} is not among the images that can be read")
+        known = [None, *(file.name for file in files if not file.broken)]
+        refuse_if(name not in known, f"--picture-of = {name} is not among the images that can be read")
         series, of_forces = mf.files.shots(files, options["forces"])
-        pixel, notes = mf.files.pixel_size(files, given)
-    return measured_series(series, pixel, [*of_forces, *notes], turn, options)
+        pixel, notes = mf.files.pixel_size(files, pixel)
+    return measured_series(series, pixel, [*of_forces, *notes], given["rotation"] or 0.0, options)
 
 
-def _drawn(found: Series, name: str | None) -> tuple[int, Any, bool]:
-    """Return index and file of the drawn image, and whether it is a sheared one."""
-    if name is None:
-        index = found.tracked.reference
-        return index, found.series[index].image, False
-    return next(
-        (index, file, sheared)
+def _figure(found: Series, name: str | None) -> tuple[Figure, str]:
+    """Return the figure of an image, default: of the one with most contacts, and its title."""
+    from metafem.calibration.figures import found_figure
+
+    name = name or found.tracked.table.image[found.tracked.reference]
+    index, file, areas, sheared = next(
+        (index, file, areas, file is shot.sheared)
         for index, shot in enumerate(found.series)
-        for file, sheared in ((shot.image, False), (shot.sheared, True))
-        if file is not None and file.name == name
+        for file, areas in ((shot.image, found.areas[index]), (shot.sheared, found.sheared[index]))
+        if file is not None and areas is not None and file.name == name
     )
+    return found_figure(mf.files.Images([file])[0], areas, found.tracked, index, sheared), name
 
 
 def _print(found: Series, files: list[Path]) -> None:

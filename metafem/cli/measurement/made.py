@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
     from metafem.calibration import Correction, MadeSurface
     from metafem.inversion import Design
+    from metafem.notes import Note
     from metafem.prediction import FrictionLaw
 
 # Number of printed asperities, those with the largest height errors, and of loads of the two laws.
@@ -30,6 +32,9 @@ TERMS = {
     "bow_yy": ("um/mm^2 along y", 1e3),
 }
 
+# Errors of the heights of this part and the next one.
+ERRORS = ("random_sd", "error", "expected_error", "spread", "expected_spread")
+
 UM = 1e3
 
 # Digits of a mean: by the alignment, the means of the positions are 0 up to rounding.
@@ -39,85 +44,84 @@ DIGITS = 6
 def print_made(design: Design, made: MadeSurface, correction: Correction | None, law: FrictionLaw) -> None:
     """Print the errors of the part, the worst asperities, the systematic errors and the two laws."""
     console = terminal()
-
-    error = UM * made.height_error
-    radius = made.radius_error / made.design.radius[made.site]
-    place = UM * made.position_error
     found = f"{made.surface.count} of {made.design.count} asperities measured"
     say(console, f"{found}, roughness (s.d.) {UM * made.roughness:.2g} um")
-    rows: list[tuple[str, ...]] = [
-        ("height", *_moments(error, "um"), f"{UM * _rms(made.height_sd):.2g} um"),
+    _print_errors(console, made)
+    _print_worst(console, design, made)
+    if correction is not None:
+        say(console, *_sentences(correction, UM * float(made.design.height[made.site].mean())))
+    areas = list(zip(law.load, design.law.area, law.area, strict=True))
+    every = max(1, len(areas) // LOADS)
+    rows = [
         (
-            "radius",
-            *_moments(100.0 * radius, "%"),
-            f"{100.0 * _rms(made.radius_sd / made.surface.radius):.2g} %",
-        ),
-        ("x", *_moments(place[:, 0], "um"), f"{UM * _rms(made.position_sd):.2g} um"),
-        ("y", *_moments(place[:, 1], "um"), f"{UM * _rms(made.position_sd):.2g} um"),
+            *(f"{value:.4g}" for value in row),
+            f"{100.0 * (row[2] / row[1] - 1.0):+.2g} %" if row[1] > 0.0 else "-",
+        )
+        for row in areas[max(0, len(areas) // LOADS - 1) :: every]
+    ]
+    print_table(console, ["load [N]", "designed area [mm²]", "made [mm²]", "change"], rows)
+    touching = design.law.area > 0.0
+    change = 100.0 * _rms(law.area[touching] / design.law.area[touching] - 1.0)
+    differs = f"{change:.2g} % (root mean square over the loads)"
+    say(console, f"law of the made surface: A0 differs from that of the design by {differs}")
+    print_notes(console, dict.fromkeys(_notes(made, correction)))
+
+
+def _print_errors(console: Console, made: MadeSurface) -> None:
+    """Print mean, scatter and largest error of heights, radii and positions."""
+    x, y = UM * made.position_error.T
+    sd = UM * made.position_sd
+    relative = 100.0 / made.design.radius[made.site]
+    rows = [
+        (
+            name,
+            f"{round(float(values.mean()), DIGITS) + 0.0:+.2g} {unit}",
+            f"{values.std():.2g} {unit}",
+            f"{values[abs(values).argmax()]:+.2g} {unit}",
+            f"{_rms(error):.2g} {unit}",
+        )
+        for name, values, error, unit in (
+            ("height", UM * made.height_error, UM * made.height_sd, "um"),
+            ("radius", relative * made.radius_error, 100.0 * made.radius_sd / made.surface.radius, "%"),
+            ("x", x, sd, "um"),
+            ("y", y, sd, "um"),
+        )
     ]
     print_table(console, ["made minus designed", "mean", "s.d.", "largest", "standard error"], rows)
-    worst = np.argsort(-np.abs(error))[:WORST]
-    sites = design.sites[made.site]
+
+
+def _print_worst(console: Console, design: Design, made: MadeSurface) -> None:
+    """Print the asperities with the largest height errors."""
+    sites, wanted, error = design.sites[made.site], made.design, UM * made.height_error
     rows = [
         (
             str(sites[i]),
-            *(f"{value:.3f}" for value in made.design.position[made.site[i]]),
-            f"{UM * made.design.height[made.site[i]]:.2f}",
+            *(f"{value:.3f}" for value in wanted.position[made.site[i]]),
+            f"{UM * wanted.height[made.site[i]]:.2f}",
             f"{UM * made.surface.height[i]:.2f}",
             f"{error[i]:+.2f}",
             f"{UM * made.height_sd[i]:.2f}",
         )
-        for i in worst
+        for i in np.argsort(-np.abs(error))[:WORST]
     ]
     titles = ["site", "x [mm]", "y [mm]", "designed height [um]", "made [um]", "error [um]", "s.e. [um]"]
     print_table(console, titles, rows, "largest height errors")
-    if correction is not None:
-        _print_correction(console, correction, UM * float(made.design.height[made.site].mean()))
-    first, every = (
-        design.law,
-        range(len(law.load) // LOADS - 1, len(law.load), max(1, len(law.load) // LOADS)),
-    )
-    rows = [
-        (
-            f"{law.load[i]:.4g}",
-            f"{first.area[i]:.4g}",
-            f"{law.area[i]:.4g}",
-            _change(first.area[i], law.area[i]),
-        )
-        for i in every
-    ]
-    print_table(console, ["load [N]", "designed area [mm²]", "made [mm²]", "change"], rows)
-    change = _changes(first, law)
-    differs = f"{100.0 * _rms(change):.2g} % (root mean square over the loads)"
-    say(console, f"law of the made surface: A0 differs from that of the design by {differs}")
-    notes = dict.fromkeys((*made.notes, *(() if correction is None else correction.notes)))
-    print_notes(console, notes)
 
 
-def _print_correction(console: Console, correction: Correction, mean: float) -> None:
-    """Print the errors; `mean` is the mean designed height [um], the reference of the scale."""
-    for name, value, sd in zip(
-        correction.terms, correction.value.tolist(), correction.value_sd.tolist(), strict=True
-    ):
+def _sentences(correction: Correction, mean: float) -> Iterator[str]:
+    """Return the height errors; `mean` is the mean designed height [um], the reference of the scale."""
+    for name, value, sd in zip(correction.terms, correction.value, correction.value_sd, strict=True):
         unit, size = TERMS[name]
-        term = f"systematic height error, {name.replace('_', ' ')}:"
-        what = "mean height error" if name == "offset" else term
-        say(console, f"{what} {size * value:+.3g} ± {size * sd:.2g} {unit.format(mean=mean)}")
+        what = (
+            "mean height error" if name == "offset" else f"systematic height error, {name.replace('_', ' ')}:"
+        )
+        yield f"{what} {size * value:+.3g} ± {size * sd:.2g} {unit.format(mean=mean)}"
     if not correction.terms:
-        say(console, "no systematic height error is significant")
-    say(
-        console,
+        yield "no systematic height error is significant"
+    yield (
         f"random height errors, which cannot be corrected: {UM * correction.random_sd:.2g} um (s.d.); height "
         f"error (root mean square) {UM * correction.error:.3g} um here, "
-        f"{UM * correction.expected_error:.3g} um expected with corrected heights",
-    )
-
-
-def _moments(values: Any, unit: str) -> tuple[str, str, str]:
-    return (
-        f"{round(float(values.mean()), DIGITS) + 0.0:+.2g} {unit}",
-        f"{values.std():.2g} {unit}",
-        f"{values[abs(values).argmax()]:+.2g} {unit}",
+        f"{UM * correction.expected_error:.3g} um expected with corrected heights"
     )
 
 
@@ -125,14 +129,8 @@ def _rms(values: Any) -> float:
     return math.sqrt(float((values**2).mean()))
 
 
-def _change(one: float, other: float) -> str:
-    return f"{100.0 * (other / one - 1.0):+.2g} %" if one > 0.0 else "-"
-
-
-def _changes(designed: FrictionLaw, made: FrictionLaw) -> Any:
-    """Return the relative changes of A0 at loads with contacts in the design."""
-    touching = designed.area > 0.0
-    return made.area[touching] / designed.area[touching] - 1.0
+def _notes(made: MadeSurface, correction: Correction | None) -> tuple[Note, ...]:
+    return (*made.notes, *(() if correction is None else correction.notes))
 
 
 def made_data(
@@ -159,17 +157,13 @@ def made_data(
         "load_N": law.load.tolist(),
         "designed_area_mm2": design.law.area.tolist(),
         "made_area_mm2": law.area.tolist(),
-        "notes": notes_data((*made.notes, *(() if correction is None else correction.notes))),
+        "notes": notes_data(_notes(made, correction)),
     }
     if correction is not None:
         terms = zip(correction.terms, correction.value.tolist(), correction.value_sd.tolist(), strict=True)
         data["correction"] = {
             "terms": {name: {"value": value, "sd": sd} for name, value, sd in terms},
-            "random_sd_mm": correction.random_sd,
-            "error_mm": correction.error,
-            "expected_error_mm": correction.expected_error,
-            "spread_mm": correction.spread,
-            "expected_spread_mm": correction.expected_spread,
+            **{f"{name}_mm": getattr(correction, name) for name in ERRORS},
             "height_mm": correction.surface.height.tolist(),
         }
     return data

@@ -13,14 +13,14 @@ import numpy as np
 import metafem as mf
 from metafem._given import Names
 from metafem.cli.group import Name
+from metafem.cli.measurement.quantities import names_of
 from metafem.cli.study.options import option_name, with_options
 from metafem.cli.study.parameters import deviation_option
-from metafem.errors import InvalidInput, named
+from metafem.errors import named, refuse_if
 
 if TYPE_CHECKING:
     from metafem._validate import FloatArray, IntArray
     from metafem.calibration import MeasuredLaw
-    from metafem.files import CalibratedParameters
     from metafem.surface import Friction, Material, Surface
 
 # Parameters of the part with errors that shift all points together: unit and example of each.
@@ -86,66 +86,51 @@ class Pair:
 def pair_of(surface: Surface, given: Mapping[str, Any], deviations: Mapping[str, float]) -> Pair:
     """Return the material pair of the options, of the calibration, or of a design's surface."""
     found = None if given["calibration"] is None else mf.files.read_parameters(given["calibration"])
-    with named(mf.files.option_names({name: given[name] for name in PAIR if isinstance(given[name], str)})):
-        modulus = surface.material.composite_modulus
+    values = {} if found is None else dict(zip(found.parameters, found.value.tolist(), strict=True))
+    with named(names_of({name: given[name] for name in PAIR})):
+        modulus = values.get("composite_modulus", surface.material.composite_modulus)
         if given["composite_modulus"] is not None:
             modulus = mf.files.quantity("--composite-modulus", given["composite_modulus"], "MPa")
-        elif found is not None:
-            modulus = _values(found).get("composite_modulus", modulus)
-        calibrated = surface.friction if found is None else _friction_of(found, surface.friction)
-        static = _friction(given, "", calibrated)
+        friction = surface.friction
+        if "shear_strength" in values:
+            friction = mf.Friction(values["shear_strength"], values.get("area_ratio", 1.0))
+        static = _friction(given, "", friction)
         sliding = _friction(given, "sliding_", static)
         material = mf.Material(modulus, surface.material.poisson_ratio)
     names, covariance = tuple(deviations), np.diag(np.square([*deviations.values()]))
     if found is not None:
-        twice = [name for name in found.parameters if name in deviations]
-        if twice:
-            raise InvalidInput(
-                f"--sd {twice[0]} and --calibration both give the error of {twice[0]}; keep one"
-            )
+        for name in found.parameters:
+            must = f"--sd {name} and --calibration both give the error of {name}; keep one"
+            refuse_if(name in deviations, must)
         # a value from an option does not have the error of the calibration
         used = [i for i, name in enumerate(found.parameters) if name in PARAMETERS and given[name] is None]
-        both = np.zeros((len(used) + len(names),) * 2)
-        both[: len(used), : len(used)] = found.covariance[np.ix_(used, used)]
-        both[len(used) :, len(used) :] = covariance if len(names) else 0.0
-        names, covariance = (*(found.parameters[i] for i in used), *names), both
+        apart = np.zeros((len(used), len(names)))
+        known = found.covariance[np.ix_(used, used)]
+        names = (*(found.parameters[i] for i in used), *names)
+        covariance = np.block([[known, apart], [apart.T, covariance]])
     return Pair(material, static, sliding, names, covariance)
 
 
 def measured_laws(pair: Pair, table: Path, sliding: Path | None, sites: IntArray) -> list[MeasuredLaw]:
     """Return the static law of a table, and the sliding law of another one; `sites` are the design's."""
-    laws = [mf.files.read_measured_law(table, pair.material, pair.static, label="static", sites=sites)]
-    if sliding is not None:
-        laws.append(
-            mf.files.read_measured_law(sliding, pair.material, pair.sliding, label="sliding", sites=sites)
-        )
-    return laws
-
-
-def _values(found: CalibratedParameters) -> dict[str, float]:
-    return dict(zip(found.parameters, found.value.tolist(), strict=True))
-
-
-def _friction_of(found: CalibratedParameters, designed: mf.Friction | None) -> mf.Friction | None:
-    """Return the friction of a calibration, or else of the design."""
-    values = _values(found)
-    if "shear_strength" not in values:
-        return designed
-    return mf.Friction(values["shear_strength"], values.get("area_ratio", 1.0))
+    return [
+        mf.files.read_measured_law(path, pair.material, friction, label=label, sites=sites)
+        for label, path, friction in (("static", table, pair.static), ("sliding", sliding, pair.sliding))
+        if path is not None
+    ]
 
 
 def _friction(given: Mapping[str, Any], kind: str, default: mf.Friction | None) -> mf.Friction | None:
     """Return the friction of the options for static or sliding friction."""
     stress, ratio = given[f"{kind}shear_strength"], given[f"{kind}area_ratio"]
-    option = kind.replace("_", "-")
+    names = {name: option_name(kind + name) for name in ("shear_strength", "area_ratio")}
     if stress is None and ratio is None:
         return default
-    if stress is None and default is None:
-        raise InvalidInput(
-            f"--{option}area-ratio needs --{option}shear-strength, which the design does not state"
-        )
-    before = (1.0, 1.0) if default is None else (default.shear_strength, default.area_ratio)
-    strength = before[0] if stress is None else mf.files.quantity(f"--{option}shear-strength", stress, "MPa")
-    names = {name: f"--{option}{name.replace('_', '-')}" for name in ("shear_strength", "area_ratio")}
-    with named(Names(names=names, units={"shear_strength": ("MPa", 1.0)})):
-        return mf.Friction(strength, before[1] if ratio is None else ratio)
+    needs = f"{names['area_ratio']} needs {names['shear_strength']}, which the design does not state"
+    refuse_if(stress is None and default is None, needs)
+    before = default or mf.Friction(1.0, 1.0)
+    strength = before.shear_strength
+    if stress is not None:
+        strength = mf.files.quantity(names["shear_strength"], stress, "MPa")
+    with named(Names(names, {"shear_strength": ("MPa", 1.0)})):
+        return mf.Friction(strength, before.area_ratio if ratio is None else ratio)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,7 @@ from metafem.cli.group import Name, force_option, json_option, main
 from metafem.cli.measurement.made import made_data, print_made
 from metafem.cli.progress import progress
 from metafem.cli.terminal import loaded, print_json, print_written
-from metafem.errors import InvalidInput, named
+from metafem.errors import InvalidInput, named, refuse_if
 
 if TYPE_CHECKING:
     from metafem.calibration import Correction, MadeSurface
@@ -65,14 +66,13 @@ def topography(
     folder: Path,
     pixel: str | None,
     height_unit: str | None,
-    mould: bool,
-    common_radius: bool,
     keep_bow: bool,
     output: Path | None,
     corrected: Path | None,
     picture: Path | None,
     force: bool,
     as_json: bool,
+    **options: bool,
 ) -> None:
     """Measure heights, radii and positions of the asperities on MAP and compare them with the design.
 
@@ -88,28 +88,27 @@ def topography(
             mf.files.refuse_existing(path, force, "heights")
     if picture is not None:
         mf.files.refuse_figure(picture, force)
-    if output is not None and corrected is not None and output.absolute() == corrected.absolute():
-        raise InvalidInput(f"--output and --corrected both name {output}; give each a file of its own")
+    same = output is not None and corrected is not None and output.absolute() == corrected.absolute()
+    refuse_if(same, f"--output and --corrected both name {output}; give each a file of its own")
     with progress():
         design = loaded(folder)
     with progress():
         stored = mf.files.read_height_map(height_map, pixel, height_unit)
-        options = {"bow": not keep_bow, "common_radius": common_radius, "mould": mould}
-        made = _measured(stored, height_map, design, **options)
+        made = _measured(height_map, stored, design, {"bow": not keep_bow, **options})
         correction = _correction(design, made, corrected)
         law = mf.friction_law(made.surface, design.law.model, load=design.law.load)
         if picture is not None:
             from metafem.calibration.figures import made_figure
-            from metafem.calibration.topography.cells import HeightMap
 
-            heights = HeightMap(stored.values, stored.pixel, -1.0 if mould else 1.0)
+            heights = replace(stored, sign=-1.0 if options["mould"] else 1.0)
             figure = made_figure(made, correction, heights, design.law, law)
             mf.files.write_figure(picture, figure, "made surface", force=force)
-    ours: dict[str, Any] = {"force": force, "kind": "heights"}
     if output is not None:
-        mf.files.write_text(output, mf.files.made_table(made, design.sites), **ours)
+        text = mf.files.made_table(made, design.sites)
+        mf.files.write_text(output, text, force=force, kind="heights")
     if corrected is not None and correction is not None:
-        mf.files.write_text(corrected, mf.files.heights_table(correction.surface, design.sites), **ours)
+        text = mf.files.heights_table(correction.surface, design.sites)
+        mf.files.write_text(corrected, text, force=force, kind="heights")
     written = [path for path in (output, corrected, picture) if path is not None]
     if as_json:
         data = made_data(design, made, correction, law)
@@ -119,7 +118,7 @@ def topography(
     print_written(written)
 
 
-def _measured(stored: Any, file: Path, design: Design, **options: bool) -> MadeSurface:
+def _measured(file: Path, stored: Any, design: Design, options: dict[str, bool]) -> MadeSurface:
     """Return the made surface of a height map; errors name its file."""
     try:
         with named(ARGUMENTS):

@@ -17,7 +17,7 @@ from metafem.explorer.answer import Answer
 from metafem.explorer.law.kinds import points
 from metafem.explorer.law.shown import EDITED, Units, numbers
 from metafem.explorer.text.document import Document
-from metafem.files.measurement.laws import COLUMNS, measured_law_of
+from metafem.files.measurement.laws import COLUMNS, read_measured_law
 from metafem.files.samples import TARGET, columns_of
 from metafem.files.tables import table_of
 from metafem.files.units import converted
@@ -168,7 +168,7 @@ def _rescaled(name: str, text: str) -> Points:
 
 def _measured(name: str, text: str, material: Material, friction: Friction | None) -> Points:
     try:
-        law = measured_law_of(
+        law = read_measured_law(
             table_of(name, text.encode("utf-8", "surrogatepass"), COLUMNS.example), material, friction
         )
     except InvalidInput as error:

@@ -205,11 +205,12 @@ class Body:
         return element, np.clip(0.5 + np.einsum("ijn,jn->in", slope, step), 0.0, 1.0)
 
     def fields_at(
-        self, skeleton: FloatArray, element: IntArray, point: FloatArray
+        self, skeleton: FloatArray, element: IntArray, point: FloatArray, *, by_plane: bool = False
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Displacement (2, n), its gradient (2, 2, n) by (r, z), and pressure (n,) inside elements.
 
-        `skeleton` is one column of a solution, `point` (2, n) are coordinates in the reference square.
+        `skeleton` is one column of a solution, `point` (2, n) are coordinates in the reference square. With
+        `by_plane` the gradient is by the plane's coordinates, and finite where the Jacobian vanishes.
         """
         local = self.displacement.local
         full = self._coefficients(skeleton, element)
@@ -217,10 +218,10 @@ class Body:
         value, slope = self.displacement.shapes(point)
         other, _ = self.pressure.shapes(point)
         straight = self.mesh.mapping()
-        plane = straight.F(point[:, :, None], element)[..., 0]
-        total = np.einsum(
-            "ijn,jkn->ikn", self.geometry.jacobian(plane), straight.DF(point[:, :, None], element)[..., 0]
-        )
+        total = straight.DF(point[:, :, None], element)[..., 0]
+        if not by_plane:
+            plane = straight.F(point[:, :, None], element)[..., 0]
+            total = np.einsum("ijn,jkn->ikn", self.geometry.jacobian(plane), total)
         (a, b), (c, d) = total
         inverse = np.array([[d, -b], [-c, a]]) / (a * d - b * c)
         return (
@@ -228,18 +229,6 @@ class Body:
             np.einsum("ncb,bkn,kjn->cjn", u, slope, inverse, optimize=True),
             np.einsum("nb,bn->n", full[:, 2 * local :], other),
         )
-
-    def plane_gradient(self, skeleton: FloatArray, element: int, point: FloatArray) -> FloatArray:
-        """Derivative (2, k) of the downward displacement by the plane's coordinates at one point.
-
-        It remains finite where the Jacobian of the geometry vanishes. Element sides are parallel to the axes.
-        """
-        local = self.displacement.local
-        which = np.array([element])
-        column = [self._coefficients(part, which)[0, local : 2 * local] for part in skeleton.T]
-        _, slope = self.displacement.shapes(point)
-        inverse = np.linalg.inv(self.mesh.mapping().DF(point[:, :, None], which)[:, :, 0, 0])
-        return np.asarray(inverse.T @ (slope[:, :, 0].T @ np.array(column).T))
 
     def _coefficients(self, skeleton: FloatArray, element: IntArray) -> FloatArray:
         """All coefficients of elements (n, local), bubbles included: radial, downward, pressure."""

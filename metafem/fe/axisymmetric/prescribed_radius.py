@@ -113,8 +113,8 @@ def spectral(
     """
     body = Body(mesh, geometry, degree, poisson_ratio)
     solved = _solve(body, profile, walled=False)
-    element, point = body.located("free", np.zeros((2, 1)))
-    slope = body.plane_gradient(solved.value, int(element[0]), point)[1]
+    edge = body.located("free", np.zeros((2, 1)))
+    slope = [body.fields_at(part, *edge, by_plane=True)[1][1, 1, 0] for part in solved.value.T]
     load = _nodal_forces(body, solved)[_nodes(body, "contact")].sum(axis=0)
     return _combined(body, solved, load, -slope[1] / slope[0], 0.0, geometry.radius, extent)
 

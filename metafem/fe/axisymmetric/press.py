@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from metafem import _validate as check
+from metafem.contact import Hertz
 from metafem.contact.cap_geometry import sphere_profile
 from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.fe.axisymmetric.geometry import Cap, Flat, Oblate, checked_cap
@@ -23,6 +24,14 @@ LAYER_EXTENT = 12.0
 # Degrees of the returned solution, and of the one from which its error is estimated.
 HALF_SPACE_DEGREES = (12, 10)
 GRADED_DEGREES = (6, 5)
+
+# Thickness and radius of the block below a pedestal, in summit radii; and the deficit of its compliance from
+# that of a half-space, in units of 1/(pi PEDESTAL_EXTENT), computed without a cap (test_press.py).
+PEDESTAL_EXTENT, SHORTFALL = 1e3, 1.366
+
+# The compliance of a pedestal is a small difference of indentations, so the mesh is finer at the edge than in
+# `press`. One degree more changes the compliance by 3e-5 of its value.
+PEDESTAL_DEGREE, PEDESTAL_EDGE = 5, 1e-6
 
 
 def press(
@@ -100,11 +109,10 @@ def press(
         mesh, geometry, extent = half_space_mesh(), Oblate(a), a * math.cosh(20.0)
         pair = [spectral(mesh, geometry, degree, nu, shape, extent) for degree in HALF_SPACE_DEGREES]
     else:
-        body, walled = _body(a, radius, height, thickness, block_radius, cell_radius)
+        body, side = _body(a, radius, height, thickness, block_radius, cell_radius)
         foot = body.foot if isinstance(body, Cap) else None
-        edge = float(body.surface(np.array(a))[0])
-        extent = float(body.surface(np.array(_extent(thickness, block_radius, cell_radius)))[0])
-        mesh = graded_mesh(edge, extent, thickness, foot)
+        edge, extent = (float(body.surface(np.array(r))[0]) for r in (a, side))
+        mesh, walled = graded_mesh(edge, extent, thickness, foot), cell_radius is not None
         pair = [graded(mesh, body, degree, nu, shape, a, extent, walled) for degree in GRADED_DEGREES]
     return _result(*pair)
 
@@ -139,25 +147,63 @@ def _profile(radius: Any, height: Any, profile: Profile | None) -> Profile:
     return lambda r: sphere_profile(r, big)
 
 
-def _extent(thickness: float, block_radius: float | None, cell_radius: float | None) -> float:
-    for size in (block_radius, cell_radius):
-        if size is not None:
-            return float(size)
-    return LAYER_EXTENT * thickness
-
-
 def _body(
     a: float, radius: Any, height: Any, thickness: Any, block_radius: Any, cell_radius: Any
-) -> tuple[Cap | Flat, bool]:
-    """Check the dimensions; return the body, and whether its side is the wall of a cell."""
+) -> tuple[Cap | Flat, float]:
+    """Check the dimensions; return the body and the radius of its side [mm]."""
     t = check.number("thickness", thickness, above=0.0)
     refuse_if(
         block_radius is not None and cell_radius is not None,
         "block_radius and cell_radius exclude each other: a body has one side",
     )
     name = "block_radius" if cell_radius is None else "cell_radius"
-    side = check.number(name, _extent(t, block_radius, cell_radius), above=0.0)
+    stated = block_radius if cell_radius is None else cell_radius
+    side = check.number(name, LAYER_EXTENT * t if stated is None else stated, above=0.0)
     refuse_if(a >= side, f"contact_radius = {a:g} must be smaller than {name} = {side:g}")
-    if height is None:
-        return Flat(), cell_radius is not None
-    return checked_cap(a, radius, height, t, name, side), cell_radius is not None
+    return Flat() if height is None else checked_cap(a, radius, height, t, name, side), side
+
+
+def measure_pedestal(height_ratio: float, contact_ratio: float, poisson_ratio: float = 0.5) -> float:
+    """Extra indentation of a spherical cap on a half-space over Hertz's at the same load, as a compliance.
+
+    ``c_p R`` with ``c_p = (d - d_Hertz(P)) pi E*/P``. With Hertz contacts it is the diagonal of the
+    influence between asperities in units of 1/(pi R). Small strain.
+
+    Parameters
+    ----------
+    height_ratio : float
+        h/R [-], up to 1.
+    contact_ratio : float
+        a/R [-], within the cap.
+    poisson_ratio : float
+        nu [-], from 0 to 0.5; default: 0.5.
+
+    Returns
+    -------
+    float
+        c_p R [-].
+
+    Raises
+    ------
+    InvalidInput
+        If the contact does not lie within the cap, or a value is outside its range.
+
+    Examples
+    --------
+    >>> round(measure_pedestal(0.38, 0.1), 2)
+    0.24
+    """
+    height = check.number("height_ratio", height_ratio, above=0.0, at_most=1.0)
+    a = check.number("contact_ratio", contact_ratio, above=0.0)
+    nu = check.number("poisson_ratio", poisson_ratio, **check.POISSON)
+    cap = Cap(1.0, height, PEDESTAL_EXTENT, PEDESTAL_EXTENT)
+    refuse_if(a >= cap.foot, f"contact_ratio = {a:g} must lie within the cap's edge at {cap.foot:g}")
+    edge = float(cap.surface(np.array(a))[0])
+    mesh = graded_mesh(edge, PEDESTAL_EXTENT, PEDESTAL_EXTENT, cap.foot, contact_edge=PEDESTAL_EDGE)
+    pressed = graded(
+        mesh, cap, PEDESTAL_DEGREE, nu, lambda r: sphere_profile(r, 1.0), a, PEDESTAL_EXTENT, False
+    )
+    hertz = float(Hertz().indentation_at_load(pressed.rescaled_load, 1.0))
+    return float(
+        math.pi * (pressed.indentation - hertz) / pressed.rescaled_load + SHORTFALL / PEDESTAL_EXTENT
+    )

@@ -36,9 +36,9 @@ def quarter_lines(
     spans = (0.5 * block.width, reach[0]), (0.5 * block.length, reach[1]), (thickness, thickness)
     while True:
         sizes = stretch * thickness * cell, stretch * thickness * edge_cell
-        lines = [graded_line(length, far, *sizes) for length, far in spans]
-        if math.prod(len(line) - 1 for line in lines) <= MOST_CELLS:
-            return lines, stretch
+        # before they are made: a thin block has millions of cells until they are enlarged
+        if math.prod(math.ceil(_counts(length, far, *sizes)[-1]) for length, far in spans) <= MOST_CELLS:
+            return [graded_line(length, far, *sizes) for length, far in spans], stretch
         stretch *= STRETCH
 
 
@@ -48,16 +48,7 @@ def graded_line(length: float, reach: float, cell: float, edge_cell: float) -> F
     The size is ``min(cell + OUTER_GROWTH (s - reach)+, start + EDGE_GROWTH (length - s))``, where the last
     cell is `edge_cell`. The number of cells up to s is the integral of its reciprocal, in closed form.
     """
-    start = min(edge_cell, cell) * EDGE_GROWTH / math.expm1(EDGE_GROWTH)
-    # the position at which the two sizes are equal
-    top = start + EDGE_GROWTH * length - cell
-    meeting = top / EDGE_GROWTH
-    if meeting > reach:
-        meeting = (top + OUTER_GROWTH * reach) / (OUTER_GROWTH + EDGE_GROWTH)
-    meeting = min(max(meeting, 0.0), length)
-    uniform = min(reach, meeting) / cell
-    outer = uniform + math.log1p(OUTER_GROWTH * max(meeting - reach, 0.0) / cell) / OUTER_GROWTH
-    total = outer + math.log1p(EDGE_GROWTH * (length - meeting) / start) / EDGE_GROWTH
+    start, uniform, outer, total = _counts(length, reach, cell, edge_cell)
     number = np.linspace(0.0, total, math.ceil(total) + 1)
     beyond = np.clip(number, uniform, outer) - uniform
     left = cell * (np.minimum(number, uniform) + np.expm1(OUTER_GROWTH * beyond) / OUTER_GROWTH)
@@ -65,3 +56,16 @@ def graded_line(length: float, reach: float, cell: float, edge_cell: float) -> F
     line = np.where(number < outer, left, length - right)
     line[0] = 0.0
     return np.asarray(line)
+
+
+def _counts(length: float, reach: float, cell: float, edge_cell: float) -> tuple[float, float, float, float]:
+    """Return `start`, and the number of cells up to `reach`, to where the sizes are equal, and in all."""
+    start = min(edge_cell, cell) * EDGE_GROWTH / math.expm1(EDGE_GROWTH)
+    top = start + EDGE_GROWTH * length - cell
+    meeting = top / EDGE_GROWTH
+    if meeting > reach:
+        meeting = (top + OUTER_GROWTH * reach) / (OUTER_GROWTH + EDGE_GROWTH)
+    meeting = min(max(meeting, 0.0), length)
+    uniform = min(reach, meeting) / cell
+    outer = uniform + math.log1p(OUTER_GROWTH * max(meeting - reach, 0.0) / cell) / OUTER_GROWTH
+    return start, uniform, outer, outer + math.log1p(EDGE_GROWTH * (length - meeting) / start) / EDGE_GROWTH

@@ -94,6 +94,12 @@ class Block3D:
             )
         return replace(self, block=block, poisson_ratio=ratio)
 
+    def values(self) -> tuple[Block, float]:
+        """Return the block and its Poisson's ratio, which `for_surface` sets."""
+        assert self.block is not None
+        assert self.poisson_ratio is not None
+        return self.block, self.poisson_ratio
+
     def influence_matrix(self, surface: Surface) -> FloatArray:
         """Displacement at asperity i per load on j, (n, n) [1/mm], with w on the diagonal."""
         return self.solution(surface).matrix.copy()
@@ -115,8 +121,7 @@ class Block3D:
         """
         bound = self.for_surface(surface)
         result = _solution(bound, surface.position.tobytes())
-        assert bound.block is not None
-        limit = ERROR_LIMIT / (math.pi * bound.block.thickness)
+        limit = ERROR_LIMIT / (math.pi * bound.values()[0].thickness)
         if result.error_estimate > limit:
             warnings.warn(
                 f"the block's influence has an estimated error of {result.error_estimate:.1e} /mm, above "
@@ -129,9 +134,7 @@ class Block3D:
 
 def _numbers(bound: Block3D, position: FloatArray) -> tuple[tuple[float, ...], FloatArray]:
     """Return the data that identify a stored influence: the numbers of the block, and the sites."""
-    block, ratio = bound.block, bound.poisson_ratio
-    assert block is not None
-    assert ratio is not None
+    block, ratio = bound.values()
     shape = (block.width, block.length, block.thickness, ratio, bound.cell, bound.edge_cell)
     return shape, position + 0.0  # no negative zeros in the key
 
@@ -139,9 +142,7 @@ def _numbers(bound: Block3D, position: FloatArray) -> tuple[tuple[float, ...], F
 @lru_cache(maxsize=16)
 def _solution(bound: Block3D, position: bytes) -> BlockInfluence:
     """Read or compute an influence; it is also cached in memory, in case the folder cannot be written."""
-    block, ratio = bound.block, bound.poisson_ratio
-    assert block is not None
-    assert ratio is not None
+    block, ratio = bound.values()
     shape, site = _numbers(bound, np.frombuffer(position).reshape(-1, 2))
 
     def compute() -> BlockInfluence:

@@ -156,7 +156,7 @@ class SoftBody(Body):
     def flatten(
         self,
         profile: Profile,
-        stuck: tuple[Profile, Profile] | None = None,
+        stuck: tuple[Profile, ...] | None = None,
         start: FiniteContact | None = None,
     ) -> FiniteContact:
         """Flatten the surface within the boundary `contact`, without force at its edge.
@@ -189,7 +189,7 @@ class SoftBody(Body):
                 raise NotConverged(f"no equilibrium beyond {last.fraction:.0%} of the indentation", last)
         return last
 
-    def _plane(self, profile: Profile, stuck: tuple[Profile, Profile] | None) -> Plane:
+    def _plane(self, profile: Profile, stuck: tuple[Profile, ...] | None) -> Plane:
         count, contact = self.count, self.boundary("contact")
         edge = self.edge_nodes[0]
         modes = np.zeros((self.size, 1 if stuck is None else 2))

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
+from metafem.contact import TabulatedContact
 from metafem.contact.cap_geometry import sphere_profile
 from metafem.errors import NotConverged, refuse_if
 from metafem.fe.axisymmetric.geometry import Cap, checked_cap
 from metafem.fe.axisymmetric.mesh import graded_mesh
 from metafem.fe.large_strain.body import FiniteContact, SoftBody
+from metafem.material import Material
+from metafem.substrate import BondedLayer
 
 # Size of the last elements at the edge, relative to the contact radius: the bracket of the edge is of this
 # order, which is below the error of quadratic elements.
@@ -122,49 +127,36 @@ def _on_mesh(
     radii: FloatArray, cap: Cap, stick: bool, refinement: int, guesses: list[float]
 ) -> list[FiniteContact]:
     """Return contacts of increasing radii on meshes of one refinement."""
-    history = Stick(cap.radius) if stick else None
     contacts: list[FiniteContact] = []
     for i, a in enumerate(radii):
         guess = guesses[i] if guesses else a * (contacts[-1].material_radius / radii[i - 1] if i else 1.0)
-        contacts.append(_contact(float(a), cap, history, refinement, float(guess)))
-        if history is not None:
-            history.add(contacts[-1].material_radius, contacts[-1].shift)
+        contacts.append(_contact(float(a), cap, contacts if stick else None, refinement, float(guess)))
     return contacts
 
 
-class Stick:
-    """Radial displacement at first contact over the undeformed radius s: ``s^3`` times Newton's polynomial.
+def stick_mode(s: FloatArray, earlier: list[FiniteContact], unit: float) -> FloatArray:
+    """Return the term of the radial displacement that vanishes where earlier contacts ended.
 
-    There is no term of s^2, as an incompressible surface does not move radially at small strain.
+    The displacement at first contact over the undeformed radius s is ``s^3`` times Newton's polynomial. There
+    is no term of s^2, as an incompressible surface does not move radially at small strain.
     """
-
-    def __init__(self, unit: float) -> None:
-        self.unit = unit
-        self.radii: list[float] = []
-        self.amplitudes: list[float] = []
-
-    def mode(self, s: FloatArray, count: int | None = None) -> FloatArray:
-        """Return the term that vanishes at the radii of the first `count` contacts; default: of all."""
-        result = self.unit * (s / self.unit) ** 3
-        for radius in self.radii[:count]:
-            result = result * (s - radius) / self.unit
-        return np.asarray(result)
-
-    def displacement(self, s: FloatArray) -> FloatArray:
-        """Return the sum of the terms so far."""
-        result = np.zeros_like(s)
-        for i, amplitude in enumerate(self.amplitudes):
-            result += amplitude * self.mode(s, i)
-        return result
-
-    def add(self, radius: float, amplitude: float) -> None:
-        """Add a contact: its material radius, and the amplitude of its term."""
-        self.radii.append(radius)
-        self.amplitudes.append(amplitude)
+    factors = [(s - contact.material_radius) / unit for contact in earlier]
+    return np.asarray(unit * (s / unit) ** 3 * np.prod([np.ones_like(s), *factors], axis=0))
 
 
-def _contact(a: float, cap: Cap, stick: Stick | None, refinement: int, guess: float) -> FiniteContact:
-    """Return the contact with the deformed radius a; the material radius is found by the secant method."""
+def stuck_displacement(s: FloatArray, earlier: list[FiniteContact], unit: float) -> FloatArray:
+    """Return the radial displacement of points that stick since earlier contacts."""
+    terms = (contact.shift * stick_mode(s, earlier[:i], unit) for i, contact in enumerate(earlier))
+    return sum(terms, start=np.zeros_like(s))
+
+
+def _contact(
+    a: float, cap: Cap, earlier: list[FiniteContact] | None, refinement: int, guess: float
+) -> FiniteContact:
+    """Return the contact with the deformed radius a; the material radius is found by the secant method.
+
+    With stick, `earlier` holds the smaller contacts.
+    """
     state: FiniteContact | None = None
     material, before = guess, (0.0, 0.0)
     for _ in range(SECANT_STEPS):
@@ -172,7 +164,7 @@ def _contact(a: float, cap: Cap, stick: Stick | None, refinement: int, guess: fl
             not material < cap.foot,
             f"contact_radius = {a:g} brings the cap's edge at {cap.foot:g} into contact",
         )
-        state = _flatten(material, cap, stick, refinement, state)
+        state = _flatten(material, cap, earlier, refinement, state)
         edge = state.contact_radius
         if abs(edge / a - 1.0) <= RADIUS_ERROR:
             return replace(state, contact_radius=a, material_radius=material)
@@ -182,7 +174,11 @@ def _contact(a: float, cap: Cap, stick: Stick | None, refinement: int, guess: fl
 
 
 def _flatten(
-    material: float, cap: Cap, stick: Stick | None, refinement: int, start: FiniteContact | None
+    material: float,
+    cap: Cap,
+    earlier: list[FiniteContact] | None,
+    refinement: int,
+    start: FiniteContact | None,
 ) -> FiniteContact:
     """Flatten the cap up to a material radius, from a state with nearly the same one if given."""
     mesh = graded_mesh(
@@ -196,8 +192,71 @@ def _flatten(
     body = SoftBody(mesh.refined(refinement) if refinement else mesh, cap, 2, 0.5)
     if start is not None and len(start.unknowns) != body.size:
         start = None
-    return body.flatten(
-        partial(sphere_profile, radius=cap.radius),
-        None if stick is None else (stick.displacement, stick.mode),
-        start,
+    stuck = None
+    if earlier is not None:
+        stuck = tuple(
+            partial(part, earlier=earlier, unit=cap.radius) for part in (stuck_displacement, stick_mode)
+        )
+    return body.flatten(partial(sphere_profile, radius=cap.radius), stuck, start)
+
+
+def tabulated_contact(
+    contact_radius: ArrayLike,
+    radius: float,
+    *,
+    height: float,
+    thickness: float,
+    block_radius: float,
+    material: Material,
+) -> TabulatedContact:
+    """Return the contact law of a soft spherical cap at large strain, from `press_finite`.
+
+    The plane slips on the cap. As in all contact laws, the indentation is that of the cap on a half-space: on
+    a block of this thickness it is smaller by ``-P self_influence`` of `BondedLayer`, which coupled models
+    add. The law includes the compliance of the pedestal. It takes about 6 s per contact radius; the load is
+    within 0.2 % where the mesh resolves the contact (`FiniteContact.error_estimate`).
+
+    Parameters
+    ----------
+    contact_radius : array_like, (m,)
+        Increasing contact radii [mm] of the table, at least 3, below the radius of the cap's base.
+    radius, height : float
+        Radius of the sphere and height of its cap [mm], the height up to the radius.
+    thickness, block_radius : float
+        Thickness and radius of the block [mm].
+    material : Material
+        Incompressible; its E* scales the loads.
+
+    Returns
+    -------
+    TabulatedContact
+
+    Raises
+    ------
+    InvalidInput
+        If a size does not fit the others, or the material is compressible.
+    NotConverged
+        If a contact does not converge.
+
+    Examples
+    --------
+    >>> law = tabulated_contact(
+    ...     [0.1, 0.2, 0.26], 0.526, height=0.2, thickness=7.2, block_radius=10.0, material=Material(1.36)
+    ... )
+    >>> round(float(law.table[1, -1]) / (1.36 * 4 / 3 * 0.26**3 / 0.526), 3)
+    0.977
+    """
+    radii = check.array("contact_radius", contact_radius, shape=(None,), positive=True)
+    check.instance("material", material, Material, "a metafem.Material")
+    refuse_if(
+        material.poisson_ratio != 0.5,
+        f"material = {material!r} must have poisson_ratio = 0.5: at large strain the finite elements are "
+        "incompressible",
     )
+    check.increasing("contact_radius", radii)
+    cap = checked_cap(float(radii[-1]), radius, height, thickness, "block_radius", block_radius)
+    contacts = press_sequence(radii, cap, stick=False)
+    load = np.array([contact.rescaled_load for contact in contacts])
+    sunk = -BondedLayer(cap.thickness, 0.5).self_influence * load
+    indentation = np.array([contact.indentation for contact in contacts]) + sunk
+    return TabulatedContact(indentation, material.composite_modulus * load, math.pi * radii**2)

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from metafem.calibration import ContactCalibration, ShearCalibration, StrengthFit
+from metafem.calibration import ContactCalibration, ShearCalibration, StrengthFit, Verdict
 from metafem.files.measurement.numbers import interval, rounded
 from metafem.files.specification.options import section_named
 
@@ -33,7 +33,7 @@ def block_text(
     if contact is not None:
         lines += ["", *_material(contact), "", *_contact(contact, section_named((cap or "hertz").split()))]
     if shear is not None or strength is not None:
-        lines += ["", "[friction]", _strength(shear, strength), _ratio(shear, strength)]
+        lines += ["", *_friction(shear, strength)]
     return "\n".join(lines) + "\n"
 
 
@@ -71,28 +71,28 @@ def _contact(found: ContactCalibration, cap: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _strength(shear: ShearCalibration | None, full: StrengthFit | None) -> str:
-    """Return the key of the shear strength."""
-    found = full if full is not None else shear
-    assert found is not None
-    fits = full.verdict.law_fits if full is not None else found.friction_verdict.law_fits  # type: ignore[union-attr]
-    sd = math.sqrt(found.covariance[-1, -1])
-    comment = interval(found.shear_strength_interval, sd, "MPa")
-    comment += ", of a surface in full contact" if full is not None else ""
-    comment += "" if fits else "; the line does not fit"
-    return f'shear_strength = "{rounded(found.shear_strength, sd, 3)} MPa"  # {comment}'
+def _friction(shear: ShearCalibration | None, full: StrengthFit | None) -> list[str]:
+    """Return the section of the friction; the shear strength is that of full contact, if there is one."""
+    lines = ["[friction]"]
+    if full is not None:
+        lines.append(_parameter("shear_strength", full, -1, full.verdict, ", of a surface in full contact"))
+    elif shear is not None:
+        lines.append(_parameter("shear_strength", shear, -1, shear.friction_verdict))
+    if shear is not None:
+        lines.append(_parameter("area_ratio", shear, 0, shear.area_verdict))
+    elif full is not None:
+        lines.append(f"area_ratio = {full.area_ratio!r}  # that of the part")
+    return lines
 
 
-def _ratio(shear: ShearCalibration | None, full: StrengthFit | None) -> str:
-    """Return the key of the area ratio."""
-    if shear is None:
-        assert full is not None
-        return f"area_ratio = {full.area_ratio!r}  # that of the part"
-    sd = math.sqrt(shear.covariance[0, 0])
-    fits = "" if shear.area_verdict.law_fits else "; the line does not fit"
-    return (
-        f"area_ratio = {rounded(shear.area_ratio, sd, 3)}  # {interval(shear.area_ratio_interval, sd)}{fits}"
-    )
+def _parameter(name: str, found: Any, index: int, verdict: Verdict, remark: str = "") -> str:
+    """Return the key of a parameter with its interval; `index` is its place in the covariance."""
+    unit = "MPa" if name == "shear_strength" else ""
+    sd = math.sqrt(found.covariance[index, index])
+    value = f"{rounded(getattr(found, name), sd, 3)} {unit}".rstrip()
+    comment = interval(getattr(found, f"{name}_interval"), sd, unit) + remark
+    fits = "" if verdict.law_fits else "; the line does not fit"
+    return f"{name} = {json.dumps(value) if unit else value}  # {comment}{fits}"
 
 
 def _keys(section: Mapping[str, Any]) -> list[str]:

@@ -10,19 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from metafem._given import printable
 from metafem._validate import FloatArray
 from metafem.calibration import (
     ContactCalibration,
-    Heterogeneity,
     ShearCalibration,
     ShearRecord,
     StrengthFit,
     Verdict,
     joint_covariance,
 )
-from metafem.calibration.verdict import SingleTest
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.files.reading import RECORD, file_label, read_bytes, read_record
 
 # Name of the kind of file.
@@ -89,9 +86,7 @@ def calibration_data(
             "modulus_without_adhesion_MPa": modulus,
             "modulus_without_adhesion_sd_MPa": without_sd,
             "compression_verdict": _verdict(contact.verdict),
-            "compression_tests": _tests(contact.tests, "composite_modulus"),
-            "compression_heterogeneity": _heterogeneity(contact.heterogeneity),
-            "compression_bootstrap_sd": _spread(contact.bootstrap, ("composite_modulus", "adhesion_root")),
+            **_tests("compression", contact, ("composite_modulus",), ("composite_modulus", "adhesion_root")),
         }
     if shear is not None:
         values |= {"area_ratio": shear.area_ratio, "shear_strength": shear.shear_strength}
@@ -101,9 +96,7 @@ def calibration_data(
             **_stated("shear_strength", shear, strength_sd),
             "area_ratio_verdict": _verdict(shear.area_verdict),
             "shear_strength_verdict": _verdict(shear.friction_verdict),
-            "shear_tests": _tests(shear.tests, "area_ratio", "shear_strength"),
-            "shear_heterogeneity": _heterogeneity(shear.heterogeneity),
-            "shear_bootstrap_sd": _spread(shear.bootstrap, ("area_ratio", "shear_strength")),
+            **_tests("shear", shear, *(("area_ratio", "shear_strength"),) * 2),
         }
     if strength is not None:
         values["shear_strength"] = strength.shear_strength
@@ -133,20 +126,14 @@ def read_parameters(path: str | Path) -> CalibratedParameters:
             f"{label} is not a calibration; write one with metafem calibrate DATA.csv -o calibration.json"
         )
     try:
-        names = tuple(str(name) for name in data["parameters"])
+        names = tuple(map(str, data["parameters"]))
         value, covariance = np.array(data["values"], float), np.array(data["covariance"], float)
     except (KeyError, TypeError, ValueError):
-        raise InvalidInput(f"{label} is damaged: parameters, values or covariance cannot be read") from None
-    unknown = [name for name in names if name not in UNITS]
-    count = len(names)
-    if unknown or len(set(names)) != count or value.shape != (count,) or covariance.shape != (count, count):
-        raise InvalidInput(
-            f"{label} is damaged: parameters, values and covariance of {printable(str(names), 80)} do not "
-            "fit together"
-        )
-    variance = np.diagonal(covariance)
-    if not (np.isfinite(value).all() and np.isfinite(covariance).all() and (variance >= 0.0).all()):
-        raise InvalidInput(f"{label} is damaged: the covariance has variances {variance.tolist()}")
+        names, value, covariance = (), np.empty(0), np.empty((0, 0))
+    fits: Any = names and set(names) <= UNITS.keys() and value.shape == (len(set(names)),) == (len(names),)
+    fits = fits and covariance.shape == 2 * value.shape and (np.diagonal(covariance) >= 0.0).all()
+    fits = fits and np.isfinite(value).all() and np.isfinite(covariance).all()
+    refuse_if(not fits, f"{label} is damaged: parameters, values and covariance do not fit together")
     return CalibratedParameters(names, value, covariance)
 
 
@@ -161,22 +148,29 @@ def _stated(name: str, found: Any, sd: float) -> dict[str, Any]:
     return {_key(name): getattr(found, name), _key(name, "_sd"): sd, _key(name, "_interval"): interval}
 
 
-def _tests(tests: Sequence[SingleTest], *names: str) -> list[dict[str, Any]]:
-    """Return the parameters of each test."""
-    return [
+def _tests(kind: str, found: Any, names: Sequence[str], drawn: Sequence[str]) -> dict[str, Any]:
+    """Return the parameters of each test, their agreement, and the standard deviations of a bootstrap."""
+    tests = [
         {"test": test.name, "points": test.points}
         | {
-            _key(name, what): _known(numbers[i])
+            _key(name, what): None if math.isnan(numbers[i]) else float(numbers[i])
             for i, name in enumerate(names)
             for what, numbers in (("", test.value), ("_sd", test.sd))
         }
-        for test in tests
+        for test in found.tests
     ]
-
-
-def _known(value: float) -> float | None:
-    """Return a number, None if it was not determined."""
-    return None if math.isnan(value) else float(value)
+    alike, draws = found.heterogeneity, found.bootstrap
+    agreement = alike and {
+        key: getattr(alike, key) for key in ("agree", "chi_square", "freedom", "probability")
+    }
+    spread = None
+    if draws is not None and len(draws) > 1:  # fewer have no spread
+        spread = dict(zip(drawn, draws.std(axis=0, ddof=1).tolist(), strict=True))
+    return {
+        f"{kind}_tests": tests,
+        f"{kind}_heterogeneity": agreement,
+        f"{kind}_bootstrap_sd": spread,
+    }
 
 
 def _verdict(found: Verdict) -> dict[str, Any]:
@@ -185,16 +179,3 @@ def _verdict(found: Verdict) -> dict[str, Any]:
         probability = "probability" if test.name == "chi_square" else f"{test.name}_probability"
         data |= {test.name: test.statistic, probability: test.probability}
     return data
-
-
-def _heterogeneity(found: Heterogeneity | None) -> dict[str, Any] | None:
-    if found is None:
-        return None
-    return {key: getattr(found, key) for key in ("agree", "chi_square", "freedom", "probability")}
-
-
-def _spread(draws: FloatArray | None, names: tuple[str, str]) -> dict[str, float] | None:
-    """Return the standard deviations of a bootstrap, None of fewer than two draws with a fit."""
-    if draws is None or len(draws) < 2:
-        return None
-    return dict(zip(names, draws.std(axis=0, ddof=1).tolist(), strict=True))

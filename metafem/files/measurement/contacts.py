@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from metafem._given import printable, shown
 from metafem._validate import FloatArray
 from metafem.calibration import ContactTable
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.files.measurement.remarks import cells_of_remarks, remarks_of_cells
 from metafem.files.tables import Columns, Entries, Table, read_table
 
@@ -31,11 +34,9 @@ ERROR_OF = {"area": "area_error", "sheared_area": "sheared_area_error"}
 def contacts_table(table: ContactTable) -> str:
     """Return contact areas as CSV, one line for each image and contact; empty where not measured."""
     images = list(zip(table.test, table.image, strict=True))
-    twice = next((image for i, image in enumerate(images) if image in images[:i]), None)
-    if twice is not None:
-        raise InvalidInput(
-            f"image {printable(twice[1])} of test {printable(twice[0])!r} is in the table twice"
-        )
+    for i, (test, image) in enumerate(images):
+        must = f"image {printable(image)} of test {printable(test)!r} is in the table twice"
+        refuse_if((test, image) in images[:i], must)
     remarks = cells_of_remarks(table)
     lines = [HEADER]
     for i, (test, image) in enumerate(images):
@@ -75,122 +76,97 @@ class _Rows:
 
     def __init__(self, entries: Entries) -> None:
         self.entries = entries
-        images = list(zip(entries.texts("test"), entries.texts("image"), strict=True))
+        names = entries.texts("image")
+        if "" in names:
+            cell = entries.cell(names.index(""), "image")
+            raise InvalidInput(f"{cell} is empty; write the name of the image")
+        images = list(zip(entries.texts("test"), names, strict=True))
         numbers = entries.whole("contact", 1)
-        self.images = list(dict.fromkeys(images))
-        self.numbers = list(dict.fromkeys(numbers))
-        self.place = self._places(images, numbers)
+        found: dict[tuple[tuple[str, str], int], int] = {}
+        for index, (image, number) in enumerate(zip(images, numbers, strict=True)):
+            before = found.setdefault((image, number), index)
+            if before != index:
+                raise InvalidInput(
+                    f"{entries.cell(index, 'contact')} = {number} of image {printable(image[1], 60)} is in "
+                    f"line {self._line(before)} too; keep one"
+                )
+        self.images, every = list(dict.fromkeys(images)), list(dict.fromkeys(numbers))
+        for image, number in product(self.images, every):
+            if (image, number) not in found:
+                raise InvalidInput(
+                    f"{entries.table.name}: image {printable(image[1], 60)} lacks contact {number}, which "
+                    "others have; add its line, with the area 0 if it is open"
+                )
+        # the index of the entry of each image and contact, (k, n)
+        self.place = np.array([[found[image, number] for number in every] for image in self.images])
 
     def contacts(self) -> ContactTable:
         """Return the table."""
-        values = {name: self.entries.numbers(name, empty=True)[self.place] for name in COLUMNS.units}
-        for name in ERROR_OF:
-            self._refuse_areas(name, values[name], values[ERROR_OF[name]])
+        values: dict[str, Any] = {
+            name: self.entries.numbers(name, empty=True)[self.place] for name in COLUMNS.units
+        }
+        for name, error in ERROR_OF.items():
+            for column in (name, error):
+                self._refuse(values[column] < 0.0, column, "= {text} must not be negative")
+            for given, missing in ((error, name), (name, error)):
+                alone = np.isnan(values[missing]) & ~np.isnan(values[given])
+                if alone.any() and missing not in self.entries.columns:
+                    raise COLUMNS.lacking(self.entries, missing)
+                title = self.entries.title(given) if alone.any() else given
+                self._refuse(alone, missing, f"is empty, and {title} is not; write both or none")
+        for name in ("x", "y"):
+            self._refuse(np.isnan(values[name]), name, "is empty; write the contact's position")
+        of_image: dict[str, Any] = {
+            name: self._common(name, values[name], 1) for name in ("load", "friction_force")
+        }
+        position = np.column_stack([self._common(name, values[name], 0) for name in ("x", "y")])
         sites = self._sites()
-        x, y = (self._of_contact(name, values[name]) for name in ("x", "y"))
         tests, names = zip(*self.images, strict=True)
         found = ContactTable(
             image=names,
             test=tests,
-            load=self._of_image("load", values["load"]),
-            friction_force=self._of_image("friction_force", values["friction_force"]),
-            position=np.column_stack([x, y]),
-            site=np.arange(len(self.numbers)) if sites is None else sites,
+            position=position,
+            site=np.arange(len(position)) if sites is None else sites,
             matched=sites is not None,
-            area=values["area"],
-            area_error=values["area_error"],
-            sheared_area=values["sheared_area"],
-            sheared_area_error=values["sheared_area_error"],
+            **of_image,
+            **{name: values[name] for pair in ERROR_OF.items() for name in pair},
         )
-        return replace(found, remarks=remarks_of_cells(found, self._remarks()))
+        remarks = self.entries.texts("remark")
+        cells = {(i, j): remarks[index] for (i, j), index in np.ndenumerate(self.place)}
+        return replace(found, remarks=remarks_of_cells(found, cells))
 
-    def _places(self, images: list[tuple[str, str]], numbers: list[int]) -> np.ndarray:
-        """Return the index of the entry of each image and contact, (k, n)."""
-        row = {image: i for i, image in enumerate(self.images)}
-        column = {number: j for j, number in enumerate(self.numbers)}
-        place = np.full((len(row), len(column)), -1)
-        for index, (image, number) in enumerate(zip(images, numbers, strict=True)):
-            if not image[1]:
-                raise InvalidInput(
-                    f"{self.entries.cell(index, 'image')} is empty; write the name of the image"
-                )
-            i, j = row[image], column[number]
-            if place[i, j] >= 0:
-                before = self._line(place[i, j])
-                raise InvalidInput(
-                    f"{self.entries.cell(index, 'contact')} = {number} of image {printable(image[1], 60)} "
-                    f"is in line {before} too; keep one"
-                )
-            place[i, j] = index
-        for i, j in np.argwhere(place < 0)[:1]:
-            raise InvalidInput(
-                f"{self.entries.table.name}: image {printable(self.images[i][1], 60)} lacks contact "
-                f"{self.numbers[j]}, which others have; add its line, with the area 0 if it is open"
-            )
-        return place
-
-    def _line(self, index: int) -> int:
-        return self.entries.table.rows[index][0]
-
-    def _text(self, index: int, name: str) -> str:
-        return self.entries.texts(name)[index]
-
-    def _of_image(self, name: str, values: FloatArray) -> FloatArray:
-        """Return the values of a column that is the same for all contacts of an image, (k,)."""
-        return self._alike(name, values, "the image")[:, 0].copy()
-
-    def _of_contact(self, name: str, values: FloatArray) -> FloatArray:
-        """Return the values of a column that is the same for a contact in all images, (n,)."""
-        for i, j in np.argwhere(np.isnan(values))[:1]:
-            raise InvalidInput(
-                f"{self.entries.cell(self.place[i, j], name)} is empty; write the contact's position"
-            )
-        return self._alike(name, values.T, "the contact", self.place.T)[:, 0].copy()
-
-    def _alike(self, name: str, values: FloatArray, of: str, place: np.ndarray | None = None) -> FloatArray:
-        place = self.place if place is None else place
-        first = values[:, :1]
-        differs = (values != first) & ~(np.isnan(values) & np.isnan(first))
-        for i, j in np.argwhere(differs)[:1]:
-            text = self._text(place[i, j], name)
-            raise InvalidInput(
-                f"{self.entries.cell(place[i, j], name)} = {shown(text, 40)} differs from line "
-                f"{self._line(place[i, 0])}; {of} has one value"
-            )
-        return values
-
-    def _refuse_areas(self, name: str, area: FloatArray, error: FloatArray) -> None:
-        """Refuse negative areas and errors, and an area without its error."""
-        for column, values in ((name, area), (ERROR_OF[name], error)):
-            for i, j in np.argwhere(values < 0.0)[:1]:
-                text = self._text(self.place[i, j], column)
-                raise InvalidInput(
-                    f"{self.entries.cell(self.place[i, j], column)} = {text} must not be negative"
-                )
-        for i, j in np.argwhere(np.isnan(area) != np.isnan(error))[:1]:
-            given, missing = (ERROR_OF[name], name) if np.isnan(area[i, j]) else (name, ERROR_OF[name])
-            if missing not in self.entries.columns:
-                raise COLUMNS.lacking(self.entries, missing)
-            cell, title = self.entries.cell(self.place[i, j], missing), self.entries.title(given)
-            raise InvalidInput(f"{cell} is empty, and {title} is not; write both or none")
-
-    def _sites(self) -> np.ndarray | None:
+    def _sites(self) -> NDArray[np.intp] | None:
         """Return the site of each contact, (n,), or None if no contact has one."""
         if not any(self.entries.texts("site")):
             return None
         whole = np.array(self.entries.whole("site", 0), dtype=float)
-        sites = self._alike("site", whole[self.place].T, "the contact", self.place.T)
-        found = sites[:, 0].astype(np.intp)
-        for j in range(len(found)):
-            if found[j] in found[:j]:
-                cell = self.entries.cell(self.place[0, j], "site")
-                raise InvalidInput(f"{cell} = {found[j]} is the site of another contact too")
-        return found
+        sites = self._common("site", whole[self.place], 0).astype(np.intp)
+        _, first = np.unique(sites, return_index=True)
+        for j in np.setdiff1d(np.arange(len(sites)), first)[:1]:
+            cell = self.entries.cell(self.place[0, j], "site")
+            raise InvalidInput(f"{cell} = {sites[j]} is the site of another contact too")
+        return sites
 
-    def _remarks(self) -> dict[tuple[int, int], str]:
-        """Return the remarks of each image and contact."""
-        remarks = self.entries.texts("remark")
-        return {(i, j): remarks[index] for (i, j), index in np.ndenumerate(self.place)}
+    def _common(self, name: str, values: FloatArray, axis: int) -> FloatArray:
+        """Return the values of a column that is the same for all images (axis 0) or contacts (axis 1)."""
+        first = values.take([0], axis)
+        differs = (values != first) & ~(np.isnan(values) & np.isnan(first))
+        before = np.broadcast_to(self.place.take([0], axis), differs.shape)
+        for i, j in np.argwhere(differs)[:1]:
+            of, line = ("the contact", "the image")[axis], self._line(before[i, j])
+            self._refuse(differs, name, f"= {{shown}} differs from line {line}; {of} has one value")
+        return np.asarray(first.ravel())
+
+    def _line(self, index: int) -> int:
+        return self.entries.table.rows[index][0]
+
+    def _refuse(self, wrong: NDArray[np.bool_], name: str, must: str) -> None:
+        """Refuse the first of the `wrong` entries (k, n) of a column."""
+        for index in self.place[wrong][:1].tolist():
+            text = self.entries.texts(name)[index]
+            raise InvalidInput(
+                f"{self.entries.cell(index, name)} {must.format(text=text, shown=shown(text, 40))}"
+            )
 
 
 def _cell(value: object) -> str:

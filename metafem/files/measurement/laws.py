@@ -7,7 +7,7 @@ from typing import Any
 
 from metafem._validate import IntArray
 from metafem.calibration import MeasuredLaw, MeasurementErrors
-from metafem.errors import InvalidInput, named
+from metafem.errors import InvalidInput, named, refuse_if
 from metafem.files.measurement.contacts import contacts_of, is_of_contacts
 from metafem.files.tables import Columns, Table, read_table
 from metafem.surface import Friction, Material
@@ -25,7 +25,7 @@ PAPER = MeasurementErrors()
 
 
 def read_measured_law(
-    path: str | Path,
+    source: str | Path | Table,
     material: Material,
     friction: Friction | None = None,
     *,
@@ -37,11 +37,12 @@ def read_measured_law(
 
     Parameters
     ----------
-    path : str or Path
-        CSV whose first line names its columns as quantity_unit: ``load`` and ``friction_force`` or ``area``,
-        and optionally their standard deviations ``load_sd``, ``friction_force_sd`` and ``area_sd``, in any
-        order and unit, as ``load_mN,friction_force_mN``. Other columns are not read, which `metafem.progress`
-        reports; lines that begin with ``#`` are skipped. Or a table of the contacts in images, as
+    source : str, Path or Table
+        CSV file, or its content. Its first line names its columns as quantity_unit: ``load`` and
+        ``friction_force`` or ``area``, and optionally their standard deviations ``load_sd``,
+        ``friction_force_sd`` and ``area_sd``, in any order and unit, as ``load_mN,friction_force_mN``.
+        Other columns are not read, which `metafem.progress` reports; lines that begin with ``#`` are skipped.
+        Or a table of the contacts in images, as
         ``metafem images`` writes it.
     material : Material
     friction : Friction, optional
@@ -73,20 +74,7 @@ def read_measured_law(
     ...     read_measured_law(path, Material(1.36)).load
     array([0.05, 0.1 ])
     """
-    table = read_table(path, COLUMNS.example)
-    return measured_law_of(table, material, friction, errors=errors, label=label, sites=sites)
-
-
-def measured_law_of(
-    table: Table,
-    material: Material,
-    friction: Friction | None = None,
-    *,
-    errors: MeasurementErrors = PAPER,
-    label: str = "static",
-    sites: IntArray | None = None,
-) -> MeasuredLaw:
-    """Return the measured law of a table that has been read, as `read_measured_law` does."""
+    table = source if isinstance(source, Table) else read_table(source, COLUMNS.example)
     if is_of_contacts(table):
         contacts = contacts_of(table)
         try:
@@ -97,11 +85,11 @@ def measured_law_of(
             raise InvalidInput(f"{table.name}: {error}") from None
     entries = COLUMNS.of(table)
     values: dict[str, Any] = {name: entries.numbers(name) for name in entries.columns}
-    if friction is None and "area" not in values:
-        raise InvalidInput(
-            f"{table.name} holds friction forces, which can only be rescaled with a shear strength and an "
-            "area ratio; state them in the section [friction] or by --shear-strength and --area-ratio, or "
-            "add a column area_mm2"
-        )
+    refuse_if(
+        friction is None and "area" not in values,
+        f"{table.name} holds friction forces, which can only be rescaled with a shear strength and an area "
+        "ratio; state them in the section [friction] or by --shear-strength and --area-ratio, or add a "
+        "column area_mm2",
+    )
     with named(entries.names()):
         return MeasuredLaw(**values, material=material, friction=friction, errors=errors, label=label)

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from metafem import _validate as check
 from metafem._extras import refuse_missing
 from metafem._given import printable
-from metafem.errors import InvalidInput
+from metafem.calibration.topography.cells import HeightMap
+from metafem.errors import InvalidInput, refuse_if
 from metafem.files.reading import file_label, refuse_unreadable
 from metafem.files.units import factor, quantity
 
@@ -35,19 +36,8 @@ SPARSE = 10
 NO_MPI = "Could not import mpi4py"
 
 
-@dataclass(frozen=True, eq=False)
-class StoredMap:
-    """Heights (rows, columns) [mm] relative to their median, and width and height of a pixel [mm].
-
-    Heights are nan where not measured. Columns run along x, rows downwards along -y.
-    """
-
-    values: NDArray[np.float32]
-    pixel: tuple[float, float]
-
-
-def read_height_map(path: str | Path, pixel: str | None = None, height_unit: str | None = None) -> StoredMap:
-    """Return the map of a file.
+def read_height_map(path: str | Path, pixel: str | None = None, height_unit: str | None = None) -> HeightMap:
+    """Return the map of a file, with heights in single precision relative to their median.
 
     Parameters
     ----------
@@ -71,52 +61,49 @@ def read_height_map(path: str | Path, pixel: str | None = None, height_unit: str
         raise InvalidInput(
             f'--height-unit = "{printable(height_unit, 40)}" must be m, mm, um, µm, micron or nm'
         )
-    size = None if height_unit is None else _unit_size(height_unit)
-    width = None if pixel is None else _pixel_size(pixel)
-    if kind in (".npy", ".xyz"):
-        if width is None or size is None:
-            missing = [
-                text
-                for text, value in (('--pixel "2 um"', width), ('--height-unit "um"', size))
-                if value is None
-            ]
-            raise InvalidInput(f"{name} states no units; add for example {' '.join(missing)}")
-        heights, pixels = (_array(path, name), 1.0) if kind == ".npy" else _points(path, name)
-        return StoredMap(_millimetres(heights, size), (width, width * pixels))
-    return _instrument(path, name, width, size)
-
-
-def _unit_size(unit: str) -> float:
+    width = None if pixel is None else check.number("--pixel", quantity("--pixel", pixel, "mm"), above=0.0)
+    heights, pixels, unit = {".npy": _array, ".xyz": _points}.get(kind, _instrument)(path, name)
+    lacking = {}
+    for option, example, what, stated, given in (
+        ("--pixel", '"2 um"', "the size of its pixels", not isinstance(pixels, float), width),
+        ("--height-unit", '"um"', "the unit of its heights", unit is not None, height_unit),
+    ):
+        refuse_if(stated and given is not None, f"{name} states {what}; leave {option} out")
+        if not stated and given is None:
+            lacking[what] = f"{option} {example}"
+    what, example = " and ".join(lacking), " ".join(lacking.values())
+    refuse_if(lacking, f"{name} does not state {what}; add for example {example}")
     try:
-        return float(factor(unit, "mm"))
+        size = float(factor(unit or height_unit or "", "mm"))
     except InvalidInput as error:
         raise InvalidInput(f'--height-unit {error}; write for example "um"') from None
+    sides = (pixels[0] * size, pixels[1] * size) if width is None else (width, width * pixels)
+    return HeightMap(_millimetres(heights, size), sides)
 
 
-def _pixel_size(pixel: str) -> float:
-    size = quantity("--pixel", pixel, "mm", "2 um")
-    if not size > 0.0:
-        raise InvalidInput(f"--pixel = {printable(pixel, 40)} must be greater than 0")
-    return size
+# Heights; width and height of a pixel in their unit or, if they are not stated, their ratio; and the unit.
+_Read = tuple[NDArray[Any], Any, str | None]
 
 
-def _array(path: str | Path, name: str) -> NDArray[Any]:
-    """Return the array of an .npy file; its heights are read when they are used."""
+def _array(path: str | Path, name: str) -> _Read:
+    """Read an array of an .npy file; its heights are read when they are used."""
     try:
         values = np.load(path, mmap_mode="r", allow_pickle=False)
     except (ValueError, OSError, EOFError) as error:
         raise InvalidInput(f"{name} is not an array of numpy: {printable(str(error), 200)}") from None
-    if not isinstance(values, np.ndarray) or values.ndim != 2 or values.dtype.kind not in "iuf":
-        shape = getattr(values, "shape", "of several arrays")
-        raise InvalidInput(f"{name} holds no map: its array {shape} must have rows and columns of heights")
-    return values
+    shape = getattr(values, "shape", "of several arrays")
+    wrong = not isinstance(values, np.ndarray) or values.ndim != 2 or values.dtype.kind not in "iuf"
+    refuse_if(wrong, f"{name} holds no map: its array {shape} must have rows and columns of heights")
+    return values, 1.0, None
 
 
-def _points(path: str | Path, name: str) -> tuple[NDArray[Any], float]:
-    """Return the heights of a list of points x y z on a grid, and the height of a pixel over its width."""
+def _points(path: str | Path, name: str) -> _Read:
+    """Read a list of points x y z on a grid."""
     import pandas
 
-    first = _first_line(path, name)
+    with open(path, encoding="utf-8", errors="replace") as file:
+        first = next((line for line in file if line.strip() and not line.startswith("#")), "")
+    refuse_if(not first, f"{name} holds no points")
     separator = next((sign for sign in ";,\t" if sign in first), r"\s+")
     try:
         table = pandas.read_csv(
@@ -125,65 +112,48 @@ def _points(path: str | Path, name: str) -> tuple[NDArray[Any], float]:
         )  # fmt: skip
     except (ValueError, pandas.errors.ParserError) as error:
         raise InvalidInput(f"{name} is not a list of points x y z: {printable(str(error), 200)}") from None
-    if table.shape[1] != 3 or not len(table):
-        raise InvalidInput(f"{name} has {table.shape[1]} columns; a list of points has three, x y z")
+    columns = table.shape[1]
+    refuse_if(columns != 3, f"{name} has {columns} columns; a list of points has three, x y z")
     x, y, z = table.to_numpy().T
-    bad = np.flatnonzero(~(np.isfinite(x) & np.isfinite(y)))
-    if bad.size:
-        raise InvalidInput(f"{name}: point {bad[0] + 1} has no finite x and y")
+    for bad in np.flatnonzero(~np.isfinite(x + y))[:1]:
+        raise InvalidInput(f"{name}: point {bad + 1} has no finite x and y")
     column, dx = _grid(x, "x", name)
     row, dy = _grid(y, "y", name)
-    shape = int(row.max()) + 1, int(column.max()) + 1
-    if shape[0] * shape[1] > SPARSE * len(z):
-        raise InvalidInput(
-            f"{name}: its {len(z)} points are not on a grid; {shape[1]} x {shape[0]} pixels would hold them"
-        )
-    heights = np.full(shape, np.nan)
-    heights[shape[0] - 1 - row, column] = z
-    return heights, dy / dx
-
-
-def _first_line(path: str | Path, name: str) -> str:
-    with open(path, encoding="utf-8", errors="replace") as file:
-        for line in file:
-            if line.strip() and not line.startswith("#"):
-                return line
-    raise InvalidInput(f"{name} holds no points")
+    rows, columns = int(row.max()) + 1, int(column.max()) + 1
+    on_grid = f"its {len(z)} points are not on a grid; {columns} x {rows} pixels would hold them"
+    refuse_if(rows * columns > SPARSE * len(z), f"{name}: {on_grid}")
+    heights = np.full((rows, columns), np.nan)
+    heights[rows - 1 - row, column] = z
+    return heights, dy / dx, None
 
 
 def _grid(values: NDArray[Any], axis: str, name: str) -> tuple[NDArray[np.intp], float]:
     """Return the places of coordinates on an equidistant grid, and its step."""
     steps = np.diff(np.unique(values))
     steps = steps[steps > 1e-6 * np.ptp(values)]  # coordinates may differ in their last digits
-    if not steps.size:
-        raise InvalidInput(f"{name}: all points have the same {axis}; a map has rows and columns")
-    number = np.rint(np.ptp(values) / np.median(steps))
-    step = float(np.ptp(values) / number)
+    refuse_if(not steps.size, f"{name}: all points have the same {axis}; a map has rows and columns")
+    step = float(np.ptp(values) / np.rint(np.ptp(values) / np.median(steps)))
     place = (values - values.min()) / step
     off = np.abs(place - np.rint(place))
-    if off.max() > ON_GRID:
-        i = int(off.argmax())
-        raise InvalidInput(
-            f"{name}: point {i + 1}, {axis} = {values[i]:g}, is not on the grid with steps of {step:g}"
-        )
+    i = int(off.argmax())
+    where = f"point {i + 1}, {axis} = {values[i]:g}, is not on the grid with steps of {step:g}"
+    refuse_if(off[i] > ON_GRID, f"{name}: {where}")
     return np.rint(place).astype(np.intp), step
 
 
-def _instrument(path: str | Path, name: str, width: float | None, size: float | None) -> StoredMap:
-    """Return the map of a file of an instrument."""
+def _instrument(path: str | Path, name: str) -> _Read:
+    """Read a file of an instrument."""
     refuse_missing("SurfaceTopography", "metrology", f"reading {name}")
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", NO_MPI, ImportWarning)
         from SurfaceTopography import IO
     try:
         with IO.open_topography(str(path)) as reader:
-            channel = _channel(reader, name)
-            stated = channel.unit if isinstance(channel.unit, str) else None
-            lengths = channel.physical_sizes if channel.physical_sizes and stated else None
-            _refuse_twice_or_missing(name, (lengths, width), (stated, size))
+            maps = [each for each in reader.channels if each.dim == 2 and each.is_height_channel]
+            refuse_if(not maps, f"{name} holds no map of heights")
+            channel, sizes = maps[0], maps[0].physical_sizes
             points = channel.nb_grid_pts
-            options = {} if channel.physical_sizes else {"physical_sizes": points}
-            heights = channel.topography(**options).heights()
+            heights = channel.topography(**({} if sizes else {"physical_sizes": points})).heights()
     except (InvalidInput, MemoryError):
         raise
     except Exception as error:  # for damaged files the readers raise any exception
@@ -191,34 +161,10 @@ def _instrument(path: str | Path, name: str, width: float | None, size: float | 
         raise InvalidInput(
             f"{name} cannot be read as a height map ({FORMATS}): {kind}: {printable(str(error), 200)}"
         ) from None
-    unit = _unit_size(stated) if stated else size
-    assert unit is not None
-    if lengths:
-        pixel = lengths[0] / points[0] * unit, lengths[1] / points[1] * unit
-    else:
-        assert width is not None
-        pixel = width, width
+    unit = channel.unit if isinstance(channel.unit, str) and channel.unit else None
+    pixels = (sizes[0] / points[0], sizes[1] / points[1]) if sizes and unit else 1.0
     # the first index runs along x, the second upwards along y
-    return StoredMap(_millimetres(heights.T[::-1], unit), pixel)
-
-
-def _channel(reader: Any, name: str) -> Any:
-    """Return the first map of heights of a file."""
-    maps = [each for each in reader.channels if each.dim == 2 and each.is_height_channel]
-    if not maps:
-        raise InvalidInput(f"{name} holds no map of heights")
-    return maps[0]
-
-
-def _refuse_twice_or_missing(name: str, width: tuple[Any, Any], unit: tuple[Any, Any]) -> None:
-    for option, example, (stated, given), what in (
-        ("--pixel", '"2 um"', width, "the size of its pixels"),
-        ("--height-unit", '"um"', unit, "the unit of its heights"),
-    ):
-        if stated is not None and given is not None:
-            raise InvalidInput(f"{name} states {what}; leave {option} out")
-        if stated is None and given is None:
-            raise InvalidInput(f"{name} does not state {what}; add for example {option} {example}")
+    return heights.T[::-1], pixels, unit
 
 
 def _millimetres(heights: NDArray[Any], unit: float) -> NDArray[np.float32]:

@@ -2,43 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.calibration.sites.search import IntArray
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.files.tables import Columns, read_table
 
 COLUMNS = Columns("site,x_mm,y_mm", ("x,y",), "site")
 
 
-@dataclass(frozen=True)
-class Sites:
-    """Positions (n, 2) [mm] and numbers (n,) of the sites of a design, seen from above the asperities."""
+def read_sites(path: str | Path) -> tuple[FloatArray, IntArray]:
+    """Return positions (n, 2) [mm] and numbers (n,) of the sites of a design, from above the asperities.
 
-    position: FloatArray
-    number: IntArray
-
-
-def read_sites(path: str | Path) -> Sites:
-    """Return the sites of a table with the columns x and y with their units, and optionally site.
-
-    Without the column site they are numbered from 0. The table of a mould is refused: it is mirrored.
+    The table has the columns x and y with their units, and optionally site; without it the sites are numbered
+    from 0. The table of a mould is refused: it is mirrored.
     """
     table = read_table(path, COLUMNS.example)
-    if any(title.startswith("depth_") for title in table.header):
-        raise InvalidInput(
-            f"{table.name} describes a mould, which is mirrored; give heights.csv of the design"
-        )
+    mould = any(title.startswith("depth_") for title in table.header)
+    must = "describes a mould, which is mirrored; give heights.csv of the design"
+    refuse_if(mould, f"{table.name} {must}")
     entries = COLUMNS.of(table)
     position = np.column_stack([entries.numbers("x"), entries.numbers("y")])
     if "site" not in entries.columns:
-        return Sites(position, np.arange(len(position)))
+        return position, np.arange(len(position))
     number = entries.whole("site", 0)
     for row, site in enumerate(number):
         if site in number[:row]:
             raise InvalidInput(f"{entries.cell(row, 'site')} = {site} is the number of another site too")
-    return Sites(position, np.array(number))
+    return position, np.array(number)

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from metafem._given import printable
+from metafem._given import Names, printable
 from metafem._validate import FloatArray
 from metafem.calibration import ContactTable, ShearRecord, shear_record
 from metafem.calibration.contact_table import pressed_images, sheared_points
-from metafem.errors import InvalidInput, named
+from metafem.errors import InvalidInput, named, refuse_if
 from metafem.files.measurement.contacts import contacts_of, is_of_contacts
-from metafem.files.measurement.points import Compression, Shear, pooled_compression, pooled_shear
 from metafem.files.reading import file_label
 from metafem.files.tables import Columns, Entries, read_table
-from metafem.notes import Note
+from metafem.notes import Note, information
 
 # Areas of single contacts: area_1, area_2 and so on.
 SINGLE = re.compile(r"area_\d{1,4}", re.ASCII)
@@ -31,6 +33,31 @@ COLUMNS = Columns(
     "test, or displacement_um,friction_force_mN,area_mm2 of the record of one pull (or in other units)",
     lambda name: "area" if SINGLE.fullmatch(name) else name,
 )
+
+
+@dataclass(frozen=True, eq=False)
+class Compression:
+    """Loads (k,) [N], areas (k,) or (k, n) [mm^2], labels of the tests, and the place of each point.
+
+    `contacts` is the number of contacts, if a table has single ones.
+    """
+
+    load: FloatArray
+    area: FloatArray
+    test: tuple[str, ...]
+    place: tuple[str, ...]
+    contacts: int | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Shear:
+    """Areas before shear and sheared [mm^2] and friction forces [N], (k,); nan where not measured."""
+
+    area_before: FloatArray
+    area_sheared: FloatArray
+    friction_force: FloatArray
+    test: tuple[str, ...]
+    place: tuple[str, ...]
 
 
 @dataclass(eq=False)
@@ -76,9 +103,8 @@ def read_calibration(
     parts: list[Compression | Shear] = []
     boundaries: list[float | None] = []
     files = [Path(path) for path in paths]
-    for i, path in enumerate(files):
-        if path in files[:i]:
-            raise InvalidInput(f"{file_label(path)} is given twice")
+    for path in files:
+        refuse_if(files.count(path) > 1, f"{file_label(path)} is given twice")
     stems = [path.stem for path in files]
     for path in files:
         table = read_table(path, "load_mN,area_mm2")
@@ -86,9 +112,7 @@ def read_calibration(
         label = path.stem if stems.count(path.stem) == 1 else str(path.with_suffix(""))
         if is_of_contacts(table):
             contacts = contacts_of(table)
-            found, notes = _of_contacts(contacts, table.name, label)
-            parts += found
-            data.notes += notes
+            parts += _of_contacts(contacts, table.name, label, data.notes)
             boundaries.append(_boundary(contacts))
             data.position = contacts.position if data.position is None else data.position
             continue
@@ -96,22 +120,60 @@ def read_calibration(
         entries = COLUMNS.of(table)
         if "displacement" in entries.columns:
             record = data.records[table.name] = _record(entries, sliding_range)
-            data.notes += [replace(note, text=f"{table.name}: {note}") for note in record.notes]
+            data.notes += _named(record.notes, table.name)
             parts.append(_pull(entries, record, sliding))
         else:
             parts += _points(entries, label)
-    if (sliding or sliding_range is not None) and not data.records:
-        raise InvalidInput(
-            f"{'--sliding' if sliding else '--sliding-range'} belongs to records of pulls, and no table has "
-            "the columns displacement_um,friction_force_mN,area_mm2 of one; leave it out"
-        )
-    data.compression, notes = pooled_compression([part for part in parts if isinstance(part, Compression)])
-    data.notes += notes
-    data.shear = pooled_shear([part for part in parts if isinstance(part, Shear)])
+    refuse_if(
+        (sliding or sliding_range is not None) and not data.records,
+        f"{'--sliding' if sliding else '--sliding-range'} belongs to records of pulls, and no table has the "
+        "columns displacement_um,friction_force_mN,area_mm2 of one; leave it out",
+    )
+    data.compression = _pooled_compression(
+        [part for part in parts if isinstance(part, Compression)], data.notes
+    )
+    data.shear = _pooled([part for part in parts if isinstance(part, Shear)])
     known = [each for each in boundaries if each is not None]
     if known and len(known) == len(boundaries):
         data.boundary = float(np.sqrt(np.mean(np.square(known))))
     return data
+
+
+def _pooled_compression(parts: list[Compression], notes: list[Note]) -> Compression | None:
+    """Return all points of compression tests, as totals if a table has no single contacts."""
+    numbers = {part.area.shape[1]: part.place[0] for part in parts if part.area.ndim == 2}
+    found = " and ".join(f"{number} ({place})" for number, place in numbers.items())
+    refuse_if(
+        len(numbers) > 1,
+        f"the tables hold the areas of {found} contacts; tests that are pooled have the same contacts, so "
+        "calibrate them one by one",
+    )
+    if numbers and any(part.area.ndim == 1 for part in parts):
+        notes.append(
+            information(
+                "some tables hold the areas of single contacts and others their total; the totals are used"
+            )
+        )
+        parts = [replace(part, area=_total(part.area)) for part in parts]
+    pooled = _pooled(parts)
+    return None if pooled is None else replace(pooled, contacts=next(iter(numbers), None))
+
+
+def _pooled(parts: Sequence[Compression | Shear]) -> Any:
+    """Return all points of one kind, None if there are none."""
+    if not parts:
+        return None
+    members = {name: [getattr(part, name) for part in parts] for name in vars(parts[0]) if name != "contacts"}
+    pooled: dict[str, Any] = {
+        name: tuple(chain(*values)) if name in ("test", "place") else np.concatenate(values)
+        for name, values in members.items()
+    }
+    return type(parts[0])(**pooled)
+
+
+def _total(area: FloatArray) -> FloatArray:
+    """Return the total areas of contacts."""
+    return area if area.ndim == 1 else np.asarray(area.sum(axis=1))
 
 
 def _points(entries: Entries, label: str) -> list[Compression | Shear]:
@@ -120,22 +182,21 @@ def _points(entries: Entries, label: str) -> list[Compression | Shear]:
     sheared = "area_sheared" in columns  # with it, an entry may be empty
     values = {name: entries.numbers(name, empty=sheared) for name in columns}
     single = sorted((name for name in values if SINGLE.fullmatch(name)), key=lambda name: int(name[5:]))
-    if single and "area" in values:
-        raise InvalidInput(f"{file} has a column of the total area and {single[0]}; keep one")
-    if "area" in values and "area_before" in values:
-        raise InvalidInput(f"{file} has the columns area and area_before, which are the same; keep one")
-    area = np.stack([values[name] for name in single], axis=1) if single else None
-    if area is None:
-        area = values.get("area", values.get("area_before"))
+    both = f"{file} has a column of the total area and {' '.join(single[:1])}; keep one"
+    refuse_if(single and "area" in values, both)
+    twice = {"area", "area_before"} <= values.keys()
+    refuse_if(twice, f"{file} has the columns area and area_before, which are the same; keep one")
+    area = values.get("area", values.get("area_before"))
+    if single:
+        area = np.stack([values[name] for name in single], axis=1)
     place, test = np.array(entries.places()), np.array(_tests(entries, label))
     found: list[Compression | Shear] = []
     if "load" in values and area is not None:
-        known = np.isfinite(values["load"]) & np.isfinite(area if area.ndim == 1 else area.sum(axis=1))
+        known = np.isfinite(values["load"]) & np.isfinite(_total(area))
         found.append(Compression(values["load"][known], area[known], tuple(test[known]), tuple(place[known])))
-    total = area if area is None or area.ndim == 1 else area.sum(axis=1)
-    if sheared and (total is not None or "friction_force" in values):
+    if sheared and (area is not None or "friction_force" in values):
         missing = np.full(len(place), np.nan)
-        before, force = missing if total is None else total, values.get("friction_force", missing)
+        before, force = missing if area is None else _total(area), values.get("friction_force", missing)
         found.append(Shear(before, values["area_sheared"], force, tuple(test), tuple(place)))
     if not found:
         raise COLUMNS.lacking(entries)
@@ -155,34 +216,23 @@ def _record(entries: Entries, sliding_range: tuple[float, float] | None) -> Shea
     if missing:
         raise COLUMNS.lacking(entries, *missing)
     displacement, force = entries.numbers("displacement"), entries.numbers("friction_force")
-    area = entries.numbers("area", empty=True)
-    try:
-        with named(entries.names()):
-            if sliding_range is None:
-                record = shear_record(displacement, force, area)
-            else:
-                record = shear_record(displacement, force, area, sliding_range=sliding_range)
-    except InvalidInput as error:
-        raise of_files(error, [entries.table.name]) from None
-    return record
+    options: dict[str, Any] = {} if sliding_range is None else {"sliding_range": sliding_range}
+    with of_tables(entries.names(), [entries.table.name]):
+        return shear_record(displacement, force, entries.numbers("area", empty=True), **options)
 
 
 def _pull(entries: Entries, record: ShearRecord, sliding: bool) -> Shear:
     """Return the point of the record of one pull."""
-    if sliding:
-        area, force = record.sliding_area, record.sliding_force
-    else:
-        area, force = record.static_area, record.static_force
-    assert record.area_before is not None
-    assert area is not None
-    test, place = (_tests(entries, "records")[0],), (entries.table.name,)
-    return Shear(np.array([record.area_before]), np.array([area]), np.array([force]), test, place)
+    kind = "sliding" if sliding else "static"
+    area, force = getattr(record, f"{kind}_area"), getattr(record, f"{kind}_force")
+    before, sheared, peak = np.array([[record.area_before], [area], [force]])
+    return Shear(before, sheared, peak, (_tests(entries, "records")[0],), (entries.table.name,))
 
 
 def _of_contacts(
-    contacts: ContactTable, name: str, label: str
-) -> tuple[list[Compression | Shear], list[Note]]:
-    """Return the points of the images, and notes on those that are left out."""
+    contacts: ContactTable, name: str, label: str, notes: list[Note]
+) -> list[Compression | Shear]:
+    """Return the points of the images, and append notes on those that are left out."""
     place = np.array([f"{name}, image {image}" for image in contacts.image])
     test = np.array([each or label for each in contacts.test])
     used, left_out = pressed_images(contacts)
@@ -195,12 +245,16 @@ def _of_contacts(
     if image.size:
         before, sheared, force = points
         found.append(Shear(before, sheared, force, tuple(test[image]), tuple(place[image])))
-    if not found:
-        why = "; ".join(map(str, left_out)) or "no image has a load and an area"
-        raise InvalidInput(
-            f"{name} holds neither images with a load and the areas of all contacts, nor sheared areas: {why}"
-        )
-    return found, [replace(note, text=f"{name}: {note}") for note in (*left_out, *without)]
+    why = "; ".join(map(str, left_out)) or "no image has a load and an area"
+    must = f"holds neither images with a load and the areas of all contacts, nor sheared areas: {why}"
+    refuse_if(not found, f"{name} {must}")
+    notes += _named((*left_out, *without), name)
+    return found
+
+
+def _named(notes: Iterable[Note], file: str) -> list[Note]:
+    """Return notes that name a file."""
+    return [replace(note, text=f"{file}: {note}") for note in notes]
 
 
 def _boundary(contacts: ContactTable) -> float | None:
@@ -212,10 +266,15 @@ def _boundary(contacts: ContactTable) -> float | None:
     return float(np.sqrt(np.mean(errors**2))) or None
 
 
-def of_files(error: InvalidInput, names: list[str]) -> InvalidInput:
-    """Return an error that names the files it belongs to."""
-    text = str(error)
-    # an option is not part of a file, and a place already names its file
-    if text.startswith("--") or any(name in text for name in names):
-        return error
-    return InvalidInput(f"{', '.join(names)}: {text}")
+@contextmanager
+def of_tables(names: Names, files: list[str]) -> Iterator[None]:
+    """Make errors of the body name arguments as the tables do, and the files that they belong to."""
+    try:
+        with named(names):
+            yield
+    except InvalidInput as error:
+        text = str(error)
+        # an option is not part of a file, and a place already names its file
+        if text.startswith("--") or any(name in text for name in files):
+            raise
+        raise InvalidInput(f"{', '.join(files)}: {text}") from None

@@ -39,14 +39,14 @@ from metafem.inversion.adjustment.height_steps import rounded_to_steps
 from metafem.inversion.adjustment.refinement import (
     CLOSE,
     REFINED_GOAL,
-    STRETCHES,
     filled,
     residuals,
+    stretched,
 )
 from metafem.inversion.assessment import EXACT, POINT_GOAL, model_misfit
 from metafem.inversion.candidate import Candidate
 from metafem.inversion.problem import Problem
-from metafem.inversion.search.levenberg_marquardt import Minimum, descend
+from metafem.inversion.search.levenberg_marquardt import Minimum, descend, search
 from metafem.inversion.search.nearest_law import GOAL
 from metafem.inversion.search.spaces import Bounded
 from metafem.progress import doing, each
@@ -66,7 +66,7 @@ BETTER = 0.9
 def space_of(problem: Problem, candidate: Candidate) -> Bounded:
     """Return the limits of the heights of a candidate, with the fixed heights."""
     limits, rows = problem.limits, candidate.held_rows
-    return Bounded(limits.foot, limits.offset + limits.max_height, rows, candidate.height[rows])
+    return Bounded(limits.foot, limits.top, rows, candidate.height[rows])
 
 
 def with_pinned(
@@ -101,7 +101,7 @@ def _best(problem: Problem, candidate: Candidate, unpinned: float, rng: np.rando
         return first
     best, chosen = np.inf, first
     for start in _starts(problem, candidate, first):
-        found = _adjusted(problem, start, goal)
+        found = _adjusted(problem, start, goal, rng)
         if found.misfit < BETTER * best or best == np.inf:
             best, chosen = found.misfit, start.with_heights(found.unknowns)
         if best <= enough:
@@ -119,8 +119,7 @@ def _best(problem: Problem, candidate: Candidate, unpinned: float, rng: np.rando
 def _changed(problem: Problem, start: Candidate, goal: float, rng: np.random.Generator) -> Candidate:
     """Return the best of the heights and of random changes of them, on more or fewer sites."""
     count, lowest, limits = problem.count, int(start.height.argmin()), problem.limits
-    top = limits.offset + limits.max_height
-    space = Bounded(limits.foot, top, problem.pins.rows, problem.pins.heights)
+    space = Bounded(limits.foot, limits.top, problem.pins.rows, problem.pins.heights)
     height, radius = np.full(count, space.absent), np.full(count, start.radius[lowest])
     height[start.sites], radius[start.sites] = start.height, start.radius
     whole = replace(start, sites=np.arange(count), height=height, radius=radius)
@@ -158,12 +157,8 @@ def _in_place(candidate: Candidate, sites: IntArray, heights: FloatArray, span: 
         height[j] = heights[i]
     left = np.setdiff1d(np.arange(len(sites)), given)
     nearest = distance[left].argmin(axis=1)
-    return _sorted(
-        replace(candidate, held=sites),
-        np.append(where, sites[left]),
-        np.append(height, heights[left]),
-        np.append(radius, radius[nearest]),
-    )
+    height, radius = np.append(height, heights[left]), np.append(radius, radius[nearest])
+    return replace(candidate, held=sites, height=height, radius=radius).placed(np.append(where, sites[left]))
 
 
 def _added(problem: Problem, candidate: Candidate) -> Candidate | None:
@@ -176,17 +171,11 @@ def _added(problem: Problem, candidate: Candidate) -> Candidate | None:
     where = candidate.sites.copy()
     where[on] = free[: len(on)]
     nearest = np.abs(candidate.height[None, :] - pins.heights[:, None]).argmin(axis=1)
-    return _sorted(
-        replace(candidate, held=pins.rows),
-        np.append(where, pins.rows),
-        np.append(candidate.height, pins.heights),
-        np.append(candidate.radius, candidate.radius[nearest]),
+    height = np.append(candidate.height, pins.heights)
+    radius = np.append(candidate.radius, candidate.radius[nearest])
+    return replace(candidate, held=pins.rows, height=height, radius=radius).placed(
+        np.append(where, pins.rows)
     )
-
-
-def _sorted(candidate: Candidate, sites: IntArray, height: FloatArray, radius: FloatArray) -> Candidate:
-    order = np.argsort(sites)
-    return replace(candidate, sites=sites[order], height=height[order], radius=radius[order])
 
 
 def _starts(problem: Problem, candidate: Candidate, first: Candidate) -> Iterator[Candidate]:
@@ -202,19 +191,13 @@ def _starts(problem: Problem, candidate: Candidate, first: Candidate) -> Iterato
         yield filled(first, problem)
 
 
-def _adjusted(problem: Problem, start: Candidate, goal: float) -> Minimum:
+def _adjusted(problem: Problem, start: Candidate, goal: float, rng: np.random.Generator) -> Minimum:
     """Return the heights adjusted to the fixed ones, with their misfit under the model."""
     model, options, space = problem.model, problem.options, space_of(problem, start)
     _, residual, residual_of_model = residuals(problem, start, np.asarray)
-    exact, top = start.lowest_level is not None, float(start.height.max())
-    found = Minimum(start.height, np.inf)
-    # heights with depths stretched off the kinks of the law
-    stretched = [top - stretch * (top - start.height) for stretch in STRETCHES]
-    for guess in stretched if exact else [start.height]:
-        trial = descend(residual, space.project(guess), space, goal, exact, options)
-        found = trial if trial.misfit < found.misfit else found
-        if found.misfit <= EXACT:
-            break
+    exact = start.lowest_level is not None
+    guesses = stretched(start.height) if exact else [start.height]
+    found = search(residual, guesses, space, goal, 0, rng, options, exact)
     if model.gradient_model == model:
         return found
     return descend(residual_of_model, found.unknowns, space, goal, options=options)

@@ -19,14 +19,14 @@ from metafem.errors import InvalidInput
 from metafem.inversion.assessment import EXACT, MISSED, POINT_GOAL, independent_misfit, model_misfit
 from metafem.inversion.candidate import Candidate, below_limit
 from metafem.inversion.problem import Problem
-from metafem.inversion.search.levenberg_marquardt import Minimum, SearchOptions, descend, search
+from metafem.inversion.search.levenberg_marquardt import Minimum, descend, search
 from metafem.inversion.search.nearest_law import GOAL, beyond, residual_of_heights
 from metafem.inversion.search.spaces import Heights, LateResidual, Residual
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.models import Independent, Sensitivity
 from metafem.models.model import has_paraboloids
 from metafem.notes import information
-from metafem.progress import doing, each
+from metafem.progress import doing
 
 # Misfit at which the search ends: slightly above that of the first search, because the scatter from single
 # new contacts remains.
@@ -90,7 +90,8 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
                 if found.misfit > goal and not problem.contact.adhesive:
                     found = descend(residual, found.unknowns, space, goal, exact, options)
             elif exact:
-                found = _through_points(residual, trial.height, space, options)
+                guesses = stretched(trial.height, limits.span)
+                found = search(residual, guesses, space, goal, 0, rng, options, to_rounding=True)
             else:
                 guesses = _initial_guesses(problem, trial, first().curve.area, rng)
                 restarts = ADHESIVE_RESTARTS if problem.contact.adhesive else problem.effort.refined_restarts
@@ -186,18 +187,10 @@ def filled(candidate: Candidate, problem: Problem) -> Candidate:
     return replace(candidate, height=height, radius=radius, sites=np.arange(count))
 
 
-def _through_points(
-    residual: Residual, height: FloatArray, space: Heights, options: SearchOptions
-) -> Minimum:
-    """Meet the points exactly, from heights moved off the kinks where a level first touches."""
-    best = Minimum(height, np.inf)
-    for stretch in each("start", STRETCHES, at_most=True):
-        start = height.max() - np.minimum(stretch * (height.max() - height), space.span)
-        found = descend(residual, start, space, POINT_GOAL, True, options)
-        best = found if found.misfit < best.misfit else best
-        if best.misfit <= POINT_GOAL:
-            break
-    return best
+def stretched(height: FloatArray, span: float = np.inf) -> list[FloatArray]:
+    """Return heights moved off the kinks of the law, where a level first touches."""
+    depth = height.max() - height
+    return [height.max() - np.minimum(stretch * depth, span) for stretch in STRETCHES]
 
 
 def with_same_entries(problem: Problem, start: Candidate, goal: float, rng: np.random.Generator) -> Minimum:
@@ -223,11 +216,9 @@ def with_same_entries(problem: Problem, start: Candidate, goal: float, rng: np.r
 
     if problem.contact.adhesive:
         options = replace(options, most_steps=ADHESIVE_STEPS, most_exact_steps=ADHESIVE_STEPS)
-    if start.lowest_level is not None:
-        found = descend(residual, start.height, space, goal, True, options)
-    else:
-        restarts = 0 if problem.contact.adhesive else problem.effort.refined_restarts
-        found = search(residual, [start.height], space, goal, restarts, rng, options)
+    exact = start.lowest_level is not None
+    restarts = 0 if exact or problem.contact.adhesive else problem.effort.refined_restarts
+    found = search(residual, [start.height], space, goal, restarts, rng, options, exact)
     return replace(found, unknowns=shifted(found.unknowns))
 
 

@@ -42,7 +42,6 @@ from scipy.special import ndtr
 
 from metafem._validate import FloatArray
 from metafem._values import percent
-from metafem.inversion.adjustment.height_steps import rounded_to_steps
 from metafem.inversion.adjustment.pinned import space_of
 from metafem.inversion.assessment import DesignStatus, model_misfit, status_of
 from metafem.inversion.candidate import Candidate, Parameter, below_limit
@@ -76,53 +75,38 @@ LOADS, ROUNDS = 30, 1
 FRESH_ERRORS, FEWEST_FRESH = 1000, 20
 
 
-def made_robust(
-    problem: Problem, plain: Candidate, unrounded: Candidate, rng: np.random.Generator
-) -> Candidate:
-    """Return heights and sites of the least expected misfit, or the plain ones without a significant gain.
+def made_robust(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
+    """Return the candidate with heights and sites of the least expected misfit.
 
-    The plain candidate is on height steps if there are any, the other one is not yet rounded. Heights on
-    levels and those of many asperities do not change; only their sites do.
+    Heights on levels and those of many asperities do not change; only their sites do.
     """
-    tolerances = problem.robust
-    count = 0 if tolerances is None else tolerances.dimensions(plain.surface(problem.template))
-    if tolerances is None or count == 0:
-        return replace(plain, notes=(*plain.notes, information("the tolerances of the robust design are 0")))
+    count = problem.tolerances.dimensions(candidate.surface(problem.template))
+    if count == 0:
+        return candidate
     with doing("lowering the expected misfit"):
-        trial = _least(problem, tolerances, unrounded, rng)
-    trial = rounded_to_steps(problem, trial)
-    with doing("measuring the expected misfit"):
-        return _compared(problem, tolerances, plain, trial, rng)
-
-
-def _least(
-    problem: Problem, tolerances: Tolerances, candidate: Candidate, rng: np.random.Generator
-) -> Candidate:
-    """Return the candidate with heights and sites of the least expected misfit."""
-    if (candidate.stepped and not problem.model.couples) or len(candidate.height) > MOST_ROBUST:
-        return _exchanged(problem, candidate, rng) if tolerances.angle else candidate
-    count = tolerances.dimensions(candidate.surface(problem.template))
-    unit = _with_both_signs(_orthogonal(count, FEWEST_ERRORS, MOST_ERRORS, rng))
-    best, misfit = _lowered(problem, tolerances, candidate, unit)
-    for _ in each("exchange of sites", range(ROUNDS if tolerances.angle else 0)):
-        found = _lowered(problem, tolerances, _exchanged(problem, best, rng), unit)
-        best, misfit = found if found[1] < misfit else (best, misfit)
+        if (candidate.stepped and not problem.model.couples) or len(candidate.height) > MOST_ROBUST:
+            return _exchanged(problem, candidate, rng) if problem.tolerances.angle else candidate
+        unit = _with_both_signs(_orthogonal(count, FEWEST_ERRORS, MOST_ERRORS, rng))
+        best, misfit = _lowered(problem, candidate, unit)
+        for _ in each("exchange of sites", range(ROUNDS if problem.tolerances.angle else 0)):
+            found = _lowered(problem, _exchanged(problem, best, rng), unit)
+            best, misfit = found if found[1] < misfit else (best, misfit)
     return best
 
 
-def _compared(
-    problem: Problem, tolerances: Tolerances, plain: Candidate, robust: Candidate, rng: np.random.Generator
-) -> Candidate:
+def compared(problem: Problem, plain: Candidate, robust: Candidate, rng: np.random.Generator) -> Candidate:
     """Return the robust candidate, or the plain one without a significant gain, with the expected misfits.
 
     The mean square misfits of each pair of errors of both signs are compared.
     """
-    count = tolerances.dimensions(plain.surface(problem.template))
+    count = problem.tolerances.dimensions(plain.surface(problem.template))
+    if count == 0:
+        return replace(plain, notes=(*plain.notes, information("the tolerances of the robust design are 0")))
     # the time of a curve grows at least with the square of the number of asperities
     draws = FRESH_ERRORS * FEW_SITES**2 // max(FEW_SITES, len(plain.height)) ** 2
     unit = _with_both_signs(rng.standard_normal((max(FEWEST_FRESH, draws), count)))
-    before = _mean_squares(problem, tolerances, plain, unit)
-    after = _mean_squares(problem, tolerances, robust, unit)
+    before = _mean_squares(problem, plain, unit)
+    after = _mean_squares(problem, robust, unit)
     # a pair with an equilibrium that did not converge is omitted from both
     solved = np.isfinite(before + after)
     before, after = before[solved], after[solved]
@@ -140,7 +124,7 @@ def _compared(
         chosen = replace(chosen, robust=status is not DesignStatus.MISSED)
     expected = max(float(squares.mean()), np.finfo(float).tiny)
     some = unit[:: len(unit) // AT_ONCE + 1]
-    share = _irreducible(problem, tolerances, chosen, some) / expected
+    share = _irreducible(problem, chosen, some) / expected
     parameters: dict[str, Parameter] = {
         **chosen.parameters,
         "expected_misfit": math.sqrt(expected),
@@ -238,13 +222,11 @@ def _errors(tolerances: Tolerances, surface: Surface, unit: FloatArray) -> list[
     return list(zip(parts, drawn.height - surface.height, strict=True))
 
 
-def _lowered(
-    problem: Problem, tolerances: Tolerances, start: Candidate, unit: FloatArray
-) -> tuple[Candidate, float]:
+def _lowered(problem: Problem, start: Candidate, unit: FloatArray) -> tuple[Candidate, float]:
     """Return the candidate with heights of least mean square misfit over the errors, and its root."""
     model, limits, options = problem.model, problem.limits, problem.options
     law, surface = start.target_law.thinned(LOADS), start.surface(problem.template)
-    solver, errors = model.gradient_model, _errors(tolerances, surface, unit)
+    solver, errors = model.gradient_model, _errors(problem.tolerances, surface, unit)
     held = space_of(problem, start) if start.held.size else None
 
     def placed(height: FloatArray) -> FloatArray:
@@ -265,14 +247,12 @@ def _lowered(
     return start.with_heights(placed(found.unknowns)), found.misfit
 
 
-def _mean_squares(
-    problem: Problem, tolerances: Tolerances, candidate: Candidate, unit: FloatArray
-) -> FloatArray:
+def _mean_squares(problem: Problem, candidate: Candidate, unit: FloatArray) -> FloatArray:
     """Return the squared misfit of surfaces with errors, the mean over each pair of both signs, (s,)."""
     surface, law = candidate.surface(problem.template), candidate.target_law
     squares = []
     for rows in each("draws, part", np.array_split(np.arange(len(unit)), -(-len(unit) // AT_ONCE))):
-        drawn = tolerances.perturbed(surface, unit[rows])
+        drawn = problem.tolerances.perturbed(surface, unit[rows])
         area = problem.model.gradient_model.areas(surface, law.load, *drawn)
         solved = np.isfinite(area).all(axis=1)
         square = np.full(len(area), np.nan)
@@ -281,7 +261,7 @@ def _mean_squares(
     return np.asarray(np.concatenate(squares).reshape(2, -1).mean(axis=0))
 
 
-def _irreducible(problem: Problem, tolerances: Tolerances, candidate: Candidate, unit: FloatArray) -> float:
+def _irreducible(problem: Problem, candidate: Candidate, unit: FloatArray) -> float:
     """Return the mean square misfit by the linear response to errors of single heights and radii.
 
     With the mean Jacobian over normal errors, it is the variance of the best linear function of the errors
@@ -291,13 +271,13 @@ def _irreducible(problem: Problem, tolerances: Tolerances, candidate: Candidate,
     surface, law = candidate.surface(problem.template), candidate.target_law
     solver, count = problem.model.gradient_model, surface.count
     total = np.zeros((len(law.load), count))
-    for part, shift in _errors(tolerances, surface, unit):
+    for part, shift in _errors(problem.tolerances, surface, unit):
         found = solver.sensitivity(part, law.load, surface.height + shift)
         total += law.residual(found.curve.area, found.gradient)[1]
-    response = tolerances.height_sd * total / len(unit)
+    response = problem.tolerances.height_sd * total / len(unit)
     squares = float((response**2).sum())
-    if tolerances.radius_sd > 0.0:
-        step = tolerances.radius_sd * np.eye(count)
+    if problem.tolerances.radius_sd > 0.0:
+        step = problem.tolerances.radius_sd * np.eye(count)
         height = np.broadcast_to(surface.height, (2 * count, count))
         area = solver.areas(
             surface, law.load, height, np.concatenate([surface.radius + step, surface.radius - step])

@@ -69,19 +69,20 @@ def search(
     restarts: int,
     rng: np.random.Generator,
     options: SearchOptions = DEFAULTS,
+    to_rounding: bool = False,
 ) -> Minimum:
     """Descend from every initial guess, then from random changes of the best result."""
-    best = Minimum(starts[0], np.inf)
+    best, enough = Minimum(starts[0], np.inf), goal if to_rounding else NEAR * goal
     for start in each("start", starts, at_most=True):
-        found = descend(residual, space.project(start), space, goal, options=options)
+        found = descend(residual, space.project(start), space, goal, to_rounding, options)
         best = found if found.misfit < best.misfit else best
-        if best.misfit <= NEAR * goal:
+        if best.misfit <= enough:
             break
     for _ in each("random change", range(restarts), at_most=True):
         if best.misfit <= goal:
             break
         change = space.project(space.changed(best.unknowns, rng, options.change_sizes))
-        found = descend(residual, change, space, goal, options=options)
+        found = descend(residual, change, space, goal, to_rounding, options)
         best = found if found.misfit < best.misfit else best
     return best
 

@@ -91,13 +91,17 @@ class LawSearch:
         A single radius is used if it reaches the goal. Several radii are searched from radii that rise or
         fall with the depth, and then from random changes.
         """
-        singles = []
+        count, span, options = self.problem.count, self.problem.limits.span, self.problem.options
+        singles: list[Found] = []
         for radius in radii.tried.tolist():
-            singles.append(self._of_one_radius(radius, self.restarts if radii.single else 0))
+            residual, guesses = self._of_one_radius(radius)
+            space, restarts = Heights(span, count), self.restarts if radii.single else 0
+            single = search(residual, guesses, space, self.goal, restarts, self.rng, options)
+            singles.append((single.misfit, single.unknowns, np.full(len(single.unknowns), radius)))
             if radii.single or singles[-1][0] <= self.goal:
                 return _tallest_first(singles[-1])
         best = min(singles, key=itemgetter(0))
-        model, load, count = self.problem.independent, self.law.load, self.problem.count
+        model, load = self.problem.independent, self.law.load
         rising, middle = np.geomspace(radii.low, radii.high, len(load)), len(load) // 2
         starts = [
             initial_heights(model.contact, load, law, ramp, count)
@@ -112,8 +116,7 @@ class LawSearch:
         ranged = radii.tools is None
         tools = radii.extremes if ranged else radii
         between, mixing, stepped = (
-            Asperities(self.problem.limits.span, count, radii=part, depth=depth)
-            for part in (radii.between, tools, radii)
+            Asperities(span, count, radii=part, depth=depth) for part in (radii.between, tools, radii)
         )
         relaxed = self._within(between, starts, CONTINUOUS_RESTARTS)
         if ranged and relaxed[0] <= self.goal:
@@ -128,8 +131,8 @@ class LawSearch:
             found += [self._on_steps(stepped, each) for each in (free, relaxed)]
         return _tallest_first(min(found, key=itemgetter(0)))
 
-    def _of_one_radius(self, radius: float, restarts: int) -> Found:
-        """Return the heights found from guesses with fewer of the heights that are too low."""
+    def _of_one_radius(self, radius: float) -> tuple[Residual, list[FloatArray]]:
+        """Return the residual of heights, and guesses with fewer of the heights that are too low."""
         model, span, starts = self.problem.independent, self.problem.limits.span, []
         for law in self.guesses:
             radii = np.full(len(law), radius)
@@ -138,10 +141,7 @@ class LawSearch:
             # if heights are deeper than the span, also with fewer of the heights that are too low
             numbers = dict.fromkeys(inside + round(part * (len(height) - inside)) for part in LOW_FRACTIONS)
             starts += [height[:number] for number in numbers]
-        residual = residual_of_heights(model, radius, self.law)
-        space = Heights(span, self.problem.count)
-        found = search(residual, starts, space, self.goal, restarts, self.rng, self.problem.options)
-        return found.misfit, found.unknowns, np.full(len(found.unknowns), radius)
+        return residual_of_heights(model, radius, self.law), starts
 
     def _within(self, space: Asperities, starts: list[tuple[FloatArray, FloatArray]], restarts: int) -> Found:
         """Search from heights and radii."""

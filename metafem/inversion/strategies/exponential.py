@@ -52,12 +52,11 @@ def candidate(target: StraightLaw, problem: Problem) -> Candidate:
     return best_mixture(lambda mixture: _of_mixture(target, mixture, problem.limits), problem)
 
 
-def _of_mixture(target: StraightLaw, mixture: Mixture, limits: Limits) -> Candidate:
-    asperities = mixture.carrying, mixture.radius, mixture.law
+def _of_mixture(target: Any, mixture: Mixture, limits: Limits) -> Candidate:
     plain = ExponentialDensity(_scale(target, mixture, limits), limits.span)
     density = plain if len(target.lines) == 1 else two_branches(target, plain, mixture)
-    end = float(density.rescaled_load(0.0, *asperities))
-    intercept = plain.intercept(*asperities) if density is plain else None
+    end = float(density.rescaled_load(0.0, *mixture.asperities))
+    intercept = plain.intercept(*mixture.asperities) if density is plain else None
     parameters: dict[str, Parameter] = {"scale": plain.scale}
     if intercept is not None:
         parameters |= {"intercept": intercept, "foot_load": end}
@@ -88,8 +87,9 @@ def _heights(
         upper = min(max(round(count * density.upper_mass), 1), count - 1)  # N_1 of regime 1, h > h_c
         parts = _middles(density, middle, top, upper), _middles(density, 0.0, middle, count - upper)
         counts = np.array([upper, count - upper])
-        found = {"weight": density.weight, "crossover_height": limits.foot + middle, "counts": counts}
-        return np.concatenate(parts), found
+        height = np.concatenate(parts)
+        crossover = limits.foot + middle
+        return height, {"weight": density.weight, "crossover_height": crossover, "counts": counts}
     if limits.height_step is None:
         return _middles(density, 0.0, top, count), {}
     levels, numbers = level_counts(density, count, limits.height_step)
@@ -100,10 +100,9 @@ def _heights(
 def law_of(density: ExponentialDensity, branches: tuple[Branch, ...], mixture: Mixture) -> TargetLaw:
     """Return the density's law over all branches, at even steps of the separation."""
     separation = density.max_height * (1.0 - np.arange(SEPARATIONS) / (SEPARATIONS - 1))
-    asperities = mixture.carrying, mixture.radius, mixture.law
-    load = density.rescaled_load(separation, *asperities)
+    load = density.rescaled_load(separation, *mixture.asperities)
     inside = load >= branches[0].load_range[0]
-    area = density.area(separation[inside], *asperities)
+    area = density.area(separation[inside], *mixture.asperities)
     return TargetLaw.fixed(load[inside], area)
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -69,6 +69,11 @@ class Mixture:
         return self.count * self._mean(self._power) ** 2 / self._mean(2.0 * self._power)
 
     @property
+    def asperities(self) -> tuple[float, float, Contact]:
+        """Number, radius and law of asperities of one radius with the same law."""
+        return self.carrying, self.radius, self.law
+
+    @property
     def _power(self) -> float:
         """The exponent m of R in the load."""
         return 1.0 - 1.0 / (self.law.power or 1.0)
@@ -122,11 +127,8 @@ def best_mixture(invert: Callable[[Mixture], Candidate], problem: Problem) -> Ca
 
 def unreachable(refused: dict[float, Infeasible]) -> Infeasible:
     """Return the error that no radius reaches a target, with reasons for the smallest and largest radius."""
-    ends = dict.fromkeys((min(refused), max(refused)))
-    reasons = {f"reason_{i}": refused[radius].message for i, radius in enumerate(ends)}
-    parts = [
-        f"with a radius of {radius:.4g} mm, {{{name}}}" for radius, name in zip(ends, reasons, strict=True)
-    ]
-    message = Message(f"no radius reaches the target: {'; '.join(parts)}", reasons)
+    parts: list[Any] = ["no radius reaches the target"]
+    for sign, radius in zip(":;", dict.fromkeys((min(refused), max(refused))), strict=False):
+        parts += [f"{sign} with a radius of {radius:.4g} mm, ", refused[radius].message]
     by_search = any(reason.by_search for reason in refused.values())
-    return Infeasible(message, refused[min(refused)].nearest, by_search)
+    return Infeasible(Message(parts), refused[min(refused)].nearest, by_search)

@@ -99,7 +99,7 @@ def _without_levels(
 ) -> Candidate | None:
     """Return the best heights and radii found without levels, or None if they miss the points."""
     law, limits, effort = target.curve(), problem.limits, problem.effort
-    top, load = limits.offset + limits.max_height, law.load
+    top, load = limits.top, law.load
     best: Candidate | None = None
     misfit = ACCEPTED
     restarts = effort.restarts if radii.single else effort.restarts // MIXED_RESTARTS
@@ -245,17 +245,17 @@ def _unmet(target: OperatingPoints, i: int, step: Step, tools: tuple[float, ...]
     else:
         reason = "no whole number of asperities of these radii has this load and friction"
         nearest = min(fewest + most, key=lambda friction: abs(friction - step.friction))
-    words = (
-        f"operating point {i + 1} (load {{load}}, friction {{friction}}) is not met: {reason}. After levels "
-        "for the earlier points, the friction at this load can be from {possible}"
+    parts = (
+        f"operating point {i + 1} (load ",
+        ("loads", target.rescaled_load[i]),
+        ", friction ",
+        ("frictions", target.rescaled_friction[i]),
+        f") is not met: {reason}. After levels for the earlier points, the friction at this load can be "
+        "from ",
+        ("frictions", low, high),
     )
-    numbers = {
-        "load": ("loads", target.rescaled_load[i]),
-        "friction": ("frictions", target.rescaled_friction[i]),
-        "possible": ("frictions", low, high),
-    }
     return Infeasible(
-        Message(words, numbers, target.wording),
+        Message(parts, target.wording),
         replace(
             target,
             rescaled_load=target.rescaled_load[: i + 1],

@@ -58,24 +58,23 @@ def refuse_line(target: StraightLaw, problem: Problem, margin: float) -> None:
     _refuse_second(target, problem, slack, scope)
     refuse_load(high, problem, wording)
     start, end = line_range(target, problem.bounds, slack)
-    slope = wording.name()
+    slope, (last, bend) = wording.name(), target.lines[-1]
     if low < start:
-        raise _refused(
+        words = (
             f"{wording.slopes(target.lines[0][0])} through the origin cannot begin at {wording.loads(low)}: "
-            f"a single asperity has more friction up to {wording.load_bound(start, up=True)}, {scope}",
-            reached_line(target, problem),
-            f"raise the {slope}, or use a smaller radius",
+            f"a single asperity has more friction up to {wording.load_bound(start, up=True)}"
         )
-    if high > end:
-        last, bend = target.lines[-1]
-        from_where = f"from {wording.loads(bend)}" if bend else "through the origin"
-        raise _refused(
-            f"{wording.slopes(last)} {from_where} cannot go on up to "
-            f"{wording.loads(high)}: from {wording.load_bound(end, up=False)} on friction grows more slowly, "
-            f"{scope}",
-            reached_line(target, problem),
-            f"lower the {slope}, or use a larger radius or more asperities",
+        otherwise = f"raise the {slope}, or use a smaller radius"
+    elif high > end:
+        words = (
+            f"{wording.slopes(last)} {f'from {wording.loads(bend)}' if bend else 'through the origin'} "
+            f"cannot go on up to {wording.loads(high)}: from {wording.load_bound(end, up=False)} on friction "
+            "grows more slowly"
         )
+        otherwise = f"lower the {slope}, or use a larger radius or more asperities"
+    else:
+        return
+    raise _refused(f"{words}, {scope}", reached_line(target, problem), otherwise)
 
 
 def _refuse_second(target: Any, problem: Problem, slack: float, scope: str) -> None:
@@ -99,15 +98,11 @@ def _refuse_second(target: Any, problem: Problem, slack: float, scope: str) -> N
 
 def _refused(words: str, nearest: StraightLaw | None, otherwise: str) -> Infeasible:
     """Return the error for a range that is not reached, with an achievable range or a remedy."""
-    if nearest is None or nearest.load_range is None:
+    ends = None if nearest is None else nearest.load_range
+    if nearest is None or ends is None or ends[1] < LEAST_RANGE * ends[0]:
         return Infeasible(f"{words}; {otherwise}")
-    low, high = nearest.load_range
-    if high < LEAST_RANGE * low:
-        return Infeasible(f"{words}; {otherwise}")
-    ends = nearest.wording.inside(low, high)
-    return Infeasible(
-        f"{words}; the line is reached from {ends}: give that load_range, or {otherwise}", nearest
-    )
+    given = f"the line is reached from {nearest.wording.inside(*ends)}: give that load_range"
+    return Infeasible(f"{words}; {given}, or {otherwise}", nearest)
 
 
 def line_range(target: StraightLaw, bounds: Bounds, slack: float = 0.0) -> tuple[float, float]:

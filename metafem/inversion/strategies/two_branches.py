@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -57,7 +58,7 @@ class Crossing:
     @cached_property
     def depths(self) -> tuple[float, float]:
         """Depths between which each branch has at least half an asperity [mm]."""
-        shallow, deep, top = self.least_depth, self.plain.max_height * (1.0 - INSIDE), self.plain.max_height
+        shallow, deep = self.least_depth, self.plain.max_height * (1.0 - INSIDE)
         ends = []
         for share in (1.0 - 0.5 / self.mixture.count, 0.5 / self.mixture.count):
             if self._upper_mass(deep) >= share:
@@ -65,8 +66,7 @@ class Crossing:
             elif self._upper_mass(shallow) <= share:
                 ends.append(shallow)
             else:  # beyond the least depth, the upper mass decreases with the depth
-                excess = lambda depth, share=share: self._upper_mass(depth) - share  # noqa: E731
-                ends.append(float(brentq(excess, shallow, deep, xtol=TIGHTEST * top, rtol=TIGHTEST)))
+                ends.append(self._root(self._upper_mass, share, shallow, deep))
         return ends[0], ends[1]
 
     @cached_property
@@ -87,16 +87,7 @@ class Crossing:
 
     def density_of(self, second: float) -> ExponentialDensity:
         """Return the density with a second slope: eq. S8 for h_c."""
-        return self.density(
-            float(
-                brentq(
-                    lambda depth: self._second_slope(depth) - second,
-                    *self.depths,
-                    xtol=TIGHTEST * self.plain.max_height,
-                    rtol=TIGHTEST,
-                )
-            )
-        )
+        return self.density(self._root(self._second_slope, second, *self.depths))
 
     def range_of(self, second: float) -> tuple[float, float] | None:
         """Return the least and the largest crossover load that a second slope can follow [mm^2], or None."""
@@ -113,9 +104,13 @@ class Crossing:
             ends.append(float(inside))
         return ends[0], ends[1]
 
+    def _root(self, function: Callable[[float], float], value: float, low: float, high: float) -> float:
+        """Return the depth between two others at which a function has a value."""
+        xtol = TIGHTEST * self.plain.max_height
+        return float(brentq(lambda depth: function(depth) - value, low, high, xtol=xtol, rtol=TIGHTEST))
+
     def _load_of(self, depth: float) -> float:
-        carrying, single = self.mixture.carrying, (self.mixture.radius, self.mixture.law)
-        return float(self.plain.rescaled_load(self.plain.max_height - depth, carrying, *single))
+        return float(self.plain.rescaled_load(self.plain.max_height - depth, *self.mixture.asperities))
 
     def _weight(self, depth: float) -> float:
         return self.load / self._load_of(depth)  # eq. S8, P_c/E*

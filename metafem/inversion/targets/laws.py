@@ -212,18 +212,18 @@ class SampledLaw(Value, Target):
         near = nearest_within(load, law.base, law.weight, problem.bounds) / law.base
         if misfit > most:
             words = (
-                f"{{broken}}; the nearest law found misses the samples by {percent(misfit, '.3g')} rms, and "
+                f"; the nearest law found misses the samples by {percent(misfit, '.3g')} rms, and "
                 f"at most {percent(most, '.3g')} is allowed"
             )
             raise Infeasible(
-                Message(words, {"broken": broken}),
+                Message((broken, words)),
                 SampledLaw(load, area, self.weight, self.relative_error, wording),
                 by_search=law.misfit(near * law.base) <= most,
             )
         return replace(candidate, notes=(*candidate.notes, information(_outside(near - 1.0, margin))))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class PowerLaw(Target):
     """Friction proportional to a power of the load over a range, ``F/(sigma B) = C (P/E*)^beta``.
 
@@ -249,16 +249,21 @@ class PowerLaw(Target):
 
     exponent: float
     load_range: LoadRange
-    prefactor: float | None = None
+    prefactor: float | None
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
 
-    def __post_init__(self) -> None:
-        free = self.prefactor is None
+    def __init__(
+        self,
+        exponent: float,
+        load_range: ArrayLike,
+        prefactor: float | None = None,
+        wording: Wording = RESCALED,
+    ) -> None:
         self._set(
-            self.wording,
-            exponent=check.number("exponent", self.exponent, above=0.0),
-            load_range=check.interval("load_range", self.load_range),
-            prefactor=None if free else check.number("prefactor", self.prefactor, above=0.0),
+            wording,
+            exponent=check.number("exponent", exponent, above=0.0),
+            load_range=check.interval("load_range", load_range),
+            prefactor=None if prefactor is None else check.number("prefactor", prefactor, above=0.0),
         )
 
     @classmethod
@@ -325,12 +330,11 @@ class PowerLaw(Target):
         if self.prefactor is None:
             return
         load = np.array(self.load_range)
-        point = f"prefactor = {self.prefactor:g}: the friction at {{load}}, {{friction}},"
+        point = f"prefactor = {self.prefactor:g}: the friction at ", ", ", ","
         friction = self.prefactor * load**self.exponent
         broken = broken_sample(load, friction, problem, wording, margin, point)
         if broken:  # a prefactor within the bounds may still be unreachable
-            words = "{broken}; without prefactor the design chooses it"
-            raise Infeasible(Message(words, {"broken": broken}))
+            raise Infeasible(Message((broken, "; without prefactor the design chooses it")))
 
 
 def _levels(bounds: tuple[FloatArray, FloatArray], shape: FloatArray) -> tuple[float, float]:

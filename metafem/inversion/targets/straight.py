@@ -86,7 +86,7 @@ class StraightLaw(Target):
             proportional.refuse_line(self, problem, margin)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class LinearLaw(StraightLaw):
     """A straight law of one slope: with a free intercept, or through the origin over a range of loads.
 
@@ -112,9 +112,11 @@ class LinearLaw(StraightLaw):
     load_range: LoadRange | None = None
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
 
-    def __post_init__(self) -> None:
-        slope = check.number("slope", self.slope, above=0.0)
-        self._set(self.wording, slope=slope, load_range=_optional_range(self.load_range))
+    def __init__(
+        self, slope: float, load_range: ArrayLike | None = None, wording: Wording = RESCALED
+    ) -> None:
+        slope = check.number("slope", slope, above=0.0)
+        self._set(wording, slope=slope, load_range=_optional_range(load_range))
 
     @classmethod
     def from_friction_coefficient(
@@ -161,7 +163,7 @@ class LinearLaw(StraightLaw):
         return ((self.slope, 0.0),)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class BilinearLaw(StraightLaw):
     """Two straight branches that meet at a crossover load.
 
@@ -189,17 +191,23 @@ class BilinearLaw(StraightLaw):
     load_range: LoadRange | None = None
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
 
-    def __post_init__(self) -> None:
-        values = check.array("slopes", self.slopes, shape=(2,))
+    def __init__(
+        self,
+        slopes: ArrayLike,
+        crossover_load: float,
+        load_range: ArrayLike | None = None,
+        wording: Wording = RESCALED,
+    ) -> None:
+        values = check.array("slopes", slopes, shape=(2,))
         pair = tuple(check.number(f"slopes[{i}]", value, above=0.0) for i, value in enumerate(values))
-        load = check.number("crossover_load", self.crossover_load, above=0.0)
-        ends = _optional_range(self.load_range)
-        self._set(self.wording, slopes=pair, crossover_load=load, load_range=ends)
+        load = check.number("crossover_load", crossover_load, above=0.0)
+        ends = _optional_range(load_range)
+        self._set(wording, slopes=pair, crossover_load=load, load_range=ends)
         refuse_if(
             ends is not None and not ends[0] < load < ends[1],
-            f"must lie inside load_range, from {self.wording.loads(*(ends or ()))}",
+            f"must lie inside load_range, from {wording.loads(*(ends or ()))}",
             key="crossover_load",
-            value=self.wording.loads(load),
+            value=wording.loads(load),
         )
 
     @classmethod
@@ -220,7 +228,7 @@ class BilinearLaw(StraightLaw):
         slopes = wording.given_slopes(friction_coefficients, 2)
         crossover = check.number("crossover_load_N", crossover_load_N, above=0.0)
         ends = wording.range_from_newtons(load_range_N)
-        return cls((slopes[0], slopes[1]), wording.from_newtons(crossover), ends, wording)
+        return cls(slopes, wording.from_newtons(crossover), ends, wording)
 
     @classmethod
     def from_forces(
@@ -231,8 +239,7 @@ class BilinearLaw(StraightLaw):
         x, y = wording.rescaled(load, friction_force)
         words = f"holds {len(x)} values; two branches need exactly 3 points"
         refuse_if(len(x) != 3, words, key="load")
-        first, second = (np.diff(y) / np.diff(x)).tolist()
-        return cls((first, second), float(x[1]), wording=wording)
+        return cls(np.diff(y) / np.diff(x), float(x[1]), wording=wording)
 
     @property
     def friction_coefficients(self) -> tuple[float, ...] | None:
@@ -253,5 +260,5 @@ class BilinearLaw(StraightLaw):
         return (self.slopes[0], 0.0), (self.slopes[1], self.crossover_load)
 
 
-def _optional_range(load_range: LoadRange | None) -> LoadRange | None:
+def _optional_range(load_range: ArrayLike | None) -> LoadRange | None:
     return None if load_range is None else check.interval("load_range", load_range)

@@ -108,7 +108,7 @@ class Target:
             )
             for slope, ends in self.branches
         )
-        return Candidate(limits.offset + limits.max_height + height, radius, parameters, law, branches)
+        return Candidate(limits.top + height, radius, parameters, law, branches)
 
     def judged(self, problem: Problem, candidate: Candidate) -> Candidate:
         """Return heights refined under the model with notes on the target, or raise Infeasible."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -173,18 +173,17 @@ RESCALED = Wording()
 class Message:
     """A sentence with numbers whose units are inserted when it is displayed.
 
-    `text` has a field for each of the `numbers`: a text, another message, or the name of a `Wording` method
-    with the rescaled values that it states.
+    Its parts are texts, other messages, and tuples: the name of a `Wording` method with the rescaled values
+    that it states.
 
     Examples
     --------
-    >>> message = Message("up to {most}", {"most": ("loads", 0.2)})
+    >>> message = Message(("up to ", ("loads", 0.2)))
     >>> str(message), message.worded(Wording(composite_modulus=1.5))
     ('up to 0.2 mm^2', 'up to 0.3 N (0.2 mm^2)')
     """
 
-    text: str
-    numbers: Mapping[str, Any]
+    parts: Sequence[Any]
     wording: Wording = RESCALED
 
     def __str__(self) -> str:
@@ -194,14 +193,12 @@ class Message:
         """Return the sentence in the units of a wording; default: its own."""
         units = replace(wording or self.wording, part_modulus=self.wording.part_modulus)
 
-        def words(number: Any) -> str:
-            if isinstance(number, Message):
-                return number.worded(wording)
-            if isinstance(number, tuple):
-                return str(getattr(units, number[0])(*number[1:]))
-            return str(number)
+        def words(part: Any) -> str:
+            if isinstance(part, Message):
+                return part.worded(wording)
+            return str(getattr(units, part[0])(*part[1:])) if isinstance(part, tuple) else part
 
-        return self.text.format(**{name: words(number) for name, number in self.numbers.items()})
+        return "".join(map(words, self.parts))
 
 
 def _digits(value: float, digits: int) -> float:

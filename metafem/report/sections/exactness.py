@@ -70,14 +70,13 @@ SOURCE = (
 
 def exactness_section(studies: Mapping[str, Dataset]) -> dict[str, Any]:
     """Return the answers of the studies, with tables and figures, and the commands of the missing ones."""
-    answers, missing = [], []
-    for name, question in QUESTIONS.items():
-        if name in studies:
-            figure = question.figure(studies[name])
-            picture = None if figure is None else drawn(figure, question.title, question.caption)
-            answers.append({**vars(summary(studies[name])), "question": question.text, "figure": picture})
-        else:
-            missing.append((question.text, question.command))
+    answers = []
+    for name in [name for name in QUESTIONS if name in studies]:
+        text, _, title, draw, caption = QUESTIONS[name]
+        figure = draw(studies[name])
+        picture = None if figure is None else drawn(figure, title, caption)
+        answers.append({**vars(summary(studies[name])), "question": text, "figure": picture})
+    missing = [(each.text, each.command) for name, each in QUESTIONS.items() if name not in studies]
     return {"answers": answers, "missing": missing, "fitted": _fitted(studies)}
 
 

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem.drawing import QUIET, new_figure
+from metafem.drawing import MEASURED, MEASURED_BESIDE, QUIET, calibration, finished, new_figure
 from metafem.drawing.inline import drawn
-from metafem.drawing.measured import COLOURS, points, residuals
 from metafem.inversion import Design
 from metafem.report.names import model_words
 from metafem.studies.summaries.measurements import answers, features, measured_summary
@@ -51,33 +50,31 @@ def measured_figure(design: Design, study: Dataset) -> Figure:
     figure = new_figure(7.0, HEIGHT, (0.9, 0.2, 0.6, MARGIN))
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1], gridspec_kw={"hspace": 0.08})
     design.law.plot(ax, label=f"design: {model_words(design.law.model)}")
-    for label, colour in zip(map(str, study["law"].values), COLOURS, strict=False):
+    for label, colour in zip(map(str, study["law"].values), (MEASURED, MEASURED_BESIDE), strict=False):
         one = study.isel(point=np.flatnonzero(study["of_law"].values == label))
         x, x_sd = one["rescaled_load"].values, one["rescaled_load_sd"].values
         y, y_sd = one["rescaled_friction"].values, one["rescaled_friction_sd"].values
-        points(ax, x, y, x_sd, y_sd, forces=False, label=f"measured: {label}", colour=colour)
-        residuals(below, x, (one["deviation"] / one["deviation_sd"]).values, colour)
+        calibration.measured(ax, x, y, x_sd, y_sd, f"measured: {label}", colour)
+        calibration.residuals(below, x, (one["deviation"] / one["deviation_sd"]).values, colour)
         crossover = one.isel(feature=_crossovers(one, label))
         for low, high in zip(crossover["low"].values, crossover["high"].values, strict=True):
             ax.axvspan(low, high, color=colour, alpha=0.25, lw=0, label=f"crossover, 68 %: {label}")
     for branch, _ in design.fits:
         for each in (ax, below):
             each.axvspan(*branch.load_range, color=QUIET, alpha=0.08, lw=0)
-    below.set_xlabel(ax.get_xlabel())
+    below.set(xlabel=ax.get_xlabel(), ylabel="deviation\n[s.d.]")
     ax.set_xlabel("")
     end = ROOM * float((study["rescaled_load"] + study["rescaled_load_sd"]).max())
     ax.set_xlim(0.0, end)
     shown = np.interp(end, design.law.rescaled_load, design.law.rescaled_friction)
     ax.set_ylim(0.0, ROOM * max(float(study["rescaled_friction"].max()), float(shown)))
-    for each in (ax, below):
-        each.spines[["top", "right"]].set_visible(False)
     # above the axes: measured points may lie in any corner
     handles, labels = ax.get_legend_handles_labels()
     rows = -(-len(labels) // 2)
     figure.subplots_adjust(top=1.0 - (MARGIN + ROW * rows) / HEIGHT)
     place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
     ax.legend(handles, labels, frameon=False, ncols=2, fontsize="small", **place)
-    return figure
+    return finished(figure)
 
 
 def _bars(study: Dataset) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.models import Model
 from metafem.notes import Note, to_lines
+from metafem.studies.sampling.slope import Slope
 from metafem.studies.sampling.store import own_version
 
 if TYPE_CHECKING:
@@ -89,7 +90,7 @@ Variables = dict[str, tuple[tuple[str, ...], Any]]
 
 
 def with_error(
-    name: str, axes: tuple[str, ...], estimate: Sequence[Any], nominal: Any = 1.0, origin: float = 0.0
+    name: str, axes: tuple[str, ...], estimate: Iterable[Any], nominal: Any = 1.0, origin: float = 0.0
 ) -> Variables:
     """Return an estimate and its sampling error, from the value over the nominal one, minus `origin`."""
     value, error = estimate
@@ -117,7 +118,7 @@ def dataset(
     *,
     inputs: str,
     model: Model | None = None,
-    load_range: tuple[float, float] | None = None,
+    slope: Slope | None = None,
     seed: int | None = None,
     draws: int | None = None,
     notes: Iterable[Note] = (),
@@ -138,7 +139,7 @@ def dataset(
         "study": study,
         "notes": to_lines(list(notes)),
         "model": "" if model is None else repr(model),
-        "load_range": [] if load_range is None else list(load_range),
+        "load_range": [] if slope is None else list(slope.load_range),
         "seed": "" if seed is None else str(seed),
         "draws": 0 if draws is None else draws,
         "inputs": inputs,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 from scipy.special import ndtri
 
 from metafem import _validate as check
@@ -145,10 +146,5 @@ def _root(correlation: FloatArray) -> FloatArray:
 
 def _groups(correlation: FloatArray) -> tuple[tuple[int, ...], ...]:
     """Return the inputs that are correlated, directly or through others."""
-    linked = correlation != 0.0
-    np.fill_diagonal(linked, True)
-    for _ in range(len(linked)):
-        linked = (linked[:, :, None] & linked[None, :, :]).any(axis=1)
-    # each input belongs to the group of the first input that it is linked with
-    first = linked.argmax(axis=1).tolist()
-    return tuple(tuple(i for i, k in enumerate(first) if k == group) for group in dict.fromkeys(first))
+    _, label = connected_components(correlation != 0.0)
+    return tuple(tuple(np.flatnonzero(label == group).tolist()) for group in range(label.max() + 1))

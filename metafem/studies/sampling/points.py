@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,9 @@ FEWEST_BATCHES = 16
 # Largest number of points of one batch, and of their coordinates, which take 8 MiB: the points of 64
 # asperities, which larger nets would make more accurate, take 2 MiB.
 MOST_POINTS, MOST_NUMBERS = 4096, 2**20
+
+# Number of batches whose points are kept for the next level of the errors, and their coordinates, 2 MiB each.
+MOST_KEPT, LARGEST_KEPT = 20, 2**18
 
 # Largest number of draws if it follows from a wanted error.
 MOST_DRAWS = 10**6
@@ -95,11 +99,21 @@ def unit_points(seed: int, batch: int, size: int, dimensions: int, *, plain: boo
     They are Sobol points with a scrambling of their own, so that batches are independent and each is
     uniform; plain random numbers if `plain`. size: a power of two unless `plain`.
     """
+    small = size * dimensions <= LARGEST_KEPT
+    return (_points if small else _points.__wrapped__)(seed, batch, size, dimensions, plain)
+
+
+@lru_cache(MOST_KEPT)
+def _points(seed: int, batch: int, size: int, dimensions: int, plain: bool) -> FloatArray:
+    """Return the points, which are read only."""
     random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(batch,)))
     if plain or size == 1 or not 0 < dimensions <= MOST_DIMENSIONS:
         smallest = 0.5**54
-        return np.clip(random.random((size, dimensions)), smallest, 1.0 - 2.0 * smallest)
-    from scipy.stats import qmc
+        points = np.clip(random.random((size, dimensions)), smallest, 1.0 - 2.0 * smallest)
+    else:
+        from scipy.stats import qmc
 
-    net = qmc.Sobol(dimensions, scramble=True, bits=BITS, rng=random).random(size)
-    return np.asarray(net + 0.5 ** (BITS + 1))  # the middles of the intervals of rounding: none is zero
+        net = qmc.Sobol(dimensions, scramble=True, bits=BITS, rng=random).random(size)
+        points = net + 0.5 ** (BITS + 1)  # the middles of the intervals of rounding: none is zero
+    points.flags.writeable = False
+    return points

@@ -9,7 +9,7 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of
 from metafem.notes import Note, information
@@ -34,13 +34,15 @@ class Slope:
         Rescaled loads P/E* [mm^2].
     weight : ndarray, (k,)
         Weights of the areas, ``(P - mean P) / sum (P - mean P)^2`` [1/mm^2].
-    load_range : (float, float)
-        First and last load [mm^2].
     """
 
     load: FloatArray
     weight: FloatArray
-    load_range: tuple[float, float]
+
+    @property
+    def load_range(self) -> tuple[float, float]:
+        """First and last load [mm^2]."""
+        return float(self.load[0]), float(self.load[-1])
 
     @staticmethod
     def of(surface: Surface, load_range: Any = None, model: Model | None = None) -> Slope:
@@ -52,8 +54,7 @@ class Slope:
         """
         if load_range is None:
             depth = float(np.ptp(surface.height))
-            if depth == 0.0:
-                raise InvalidInput("must be given: all summits have one height", key="load_range")
+            refuse_if(depth == 0.0, "must be given: all summits have one height", key="load_range")
             independent = Independent() if model is None else Independent(contact=contact_of(model))
             foot = float(independent.curve(surface, approach=np.array([depth])).load[0])
             low, high = LOWEST * foot, HIGHEST * foot
@@ -61,7 +62,7 @@ class Slope:
             low, high = check.interval("load_range", load_range)
         load = np.linspace(low, high, LOADS)
         deviation = load - load.mean()
-        return Slope(load, deviation / (deviation @ deviation), (low, high))
+        return Slope(load, deviation / (deviation @ deviation))
 
     @staticmethod
     def if_any(surface: Surface, load_range: Any, model: Model) -> tuple[Slope | None, list[Note]]:

@@ -1,4 +1,9 @@
-"""Sobol indices, means and deviations of functions of random inputs, from independent batches of points."""
+"""Sobol indices, means and deviations of functions of random inputs, from independent batches of points.
+
+First-order and total indices are ratios of mean products of differences, Azzini, Mara and Rosati, Environ.
+Model. Softw. 144, 105167 (2021), doi:10.1016/j.envsoft.2021.105167. They do not change if a constant is added
+to the function, and are exact if it depends on one group of inputs only.
+"""
 
 from __future__ import annotations
 
@@ -34,36 +39,21 @@ class SobolIndices(NamedTuple):
     total: Estimate
 
 
-class Plan(NamedTuple):
-    """Batches and points for at least a wanted number of draws.
+def plan(draws: int, groups: int) -> tuple[int, int]:
+    """Return the numbers of batches and of points in each, a power of two, for at least `draws` draws.
 
-    Attributes
-    ----------
-    batches, points : int
-        Number of batches, and of points in each; the latter is a power of two.
-    draws : int
-        Number of evaluations of the function.
-    """
-
-    batches: int
-    points: int
-    draws: int
-
-
-def plan(draws: int, groups: int) -> Plan:
-    """Return the batches for at least `draws` draws; each point has ``2 + 2 groups`` of them.
+    The function is evaluated at ``2 + 2 groups`` times as many points.
 
     Examples
     --------
     >>> plan(10_000, 3)
-    Plan(batches=16, points=128, draws=16384)
+    (16, 128)
     """
     each = 2 + 2 * groups
     points = 2
     while points < MOST_POINTS and FEWEST_BATCHES * points * each < draws:
         points *= 2
-    batches = max(FEWEST_BATCHES, -(-draws // (points * each)))
-    return Plan(batches, points, batches * points * each)
+    return max(FEWEST_BATCHES, -(-draws // (points * each))), points
 
 
 def exchanged(seed: int, batch: int, groups: Sequence[Sequence[int]], points: int) -> FloatArray:
@@ -136,43 +126,3 @@ def jackknife(statistic: Callable[[FloatArray], FloatArray], means: FloatArray) 
     # half of the two-sided interval with the probability of one normal standard deviation
     student = float(stdtrit(m - 1, ndtr(1.0)))
     return Estimate(values.mean(axis=0), student * values.std(axis=0, ddof=1) / np.sqrt(m))
-
-
-def sobol_indices(
-    function: Callable[[FloatArray], FloatArray],
-    groups: Sequence[Sequence[int]],
-    draws: int,
-    seed: int,
-) -> SobolIndices:
-    """Estimate mean, deviation and Sobol indices of a function of independent inputs.
-
-    First-order and total indices are ratios of mean products of differences, Azzini, Mara and Rosati,
-    Environ. Model. Softw. 144, 105167 (2021), doi:10.1016/j.envsoft.2021.105167. They do not change if a
-    constant is added to the function, and are exact if it depends on one group only.
-
-    Parameters
-    ----------
-    function : callable
-        Takes points of the unit cube (..., d) and returns values (..., k).
-    groups : sequence of sequences of int
-        Columns of the inputs of each group; each column is in one group.
-    draws : int
-        Smallest number of evaluations.
-    seed : int
-
-    Returns
-    -------
-    SobolIndices
-
-    Examples
-    --------
-    >>> found = sobol_indices(lambda x: x @ [[3.0], [1.0]], [[0], [1]], 1000, 0)
-    >>> found.first_order.value.round(2).ravel(), found.mean.value.round(3)
-    (array([0.89, 0.11]), array([1.999]))
-    """
-    batches, points, _ = plan(draws, len(groups))
-    centre = function(np.full(sum(map(len, groups)), 0.5))
-    means = [
-        batch_means(function(exchanged(seed, batch, groups, points)), centre) for batch in range(batches)
-    ]
-    return estimated(np.array(means), centre)

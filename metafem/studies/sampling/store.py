@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass
@@ -14,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from metafem._caches import write_whole
 from metafem.errors import InvalidInput, refuse_if
 from metafem.progress import message
 
@@ -79,7 +79,7 @@ class Store:
             found = json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
             others = [other for other in folder.iterdir() if not other.name.startswith(f".{RECORD}")]
             if found is None and not others:
-                _write(path, lambda file: file.write(json.dumps(record, indent=1).encode()))
+                write_whole(path, lambda file: file.write(json.dumps(record, indent=1).encode()))
         except (OSError, ValueError) as error:
             raise InvalidInput(f"folder = {folder} cannot be used: {error}") from None
         other = found is None and others
@@ -104,26 +104,13 @@ class Store:
             return
         arrays: dict[str, Any] = dict(result)
         try:
-            _write(self._path(batch), lambda file: np.savez_compressed(file, **arrays))
+            write_whole(self._path(batch), lambda file: np.savez_compressed(file, **arrays))
         except OSError as error:
             self.full = True
             message(f"batches are no longer kept in {self.folder}: {error.strerror or error}")
 
     def _path(self, batch: int) -> Path:
         return self.folder / f"batch-{batch:08d}.npz"
-
-
-def _write(path: Path, write: Any) -> None:
-    """Write a file under another name and rename it, so that it is complete or absent."""
-    fresh = path.with_name(f".{path.name}-{os.getpid()}")
-    try:
-        with fresh.open("wb") as file:
-            write(file)
-            file.flush()
-            os.fsync(file.fileno())
-        fresh.replace(path)
-    finally:
-        fresh.unlink(missing_ok=True)
 
 
 def _apart(found: Any, record: Mapping[str, str]) -> str:

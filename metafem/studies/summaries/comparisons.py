@@ -9,7 +9,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem._values import MICROMETRES
 from metafem.notes import information
-from metafem.studies.summaries.table import Summary, summarised, texts
+from metafem.studies.summaries.table import Columns, Summary, summarised, texts
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -28,7 +28,7 @@ def fidelity_summary(study: Dataset) -> Summary:
     """Return how each model changes A0 and the separation."""
     load, change, last = study["load"].values, study["area_change"].values, study.isel(rescaled_load=-1)
     shown = [int(np.abs(load - fraction * load[-1]).argmin()) for fraction in SHOWN_LOADS]
-    columns = {
+    columns: Columns = {
         "model": study["model"].values,
         "rms [%]": texts(".2f", 100.0 * rms(change)),
         "largest [%]": texts("+.2f", 100.0 * largest(change)),
@@ -51,7 +51,7 @@ def interaction_summary(study: Dataset) -> Summary:
         """Return a number for each substrate, in the row of the largest order."""
         return [text for value in texts(".2f", 100.0 * values) for text in [""] * (orders - 1) + [value]]
 
-    columns = {
+    columns: Columns = {
         "substrate": np.repeat(study["substrate"].values, orders),
         "order": np.tile(study["order"].values, substrates),
         "rms [%]": texts(".2f", 100.0 * rms(change)),

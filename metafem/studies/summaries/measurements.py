@@ -11,7 +11,7 @@ from metafem._values import percent
 from metafem.calibration.diagnosis.causes import GROUPS
 from metafem.calibration.diagnosis.sentences import NAMES, amount, interval, part, spread
 from metafem.calibration.verdict import REJECTED, chi
-from metafem.studies.summaries.table import Summary, stored_notes, summarised, texts
+from metafem.studies.summaries.table import Columns, Summary, stored_notes, summarised, texts
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -28,7 +28,7 @@ CAUSES = ("cause", "expected", "found (68 %)", "share of the misfit", "chi² wit
 def measured_summary(study: Dataset) -> Summary:
     """Return the deviations of all points, and a sentence on each law."""
     measured, predicted = study["rescaled_friction"].values, study["predicted"].values
-    columns = {
+    columns: Columns = {
         "law": study["of_law"].values,
         "P [N]": texts(".4g", study["load"].values),
         "P/E* [mm²]": texts(".4g", study["rescaled_load"].values),
@@ -45,7 +45,7 @@ def features(study: Dataset) -> Summary:
     """Return the slopes, operating points and crossovers, with their deviations from design and target."""
     value, sd, design, target = (study[name].values for name in ("value", "value_sd", "design", "target"))
     units = study["unit"].values.tolist()
-    columns = {
+    columns: Columns = {
         "law": study["of_law_feature"].values,
         "feature": study["feature"].values,
         "measured": [f"{each:.4g} {unit}".rstrip() for each, unit in zip(value, units, strict=True)],

@@ -12,6 +12,10 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
+# The columns of a table by their headings.
+Columns = Mapping[str, Iterable[Any]]
+
+
 @dataclass(frozen=True)
 class Summary:
     """A table of texts, and a sentence, that summarise a study.
@@ -39,9 +43,7 @@ class Summary:
     answer: str = ""
 
 
-def summarised(
-    study: Dataset, title: str, columns: Mapping[str, Iterable[Any]], answer: str = "", *notes: Note
-) -> Summary:
+def summarised(study: Dataset, title: str, columns: Columns, answer: str = "", *notes: Note) -> Summary:
     """Return the summary of a study from the columns of its table; further notes come before its own."""
     rows = tuple(zip(*(map(str, column) for column in columns.values()), strict=True))
     return Summary(title, tuple(columns), rows, (*notes, *stored_notes(study)), answer)

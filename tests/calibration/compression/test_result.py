@@ -66,5 +66,3 @@ def test_it_draws_points_with_error_bars_and_the_law():
     assert x[-1] == pytest.approx(FOUND.load_fitted[-1])
     assert y[[0, -1]] == pytest.approx([0.0, AREA[-1]])
     assert np.interp(AREA, y, x) == pytest.approx(FOUND.load_fitted, abs=1e-5)
-    with pytest.raises(mf.InvalidInput, match="ax = 5 must be the axes"):
-        FOUND.plot(5)

@@ -1,4 +1,4 @@
-"""Shares of the misfit against the dense formula of its quadratic form."""
+"""Shares of the misfit against the dense formula of its quadratic form, and their sentences."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 import metafem as mf
 from metafem.calibration import Priors, explain
 from metafem.calibration.diagnosis.causes import Causes
-from metafem.calibration.diagnosis.sentences import ranking
+from metafem.calibration.diagnosis.sentences import models, ranking
 from metafem.calibration.diagnosis.shares import unresolved
 from tests.calibration.diagnosis.scenes import COMMON, ERRORS, LOADS, design, measured
 
@@ -47,6 +47,12 @@ def test_a_negative_share_is_stated_so_that_the_named_ones_add_to_one():
     first, second = ranking({"radius": 0.95, "composite_modulus": 0.25, "friction": -0.2})
     assert first == "It is explained by radii (95 %) and E* (25 %)."
     assert second.startswith("All shares add to 100 %: negative is that of σB (-20 %)")
+
+
+@pytest.mark.parametrize(("ratio", "odds"), [(0.4, "1.5"), (9.0, "8,100"), (6894.0, "more than 10^6")])
+def test_odds_are_written_out_up_to_a_million(ratio, odds):
+    (sentence,) = models({"JKR": 0.0, "Hertz": -ratio})
+    assert f"({odds} to 1)" in sentence
 
 
 def found(gradient: np.ndarray):

@@ -140,6 +140,7 @@ def test_saturated_contacts_and_ground_are_named():
         (np.full((50, 50), 7), "constant"),
         (np.random.default_rng(0).normal(200.0, 5.0, (100, 100)), "shows no contacts"),
         (np.random.default_rng(0).normal(5.0, 1.0, (100, 100)).astype(np.uint8), "shows no contacts"),
+        (picture((420, 420), [(90.3, 100.0)], [1e-6], noise=0.1, bits=8), "shows no contacts"),
         (np.where(np.eye(50) > 0, np.nan, 1.0), "row 0, column 0"),
         (np.random.default_rng(0).random((50, 50, 3)), "in colour"),
         (np.zeros((4, 50, 50)), "stack_areas"),

@@ -53,15 +53,10 @@ def test_an_image_without_regions_has_no_contours():
 
 @pytest.mark.parametrize(("a", "b", "angle"), [(3.0, 3.0, 0.0), (5.0, 2.0, 0.3), (9.0, 1.0, 1.2)])
 def test_ellipses_have_the_compactness_one(a, b, angle):
-    cos, sin, area = np.cos(angle), np.sin(angle), np.pi * a * b
-    moment = (
-        area
-        / 4.0
-        * np.array(
-            [(a * cos) ** 2 + (b * sin) ** 2, (a * sin) ** 2 + (b * cos) ** 2, (a * a - b * b) * sin * cos]
-        )
-    )
-    assert compactness(np.array([area]), moment[None])[0] == pytest.approx(1.0, rel=1e-12)
+    cos, sin = np.cos(angle), np.sin(angle)
+    second = [(a * cos) ** 2 + (b * sin) ** 2, (a * sin) ** 2 + (b * cos) ** 2, (a * a - b * b) * sin * cos]
+    area = np.pi * a * b
+    assert compactness(np.array([area]), area / 4.0 * np.array([second]))[0] == pytest.approx(1.0, rel=1e-12)
 
 
 @pytest.mark.parametrize(("ratio", "expected"), [(1.0, 0.894), (0.5, 0.896), (0.3, 0.945)])
@@ -69,10 +64,8 @@ def test_circles_that_touch(ratio, expected):
     # parallel axes: the distance 1 + ratio, and the reduced area
     areas = np.pi * np.array([1.0, ratio**2])
     own = areas @ np.array([1.0, ratio**2]) / 4.0
-    along = own + areas.prod() / areas.sum() * (1.0 + ratio) ** 2
-    assert compactness(areas.sum(keepdims=True), np.array([[along, own, 0.0]]))[0] == pytest.approx(
-        expected, abs=1e-3
-    )
+    moment = np.array([[own + areas.prod() / areas.sum() * (1.0 + ratio) ** 2, own, 0.0]])
+    assert compactness(areas.sum(keepdims=True), moment)[0] == pytest.approx(expected, abs=1e-3)
 
 
 def test_squares():

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from metafem.calibration import contact_areas
-from metafem.errors import InvalidInput
 from metafem.notes import Level
 from validation.scenes.pictures import BRIGHT, DARK, coverage, lattice, picture
 
@@ -80,8 +79,3 @@ def test_otsus_threshold_is_kept_where_it_works():
         found = contact_areas(image, 1.0)
         assert not found.notes
         assert found.threshold == pytest.approx(threshold_otsu(image / BRIGHT), abs=0.02)
-
-
-def test_noise_shows_no_contacts():
-    with pytest.raises(InvalidInput, match="shows no contacts"):
-        contact_areas(picture(SPARSE, CENTRES, 1e-6 * RADII, noise=0.1, bits=8), 1.0)

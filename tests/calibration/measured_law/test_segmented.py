@@ -30,12 +30,10 @@ def test_two_lines_are_found_with_their_crossover():
     assert found.crossover_interval[0] < 0.1 < found.crossover_interval[1]
     for slope, (low, high) in zip(found.slopes, found.slope_intervals, strict=True):
         assert low < slope < high
-    assert fit_segments(law_of(noise=1.0)).verdict.fits
+    noisy = fit_segments(law_of(noise=1.0))
+    assert noisy.verdict.fits
+    assert noisy == fit_segments(law_of(noise=1.0))
     assert "crossover 0.1 (" in repr(found)
-
-
-def test_the_same_law_gives_the_same_intervals_to_the_bit():
-    assert fit_segments(law_of(noise=1.0)) == fit_segments(law_of(noise=1.0))
 
 
 def test_a_slope_has_the_error_of_a_straight_line_where_the_crossover_is_certain():
@@ -80,29 +78,13 @@ def test_the_rule_of_the_paper_is_that_of_its_points():
     assert fixed.crossover_interval == found.crossover_interval
 
 
-@pytest.mark.slow
-def test_intervals_of_the_function_cover_as_stated():
-    """The loop of a user over simulated laws; the claim computes many laws together without the ends."""
-    trials, inside = 60, np.zeros(3)
-    for seed in range(trials):
-        found = fit_segments(law_of(noise=1.0, crossover=0.097, seed=seed), draws=500)
-        truth = (0.097, 7.0, 12.5)
-        intervals = (found.crossover_interval, *found.slope_intervals)
-        inside += [low <= value <= high for value, (low, high) in zip(truth, intervals, strict=True)]
-    # four binomial standard deviations
-    np.testing.assert_allclose(inside / trials, 0.68, atol=4.0 * np.sqrt(0.68 * 0.32 / trials))
-
-
 @pytest.mark.parametrize(
     ("call", "words"),
     [
         (lambda: fit_segments(law_of(LOAD[:6])), "law has 6 points; two lines that meet need at least 7"),
         (lambda: fit_segments(law_of(), draws=5), "draws = 5 must be a whole number of at least 100"),
         (lambda: fit_segments(LOAD), "must be a metafem.calibration.MeasuredLaw"),
-        (
-            lambda: fit_segments(law_of(np.repeat([0.1, 0.2], 4))),
-            "law has 2 different loads; two lines that meet need 4",
-        ),
+        (lambda: fit_segments(law_of(np.repeat([0.1, 0.2], 4))), "law has 2 different loads; two lines that"),
         (lambda: branches(law_of(LOAD[:5])), "law has 5 points; two branches need at least 6"),
         (lambda: branches(law_of(), first=19), "first = 19 leaves none of the 19 points"),
         (lambda: branches(law_of(), second=2), "second = 2 must be a whole number of at least 3"),

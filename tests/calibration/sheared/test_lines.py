@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 from metafem import Friction
 from metafem.calibration import Bootstrap, MeasurementErrors, shear
-from metafem.calibration.sheared.lines import parameters
 from metafem.errors import InvalidInput
 from validation.scenes.sheared_contacts import ERRORS, RATIO, STRENGTH, sheared
 
@@ -25,19 +24,6 @@ def test_exact_points_give_the_friction():
     assert found.area_ratio == pytest.approx(RATIO, rel=1e-12)
     assert found.shear_strength == pytest.approx(STRENGTH, rel=1e-12)
     assert found.friction == Friction(found.shear_strength, found.area_ratio)
-
-
-def test_values_have_the_stated_errors_and_correlation():
-    many, _ = sheared(np.random.default_rng(8), shape=(3000,))
-    found, covariance, _ = parameters(many, ERRORS)
-    deviation = np.sqrt(np.einsum("nii->ni", covariance))
-    error = (found - [RATIO, STRENGTH]) / deviation
-    sampling = 1.0 / np.sqrt(3000)
-    assert np.abs(error.mean(0)).max() < 4.0 * sampling
-    assert np.abs(error.std(0) - 1.0).max() < 4.0 * sampling / np.sqrt(2.0)
-    stated = (covariance[:, 0, 1] / deviation.prod(1)).mean()
-    assert np.corrcoef(error.T)[0, 1] == pytest.approx(stated, abs=4.0 * sampling)
-    assert stated == pytest.approx(-0.3, abs=0.02)
 
 
 def test_tests_are_fitted_one_by_one_and_compared(points):

@@ -102,12 +102,16 @@ def test_a_design_can_be_saved_with_corrected_heights(tmp_path):
     assert "the heights are those to make next" in str(stored.notes[-1])
 
 
+FEW = mf.Surface.square_lattice(0.1, (1, 2), radius=0.526, material=mf.Material(1.36))
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
         ({"design": None}, "metafem.Surface or a metafem.Design"),
         ({"made": None}, "MadeSurface"),
         ({"design": lattice(np.random.default_rng(5))}, "pass made.design"),
+        ({"design": FEW, "made": made_surface(FEW, np.zeros(2))}, "2 asperities"),
     ],
 )
 def test_what_cannot_be_corrected_is_refused(change, message):
@@ -115,9 +119,3 @@ def test_what_cannot_be_corrected_is_refused(change, message):
     given = {"design": design, "made": made_surface(design, np.zeros(64)), **change}
     with pytest.raises(mf.InvalidInput, match=message):
         mf.calibration.corrected_heights(**given)
-
-
-def test_two_asperities_are_too_few():
-    design = mf.Surface.square_lattice(0.1, (1, 2), radius=0.526, material=mf.Material(1.36))
-    with pytest.raises(mf.InvalidInput, match="2 asperities"):
-        mf.calibration.corrected_heights(design, made_surface(design, np.zeros(2)))

@@ -47,35 +47,34 @@ def test_all_parameters_are_printed_and_written(run, tables):
     assert "σ, shear strength 0.3700" in text
     assert "E* and w, 20 points: the law fits" in text
     assert text.endswith("wrote calibration.toml wrote calibration.json wrote calibration.svg")
+    assert "would fit" not in text
     block = tomllib.loads(Path("calibration.toml").read_text("utf-8"))
     assert list(block) == ["material", "contact", "friction"]
     data = json.loads(Path("calibration.json").read_text("utf-8"))
-    assert data["composite_modulus_MPa"] == pytest.approx(1.36)
     assert data["adhesion_energy_N_per_mm"] == pytest.approx(3e-5)
-    assert data["parameters"] == ["radius", "composite_modulus", "area_ratio", "shear_strength"]
     assert data["values"] == pytest.approx([0.526, 1.36, 0.85, 0.37])
-    assert np.array(data["covariance"])[0, 0] == pytest.approx(0.005**2)
     assert Path("calibration.svg").read_text("utf-8").count("residual / sd") == 3
-
-
-def test_the_numbers_are_those_of_the_python_functions(run, tables):
-    data = json.loads(run("calibrate", "compression.csv", "shear.csv", *RADIUS, "--json").stdout)
-    sample = mf.calibration.Sample(contacts=5, radius_sd=0.005)
-    exact = mf.calibration.fit_compression(LOAD, AREA, 0.526, sample)
+    # the numbers are those of the Python functions
+    exact = mf.calibration.fit_compression(
+        LOAD, AREA, 0.526, mf.calibration.Sample(contacts=5, radius_sd=0.005)
+    )
     assert data["composite_modulus_interval_MPa"] == pytest.approx(exact.composite_modulus_interval)
     assert data["adhesion_energy_interval_N_per_mm"] == pytest.approx(exact.adhesion_energy_interval)
     sheared = mf.calibration.shear(AREA, 0.85 * AREA, 0.3145 * AREA)
     names, covariance = mf.calibration.joint_covariance(exact, sheared)
-    assert data["parameters"] == list(names)
+    assert (
+        data["parameters"] == list(names) == ["radius", "composite_modulus", "area_ratio", "shear_strength"]
+    )
     np.testing.assert_allclose(data["covariance"], covariance, rtol=1e-5)
 
 
 def test_tests_are_compared_and_points_drawn_again(run, tables):
     Path("second.csv").write_bytes(Path("shear.csv").read_bytes())
-    result = run("calibrate", "shear.csv", "second.csv", "--bootstrap", 20)
-    assert "B and σ, 2 tests: the tests agree" in words(result)
-    assert "of the bootstrap" in words(result)
-    data = json.loads(run("calibrate", "shear.csv", "second.csv", "--bootstrap", 20, "--json").stdout)
+    arguments = ("calibrate", "shear.csv", "second.csv", "--bootstrap", 20, "-o", "calibration.json")
+    text = words(run(*arguments))
+    assert "B and σ, 2 tests: the tests agree" in text
+    assert "of the bootstrap" in text
+    data = json.loads(Path("calibration.json").read_text("utf-8"))
     assert [test["test"] for test in data["shear_tests"]] == ["shear", "second"]
     assert data["shear_bootstrap_sd"]["area_ratio"] < 1e-12  # of exact points
     assert data["parameters"] == ["area_ratio", "shear_strength"]
@@ -221,10 +220,9 @@ def test_files_are_not_replaced_without_force(run, tables):
 @pytest.mark.parametrize(
     ("factor", "unit"), [(1e3, "load_mN would fit where a table says load_N"), (1e-3, "load_N would fit")]
 )
-def test_loads_in_another_unit_are_noticed(run, tables, factor, unit):
+def test_loads_in_another_unit_are_noticed(run, factor, unit):
     table("wrong.csv", "load_N,area_mm2", factor * LOAD, AREA)
     assert unit in words(run("calibrate", "wrong.csv", *RADIUS))
-    assert "would fit" not in words(run("calibrate", "compression.csv", "shear.csv", *RADIUS))
 
 
 def test_an_outlier_is_printed_with_its_line_and_the_remedy(run):

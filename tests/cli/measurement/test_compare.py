@@ -1,12 +1,15 @@
-"""`metafem compare` and the section of the report on the measured law."""
+"""`metafem compare`, its explanation, and the section of the report on the measured law."""
 
 import json
+import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.calibration import ContactTable
+from metafem.files.measurement.contacts import contacts_table
 
 
 @pytest.fixture
@@ -89,6 +92,10 @@ def test_errors_of_the_parameters_widen_the_bars(run, measured):
         (("--sd", "radius=1um"), '--sd "radius=1um" must be INPUT=QUANTITY'),
         (("--sliding", "nothing.csv"), "nothing.csv"),
         (("--sliding-area-ratio", "-1"), "--sliding-area-ratio = -1 must be greater than 0"),
+        (("--angle-sd", "0.1deg"), "--angle-sd needs --explain"),
+        (("--explain", "--friction-sd", "3"), '--friction-sd = "3" needs a unit; write "3 %" or "300 %"'),
+        (("--explain", "--angle-sd", "3"), "--angle-sd"),
+        (("--explain", "--height-scale-sd", "90%"), "--height-scale-sd = 90 % must be at most"),
     ],
 )
 def test_options_that_are_wrong_are_named(run, measured, options, words):
@@ -141,3 +148,68 @@ def test_a_calibration_gives_the_material_pair_with_its_errors(run, measured):
     assert alone["parameters"] == "composite_modulus area_ratio"  # a stated strength is exact
     twice = run("compare", "linear", "measured.csv", "--sd", "area_ratio=0.01", *options)
     assert "both give the error of area_ratio; keep one" in " ".join(twice.output.split())
+
+
+def write_contacts(design, made):
+    """Write the table of the contacts of a made surface at two loads."""
+    load, surface = np.array([0.2, 0.8]), design.surface
+    area = np.array([mf.equilibrium(made, load=each).asperity_area for each in load])
+    friction = surface.friction
+    force = friction.shear_strength * friction.area_ratio * area.sum(axis=1)
+    table = ContactTable(
+        *(("0.20.tif", "0.80.tif"), ("", ""), load, force, surface.position, design.sites, True),
+        *(area, 2.8e-3 * np.sqrt(math.pi * area), np.nan * area, np.nan * area),
+    )
+    Path("contacts.csv").write_text(contacts_table(table), "utf-8")
+
+
+@pytest.fixture
+def tilted(demo):
+    """Write the table of the contacts of the demo "linear", tilted by 0.1 degrees."""
+    demo("linear")
+    design = mf.load("linear")
+    write_contacts(design, design.surface.tilted(math.radians(0.1), 0.0))
+
+
+def test_a_tilt_is_explained_and_stored(run, tilted):
+    result = run("compare", "linear", "contacts.csv", "--explain", "--json")
+    assert result.exit_code == 0, result.output
+    data = json.loads(result.stdout)["explanation"]
+    assert (
+        "measured values, the areas of the single contacts included; with the errors found"
+        in data["answers"][0]
+    )
+    found = data["data"]
+    assert found["group"]["values"][0] == "tilt"
+    assert found["share"]["values"][0] > 0.8
+    assert math.degrees(found["mean"]["values"][0]) == pytest.approx(0.1, abs=0.01)
+    assert Path("linear/explained.nc").exists()
+    options = ("--explain", "--force", "--height-sd", "0", "--radius-sd", "0", "--position-sd", "1um")
+    text = run("compare", "linear", "contacts.csv", *options).output
+    assert "What explains the measured law" in text
+    assert "single heights" not in text
+    assert "It is explained by tilt (" in text
+    assert text.rstrip().endswith("wrote linear/explained.nc")
+
+
+def test_a_stopped_explanation_leaves_no_file(run, tilted, monkeypatch):
+    def stopped(*_args):
+        raise mf.NotConverged("stopped")
+
+    monkeypatch.setattr("metafem.calibration.explain", stopped)
+    assert run("compare", "linear", "contacts.csv", "--explain").exit_code == 1
+    assert not Path("linear/measured.nc").exists()
+
+
+@pytest.mark.slow
+def test_contacts_have_the_sites_of_a_design_that_leaves_some_empty(run, demo):
+    demo("operating-points")
+    design = mf.load("operating-points")
+    assert design.surface.count < design.template.count
+    height = design.surface.height.copy()
+    height[-1] -= 0.02
+    write_contacts(design, design.surface.replaced(height=height))
+    result = run("compare", "operating-points", "contacts.csv", "--explain")
+    assert result.exit_code == 0, result.output
+    assert f"The asperity at site {design.sites[-1]} is" in result.output
+    assert "lower than designed" in result.output

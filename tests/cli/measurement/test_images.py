@@ -40,10 +40,8 @@ def pictures(tmp_path):
     lines = ["image,load_mN,friction_force_mN,sheared_image"]
     for i, load in enumerate(LOADS):
         # 9, 10, 11: in natural order
-        tifffile.imwrite(folder / f"{9 + i}.tif", shot(i), resolution=(10 / PIXEL,) * 2, resolutionunit=3)
-        tifffile.imwrite(
-            folder / f"s{9 + i}.tif", shot(i, 0.85, shift=0.1), resolution=(10 / PIXEL,) * 2, resolutionunit=3
-        )
+        for name, image in ((f"{9 + i}.tif", shot(i)), (f"s{9 + i}.tif", shot(i, 0.85, shift=0.1))):
+            tifffile.imwrite(folder / name, image, resolution=(10 / PIXEL,) * 2, resolutionunit=3)
         lines.append(f"{9 + i}.tif,{load},{2 * load},s{9 + i}.tif")
     (tmp_path / "forces.csv").write_text("\n".join(lines), encoding="utf-8")
     rows = "\n".join(f"{i},{x},{y},0.1" for i, (x, y) in enumerate(SITES))
@@ -52,10 +50,8 @@ def pictures(tmp_path):
 
 
 def test_images_become_a_table_of_contacts(run, pictures):
-    result = run(
-        "images", "pictures", "--forces", "forces.csv", "--sites", "heights.csv", "-o", "contacts.csv",
-        "--picture", "found.png",
-    )  # fmt: skip
+    arguments = ("images", "pictures", "--forces", "forces.csv", "--sites", "heights.csv")
+    result = run(*arguments, "-o", "contacts.csv", "--picture", "found.png")
     assert result.exit_code == 0, result.output
     table = read_contacts("contacts.csv")
     assert table.image == ("9.tif", "10.tif", "11.tif")
@@ -71,6 +67,11 @@ def test_images_become_a_table_of_contacts(run, pictures):
     assert "note: pixels of 20 um, as 9.tif states by its resolution tags" in text
     assert text.endswith("wrote contacts.csv wrote found.png")
     assert Path("found.png").read_bytes().startswith(b"\x89PNG")
+    # the error of a sum is that of the closed contacts
+    rows = json.loads(run(*arguments, "--json").stdout)["images"]
+    errors = [np.sqrt(np.sum(e[a > 0.0] ** 2)) for e, a in zip(table.area_error, table.area, strict=True)]
+    np.testing.assert_allclose([row["area_error_mm2"] for row in rows], errors, rtol=1e-6)
+    assert rows[0]["open"] > 0
 
 
 def test_through_the_block(run, pictures):
@@ -115,15 +116,12 @@ def test_a_stack_without_forces(run, tmp_path):
 
 
 def test_what_would_be_lost_is_refused_first(run, pictures):
+    arguments = ["images", "pictures", "--forces", "forces.csv", "-o", "contacts.csv"]
     Path("contacts.csv").write_text("mine")
-    result = run("images", "pictures", "--forces", "forces.csv", "-o", "contacts.csv", "--force")
-    assert result.exit_code == 2
+    assert run(*arguments, "--force").exit_code == 2
     assert Path("contacts.csv").read_text() == "mine"
     Path("contacts.csv").unlink()
-    for expected in (0, 2, 0):
-        arguments = ["images", "pictures", "--forces", "forces.csv", "-o", "contacts.csv"]
-        result = run(*arguments, *(["--force"] if Path("contacts.csv").exists() and expected == 0 else []))
-        assert result.exit_code == expected
+    assert [run(*arguments, *force).exit_code for force in ([], [], ["--force"])] == [0, 2, 0]
 
 
 def test_a_pixel_size_that_disagrees_and_images_without_forces(run, pictures):
@@ -163,15 +161,6 @@ def test_an_image_without_contacts_is_named_once_as_the_reason(run, pictures):
     assert "none of the images can be measured: blank.png is not measured" in wrong
     assert "images[" not in wrong
     assert "--bright-contacts is given" in wrong
-
-
-def test_the_error_of_a_sum_is_that_of_the_closed_contacts(run, pictures):
-    result = run("images", "pictures", "--forces", "forces.csv", "-o", "contacts.csv", "--json")
-    table = read_contacts("contacts.csv")
-    exact = [np.sqrt(np.sum(e[a > 0.0] ** 2)) for e, a in zip(table.area_error, table.area, strict=True)]
-    rows = json.loads(result.stdout)["images"]
-    np.testing.assert_allclose([row["area_error_mm2"] for row in rows], exact, rtol=1e-6)
-    assert rows[0]["open"] > 0
 
 
 @pytest.mark.parametrize(("arguments", "message"), [

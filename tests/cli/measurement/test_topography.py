@@ -85,7 +85,10 @@ def test_a_scale_is_about_the_mean_height(run, part):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("part.npy", "--design", "design"), "states no units"),
+        (
+            ("part.npy", "--design", "design"),
+            "does not state the size of its pixels and the unit of its heights",
+        ),
         (("none.x3p", "--design", "design"), "no such file"),
         (("part.npy", *PIXEL, "--design", "none"), "none"),
         (("part.npy", *PIXEL, "--design", "design", "--picture", "made.pdf"), "must end with .svg or .png"),

@@ -103,7 +103,7 @@ def test_the_error_of_youngs_modulus_is_that_of_e_star_with_the_poissons_ratio(r
 
 def test_a_stopped_study_continues_by_the_same_command(run, demo, stopped_studies, monkeypatch):
     demo("linear")
-    command = ("study", "manufacturing", "linear", "--height-sd", "3um", "--draws", 30_000, "--json")
+    command = ("study", "manufacturing", "linear", "--height-sd", "3um", "--draws", 8_000, "--json")
     whole = json.loads(run(*command).stdout)
     write = Store.write
 
@@ -130,7 +130,7 @@ def test_a_stopped_study_continues_by_the_same_command(run, demo, stopped_studie
 
 def test_an_unreachable_scheduler_is_named_with_the_alternative(run, demo, monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr("metafem.studies.sampling.schedulers.PATIENCE", 0.2)
+    monkeypatch.setattr("metafem.studies.sampling.batches.PATIENCE", 0.2)
     demo("linear")
     address = ("--scheduler", "tcp://127.0.0.1:1")
     result = run("study", "manufacturing", "linear", "--height-sd", "1um", *address, "--json")

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.contact import pedestal_compliance
+from metafem.fe.axisymmetric import press
 from metafem.reference import single_contacts as exact
 
 R = 0.526
@@ -48,6 +50,7 @@ def test_hertz_field_outside(poisson_ratio):
 
 
 def test_hertz_pressure_and_shape_inside():
+    assert not half_space().pressure([0.2, 0.3]).any()
     r = np.array([0.0, 0.05, 0.1, 0.19])
     np.testing.assert_allclose(half_space().pressure(r), exact.hertz_pressure(r, 0.2, R), rtol=1e-6)
     np.testing.assert_allclose(
@@ -55,23 +58,18 @@ def test_hertz_pressure_and_shape_inside():
     )
 
 
-def test_no_pressure_outside():
-    assert not half_space().pressure([0.2, 0.3]).any()
-
-
-def test_quartic_profile_shows_that_hertz_is_not_built_in():
-    contact = mf.fe.press(0.3, profile=lambda r: 0.7 * r**4)
-    load, indentation = exact.power_law(0.3, 0.7, 4.0)
-    error = max(abs(contact.rescaled_load / load - 1.0), abs(contact.indentation / indentation - 1.0))
+@pytest.mark.parametrize(
+    ("a", "profile", "expected"),
+    [
+        (0.3, lambda r: 0.7 * r**4, exact.power_law(0.3, 0.7, 4.0)),
+        (0.26, lambda r: R - np.sqrt(R**2 - r**2), exact.sneddon_sphere(0.26, R)),
+    ],
+)
+def test_other_profiles_show_that_hertz_is_not_built_in(a, profile, expected):
+    contact = mf.fe.press(a, profile=profile)
+    error = np.abs(np.divide((contact.rescaled_load, contact.indentation), expected) - 1.0).max()
     assert error < SPECTRAL
     assert overestimates(contact, error)
-
-
-def test_spherical_profile_is_sneddons():
-    contact = mf.fe.press(0.26, profile=lambda r: R - np.sqrt(R**2 - r**2))
-    assert (contact.rescaled_load, contact.indentation) == pytest.approx(
-        exact.sneddon_sphere(0.26, R), rel=SPECTRAL
-    )
 
 
 # Load and indentation over Hertz's at the same a, of an independent small-strain computation to .2 %.
@@ -171,3 +169,25 @@ def test_estimate_bounds_the_distance_to_a_finer_solution(height, contact_radius
     contact = block(height, contact_radius)
     errors = contact.rescaled_load / fine.rescaled_load - 1.0, contact.indentation / fine.indentation - 1.0
     assert overestimates(contact, max(map(abs, errors)))
+
+
+def test_shortfall_of_the_block_without_a_cap():
+    contact = mf.fe.press(10.0, 1.0, thickness=press.PEDESTAL_EXTENT, block_radius=press.PEDESTAL_EXTENT)
+    hertz = (0.75 * contact.rescaled_load) ** (2.0 / 3.0)
+    short = math.pi * (hertz - contact.indentation) / contact.rescaled_load
+    assert short * press.PEDESTAL_EXTENT == pytest.approx(press.SHORTFALL, abs=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("height_ratio", [0.06, 0.23, 0.57])
+def test_the_fit_holds_between_the_rows(height_ratio):
+    a = 0.3 * math.sqrt(height_ratio * (2.0 - height_ratio))
+    # The promise of the table.
+    assert pedestal_compliance(height_ratio, 1.0, a) == pytest.approx(
+        mf.fe.measure_pedestal(height_ratio, a), rel=1e-3
+    )
+
+
+def test_a_contact_beyond_the_cap_is_refused():
+    with pytest.raises(mf.InvalidInput, match="cap's edge"):
+        mf.fe.measure_pedestal(0.1, 0.5)

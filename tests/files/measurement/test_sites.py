@@ -12,11 +12,11 @@ def table(tmp_path, text):
 
 
 def test_sites_with_and_without_numbers(tmp_path):
-    found = read_sites(table(tmp_path, "site,x_mm,y_um,height_mm\n7,0,1500,.1\n3,1.5,0,.1\n"))
-    np.testing.assert_array_equal(found.position, [[0.0, 1.5], [1.5, 0.0]])
-    assert found.number.tolist() == [7, 3]
-    found = read_sites(table(tmp_path, "x_mm,y_mm\n0,1\n1,0\n"))
-    assert found.number.tolist() == [0, 1]
+    position, number = read_sites(table(tmp_path, "site,x_mm,y_um,height_mm\n7,0,1500,.1\n3,1.5,0,.1\n"))
+    np.testing.assert_array_equal(position, [[0.0, 1.5], [1.5, 0.0]])
+    assert number.tolist() == [7, 3]
+    _, number = read_sites(table(tmp_path, "x_mm,y_mm\n0,1\n1,0\n"))
+    assert number.tolist() == [0, 1]
 
 
 @pytest.mark.parametrize(("text", "message"), [

@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from metafem._given import Names
 from metafem.calibration import ContactTable
 from metafem.errors import InvalidInput
-from metafem.files import of_files, read_calibration
+from metafem.files import of_tables, read_calibration
 from metafem.files.measurement.contacts import contacts_table
 
 
@@ -208,7 +209,11 @@ def test_a_contact_that_no_image_measures_is_named(read):
         read({"contacts.csv": contacts_table(bare)})
 
 
-def test_errors_of_pooled_points_name_the_files():
-    named = of_files(InvalidInput("too few points"), ["a.csv", "b.csv"])
-    assert str(named) == "a.csv, b.csv: too few points"
-    assert str(of_files(InvalidInput("b.csv, line 2: x"), ["a.csv", "b.csv"])) == "b.csv, line 2: x"
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [("too few points", "a.csv, b.csv: too few points"), ("b.csv, line 2: x", "b.csv, line 2: x")],
+)
+def test_errors_of_pooled_points_name_the_files(text, message):
+    with pytest.raises(InvalidInput) as caught, of_tables(Names(), ["a.csv", "b.csv"]):
+        raise InvalidInput(text)
+    assert str(caught.value) == message

@@ -87,15 +87,6 @@ def test_arranged_laws_follow_the_independent_one(uneven, model):
     assert np.linalg.norm(again) == pytest.approx(result.after, rel=1e-12)
 
 
-def test_arrangement_keeps_each_height_with_its_radius_and_the_sites(uneven):
-    result = mf.arrange(uneven, TILT)
-    assert result.after < result.before
-    np.testing.assert_array_equal(np.sort(result.order), np.arange(36))
-    np.testing.assert_array_equal(result.surface.height, uneven.height[result.order])
-    np.testing.assert_array_equal(result.surface.radius, uneven.radius[result.order])
-    np.testing.assert_array_equal(result.surface.position, uneven.position)
-
-
 def test_arrangement_is_the_same_for_the_same_seed(uneven):
     parts = ("position", "height", "radius")
     few = uneven.replaced(**{name: getattr(uneven, name)[:12] for name in parts})

@@ -62,14 +62,6 @@ def test_sites_are_those_of_the_places(template):
     assert placed.misfit == pytest.approx(dealt.misfit, abs=1e-12)
 
 
-def test_a_layout_is_the_same_for_the_same_seed():
-    first, second = (
-        mf.design(SMALL_POWER, SMALL, limits=LIMITS, rng=3, layout=mf.Layout(tilt=TILT)) for _ in "ab"
-    )
-    np.testing.assert_array_equal(first.surface.height, second.surface.height)
-    np.testing.assert_array_equal(first.sites, second.sites)
-
-
 def test_following_the_law_means_nothing_without_interaction(template):
     placed = mf.design(POWER, template, limits=LIMITS, layout=mf.Layout())
     assert information(NO_EFFECT) in placed.notes

@@ -6,6 +6,7 @@ import pytest
 import metafem as mf
 from metafem import drawing
 from metafem.reference import single_contacts as exact
+from tests.models.scenes import single_contact
 
 MATERIAL = mf.Material(1.36)
 MODULUS, RADIUS, CONTACT = MATERIAL.composite_modulus, 0.526, 0.2
@@ -15,11 +16,8 @@ TOLERANCE = 1e-9  # that of BoundaryElements
 
 
 def hertz(cells):
-    """One contact of radius 0.2 mm, its centre off those of the cells, and the distance of each cell."""
-    cell = CONTACT / cells
-    far = [200.0 * cell + 0.6 * cell, 0.2 * cell]  # a low summit moves the middle of the grid
-    surface = mf.Surface([[0.0, 0.0], far], [0.0, -10.0], RADIUS, MATERIAL)
-    state = mf.equilibrium(surface, mf.BoundaryElements(cell), approach=CONTACT**2 / RADIUS)
+    """One contact of radius 0.2 mm, and the distance of each cell."""
+    state, _ = single_contact(mf.Hertz(), cells)
     return state, np.hypot(state.field.x, state.field.y)
 
 

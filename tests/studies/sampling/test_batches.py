@@ -36,10 +36,6 @@ def computed(execution, task=squares, count=6):
         return [result["value"].item() for result in compute(task, range(count))]
 
 
-def test_results_come_in_the_order_of_the_batches():
-    assert computed(None) == [0, 1, 4, 9, 16, 25]
-
-
 @pytest.mark.slow
 def test_two_processes_give_the_numbers_of_one():
     assert study(Execution(workers=2)).identical(study())
@@ -162,7 +158,7 @@ def test_a_stopped_run_says_how_to_go_on(tmp_path):
 def test_progress_has_a_rate_and_the_time_left():
     steps = []
     with listening(lambda step, done: steps.append(step)):
-        computed(None)
+        assert computed(None) == [0, 1, 4, 9, 16, 25]
     assert steps[0] == "batch 1 of 6"
     assert steps[3].startswith("batch 4 of 6, ")
     assert steps[3].endswith(" per second, 0 s left")
@@ -172,14 +168,14 @@ KILLED = """
 import sys, time
 import metafem as mf
 from tests.studies.sampling.test_batches import Execution, study
-from metafem.studies.sampling import draws
-slow = draws.SlopeDraws.__call__
+from metafem.studies.manufacturing import SlopeDraws
+slow = SlopeDraws.__call__
 def call(self, batch):
     if batch == 5:
         print("five", flush=True)
         time.sleep(60)
     return slow(self, batch)
-draws.SlopeDraws.__call__ = call
+SlopeDraws.__call__ = call
 study(Execution(folder=sys.argv[1]))
 """
 
@@ -236,7 +232,7 @@ from pathlib import Path
 import numpy as np
 from distributed import LocalCluster
 import metafem as mf
-from metafem.studies.sampling import schedulers
+from metafem.studies.sampling import batches
 from tests.studies.sampling.test_batches import Execution, computed, study
 
 died = Path(sys.argv[1]) / "died"
@@ -256,8 +252,8 @@ if __name__ == "__main__":
         execution = Execution(scheduler=cluster.scheduler_address)
         print(computed(execution, deadly, 20) == [batch**2 for batch in range(20)], died.exists())
         print(study(execution).identical(study()))
-        here, own_version = os.getpid(), schedulers.own_version
-        schedulers.own_version = lambda: "another" if os.getpid() == here else "theirs"
+        here, own_version = os.getpid(), batches.own_version
+        batches.own_version = lambda: "another" if os.getpid() == here else "theirs"
         try:
             study(execution)
         except mf.InvalidInput as error:
@@ -269,7 +265,7 @@ if __name__ == "__main__":
             study(execution)
         except mf.InvalidInput as error:
             print(error)
-        schedulers.own_version = own_version
+        batches.own_version = own_version
         cluster.scale(1)
         cluster.wait_for_workers(1)
         threading.Timer(1.0, cluster.close).start()

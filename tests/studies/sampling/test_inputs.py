@@ -47,6 +47,7 @@ def test_each_load_has_its_own_deviation():
         ([["radius"]], np.eye(1), "no parameter"),
         (["radius"], None, "must map names to standard deviations, or list the names"),
         ({"radius": 0.01}, np.eye(1), "must map names to standard deviations, or list the names"),
+        ({"young_modulus": 0.1}, None, r"young_modulus is not an input; give composite_modulus"),
         ({"modulus": 0.01}, None, "no parameter 'modulus'; there are radius, composite_modulus, area_ratio"),
         ({"radius": -0.01}, None, r"parameters\.radius = -0.01 must be at least 0"),
         ({"radius": 0.1}, None, r"parameters\.radius = 0.1 must be at most 0.0714"),

@@ -7,13 +7,6 @@ import metafem as mf
 from metafem.studies.sampling.law_draws import Response
 
 
-@pytest.fixture(scope="module")
-def surface():
-    height = 0.1 + np.random.default_rng(3).exponential(0.02, 16)
-    block = mf.Block(10.0, 10.0, 7.2)
-    return mf.Surface.square_lattice(height, (4, 4), radius=0.526, material=mf.Material(1.36), block=block)
-
-
 @pytest.mark.parametrize(
     # the largest errors occur at the entry of a contact between two loads of the table
     ("model", "largest", "usual"),

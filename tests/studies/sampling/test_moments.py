@@ -5,7 +5,6 @@ import pytest
 from numpy.testing import assert_allclose
 
 from metafem.studies.sampling.moments import added, moments, quantiles, sums_of
-from metafem.studies.sampling.points import unit_points
 
 
 def total(batches):
@@ -64,38 +63,12 @@ def test_errors_cover_the_exact_moments(plain):
     assert_allclose(hits / 500, 0.68, atol=5 * np.sqrt(0.68 * 0.32 / 500))
 
 
-def test_errors_fall_with_the_root_of_the_draws():
-    few, many = (moments(total(drawn(0, batches))) for batches in (64, 64 * 16))
-    assert_allclose(few.error / many.error, 4.0, rtol=0.3)
-
-
-def test_sobol_points_have_smaller_errors_than_stated_for_plain_ones():
-    def smooth(batch):
-        from scipy.special import ndtri
-
-        z = ndtri(unit_points(0, batch, 64, 8))
-        x = z.sum(axis=1, keepdims=True) / np.sqrt(8)
-        return 0.01 * (x + 0.1 * (z**2).sum(axis=1, keepdims=True)), x
-
-    found = moments(total([smooth(batch) for batch in range(32)]))
-    assert abs(found.value[0, 0] - 0.008) < 4 * found.error[0, 0]
-    assert found.saving[0, 0] > 50.0
-
-
 def test_without_linear_response_the_sample_moments_are_used():
     rng = np.random.default_rng(0)
     u = rng.standard_normal((64, 1))
     found = moments(total([(u[k : k + 8], np.zeros((8, 1))) for k in range(0, 64, 8)]))
     assert found.value[0, 0] == pytest.approx(u.mean())
     assert found.value[1, 0] == pytest.approx(u.std(ddof=1), rel=0.01)
-
-
-def test_draws_without_a_solution_are_counted_and_left_out():
-    u, x = drawn(0, batches=1)[0]
-    u[3] = np.nan
-    found = total([(u, x), drawn(1, batches=1)[0]])
-    assert (found["failed"], found["count"]) == (1, 2 * 64 - 1)
-    assert np.isfinite(moments(found).value).all()
 
 
 def test_quantiles_are_those_of_numpy_within_a_hundredth_of_the_deviation():

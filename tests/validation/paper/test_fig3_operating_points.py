@@ -1,16 +1,9 @@
-"""The claim of Fig. 3 fails if a printed height is changed."""
+"""The claim of Fig. 3 fails if a printed point is changed; the claim itself changes the printed heights."""
 
 import pytest
 
 from validation.paper import fig3_operating_points as fig3
 from validation.published import paper
-
-HEIGHTS = [("levels_um", i) for i in range(3)] + [("adjustment_um", i) for i in range(3)]
-
-# Changes [µm]; the printed digits of the points allow the last adjustment height to be 12 µm lower.
-CHANGES = [
-    (*each, by) for each in HEIGHTS for by in (10.0, -10.0) if (*each, by) != ("adjustment_um", 2, -10.0)
-]
 
 
 def failed():
@@ -19,14 +12,6 @@ def failed():
 
 def test_the_printed_heights_pass():
     assert failed() == []
-
-
-@pytest.mark.parametrize(("key", "index", "by"), [*CHANGES, ("adjustment_um", 2, -13.0)])
-def test_a_changed_printed_height_fails_a_check(key, index, by, monkeypatch):
-    changed = list(paper()["fig3"][key])
-    changed[index] += by
-    monkeypatch.setitem(paper()["fig3"], key, changed)
-    assert failed()
 
 
 @pytest.mark.parametrize("key", ["load_mm2", "friction_mm2"])

@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from metafem._extras import refuse_missing
 from metafem._given import printable
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.files.atomic import is_of_kind
 from metafem.files.measurement.images import png, tiff
-from metafem.files.measurement.images.pages import Damaged, Page
+from metafem.files.measurement.images.pages import Damaged, ImageFile
 from metafem.files.reading import file_label
 from metafem.progress import message
 
@@ -28,20 +28,6 @@ OTHERS = {".jpg", ".jpeg", ".bmp", ".gif", ".webp", ".avi", ".mp4", ".czi", ".nd
 
 # Luminance of red, green and blue, Recommendation ITU-R BT.709.
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-
-
-@dataclass(frozen=True)
-class ImageFile:
-    """One image: a file, or a page of one.
-
-    `name` is the name of the file, with the number of the page from 1 if it has several, as ``stack.tif:3``.
-    `page` holds the data of the image in the file; `broken` is the reason why there is no image.
-    """
-
-    name: str
-    path: Path
-    page: Page | None
-    broken: str = ""
 
 
 class Images(Sequence[NDArray[Any]]):
@@ -93,10 +79,9 @@ def read_image(image: ImageFile) -> tuple[NDArray[Any], bool]:
 
     Raise InvalidInput, which names the image, if it cannot be read.
     """
-    if image.page is None:
-        raise InvalidInput(f"{printable(image.name)}: {image.broken}")
+    refuse_if(image.broken, f"{printable(image.name)}: {image.broken}")
     try:
-        values = FORMATS[image.path.suffix.lower()].read(image.path, image.page)
+        values = FORMATS[image.path.suffix.lower()].read(image)
     except Damaged as error:
         raise InvalidInput(f"{printable(image.name)}: {error}") from None
     return _grey(values)
@@ -125,17 +110,16 @@ def _in_folder(folder: Path) -> list[Path]:
     names = [entry for entry in folder.iterdir() if not entry.name.startswith(".")]
     names.sort(key=lambda entry: (natural(entry.name), entry.name))
     found = [entry for entry in names if entry.suffix.lower() in FORMATS and not entry.is_dir()]
-    unread = [entry.name for entry in names if entry.suffix.lower() in OTHERS]
-    if unread:
-        which = printable(", ".join(unread), 80)
-        message(f"{file_label(folder)}: not read, because they are no TIFF or PNG: {which}")
     drawn = [entry for entry in found if _is_drawing(entry)]
-    if drawn:
-        which = printable(", ".join(entry.name for entry in drawn), 80)
-        message(f"{file_label(folder)}: not read, because they are drawings by metafem: {which}")
-        found = [entry for entry in found if entry not in drawn]
-    if not found:
-        raise InvalidInput(f"{file_label(folder)} holds no TIFF or PNG image")
+    for what, entries in (
+        ("no TIFF or PNG", [entry for entry in names if entry.suffix.lower() in OTHERS]),
+        ("drawings by metafem", drawn),
+    ):
+        which = printable(", ".join(entry.name for entry in entries), 80)
+        if entries:
+            message(f"{file_label(folder)}: not read, because they are {what}: {which}")
+    found = [entry for entry in found if entry not in drawn]
+    refuse_if(not found, f"{file_label(folder)} holds no TIFF or PNG image")
     return found
 
 
@@ -151,27 +135,23 @@ def _checked(path: Path) -> Path:
     exists = False
     with suppress(OSError, ValueError):
         exists = path.exists()
-    if not exists:
-        raise InvalidInput(f"{file_label(path)}: no such file or folder")
-    if path.suffix.lower() not in FORMATS:
-        jpeg = path.suffix.lower() in (".jpg", ".jpeg")
-        why = "; JPEG changes grey levels at the edges of contacts" if jpeg else ""
-        raise InvalidInput(f"{file_label(path)} is no image that can be read; save it as TIFF or PNG{why}")
+    refuse_if(not exists, f"{file_label(path)}: no such file or folder")
+    kind = path.suffix.lower()
+    why = "; JPEG changes grey levels at the edges of contacts" if kind in (".jpg", ".jpeg") else ""
+    must = f"is no image that can be read; save it as TIFF or PNG{why}"
+    refuse_if(kind not in FORMATS, f"{file_label(path)} {must}")
     return path
 
 
 def _pages(path: Path) -> list[ImageFile]:
     """Return the images of a file; everything after a damaged part of a stack is one broken image."""
+    images: list[ImageFile]
     try:
-        pages, damage = FORMATS[path.suffix.lower()].pages(path)
+        images, damage = FORMATS[path.suffix.lower()].pages(path)
     except Damaged as error:
-        return [ImageFile(path.name, path, None, str(error))]
-    several = len(pages) > 1 or bool(damage)
-    images = [
-        ImageFile(f"{path.name}:{page.number}" if several else path.name, path, page, page.refused)
-        for page in pages
-    ]
-    images = [replace(image, page=None) if image.broken else image for image in images]
+        return [ImageFile(path.name, path, str(error))]
     if damage:
-        images.append(ImageFile(f"{path.name}:{len(pages) + 1}", path, None, damage))
-    return images
+        images = [*images, ImageFile(path.name, path, damage, len(images) + 1)]
+    if len(images) == 1:
+        return images
+    return [replace(image, name=f"{path.name}:{image.number}") for image in images]

@@ -9,8 +9,9 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from metafem._given import printable, shown
+from metafem.calibration.contact_table import listed
 from metafem.errors import InvalidInput
-from metafem.files.measurement.images.find import ImageFile
+from metafem.files.measurement.images.pages import ImageFile
 from metafem.files.tables import Columns, Entries
 from metafem.notes import Note
 
@@ -20,9 +21,6 @@ COLUMNS = Columns(
     "image",
     "image,load_mN (or in another unit), optionally with friction_force_mN, sheared_image and test",
 )
-
-# Number of images named in a note.
-NAMED = 5
 
 
 @dataclass(frozen=True)
@@ -50,8 +48,7 @@ def shots(images: Sequence[ImageFile], forces: str | Path | None = None) -> tupl
     load, force = entries.numbers("load", empty=True), entries.numbers("friction_force", empty=True)
     rows = zip(*(entries.texts(name) for name in ("image", "sheared_image", "test")), strict=True)
     notes = _misspelt(entries)
-    names = {image.name: image for image in images}
-    names |= {f"{image.name}:1": image for image in images if f"{image.name}:1" not in names}
+    names = {f"{image.name}:1": image for image in images} | {image.name: image for image in images}
     used: dict[str, int] = {}
     found: dict[str, Shot] = {}
     absent: InvalidInput | None = None
@@ -60,40 +57,31 @@ def shots(images: Sequence[ImageFile], forces: str | Path | None = None) -> tupl
             if empty:
                 raise InvalidInput(f"{entries.cell(row, column)} is empty; write the {what} of the image")
         both: list[ImageFile | None] = []
-        for column, name in (("image", first), ("sheared_image", second)):
-            if name and name not in names:
-                absent = InvalidInput(f"{entries.cell(row, column)} = {_absent(name, names)}")
-                what = "the line" if column == "image" else "the sheared image"
-                notes.append(Note(f"{what} is left out: {absent}"))
-                if column == "image":
-                    break
+        for column, name, what in (("image", first, "line"), ("sheared_image", second, "sheared image")):
             image = names.get(name)
             if image is not None:
-                line = entries.table.rows[row][0]
                 if image.name in used:
                     raise InvalidInput(
                         f"{entries.cell(row, column)} = {shown(name, 60)} is in line {used[image.name]} too"
                     )
-                used[image.name] = line
+                used[image.name] = entries.table.rows[row][0]
+            elif name:
+                absent = InvalidInput(f"{entries.cell(row, column)} = {_absent(name, names)}")
+                notes.append(Note(f"the {what} is left out: {absent}"))
             both.append(image)
-        if both and both[0] is not None:
+            if both[0] is None:
+                break
+        if both[0] is not None:
             found[both[0].name] = Shot(both[0], both[1], test, float(load[row]), float(force[row]))
     if absent is not None and not found:
         raise absent
     without = [image.name for image in images if image.name not in used]
-    ordered = [found.get(image.name) or Shot(image) for image in images if _leads(image, found, used)]
     if without:
-        which = ", ".join(without[:NAMED]) + (
-            f" and {len(without) - NAMED} more" if len(without) > NAMED else ""
-        )
         are = "is" if len(without) == 1 else "are"
-        notes.append(Note(f"{which} {are} not in the table of forces: the load is empty"))
-    return ordered, notes
-
-
-def _leads(image: ImageFile, found: dict[str, Shot], used: dict[str, int]) -> bool:
-    """Whether an image is not the sheared one of another."""
-    return image.name in found or image.name not in used
+        notes.append(Note(f"{listed(without)} {are} not in the table of forces: the load is empty"))
+    # sheared images stand with the others
+    leading = [image for image in images if image.name in found or image.name not in used]
+    return [found.get(image.name) or Shot(image) for image in leading], notes
 
 
 def _absent(name: str, names: dict[str, ImageFile]) -> str:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from metafem._given import printable
 from metafem._values import MICROMETRES, percent
-from metafem.errors import InvalidInput
-from metafem.files.measurement.images.find import ImageFile
-from metafem.files.measurement.images.pages import Page, Resolution
+from metafem.errors import refuse_if
+from metafem.files.measurement.images.pages import ImageFile, Resolution
 from metafem.notes import Note, information
 
 # Default resolutions of programs [per inch], and the accuracy with which PNG stores them.
@@ -28,53 +27,46 @@ def pixel_size(images: Sequence[ImageFile], given: float | None = None) -> tuple
     values of programs do not count. Raise InvalidInput if the size is neither given nor stated, or if two
     images or the two directions differ.
     """
-    whole = [(image.name, image.page) for image in images if image.page is not None]
-    if not whole:
-        reason = f"{printable(images[0].name)}: {images[0].broken}" if images else "there are none"
-        raise InvalidInput(f"none of the images can be read: {reason}")
-    stated = [(name, page.resolution) for name, page in whole if page.resolution is not None]
-    stated = [(name, resolution) for name, resolution in stated if not _default(resolution)]
+    whole = [image for image in images if not image.broken]
+    reason = "there are none" if not images else f"{printable(images[0].name)}: {images[0].broken}"
+    refuse_if(not whole, f"none of the images can be read: {reason}")
+    known = [(image.name, image.resolution) for image in whole if image.resolution is not None]
+    stated = {name: resolution for name, resolution in known if not _default(resolution)}
     if given is None:
-        return _of_files(whole, stated)
-    notes = []
-    differing = [(name, one) for name, one in stated if max(_off(one.x, given), _off(one.y, given)) > NEAR]
-    if differing:
-        name, one = differing[0]
-        more = f" (and {len(differing) - 1} more images)" if len(differing) > 1 else ""
-        ratio = (given / one.x) * (given / one.y)
-        notes.append(
-            Note(
-                f"{printable(name, 60)}{more} states pixels of {_shown(one)} by {one.source}, and --pixel "
-                f"{_um(given)} is used: areas change by {percent(ratio - 1.0, '+.3g')}"
-            )
+        missing = [image.name for image in whole if image.name not in stated]
+        state = "states" if len(missing) == 1 else "state"
+        refuse_if(missing, f"{_first(missing)} {state} no size of the pixels; {EXAMPLE}")
+        return _common(stated)
+    differing = [name for name, one in stated.items() if max(_off(one.x, given), _off(one.y, given)) > NEAR]
+    if not differing:
+        return given, []
+    one = stated[differing[0]]
+    ratio = (given / one.x) * (given / one.y)
+    sides = _um(one.x) if _off(one.x, one.y) <= SAME else f"{_um(one.x)} x {_um(one.y)}"
+    return given, [
+        Note(
+            f"{_first(differing, ' (', ')')} states pixels of {sides} by {one.source}, and --pixel "
+            f"{_um(given)} is used: areas change by {percent(ratio - 1.0, '+.3g')}"
         )
-    return given, notes
+    ]
 
 
-def _of_files(
-    whole: Sequence[tuple[str, Page]], stated: Sequence[tuple[str, Resolution]]
-) -> tuple[float, list[Note]]:
-    """Return the size that all files state."""
-    known = {name for name, _ in stated}
-    missing = [name for name, _ in whole if name not in known]
-    if missing:
-        which = printable(missing[0], 60) + (
-            f" and {len(missing) - 1} more images" if len(missing) > 1 else ""
-        )
-        raise InvalidInput(f"{which} state{'s' * (len(missing) == 1)} no size of the pixels; {EXAMPLE}")
-    first, one = stated[0]
-    for name, other in stated:
-        if _off(other.x, other.y) > SAME:
-            raise InvalidInput(
-                f"{printable(name, 60)} states oblong pixels, {_um(other.x)} x {_um(other.y)}, by "
-                f"{other.source}; scale the image, or {EXAMPLE}"
-            )
-        if _off(other.x, one.x) > SAME:
-            raise InvalidInput(
-                f"{printable(first, 60)} states pixels of {_um(one.x)}, and {printable(name, 60)} of "
-                f"{_um(other.x)}; measure them one after the other, or {EXAMPLE}"
-            )
+def _common(stated: Mapping[str, Resolution]) -> tuple[float, list[Note]]:
+    """Return the size that all images state."""
+    first, one = next(iter(stated.items()))
+    for name, other in stated.items():
+        label = printable(name, 60)
+        oblong = f"{label} states oblong pixels, {_um(other.x)} x {_um(other.y)}, by {other.source}"
+        refuse_if(_off(other.x, other.y) > SAME, f"{oblong}; scale the image, or {EXAMPLE}")
+        both = f"{printable(first, 60)} states pixels of {_um(one.x)}, and {label} of {_um(other.x)}"
+        refuse_if(_off(other.x, one.x) > SAME, f"{both}; measure them one after the other, or {EXAMPLE}")
     return one.x, [information(f"pixels of {_um(one.x)}, as {printable(first, 60)} states by {one.source}")]
+
+
+def _first(names: Sequence[str], before: str = " ", after: str = "") -> str:
+    """Return the first name and the number of the others."""
+    more = "" if len(names) < 2 else f"{before}and {len(names) - 1} more images{after}"
+    return printable(names[0], 60) + more if names else ""
 
 
 def _default(resolution: Resolution) -> bool:
@@ -86,12 +78,6 @@ def _default(resolution: Resolution) -> bool:
 def _off(size: float, other: float) -> float:
     """Return the relative difference of two sizes."""
     return abs(size / other - 1.0)
-
-
-def _shown(resolution: Resolution) -> str:
-    if _off(resolution.x, resolution.y) <= SAME:
-        return _um(resolution.x)
-    return f"{_um(resolution.x)} x {_um(resolution.y)}"
 
 
 def _um(size: float) -> str:

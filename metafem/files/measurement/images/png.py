@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem.files.measurement.images.pages import Damaged, Page, Resolution, too_large
+from metafem.files.measurement.images.pages import Damaged, ImageFile, Resolution, damaged, too_large
 
 # Modes of images with grey levels, and modes that are converted to colours or grey levels.
 GREY = {"L", "I", "F", "I;16", "I;16B", "I;16L", "I;16N"}
@@ -20,33 +20,28 @@ CONVERTED = {"P": "RGB", "PA": "RGB", "RGBA": "RGB", "RGBX": "RGB", "LA": "L", "
 MILLIMETRES_PER_INCH = 25.4
 
 
-def pages(path: Path) -> tuple[list[Page], str]:
+def pages(path: Path) -> tuple[list[ImageFile], str]:
     """Return the image of a file, and no damage."""
     with opened(path) as image:
         columns, rows = image.size
-        page = Page(1, rows, columns, _resolution(image), refused(image.mode, rows, columns))
-    return [page], ""
+        broken = _refused(image.mode) or too_large(rows, columns)
+        return [ImageFile(path.name, path, broken, 1, (rows, columns), _resolution(image))], ""
 
 
-def read(path: Path, page: Page) -> NDArray[Any]:
+def read(file: ImageFile) -> NDArray[Any]:
     """Return the values of an image (rows, columns), or (rows, columns, 3) in colour."""
-    with opened(path) as image:
-        return values(image, page)
+    with opened(file.path) as image:
+        if file.number > 1:
+            image.seek(file.number - 1)
+        if image.mode in CONVERTED:
+            image = image.convert(CONVERTED[image.mode])
+        return np.array(image)
 
 
-def values(image: Any, page: Page) -> NDArray[Any]:
-    """Return the values of a page of an opened file."""
-    if page.number > 1:
-        image.seek(page.number - 1)
-    if image.mode in CONVERTED:
-        image = image.convert(CONVERTED[image.mode])
-    return np.array(image)
-
-
-def refused(mode: str, rows: int, columns: int) -> str:
+def _refused(mode: str) -> str:
     """Return the reason why an image of a mode is not read."""
     if mode in GREY or mode in CONVERTED:
-        return too_large(rows, columns)
+        return ""
     kind = "black and white" if mode == "1" else f"of the kind {mode}"
     return f"is {kind}; save it with grey levels"
 
@@ -64,15 +59,7 @@ def opened(path: Path) -> Iterator[Any]:
     except Damaged:
         raise
     except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as error:
-        raise Damaged(f"cannot be read: {_plain(error)}") from None
-
-
-def _plain(error: BaseException) -> str:
-    """Return the problem with a file, without its name."""
-    if isinstance(error, OSError) and error.strerror:
-        return error.strerror
-    text = str(error)
-    return "it is no image, or damaged" if "identify" in text else text or "it is damaged"
+        raise damaged(error, "identify", "image") from None
 
 
 def _resolution(image: Any) -> Resolution | None:

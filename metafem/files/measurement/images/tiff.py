@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from metafem.errors import InvalidInput
 from metafem.files.measurement.images import png
-from metafem.files.measurement.images.pages import Damaged, Page, Resolution, too_large
+from metafem.files.measurement.images.pages import Damaged, ImageFile, Resolution, damaged, too_large
 from metafem.files.units import factor
 
 # Values of the tag PhotometricInterpretation that are read: white is 0, black is 0, colours, a palette.
@@ -31,7 +31,7 @@ RESOLUTION_UNIT = {2: 25.4, 3: 10.0}
 FAULTS = (OSError, ValueError, RuntimeError, LookupError, TypeError, struct.error, zlib.error, MemoryError)
 
 
-def pages(path: Path) -> tuple[list[Page], str]:
+def pages(path: Path) -> tuple[list[ImageFile], str]:
     """Return the images of a file, and the problem after the last one that can be read."""
     with _opened(path) as (file, complaints):
         found = [(index, page) for index, page in enumerate(file.pages) if not page.is_reduced]
@@ -41,40 +41,39 @@ def pages(path: Path) -> tuple[list[Page], str]:
         joined = _joined(file, path)
         size = path.stat().st_size
         result = [
-            Page(
-                number,
-                int(page.imagelength),
-                int(page.imagewidth),
-                resolution if number == 1 or joined else _resolution(file, page),
+            ImageFile(
+                path.name,
+                path,
                 _refused(page, size, number if joined else 1),
+                number,
+                (int(page.imagelength), int(page.imagewidth)),
+                resolution if number == 1 or joined else _resolution(file, page),
                 index,
             )
             for number, (index, page) in enumerate(found * joined if joined else found, 1)
         ]
-        damage = ""
-        if complaints:
-            damage = f"is damaged or cut off after page {len(result)}: {complaints[0]}"
-    return result, damage
+    return result, f"is damaged or cut off after page {len(result)}: {complaints[0]}" if complaints else ""
 
 
-def read(path: Path, page: Page) -> NDArray[Any]:
+def read(image: ImageFile) -> NDArray[Any]:
     """Return the values of a page (rows, columns), or (rows, columns, channels) in colour."""
-    with _opened(path) as (file, _):
-        first = file.pages[page.index]  # the tags of the others are not read again
-        if _joined(file, path):
-            return np.array(_mapped(path, file, first, page.number))
+    with _opened(image.path) as (file, _):
+        page = file.pages[image.index]  # the tags of the others are not read again
+        if _joined(file, image.path):
+            # an image of a stack with the tags of its first page
+            start = page.dataoffsets[0] + (image.number - 1) * page.nbytes
+            kind = page.dtype.newbyteorder(file.byteorder)
+            return np.array(np.memmap(image.path, kind, "r", start, page.shape))
         try:
-            values = first.asarray()
+            values = page.asarray()
         except ValueError as error:
             if "imagecodecs" not in str(error):
                 raise
             values = None
-        photometric, axes = int(first.photometric), first.axes
-        palette = first.colormap if photometric == PALETTE else None
+        photometric, axes = int(page.photometric), page.axes
+        palette = page.colormap if photometric == PALETTE else None
     if values is None:
-        # a compression that tifffile does not read by itself
-        with png.opened(path) as image:
-            return png.values(image, page)
+        return png.read(image)  # a compression that tifffile does not read by itself
     if palette is not None:
         values, axes = np.moveaxis(np.asarray(palette)[:, values], 0, -1), "YXS"
     if axes == "SYX":
@@ -82,7 +81,7 @@ def read(path: Path, page: Page) -> NDArray[Any]:
     if photometric == WHITE_IS_ZERO:
         values = -values if values.dtype.kind == "f" else np.iinfo(values.dtype).max - values
     values = np.asarray(values)
-    if values.ndim not in (2, 3) or values.shape[:2] != (page.rows, page.columns):
+    if values.ndim not in (2, 3) or values.shape[:2] != image.shape:
         raise Damaged("cannot be read: it is damaged")
     return values
 
@@ -94,14 +93,14 @@ def _opened(path: Path) -> Iterator[tuple[Any, list[str]]]:
 
     complaints: list[str] = []
 
-    class Collector(logging.Handler):
-        def emit(self, record: logging.LogRecord) -> None:
+    def collected(record: logging.LogRecord) -> bool:
+        warns = record.levelno >= logging.WARNING
+        if warns:
             complaints.append(record.getMessage().partition("> ")[2] or record.getMessage())
+        return not warns
 
-    log, collector = logging.getLogger("tifffile"), Collector(logging.WARNING)
-    before = log.propagate
-    log.addHandler(collector)
-    log.propagate = False
+    log = logging.getLogger("tifffile")
+    log.addFilter(collected)
     try:
         with tifffile.TiffFile(path) as file:
             len(file.pages)  # finds all pages
@@ -109,17 +108,9 @@ def _opened(path: Path) -> Iterator[tuple[Any, list[str]]]:
     except Damaged:
         raise
     except FAULTS as error:
-        raise Damaged(f"cannot be read: {_plain(error)}") from None
+        raise damaged(error, "not a TIFF", "TIFF file") from None
     finally:
-        log.removeHandler(collector)
-        log.propagate = before
-
-
-def _plain(error: BaseException) -> str:
-    if isinstance(error, OSError) and error.strerror:
-        return error.strerror
-    text = " ".join(str(error).split())
-    return "it is no TIFF file, or damaged" if "not a TIFF" in text else text or "it is damaged"
+        log.removeFilter(collected)
 
 
 def _refused(page: Any, size: int, number: int) -> str:
@@ -150,12 +141,6 @@ def _joined(file: Any, path: Path) -> int:
     return int(count)
 
 
-def _mapped(path: Path, file: Any, page: Any, number: int) -> NDArray[Any]:
-    """Return an image of such a stack."""
-    start = page.dataoffsets[0] + (number - 1) * page.nbytes
-    return np.memmap(path, page.dtype.newbyteorder(file.byteorder), "r", start, page.shape)
-
-
 def _resolution(file: Any, page: Any) -> Resolution | None:
     """Return the stated size of the pixels: of OME, of ImageJ, or of the tags of the page."""
     if file.is_ome and (stated := _of_ome(file.ome_metadata)) is not None:
@@ -163,7 +148,7 @@ def _resolution(file: Any, page: Any) -> Resolution | None:
     tags = [page.tags.get(name) for name in ("XResolution", "YResolution")]
     if any(tag is None for tag in tags):
         return None
-    per_unit = [_ratio(tag.value) for tag in tags]
+    per_unit = [above / below if below else 0.0 for above, below in (tag.value for tag in tags)]
     if min(per_unit) <= 0.0:
         return None
     if file.is_imagej and (name := (file.imagej_metadata or {}).get("unit")):
@@ -177,11 +162,6 @@ def _resolution(file: Any, page: Any) -> Resolution | None:
     if size is None:
         return None
     return Resolution(size / per_unit[0], size / per_unit[1], source)
-
-
-def _ratio(value: Any) -> float:
-    above, below = value
-    return above / below if below else 0.0
 
 
 def _millimetres(name: str) -> float | None:

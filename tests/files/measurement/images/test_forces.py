@@ -4,12 +4,10 @@ from pathlib import Path
 import pytest
 
 from metafem.errors import InvalidInput
-from metafem.files.measurement.images.find import ImageFile
 from metafem.files.measurement.images.forces import shots
+from metafem.files.measurement.images.pages import ImageFile
 
-IMAGES = [
-    ImageFile(name, Path(name.partition(":")[0]), None) for name in ("1.tif", "2.tif", "10.tif", "s.tif:1")
-]
+IMAGES = [ImageFile(name, Path(name.partition(":")[0])) for name in ("1.tif", "2.tif", "10.tif", "s.tif:1")]
 
 
 def table(tmp_path, text):

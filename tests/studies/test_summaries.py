@@ -1,0 +1,86 @@
+"""The tables and answers of studies."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import metafem as mf
+from metafem.studies import summary
+from metafem.studies.summaries.tolerances import shown
+from tests.conftest import MATERIAL, RADIUS
+
+
+@pytest.mark.parametrize(("count", "step"), [(1, 1), (12, 1), (13, 2), (31, 5), (1000, 100)])
+def test_a_table_has_at_most_twelve_rows_and_the_last(count, step):
+    rows = shown(count)
+    assert (rows[-1], len(rows) <= 12, set(np.diff(rows)) <= {step}) == (count - 1, True, True)
+
+
+def test_scatter_and_change_of_the_mean_are_sentences_of_their_own(linear):
+    found = summary(mf.studies.manufacturing(linear, 0.003, draws=1000))
+    limit, scatter, mean = found.answer.removesuffix(".").split(". ")
+    assert limit.startswith("With errors of the heights of up to ")
+    assert limit.endswith(" µm (± two standard errors)")
+    assert "µm (SD) the slope scatters by less than 1 % (SD); this limit lies between " in limit
+    assert scatter.startswith("At 3 µm (SD) the slope scatters by ")
+    assert mean.startswith("The mean slope changes there by ")
+
+
+def test_no_limit_is_stated_where_there_is_none(linear):
+    one = mf.Surface([[0.0, 0.0]], [0.1], RADIUS, MATERIAL)
+    made = {"height_sd": 0.001, "draws": 64}
+    found = mf.studies.manufacturing(one, **made, load_range=(0.01, 0.02))
+    assert np.isinf(found.largest_height_sd)
+    assert summary(found).answer.startswith("No errors were found with which the slope scatters by")
+    found = mf.studies.misalignment(one, 0.01, load_range=(0.01, 0.02))
+    assert summary(found).answer.startswith("No errors were found with which the slope scatters by")
+    few = linear.replaced(position=linear.position[:4], height=linear.height[::16], radius=RADIUS)
+    found = mf.studies.manufacturing(few, **made, others=mf.Tolerances(radius_sd=0.05))
+    assert np.isnan(found.largest_height_sd)
+    assert summary(found).answer.startswith("No errors are small enough for a slope")
+    few = summary(mf.studies.manufacturing(linear, 0.001, draws=8)).answer
+    assert few.startswith("The draws are too few to state with which errors")
+
+
+def test_a_misfit_of_rounding_is_none(template):
+    design = mf.design(mf.OperatingPoints([0.0747], [0.642]), template)
+    found = summary(mf.studies.combined(design, mf.Tolerances(height_sd=0.003), draws=64))
+    assert found.notes[0].text.startswith("misfit 0 % without errors; median of the surfaces")
+    assert found.title.startswith("Target met within 10 %: probability")
+
+
+def test_the_input_with_the_largest_share_is_named(template):
+    inputs = {"composite_modulus": 0.04, "radius": 0.002}
+    found = summary(mf.studies.uncertainty(template, inputs, draws=500, load=[0.3]))
+    assert found.answer.startswith("The composite modulus E* matters most: its error accounts for 9")
+    assert [row[0] for row in found.rows] == ["composite modulus E*", "radius R"]
+
+
+def test_correlated_inputs_are_named_together(template):
+    inputs, covariance = ["composite_modulus", "radius"], [[1.6e-3, 4e-5], [4e-5, 4e-6]]
+    found = summary(mf.studies.uncertainty(template, (inputs, covariance), draws=500, load=[0.3]))
+    assert found.answer.startswith(
+        "The composite modulus E* and the radius R matter most: their errors account for 100 %"
+    )
+
+
+def test_a_foreign_dataset_has_no_summary():
+    with pytest.raises(mf.InvalidInput, match="no summary"):
+        summary(xr.Dataset())
+
+
+def test_numbers_and_notes_of_a_summary(template):
+    design = mf.design(mf.LinearLaw(6.87), template.replaced(block=None))
+    found = mf.studies.fidelity(design)
+    table = summary(found)
+    assert [row[0] for row in table.rows] == ["independent", "half-space"]
+    assert table.rows[0][1] == "0.00"
+    assert {len(row) for row in table.rows} == {len(table.columns)}
+    assert len(table.notes) == 2
+
+
+def test_the_number_of_equal_plain_draws_is_written_out(rough):
+    study = mf.studies.manufacturing(rough, 0.001, draws=20)
+    study = study.assign(saving=40_500.0 + 0.0 * study["saving"])
+    table = summary(study)
+    assert table.rows[0][table.columns.index("plain draws of equal error")] == "810,000"
