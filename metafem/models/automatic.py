@@ -81,7 +81,7 @@ class Automatic(WithoutGradients):
     >>> surface = Surface.square_lattice(0.1, (8, 8), radius=0.526, material=Material(1.36))
     >>> state = equilibrium(surface, Automatic(1e-3), load=0.5)
     >>> print(state.notes[0])
-    chosen: order 3; its estimated error of A0(P) is 5.3e-06
+    chosen: order 1; its estimated error of A0(P) is 7.0e-04
     """
 
     title: ClassVar[str] = "automatic"

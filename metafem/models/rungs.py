@@ -9,12 +9,14 @@ equations of order 3 at the solution of order 1 give the error of order 1 in the
 from __future__ import annotations
 
 import math
+from typing import cast
 
 import numpy as np
 import scipy
 
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact
+from metafem.contact.elastic import PARABOLOID
 from metafem.models.curve import Curve
 from metafem.models.interacting.elastic import ElasticCoupling
 from metafem.models.interacting.influence import displacements, nearest_distance
@@ -97,8 +99,8 @@ def _higher_orders(law: Contact, surface: Surface, substrate: Substrate, curve: 
     radius = float(surface.radius.max())
     densest = PACKED / (2.0 * math.pi * nearest_distance(surface) ** 3)
     most = FLATTENING * (densest + own) * load * radius
-    if law.similar and law.power is not None and most <= 0.1 * NEGLIGIBLE:
-        return most
+    if law == PARABOLOID and most <= 0.1 * NEGLIGIBLE:
+        return float(most)
     area = curve.last.area
     closed = np.flatnonzero(area > 0.0)
     load_of, position = curve.last.load[closed], surface.position[closed]
@@ -121,7 +123,7 @@ def order_1_error(model: Interacting, surface: Surface, curve: Curve, indentatio
     first = len(curve.load) - len(indentation)
     some = probed(curve.load[first:], max(surface.count, PROBED // FEWEST))
     touching = np.argsort(np.abs(indentation).min(axis=1))[:FEWEST]
-    bound = model.bound(surface)
+    bound = cast("ElasticCoupling", model.bound(surface))
     worst = 0.0
     for row in sorted({*some.tolist(), *touching.tolist()}):
         load, area, x = (float(part[first + row]) for part in (curve.load, curve.area, curve.approach))

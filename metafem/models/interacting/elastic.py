@@ -69,12 +69,13 @@ class ElasticCoupling(Coupled):
     """Asperities of any law without adhesion; dense matrices, or fast sums for larger scenes."""
 
     @cached_property
-    def dense(self) -> bool:
-        """Whether all pairs stand in matrices, rather than in fast sums of a radial influence."""
-        count = self.surface.count
-        if count <= LATTICE_LIMIT or not isinstance(self.substrate, Radial):
-            return True
-        return count <= DENSE_LIMIT and (self.order == 1 or find_lattice(self.surface.position) is None)
+    def summed(self) -> Radial | None:
+        """The substrate if fast sums take the place of matrices of all pairs."""
+        count, substrate = self.surface.count, self.substrate
+        if count <= LATTICE_LIMIT or not isinstance(substrate, Radial):
+            return None
+        few = count <= DENSE_LIMIT and (self.order == 1 or find_lattice(self.surface.position) is None)
+        return None if few else substrate
 
     def path(self, values: FloatArray, by_load: bool, unloading: bool) -> Curve:
         """Return equilibria at increasing loads or approaches (k,)."""
@@ -109,7 +110,7 @@ class ElasticCoupling(Coupled):
 
     def areas(self, height: FloatArray, radius: FloatArray | None, load: FloatArray) -> FloatArray:
         """Return A0 [mm^2] (m, k) of lists of heights and radii (m, n); nan if not converged."""
-        if radius is not None and not self.dense:
+        if radius is not None and self.summed is not None:
             return areas_one_by_one(self.model.curve, self.surface, load, height, radius, None)
         solution = self._solve(height, load, True, radius=radius)
         self._refuse_thin_layer(solution.results)
@@ -120,8 +121,8 @@ class ElasticCoupling(Coupled):
         surface = self.surface
         gap, self_term = surface.gap, np.zeros(surface.count) + self.pedestals(surface.height, surface.radius)
         law = tables(self.law, surface.radius)
-        if not self.dense:
-            equations = LargeScene(surface, self.substrate, self.order).equations(law, self_term, gap)
+        if self.summed is not None:
+            equations = LargeScene(surface, self.summed, self.order).equations(law, self_term, gap)
             found = equations.respond(z, approach, 0.0)
             state, error = found.state, found.error
             count = int(found.closed.sum())
@@ -164,8 +165,8 @@ class ElasticCoupling(Coupled):
         self_term = np.zeros(height.shape) + self.pedestals(height, size)
         results = kernel.empty_results(len(height), len(control))
         law = tables(self.law, size)
-        if not self.dense:
-            large = LargeScene(surface, bound, self.order)
+        if self.summed is not None:
+            large = LargeScene(surface, self.summed, self.order)
             for row in range(len(height)):
                 part = kernel.Results(*(array[row] for array in results))
                 last = large.follow(
