@@ -68,21 +68,17 @@ def test_decimal_reads_what_str_writes(number):
 
 
 @pytest.mark.parametrize(("given_", "cause"), [
-    (120, "needs a unit"),
     (120.0, "needs a unit"),
     ("120", "needs a unit"),
     (["1 mm"], "must be a text"),
     ("120 foo", 'unknown unit "foo"'),
     ("120 MPa", "does not measure in mm"),
-    ("20 degC", "does not measure in mm"),
     ("um", "does not begin with a number"),
     ("nan mm", "does not begin with a number"),
-    ("inf mm", "does not begin with a number"),
     ("", "does not begin with a number"),
     ("1,5 mm", "unknown unit"),
     ("9**9**9**9 mm", "unknown unit"),
     ("1 mm**9**9**9", "unknown unit"),
-    ("1 mm; 2", "unknown unit"),
     ("1 mm/", "unknown unit"),
     ("1 " + "m " * 5000, "unknown unit"),
     ("1e999 mm", "too large"),

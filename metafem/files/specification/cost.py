@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.files.reading import RECORD
 from metafem.models._resources import require_memory
 from metafem.progress import message
@@ -15,17 +15,16 @@ RECORDED, MEMORY, TIME = 250, 1_800, 4.5e-5
 WORTH_A_LINE = 5.0
 
 
-def refuse_too_many(places: int) -> None:
-    """Refuse a lattice whose result does not fit into a file or the memory; the error follows a key."""
-    most = RECORD // RECORDED
-    if places > most:
-        raise InvalidInput(
-            f"has {places:,} sites; at most {most:,} are allowed, so that the result can be read"
-        )
+def refuse_too_many(rows: int, columns: int) -> None:
+    """Refuse a lattice whose result does not fit into a file or the memory."""
+    places, most = max(rows, 0) * max(columns, 0), RECORD // RECORDED
+    shape = f"[{rows}, {columns}]"
+    must = f"has {places:,} sites; at most {most:,} are allowed, so that the result can be read"
+    refuse_if(places > most, must, key="shape", value=shape)
     try:
         require_memory(MEMORY * places, f"has {places:,} sites: their design")
     except InvalidInput as error:
-        raise InvalidInput(f"{error}; use fewer sites") from None
+        raise InvalidInput(f"{error}; use fewer sites", key="shape", value=shape) from None
 
 
 def tell_cost(places: int) -> None:

@@ -20,7 +20,7 @@ def test_laws_of_the_command_are_those_of_the_files():
         ("power", r'"power": exponent is missing; .* \(power EXPONENT \[COEFFICIENT\]\)'),
         ("power four", "\"power four\": exponent = 'four' must be a number"),
         ("power 4 -1", '"power 4 -1": coefficient = -1 must be greater than 0'),
-        ("profile", r'"profile": needs rho and f, or file \(profile FILE\)'),
+        ("profile", r'"profile": needs either rho and f or file \(profile FILE\)'),
         ("profile none.csv", "none.csv: no such file"),
     ],
 )
