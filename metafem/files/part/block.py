@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -10,7 +12,6 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.contact.cap_geometry import SPHERES, CapShape
 from metafem.errors import MetafemError
-from metafem.files.part.mesh import Mesh, mirrored
 from metafem.surface import Block, Surface
 
 # Sides and bottom of the block: its corners 0 to 3 at the top, 4 to 7 below them, counterclockwise.
@@ -22,6 +23,40 @@ _CORNERS = 8
 
 # One ring would make a pyramid of the flattest caps.
 _FEWEST = 2
+
+# Number of faces that are processed at a time: about ten megabytes.
+_AT_A_TIME = 1 << 16
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles that bound a solid."""
+
+    vertices: FloatArray  # (n, 3) [mm]
+    faces: IntArray  # (m, 3), counterclockwise, seen from outside
+
+    def corners(self) -> Iterator[FloatArray]:
+        """Yield the corners of faces, (k, 3 corners, 3) [mm], some at a time."""
+        for start in range(0, len(self.faces), _AT_A_TIME):
+            yield self.vertices[self.faces[start : start + _AT_A_TIME]]
+
+    @property
+    def closed(self) -> bool:
+        """Whether each edge belongs to two faces that traverse it in opposite directions."""
+        start, end = self.faces.ravel(), np.roll(self.faces, -1, axis=1).ravel()
+        forth = np.sort(start * len(self.vertices) + end)
+        back = np.sort(end * len(self.vertices) + start)
+        return bool((forth == back).all() and (forth[1:] > forth[:-1]).all() and (start != end).all())
+
+
+def mirrored(points: FloatArray) -> FloatArray:
+    """Return points of the part (n, 2) or (n, 3) as seen from the open face of the mould: x -> -x [mm].
+
+    The part lies face down on the mould, as on a page that is turned over.
+    """
+    result = np.array(points)
+    result[:, 0] = 0.0 - result[:, 0]  # -x is -0.0 on the axis
+    return result
 
 
 def block_mesh(surface: Surface, block: Block, chord_error: float, shape: CapShape = SPHERES) -> Mesh:

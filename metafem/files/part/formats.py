@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from metafem.files.part.mesh import Mesh
+from metafem.files.part.block import Mesh
 
 # A triangle of a binary STL file: little-endian, not aligned.
 _STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

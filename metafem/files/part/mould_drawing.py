@@ -14,7 +14,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.cap_geometry import SPHERES
-from metafem.files.part.mesh import mirrored
+from metafem.files.part.block import mirrored
 from metafem.models.model import PARABOLOID
 from metafem.surface import Block, Surface
 

@@ -11,7 +11,7 @@ import numpy as np
 from metafem._validate import IntArray
 from metafem.calibration import MadeSurface
 from metafem.errors import named, refuse_if
-from metafem.files.part.mesh import mirrored
+from metafem.files.part.block import mirrored
 from metafem.files.tables import Columns
 from metafem.inversion import Design
 from metafem.prediction import FrictionLaw, equilibrium, tables

@@ -16,8 +16,7 @@ from metafem._given import AS_IN_PYTHON, Names, printable
 from metafem.errors import InvalidInput
 from metafem.files.part.plan import PartOptions, planned
 from metafem.files.reading import SPECIFICATION, decoded, file_label, read_bytes
-from metafem.files.specification.contents import Sections
-from metafem.files.specification.cost import tell_cost
+from metafem.files.specification.contents import Sections, tell_cost
 from metafem.files.specification.named_tables import Source, among, in_folder, with_tables
 from metafem.files.specification.problems import problem
 from metafem.files.units import written_units

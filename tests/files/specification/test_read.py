@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.files.specification.cost import tell_cost
+from metafem.files.specification.contents import tell_cost
 from metafem.files.specification.demos import demo_text
 from tests.files.specification.wrong import LINEAR, RADIUS, WRONG
 
