@@ -107,7 +107,8 @@ def study_arguments(design: Design, options: Mapping[str, Any]) -> dict[str, Any
     """
     model = mf.files.chosen_model(design.law.model, options["model"], options["contact"])
     mf.files.refuse_missing_block(model, design.surface, "design the folder again with a section [block]")
-    loads = mf.files.rescaled_range(options["load_range"], design.surface.material)
+    given = options["load_range"]
+    loads = None if given is None else mf.files.rescaled_range(given, design.surface.material)
     found = {name: options[name] for name in ("draws", "error") if options.get(name) is not None}
     refuse_if(len(found) == 2, "--draws and --error cannot be given together; give one of them")
     if "error" in found:

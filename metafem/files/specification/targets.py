@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from metafem import _validate as check
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.files.specification.fields import (
     Area,
     Choices,
@@ -59,14 +59,13 @@ def given_load(given: Any) -> GivenLoad:
             raise reason from None
 
 
-def rescaled_range(given: Sequence[GivenLoad] | None, material: Material) -> list[float] | None:
+def rescaled_range(given: Sequence[GivenLoad], material: Material) -> tuple[float, float]:
     """Return a range of rescaled loads; it is checked in the written units, for the errors."""
-    if given is None:
-        return None
-    if len({load.unit for load in given}) > 1:
-        raise InvalidInput("mixes mm^2 and N; give both loads in one unit", key="load_range")
+    mixed = len({load.unit for load in given}) > 1
+    refuse_if(mixed, "mixes mm^2 and N; give both loads in one unit", key="load_range")
     check.interval("load_range", [load.value for load in given])
-    return [load.rescaled(material) for load in given]
+    low, high = (load.rescaled(material) for load in given)
+    return low, high
 
 
 LOADS, FRICTIONS = ["0.144 mm^2", "0.336 mm^2"], ["0.84 mm^2", "1.68 mm^2"]
@@ -162,7 +161,7 @@ class PowerSection(Section):
 
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
-        ends = rescaled_range(self.load_range, material) or []
+        ends = rescaled_range(self.load_range, material)
         return PowerLaw(self.exponent, ends, self.prefactor, _in_newtons(material, *self.load_range))
 
 
@@ -193,7 +192,7 @@ class MultilinearSection(Section):
             crossovers.append(loads if len(loads) > 1 else loads[0])
         every = [*self.load_range, *(load for pair in self.crossover_loads for load in pair)]
         wording = _wording(self, material, friction, *every)
-        ends = rescaled_range(self.load_range, material) or []
+        ends = rescaled_range(self.load_range, material)
         return MultilinearLaw(_slopes(self, wording, None), crossovers, ends, wording)
 
 
@@ -208,7 +207,7 @@ class LinearSection(Section):
 
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
-        ends = rescaled_range(self.load_range, material)
+        ends = rescaled_range(self.load_range, material) if self.load_range is not None else None
         wording = _wording(self, material, friction, *(self.load_range or ()))
         if self.friction_coefficient is None:
             return LinearLaw(self.slope or 0.0, ends, wording)
@@ -231,7 +230,8 @@ class BilinearSection(Section):
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
         wording = _wording(self, material, friction, self.crossover_load, *(self.load_range or ()))
-        ends, crossover = rescaled_range(self.load_range, material), self.crossover_load.rescaled(material)
+        ends = rescaled_range(self.load_range, material) if self.load_range is not None else None
+        crossover = self.crossover_load.rescaled(material)
         return BilinearLaw(_slopes(self, wording, 2), crossover, ends, wording)
 
 
@@ -243,9 +243,7 @@ def _wording(section: Section, material: Material, friction: Friction | None, *l
     return _in_newtons(material, *loads)
 
 
-def _slopes(
-    section: MultilinearSection | BilinearSection, wording: Wording, count: int | None
-) -> list[float]:
+def _slopes(section: MultilinearSection | BilinearSection, wording: Wording, count: int | None) -> Any:
     """Return the slopes of the branches."""
     if section.friction_coefficients is None:
         return section.slopes or []
