@@ -1,10 +1,14 @@
-"""Contact laws of specifications and of options."""
+"""Contact laws of specifications and of options, and models with them."""
+
+from dataclasses import dataclass
 
 import pytest
 
 import metafem as mf
+from metafem.cli.group import CONTACTS as COMMAND_CONTACTS
 from metafem.files.specification.demos import demo_text
-from metafem.files.specification.options import contact_named, contacts
+from metafem.files.specification.options import chosen_model, contact_named, contacts, form
+from metafem.models.model import with_contact
 
 PROFILE = "rho_mm,f_um\n0,0\n0.2,39.5\n0.4,184\n0.6,600\n"
 CAP = mf.AxisymmetricCap([[0.0, 0.2, 0.4, 0.6], [0.0, 39.5e-3, 0.184, 0.6]])
@@ -117,7 +121,7 @@ def test_tables_of_a_target_and_of_a_profile_are_both_kept(home):
         ('kind = "tabulated"\nfile = "less.csv"', r"less.csv, line 3: area_mm2 = 0 must be greater than 0"),
         (
             'kind = "tabulated"\nindentation = ["5 um", "6 um"]\nload = ["1 mN"]\narea = ["1 mm2", "2 mm2"]',
-            r"the table has 2 of indentation, 1 of load, 2 of area; give as many of all",
+            "contact.load has 1 number; it must have 2",
         ),
         (
             'kind = "profile"\nrho = ["0 um", "0.1 mm"]\nf = ["0 um", "1 um"]',
@@ -142,3 +146,52 @@ def test_errors_name_the_key_the_value_and_the_remedy(home, section, words):
     (home / "less.csv").write_text("indentation_um,load_mN,area_mm2\n5,1,2\n6,2,0\n", "utf-8")
     with pytest.raises(mf.InvalidInput, match=words):
         mf.read_spec(written(home, section))
+
+
+def test_laws_of_the_command_are_those_of_the_files():
+    assert tuple(form(kind) for kind in contacts()) == COMMAND_CONTACTS
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", r'contact law "" is unknown \(known: hertz, sphere, power'),
+        ("powr 4", r'contact law "powr" is unknown; did you mean power\?'),
+        ("sphere 3", r'"sphere": 3 is not one of its values \(sphere\)'),
+        ("power", r'"power": exponent is missing; .* \(power EXPONENT \[COEFFICIENT\]\)'),
+        ("power four", "\"power four\": exponent = 'four' must be a number"),
+        ("power 4 -1", '"power 4 -1": coefficient = -1 must be greater than 0'),
+        ("profile", r'"profile": needs either rho and f or file \(profile FILE\)'),
+        ("profile none.csv", "none.csv: no such file"),
+    ],
+)
+def test_errors_in_words_name_the_value_and_the_form(text, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        contact_named(text)
+
+
+def test_options_replace_the_model_and_the_law_each_alone():
+    folder = mf.Independent(contact=mf.SphericalCap())
+    assert chosen_model(folder, None, None) is folder
+    assert chosen_model(folder, None, "hertz") == mf.Independent()
+    assert chosen_model(folder, "independent", None) == folder
+    assert chosen_model(mf.MeanField(), "independent", "power 3") == mf.Independent(contact=mf.PowerCap(3))
+
+
+def test_a_model_that_cannot_use_a_law_is_named():
+    @dataclass(frozen=True)
+    class Own:
+        name = "own"
+
+    with pytest.raises(
+        mf.InvalidInput, match=r"own: the contacts of this model are paraboloids, not Spherical"
+    ):
+        with_contact(Own(), mf.SphericalCap())
+    assert with_contact(Own(), mf.Hertz()) == Own()
+
+
+def test_a_law_without_a_profile_couples_by_order_1():
+    law = mf.KogutEtsion(10.0)
+    assert with_contact(mf.Interacting(), law) == mf.Interacting(order=1, contact=law)
+    assert with_contact(mf.Interacting(order=1), mf.PowerCap(4)).order == 1
+    assert with_contact(mf.Interacting(), mf.PowerCap(4)).order == 3
