@@ -12,8 +12,9 @@ import click
 import metafem as mf
 from metafem.cli.group import (
     NOT_ACHIEVED,
+    Ended,
     Name,
-    NotAchieved,
+    Quantity,
     force_option,
     json_option,
     main,
@@ -21,12 +22,11 @@ from metafem.cli.group import (
 )
 from metafem.cli.progress import progress
 from metafem.cli.terminal import notes_data, print_notes, print_table, say, terminal
-from metafem.errors import Infeasible, InvalidInput
+from metafem.errors import Infeasible, InvalidInput, refuse_if
 from metafem.files.specification.demos import DEMOS
 from metafem.progress import doing
 
 if TYPE_CHECKING:
-    from metafem.files import Specification
     from metafem.files.part.plan import Part
     from metafem.inversion import Design
     from metafem.inversion.candidate import Branch
@@ -46,20 +46,15 @@ def demo(name: str, model: str | None, contact: str | None, force: bool, as_json
     """
     path, folder, text = Path(f"{name}.toml"), Path(name), mf.files.demo_text(name)
     mf.files.check_free(folder, force)
-    try:
+    same = path.is_file() and path.read_bytes() == text.encode("utf-8")
+    remedy = f"run it by `metafem design {path} -o FOLDER`, or rename it"
+    refuse_if(path.exists() and not same, f"{path} exists and differs from the demo's; {remedy}")
+    if not same:
         mf.files.write_text(path, text)
-    except InvalidInput:
-        if not path.exists():
-            raise
-        # an identical file is used; an edited file is never replaced
-        if not path.is_file() or path.read_bytes() != text.encode("utf-8"):
-            raise InvalidInput(
-                f"{path} exists and differs from the demo's; run it by `metafem design {path} -o FOLDER`, "
-                "or rename it"
-            ) from None
     if (remark := mf.files.place_schema(path.parent)) is not None:
         click.echo(f"note: {remark}", err=True)
-    _run(path, folder, (model, contact), force, as_json)
+    options: dict[str, Any] = {"model": model, "contact": contact, "force": force, "as_json": as_json}
+    click.get_current_context().invoke(design, spec=path, output=folder, **options)
 
 
 @main.command(short_help="Design a surface from a specification.")
@@ -68,6 +63,7 @@ def demo(name: str, model: str | None, contact: str | None, force: bool, as_json
 @model_option("that of the specification")
 @click.option(
     "--chord-error",
+    type=Quantity("mm", "1 um"),
     metavar="LENGTH",
     help='Largest depth of the triangles of the solids below the spheres, such as "1 um". Overrides '
     "part.chord_error in SPEC.toml. Default: 4e-4 of the smallest radius, or more if a solid would have "
@@ -80,7 +76,7 @@ def design(
     output: Path,
     model: str | None,
     contact: str | None,
-    chord_error: str | None,
+    chord_error: float | None,
     force: bool,
     as_json: bool,
 ) -> None:
@@ -95,48 +91,32 @@ def design(
     error bars are used. Where a target is refused, the nearest law is written beside the result folder as
     DIR-nearest.csv.
     """
-    _run(spec, output, (model, contact), force, as_json, chord_error)
-
-
-def _run(
-    spec: Path,
-    folder: Path,
-    law: tuple[str | None, str | None],
-    force: bool,
-    as_json: bool,
-    chord_error: str | None = None,
-) -> None:
-    from metafem.models.model import contact_of
-
-    mf.files.check_free(folder, force)
+    mf.files.check_free(output, force)
     with progress(), doing("designing"):
         specification = mf.read_spec(spec)
         if chord_error is not None:
-            specification = specification.with_chord_error(
-                mf.files.quantity("--chord-error", chord_error, "mm", "1 um")
-            )
-        chosen = mf.files.chosen_model(specification.model, *law)
-        with mf.files.result_folder(folder, specification, force=force) as fresh:
+            specification = specification.with_chord_error(chord_error)
+        chosen = mf.files.chosen_model(specification.model, model, contact)
+        with mf.files.result_folder(output, specification, force=force) as fresh:
             try:
                 result = specification.design(chosen)
             except Infeasible as error:
-                raise _refusal(error, folder) from None
+                raise _refusal(error, output) from None
             text = mf.report.page(result, specification.hardness)
-            mf.files.write_all(result, fresh, specification, {"report.html": text})
-    contact = contact_of(result.law.model)
-    part = mf.files.planned(result.surface, result.template, specification.part, contact)
-    notes = mf.report.all_notes(result, specification.hardness) + mf.files.part_notes(
-        part, specification.part
-    )
-    _print_design(result, specification, folder, notes, part, as_json)
+            part = mf.files.write_all(result, fresh, specification, {"report.html": text})
+    notes = mf.report.all_notes(result, specification.hardness) + mf.files.part_notes(part)
+    if as_json:
+        click.echo(json.dumps(_design_data(result, output, notes, part)))
+    else:
+        _print_design(result, output, notes)
     if result.status is mf.DesignStatus.MISSED:
         sys.exit(NOT_ACHIEVED)
 
 
-def _refusal(error: Infeasible, folder: Path) -> NotAchieved:
+def _refusal(error: Infeasible, folder: Path) -> Ended:
     """Return the error of a refused target; its nearest law is written as a table next to the folder."""
     if error.nearest is None:
-        return NotAchieved("Infeasible", str(error))
+        return Ended("Infeasible", str(error))
     words, nearest = str(error), {"target": error.nearest.title}
     law = error.nearest.law
     if law is not None:
@@ -155,34 +135,26 @@ def _refusal(error: Infeasible, folder: Path) -> NotAchieved:
         except InvalidInput as reason:
             words += f"; the nearest law is not written: {reason}"
         nearest |= {"rescaled_load": law[0].tolist(), "rescaled_friction": law[1].tolist()}
-    return NotAchieved("Infeasible", words, nearest=nearest)
+    return Ended("Infeasible", words, nearest=nearest)
 
 
-def _print_design(
-    result: Design,
-    specification: Specification,
-    folder: Path,
-    notes: tuple[Note, ...],
-    part: Part | None,
-    as_json: bool,
-) -> None:
+def _design_data(result: Design, folder: Path, notes: tuple[Note, ...], part: Part | None) -> dict[str, Any]:
+    return {
+        "folder": str(folder),
+        "target": result.target.title,
+        "status": result.status.name.lower(),
+        "misfit": result.misfit,
+        "misfit_meaning": result.misfit_meaning,
+        "asperities": result.surface.count,
+        "model": mf.report.model_data(result.law.model),
+        "parameters": mf.files.plain_data(result.parameters),
+        "slopes": [_fit_data(result, branch, fit) for branch, fit in result.fits],
+        "part": None if part is None else part.record(),
+        "notes": notes_data(notes),
+    }
 
-    if as_json:
-        data = {
-            "folder": str(folder),
-            "target": result.target.title,
-            "status": result.status.name.lower(),
-            "misfit": result.misfit,
-            "misfit_meaning": result.misfit_meaning,
-            "asperities": result.surface.count,
-            "model": mf.report.model_data(result.law.model),
-            "parameters": {name: _plain(value) for name, value in result.parameters.items()},
-            "slopes": [_fit_data(result, branch, fit) for branch, fit in result.fits],
-            "part": None if part is None else part.record(),
-            "notes": notes_data(notes),
-        }
-        click.echo(json.dumps(data))
-        return
+
+def _print_design(result: Design, folder: Path, notes: tuple[Note, ...]) -> None:
     from rich.console import Console
     from rich.table import Table
 
@@ -222,7 +194,3 @@ def _fit_data(result: Design, branch: Branch, fit: BranchFit) -> dict[str, float
         "fitted_friction_coefficient": fit.friction_coefficient,
         "intercept_N": fit.intercept_force,
     }
-
-
-def _plain(value: Any) -> Any:
-    return value.tolist() if hasattr(value, "tolist") else value

@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 
+import metafem as mf
 from metafem._given import Names
 from metafem.cli.output import printing, show_error
 from metafem.cli.signals import report_stop, stopped_by_signals
@@ -25,6 +26,9 @@ CONTACTS = (
 # Options that errors propose for arguments.
 ARGUMENTS = Names({"force=True": "--force", "workers=2": "--workers 2"})
 
+# Key of the units of the quantities in the context of a command.
+UNITS = "metafem.units"
+
 # Exit codes: unreachable target, and invalid input.
 NOT_ACHIEVED, BAD_INPUT = 1, 2
 
@@ -35,18 +39,6 @@ class Ended(click.ClickException):
     def __init__(self, kind: str, message: str, **data: Any) -> None:
         super().__init__(message)
         self.kind, self.data = kind, data
-
-
-class BadInput(Ended):
-    """Input that cannot be used."""
-
-    exit_code = BAD_INPUT
-
-
-class NotAchieved(Ended):
-    """A target that cannot be reached."""
-
-    exit_code = NOT_ACHIEVED
 
 
 class Name(click.Path):
@@ -64,6 +56,45 @@ class Name(click.Path):
         return super().convert(value, param, ctx)
 
 
+class Quantity(click.ParamType):  # type: ignore[type-arg]
+    """A quantity with its unit, as a number in the package's unit; a list of them if `listed`.
+
+    The unit of the first one is stored in the context, for errors.
+    """
+
+    name = "quantity"
+
+    def __init__(
+        self,
+        unit: str = "",
+        example: str | None = None,
+        *,
+        listed: bool = False,
+        read: Callable[[str], Any] | None = None,
+    ) -> None:
+        self.read = read or (lambda text: mf.files.converted(text, unit, example))
+        self.listed = listed
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+        """Return the number of a text, or the numbers of a list separated by commas."""
+        if not isinstance(value, str):
+            return value
+        parts = value.split(",") if self.listed else [value]
+        ctx.meta.setdefault(UNITS, {}).setdefault(param.name, mf.files.written_unit(parts[0]))
+        try:
+            found = [self.read(part) for part in parts]
+        except InvalidInput as error:
+            raise error.at(param.opts[0]) from None
+        return found if self.listed else found[0]
+
+
+def option_names() -> Names:
+    """Return the names of the running command's options, and the units in which they were written."""
+    ctx = click.get_current_context()
+    names = {each.name: each.opts[0] for each in ctx.command.params if each.name and each.opts[0][:1] == "-"}
+    return Names(names, {name: unit for name, unit in ctx.meta.get(UNITS, {}).items() if unit})
+
+
 class Commands(click.Group):
     """A group whose commands end with a message and an exit code instead of a traceback."""
 
@@ -76,7 +107,7 @@ class Commands(click.Group):
                 code = super().main(args, *rest, **extra)
             except click.ClickException as error:
                 show_error(error, "--json" in given)
-                code = error.exit_code
+                code = BAD_INPUT if getattr(error, "kind", "") == "InvalidInput" else error.exit_code
             sys.exit(code if isinstance(code, int) else 0)
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -85,13 +116,14 @@ class Commands(click.Group):
             with named(ARGUMENTS):
                 return super().invoke(ctx)
         except InvalidInput as error:
-            raise BadInput("InvalidInput", str(error)) from None
+            raise Ended("InvalidInput", str(error)) from None
         except MetafemError as error:
-            raise NotAchieved(type(error).__name__, str(error)) from None
+            raise Ended(type(error).__name__, str(error)) from None
         except OSError as error:
             if error.filename is None:  # an error of the output stream has no file name
                 raise
-            raise BadInput("InvalidInput", f"{error.filename!s:.300}: {error.strerror}") from None
+            words = f"{error.filename!s:.300}: {error.strerror}"
+            raise Ended("InvalidInput", words) from None
 
 
 def model_option(default: str, multiple: bool = False) -> Callable[[Callable[..., Any]], Callable[..., Any]]:

@@ -8,69 +8,82 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
 import metafem as mf
 from metafem._given import printable
-from metafem.cli.group import Name, force_option, json_option, main, model_option
+from metafem.cli.group import (
+    Name,
+    Quantity,
+    force_option,
+    json_option,
+    main,
+    model_option,
+    option_names,
+)
 from metafem.cli.progress import printing_messages, progress
+from metafem.cli.study.options import option_name, with_options
 from metafem.cli.terminal import loaded, notes_data, print_json, print_notes, print_table, say, terminal
-from metafem.errors import InvalidInput, named
+from metafem.errors import named, refuse_if
 from metafem.progress import doing
 
 if TYPE_CHECKING:
+    from metafem._validate import FloatArray
     from metafem.prediction import FrictionLaw
     from metafem.surface import Surface
 
-# Dimensions of a block, as options and as arguments.
-BLOCK = ("width", "length", "thickness")
+# Dimensions of a block, as options and as arguments, with examples.
+BLOCK = {"width": "20 mm", "length": "20 mm", "thickness": "7.2 mm"}
+
+# Unit and meaning of the options for a table of heights.
+SCENE = {
+    "composite_modulus": ("MPa", 'E* for a table of heights, such as "1.36 MPa".'),
+    "young_modulus": ("MPa", 'E for a table of heights, instead of E*, such as "1.02 MPa".'),
+    "poisson_ratio": (None, "ν for a table of heights; default: 0.5."),
+    "shear_strength": ("MPa", 'σ for a table of heights, such as "0.404 MPa", for friction forces.'),
+    "area_ratio": (None, "B: sheared area over initial area, with --shear-strength; default: 1."),
+    "radius": ("mm", 'Radius of all summits, such as "526 um", for a table without radii.'),
+    "thickness": ("mm", 'Thickness of the block of a table of heights, such as "7.2 mm".'),
+    "width": ("mm", 'Width of that block along x, such as "20 mm"; for --model block.'),
+    "length": ("mm", 'Length of that block along y, such as "20 mm"; for --model block.'),
+}
+
+scene_options = with_options(
+    *(
+        click.option(
+            option_name(name),
+            type=Quantity(unit) if unit else float,
+            metavar={"MPa": "STRESS", "mm": "LENGTH"}.get(unit or ""),
+            help=text,
+        )
+        for name, (unit, text) in SCENE.items()
+    )
+)
 
 
 @main.command(short_help="Predict the friction law of a folder or a table of heights.")
 @click.argument("source", type=Name())
 @click.option(
     "--load",
+    type=Quantity("N"),
     metavar="FORCE",
     multiple=True,
     help='Load, such as "0.2 N"; may be repeated. Default: a grid of loads.',
 )
-@click.option("--composite-modulus", metavar="MODULUS", help='E* for a table of heights, such as "1.36 MPa".')
-@click.option(
-    "--young-modulus", metavar="MODULUS", help='E for a table of heights, instead of E*, such as "1.02 MPa".'
-)
-@click.option("--poisson-ratio", type=float, help="ν for a table of heights; default: 0.5.")
-@click.option(
-    "--shear-strength",
-    metavar="STRESS",
-    help='σ for a table of heights, such as "0.404 MPa", for friction forces.',
-)
-@click.option(
-    "--area-ratio", type=float, help="B: sheared area over initial area, with --shear-strength; default: 1."
-)
-@click.option(
-    "--radius", metavar="LENGTH", help='Radius of all summits, such as "526 um", for a table without radii.'
-)
-@click.option(
-    "--thickness", metavar="LENGTH", help='Thickness of the block of a table of heights, such as "7.2 mm".'
-)
-@click.option(
-    "--width", metavar="LENGTH", help='Width of that block along x, such as "20 mm"; for --model block.'
-)
-@click.option(
-    "--length", metavar="LENGTH", help='Length of that block along y, such as "20 mm"; for --model block.'
-)
+@scene_options
 @model_option("that of the folder; independent for a table", multiple=True)
 @click.option("-o", "--output", type=Name(), help="Also write the law to this CSV file.")
 @force_option
 @json_option
 def predict(
     source: Path,
-    load: tuple[str, ...],
+    load: tuple[float, ...],
     model: tuple[str, ...],
     contact: tuple[str, ...],
     output: Path | None,
     force: bool,
     as_json: bool,
-    **scene: str | float | None,
+    **scene: float | None,
 ) -> None:
     """Predict the friction law of a result folder or of a table of heights.
 
@@ -81,38 +94,30 @@ def predict(
     with all contact laws.
     """
     given = {name: value for name, value in scene.items() if value is not None}
+    name = printable(str(source))
     if source.is_dir():
-        if given:
-            options = ", ".join(f"--{name.replace('_', '-')}" for name in given)
-            raise InvalidInput(
-                f"{options}: only for tables of heights; the folder {printable(str(source))} holds its "
-                "own material, friction, radii and block"
-            )
+        options = ", ".join(map(option_name, given))
+        own = f"the folder {name} holds its own material, friction, radii and block"
+        refuse_if(given, f"{options}: only for tables of heights; {own}")
         with progress():
             stored = loaded(source)
         surface, used = stored.surface, stored.law.model
     else:
-        if not source.exists():
-            raise InvalidInput(f"{printable(str(source))}: no such file or folder")
-        if source.suffix.lower() == ".toml":
-            name = printable(str(source))
-            raise InvalidInput(
-                f"{name} is a specification; run metafem design {name} -o FOLDER, then metafem predict FOLDER"
-            )
-        with printing_messages():
+        refuse_if(not source.exists(), f"{name}: no such file or folder")
+        remedy = f"run metafem design {name} -o FOLDER, then metafem predict FOLDER"
+        refuse_if(source.suffix.lower() == ".toml", f"{name} is a specification; {remedy}")
+        with printing_messages(), named(option_names()):
             surface, used = _surface(source, given, model), mf.Independent()
     pairs = [(kind, words) for kind in model or (None,) for words in contact or (None,)]
     if output is not None:
-        if len(pairs) > 1:
-            raise InvalidInput(f"--output holds one law, and {len(pairs)} are compared; choose one of them")
+        several = f"--output holds one law, and {len(pairs)} are compared; choose one of them"
+        refuse_if(len(pairs) > 1, several)
         mf.files.refuse_existing(output, force, "law")
-    newtons = [mf.files.quantity("--load", text, "N") for text in load]
     models = []
     for kind, words in pairs:
         chosen = mf.files.chosen_model(used, kind, words)
         if kind == "layer" and "thickness" in given and surface.block is None:
-            thickness = mf.files.quantity("--thickness", given["thickness"], "mm")
-            layer = mf.Interacting(substrate=mf.BondedLayer(thickness))
+            layer = mf.Interacting(substrate=mf.BondedLayer(given["thickness"]))
             chosen = mf.files.chosen_model(layer, None, words)
         remedy = "the folder's design has no block; design it again with a section [block]"
         mf.files.refuse_missing_block(chosen, surface, remedy)
@@ -120,130 +125,101 @@ def predict(
     laws: list[FrictionLaw] = []
     with progress(), doing("predicting the law"):
         for each in models:
-            loads = laws[0].load if laws else newtons or None
+            loads = laws[0].load if laws else load or None
             laws.append(mf.friction_law(surface, each, load=loads))
     if output is not None:
         mf.files.write_text(output, mf.files.law_table(laws[0]), force=force, kind="law")
-    data = [_law_data(law) for law in laws] if as_json else []
     if as_json:
+        data = [_law_data(law) for law in laws]
         print_json(data[0] if len(data) == 1 else {"laws": data})
-    elif len(laws) == 1:
-        _print_law(laws[0], whole=bool(load))
     else:
         _print_laws(laws, whole=bool(load))
 
 
-def _surface(source: Path, given: Mapping[str, str | float], models: tuple[str, ...]) -> Surface:
+def _surface(source: Path, given: Mapping[str, float], models: tuple[str, ...]) -> Surface:
     """Return the surface of a table of heights, with material, friction and block from the options."""
-    if ("composite_modulus" in given) == ("young_modulus" in given):
-        raise InvalidInput(
-            f"a table of heights such as {source} needs either --composite-modulus or --young-modulus, "
-            'for example --composite-modulus "1.36 MPa"'
-        )
-    if "area_ratio" in given and "shear_strength" not in given:
-        raise InvalidInput(
-            "--area-ratio needs --shear-strength: the friction force depends on both; add for example "
-            '--shear-strength "0.404 MPa"'
-        )
-    units = {"radius": "mm", "thickness": "mm", "width": "mm", "length": "mm"}
-    units |= dict.fromkeys(("composite_modulus", "young_modulus", "shear_strength"), "MPa")
-    number = {
-        name: mf.files.quantity(f"--{name.replace('_', '-')}", value, units[name])
-        if name in units
-        else float(value)
-        for name, value in given.items()
-    }
-    with named(mf.files.option_names({name: str(value) for name, value in given.items()})):
-        ratio = number.get("poisson_ratio", 0.5)
-        if "young_modulus" in number:
-            material = mf.Material.from_young(number["young_modulus"], ratio)
-        else:
-            material = mf.Material(number["composite_modulus"], ratio)
-        friction = (
-            mf.Friction(number["shear_strength"], number.get("area_ratio", 1.0))
-            if "shear_strength" in number
-            else None
-        )
-        block = _block({name: number[name] for name in BLOCK if name in number}, models)
-    return mf.files.read_surface(source, material, number.get("radius"), friction, block)
+    refuse_if(
+        ("composite_modulus" in given) == ("young_modulus" in given),
+        f"a table of heights such as {source} needs either --composite-modulus or --young-modulus, "
+        'for example --composite-modulus "1.36 MPa"',
+    )
+    refuse_if(
+        "area_ratio" in given and "shear_strength" not in given,
+        "--area-ratio needs --shear-strength: the friction force depends on both; add for example "
+        '--shear-strength "0.404 MPa"',
+    )
+    ratio = given.get("poisson_ratio", 0.5)
+    if "young_modulus" in given:
+        material = mf.Material.from_young(given["young_modulus"], ratio)
+    else:
+        material = mf.Material(given["composite_modulus"], ratio)
+    strength = given.get("shear_strength")
+    friction = None if strength is None else mf.Friction(strength, given.get("area_ratio", 1.0))
+    block = _block({name: given[name] for name in BLOCK if name in given}, models)
+    return mf.files.read_surface(source, material, given.get("radius"), friction, block)
 
 
 def _block(given: dict[str, float], models: tuple[str, ...]) -> mf.Block | None:
     """Return the block of a table from its given dimensions; a layer needs only the thickness."""
-    bounded = [
-        name for name in ("block", "layer") if name in models
-    ]  # the first option needs all dimensions of the others
-    needed = {"layer": BLOCK[2:], "block": BLOCK}.get("".join(bounded[:1]), BLOCK if given else ())
-    missing = [f'--{name} "{7.2 if name == "thickness" else 20} mm"' for name in needed if name not in given]
-    if missing:
-        what = f"--model {bounded[0]}" if bounded else "a block"
-        alone = "" if models else "; for --model layer the thickness alone is enough"
-        raise InvalidInput(
-            f"{what} needs the block's dimensions, which a table does not hold; "
-            f"add {' '.join(missing)}{alone}"
-        )
-    return mf.Block(*(given[name] for name in BLOCK)) if set(BLOCK) <= set(given) else None
-
-
-def _print_law(law: FrictionLaw, whole: bool) -> None:
-    columns = ["load [N]", "area [mm²]", "separation [mm]", "stiffness [N/mm]"]
-    if law.friction is not None:
-        columns += ["friction [N]", "F/P"]
-    rows = []
-    for i in _rows(law, whole):
-        numbers = [law.load[i], law.area[i], law.separation[i], law.stiffness[i]]
-        if law.friction is not None:
-            numbers += [law.friction_force[i], law.friction_coefficient[i]]
-        rows.append(tuple(f"{number:.6g}" for number in numbers))
-    console = terminal()
-    print_table(console, columns, rows)
-    say(console, f"model {law.model.name}, {law.status.value}")
-    print_notes(console, law.notes)
+    needed = BLOCK if given or "block" in models else {}
+    if "layer" in models and "block" not in models:
+        needed = {"thickness": BLOCK["thickness"]}
+    missing = [f'--{name} "{example}"' for name, example in needed.items() if name not in given]
+    refuse_if(
+        missing,
+        f"a block needs dimensions, which a table does not hold; add {' '.join(missing)}; for --model layer "
+        "the thickness alone is enough",
+    )
+    return mf.Block(**given) if given.keys() == BLOCK.keys() else None
 
 
 def _print_laws(laws: list[FrictionLaw], whole: bool) -> None:
-    """Print the areas of laws at the same loads, with their change against the first."""
-    first = laws[0]
-    columns = ["load [N]", "1: area [mm²]"]
-    for number in range(2, len(laws) + 1):
-        columns += [f"{number}: area [mm²]", f"{number}: change"]
-    rows = []
-    for i in _rows(first, whole):
-        numbers = [f"{first.load[i]:.6g}", f"{first.area[i]:.6g}"]
-        for law in laws[1:]:
-            change = 100.0 * (law.area[i] / first.area[i] - 1.0) if first.area[i] > 0.0 else math.nan
-            numbers += [f"{law.area[i]:.6g}", f"{change:+.2g} %" if math.isfinite(change) else "-"]
-        rows.append(tuple(numbers))
-    console = terminal()
-    print_table(console, columns, rows)
+    """Print one law, or the areas of several with their change against the first.
+
+    Of a default grid ten loads are printed, and every load that the user gave.
+    """
+    first, console = laws[0], terminal()
+    step = 1 if whole else max(1, len(first.load) // 10)
+    shown = _quantities(first) if len(laws) == 1 else _compared(laws)
+    rows = [
+        [_printed(title, float(values[i])) for title, values in shown.items()]
+        for i in range(step - 1, len(first.load), step)
+    ]
+    print_table(console, list(shown), rows)
     for number, law in enumerate(laws, 1):
-        say(console, f"{number}: model {law.model.name}, {law.status.value}")
+        label = f"{number}: " if len(laws) > 1 else ""
+        say(console, f"{label}model {law.model.name}, {law.status.value}")
         print_notes(console, law.notes)
 
 
-def _rows(law: FrictionLaw, whole: bool) -> range:
-    """Return ten loads of a default grid, or every load that the user gave."""
-    step = 1 if whole else max(1, len(law.load) // 10)
-    return range(step - 1, len(law.load), step)
+def _quantities(law: FrictionLaw) -> dict[str, FloatArray]:
+    shown = {"load [N]": law.load, "area [mm²]": law.area, "separation [mm]": law.separation}
+    shown["stiffness [N/mm]"] = law.stiffness
+    if law.friction is not None:
+        shown |= {"friction [N]": law.friction_force, "F/P": law.friction_coefficient}
+    return shown
+
+
+def _compared(laws: list[FrictionLaw]) -> dict[str, FloatArray]:
+    first, *others = laws
+    shown = {"load [N]": first.load, "1: area [mm²]": first.area}
+    for number, law in enumerate(others, 2):
+        zero = np.full(len(first.area), np.nan)  # there is no relative change of no area
+        ratio = np.divide(law.area, first.area, out=zero, where=first.area > 0.0)
+        shown |= {f"{number}: area [mm²]": law.area, f"{number}: change": 100.0 * (ratio - 1.0)}
+    return shown
+
+
+def _printed(title: str, value: float) -> str:
+    if not title.endswith("change"):
+        return f"{value:.6g}"
+    return f"{value:+.2g} %" if math.isfinite(value) else "-"
 
 
 def _law_data(law: FrictionLaw) -> dict[str, Any]:
+    from metafem.prediction.tables import columns
 
-    data = {
-        "model": mf.report.model_data(law.model),
-        "status": law.status.name.lower(),
-        "load_N": law.load.tolist(),
-        "area_mm2": law.area.tolist(),
-        "separation_mm": law.separation.tolist(),
-        "rescaled_load_mm2": law.rescaled_load.tolist(),
-        "stiffness_N_per_mm": law.stiffness.tolist(),
-        "residual": law.residual.tolist(),
-        "notes": notes_data(law.notes),
-    }
-    if law.friction is not None:
-        data["friction_force_N"] = law.friction_force.tolist()
-        # JSON has no infinity: there is no coefficient at zero load
-        data["friction_coefficient"] = [
-            value if math.isfinite(value) else None for value in law.friction_coefficient.tolist()
-        ]
-    return data
+    about = {"model": mf.report.model_data(law.model), "status": law.status.name.lower()}
+    # JSON has no infinity: there is no coefficient at zero load
+    numbers = mf.files.plain_data(columns(law.quantities()))
+    return {**about, **numbers, "notes": notes_data(law.notes)}

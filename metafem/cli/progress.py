@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 # Without a terminal: seconds before the first line, and between two lines.
 FIRST_LINE, NEXT_LINE = 5.0, 10.0
 
-# Interval of the checks whether a line is due [s].
-LOOK = 0.5
-
 
 @contextmanager
 def printing_messages() -> Iterator[None]:
@@ -74,43 +71,29 @@ def _status(console: Console) -> Iterator[OnStep]:
 
 @contextmanager
 def _lines(console: Console) -> Iterator[OnStep]:
-    """Print lines during long work, at most one in `NEXT_LINE` seconds."""
-    lines = Lines(time.monotonic())
-    ended = threading.Event()
+    """Print a line during long work after `FIRST_LINE` seconds, and then every `NEXT_LINE` seconds."""
+    start, ended, text = time.monotonic(), threading.Event(), ""
 
-    def look() -> None:
-        while not ended.wait(LOOK):
-            text = lines.due(time.monotonic())
-            if text is not None:
-                console.print(text, highlight=False, markup=False, soft_wrap=True)
+    def on_step(step: str, done: float | None) -> None:
+        nonlocal text
+        text = worded(step, done)
+
+    def report() -> None:
+        wait = FIRST_LINE
+        while not ended.wait(wait):
+            if text:
+                seconds = time.monotonic() - start
+                console.print(f"{text} ({seconds:.0f} s)", highlight=False, markup=False, soft_wrap=True)
+            wait = NEXT_LINE
 
     # solvers report only the beginning of a step, and a step may be long: another thread prints
-    thread = threading.Thread(target=look, daemon=True)
+    thread = threading.Thread(target=report, daemon=True)
     thread.start()
     try:
-        yield lines.step
+        yield on_step
     finally:
         ended.set()
         thread.join()
-
-
-class Lines:
-    """Lines about work that began at a time [s]: when to print them, and their text."""
-
-    def __init__(self, start: float) -> None:
-        self.start, self.next = start, start + FIRST_LINE
-        self.text = ""
-
-    def step(self, step: str, done: float | None) -> None:
-        """Store the running step."""
-        self.text = worded(step, done)
-
-    def due(self, now: float) -> str | None:
-        """Return the line that is due at a time, or None."""
-        if now < self.next or not self.text:
-            return None
-        self.next = now + NEXT_LINE
-        return f"{self.text} ({now - self.start:.0f} s)"
 
 
 def worded(step: str, done: float | None) -> str:

@@ -6,21 +6,20 @@ import os
 import signal
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from types import CodeType, FrameType
+from types import FrameType
 
 # Seconds after which a signal is repeated if its exception was lost; no destructor runs longer.
 AGAIN = 0.01
 
-# Code of the hooks for ignored exceptions, and signals that wait to be repeated.
-_HOOKS: set[CodeType] = set()
-_repeated: set[int] = set()
-
 
 class Stopped(SystemExit):
     """The end of a command by a signal; its exit code is 128 plus the number of the signal."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(128 + number)
+        self.number = number
 
 
 @contextmanager
@@ -33,17 +32,22 @@ def stopped_by_signals(last: bool = False) -> Iterator[None]:
     its work is complete: a later signal ends the process with the exit code of the body.
     """
     code = 1  # of an exception other than SystemExit
-    before, hook = {}, sys.unraisablehook
+    before, hook, again = {}, sys.unraisablehook, list[threading.Timer]()
     if threading.current_thread() is threading.main_thread():
         for each in (signal.SIGINT, signal.SIGTERM):
             if signal.getsignal(each) not in (signal.SIG_IGN, None):
                 before[each] = signal.signal(each, _stop)
 
         def lost(dropped: sys.UnraisableHookArgs) -> None:
-            if not _repeat(dropped.exc_value):
+            if not isinstance(dropped.exc_value, Stopped):
                 hook(dropped)
+                return
+            # to the main thread: a signal to another thread does not interrupt a wait of the main thread
+            main = threading.main_thread().ident
+            again.append(threading.Timer(AGAIN, signal.pthread_kill, (main, dropped.exc_value.number)))
+            again[-1].daemon = True
+            again[-1].start()
 
-        _HOOKS.add(lost.__code__)
         sys.unraisablehook = lost
     try:
         yield
@@ -55,7 +59,8 @@ def stopped_by_signals(last: bool = False) -> Iterator[None]:
         for each, handler in before.items():
             signal.signal(each, (lambda *_: os._exit(code)) if last else handler)
         sys.unraisablehook = hook
-        _repeated.clear()
+        for timer in again:
+            timer.cancel()
 
 
 @contextmanager
@@ -69,35 +74,5 @@ def report_stop(left: str) -> Iterator[None]:
         raise SystemExit(stop.code) from None
 
 
-def _stop(number: int, frame: FrameType | None) -> None:
-    while frame is not None:
-        if frame.f_code in _HOOKS:  # an exception is ignored here, too
-            _again(number)
-            return
-        frame = frame.f_back
-    _repeated.clear()
-    raise Stopped(128 + number)
-
-
-def _repeat(error: BaseException | None) -> bool:
-    """Repeat the signal of an exception that was dropped."""
-    if not isinstance(error, Stopped) or not isinstance(error.code, int):
-        return False
-    _again(error.code - 128)
-    return True
-
-
-def _again(number: int) -> None:
-    """Send a signal again until its exception is raised, unless that is in progress."""
-    if number not in _repeated:
-        _repeated.add(number)
-        threading.Thread(target=_send, args=(number,), daemon=True).start()
-
-
-def _send(number: int) -> None:
-    main = threading.main_thread().ident
-    time.sleep(AGAIN)
-    while main is not None and number in _repeated:
-        # to the main thread: a signal to another thread does not interrupt a wait of the main thread
-        signal.pthread_kill(main, number)
-        time.sleep(AGAIN)
+def _stop(number: int, _: FrameType | None) -> None:
+    raise Stopped(number)

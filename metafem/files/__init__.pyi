@@ -2,7 +2,6 @@ from .atomic import MARKS as MARKS
 from .atomic import check_free as check_free
 from .atomic import refuse_existing as refuse_existing
 from .atomic import write_text as write_text
-from .loads import load_range as load_range
 from .measurement.block import block_text as block_text
 from .measurement.calibrated import CalibratedParameters as CalibratedParameters
 from .measurement.calibrated import calibration_data as calibration_data
@@ -34,6 +33,7 @@ from .result.folder import same_design as same_design
 from .result.folder import save as save
 from .result.folder import stored_hardness as stored_hardness
 from .result.folder import write_all as write_all
+from .result.study import plain_data as plain_data
 from .result.study import stored_studies as stored_studies
 from .result.study import study_data as study_data
 from .result.study import study_path as study_path
@@ -42,16 +42,13 @@ from .result.tables import heights_table as heights_table
 from .result.tables import law_table as law_table
 from .result.tables import made_table as made_table
 from .result.tables import read_surface as read_surface
-from .schema.document import place_schema as place_schema
-from .schema.document import schema_text as schema_text
-from .schema.document import write_schema as write_schema
-from .schema.manual import manual as manual
 from .specification.demos import DEMOS as DEMOS
 from .specification.demos import demo_text as demo_text
 from .specification.forms import KeyForm as KeyForm
 from .specification.forms import SectionForm as SectionForm
 from .specification.forms import all_keys as all_keys
 from .specification.forms import section_forms as section_forms
+from .specification.manual import manual as manual
 from .specification.models import MODELS as MODELS
 from .specification.named_tables import measured_pairs as measured_pairs
 from .specification.options import chosen_model as chosen_model
@@ -60,5 +57,12 @@ from .specification.read import parsed as parsed
 from .specification.read import read_spec as read_spec
 from .specification.read import refuse_missing_block as refuse_missing_block
 from .specification.read import toml_table as toml_table
+from .specification.schema import place_schema as place_schema
+from .specification.schema import schema_text as schema_text
+from .specification.schema import write_schema as write_schema
+from .specification.targets import given_load as given_load
+from .specification.targets import rescaled_range as rescaled_range
+from .units import converted as converted
 from .units import option_names as option_names
 from .units import quantity as quantity
+from .units import written_unit as written_unit

@@ -21,7 +21,7 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 from metafem._given import Given
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.progress import message
 
 # A hidden file of a result folder: lines of "sha256  name" for every file that metafem wrote there.
@@ -72,13 +72,11 @@ def staged(
             (fresh / MANIFEST).write_text("".join(lines), encoding="utf-8")
             if existed:
                 _replace(target, fresh, contents)
-            elif os.path.lexists(target):  # a rename would replace an empty folder
-                raise InvalidInput(
-                    f"{target} was made by another program in the meantime and is unchanged; choose another "
-                    "folder"
-                )
-            else:
-                fresh.rename(target)
+                return
+            # a rename would replace an empty folder
+            words = "was made by another program in the meantime and is unchanged; choose another folder"
+            refuse_if(os.path.lexists(target), f"{target} {words}")
+            fresh.rename(target)
 
 
 def check_free(folder: str | Path, force: bool = False) -> None:
@@ -94,18 +92,10 @@ def earlier_result(folder: Path) -> Path | None:
 
 def _target(folder: str | Path) -> Path:
     """Return the path of a folder that can be created."""
-    try:
-        target = Path(folder).absolute()
-    except TypeError:
-        raise InvalidInput(f"folder = {folder!r:.60} is not a path") from None
-    if folder == "":
-        raise InvalidInput('folder = "" is an empty name; name a new folder, such as "mine"')
-    if "\0" in str(target):
-        raise InvalidInput(f"{str(target)!r:.80} is not a path: it holds a null character")
-    if not target.name:
-        raise InvalidInput(f"{folder} cannot be a result folder; name a new one")
-    if not target.parent.is_dir():
-        raise InvalidInput(f"{target.parent} is not a folder; create it first")
+    target = Path(folder).absolute()
+    empty = 'folder = "" is an empty name; name a new folder, such as "mine"'
+    refuse_if(folder == "", empty)
+    refuse_if(not target.parent.is_dir(), f"{target.parent} is not a folder; create it first")
     return target.resolve() if os.path.islink(target) and os.path.isdir(target) else target
 
 
@@ -116,17 +106,16 @@ def _refuse_folder(target: Path, force: bool, contents: Mapping[str, bytes]) -> 
             kind = os.lstat(target).st_mode
         except FileNotFoundError:
             return False
-        if not stat.S_ISDIR(kind):
-            raise InvalidInput(f"{target} is in the way and is not a folder; choose another name")
+        words = f"{target} is in the way and is not a folder; choose another name"
+        refuse_if(not stat.S_ISDIR(kind), words)
         _refuse_changed(target, target, contents)
-        if not force and any(target.iterdir()):
-            words = "{.number} exists; choose another folder, or replace it with {.name}"
-            raise InvalidInput(words, Given("folder", str(target)), Given("force=True"))
-        if os.path.lexists(old := target.with_name(target.name + OLD)):
-            raise InvalidInput(
-                f"{old} exists: a run that was stopped, or you, kept an earlier result there; remove or "
-                f"rename it, because {target.name} has this name while it is replaced"
-            )
+        words = "{.number} exists; choose another folder, or replace it with {.name}"
+        about = Given("folder", str(target)), Given("force=True")
+        refuse_if(not force and any(target.iterdir()), words, *about)
+        old = target.with_name(target.name + OLD)
+        words = f"because {target.name} has this name while it is replaced"
+        words = f"a run that was stopped, or you, kept an earlier result there; remove or rename it, {words}"
+        refuse_if(os.path.lexists(old), f"{old} exists: {words}")
     return True
 
 
@@ -206,13 +195,12 @@ def refuse_existing(path: str | Path, force: bool, kind: str = "", fixed: bool =
     target = Path(path).absolute()
     if not os.path.lexists(target):
         return
-    if not force:
-        other = "" if fixed else "choose another name, or "
-        words = f"{{.number}} exists; {other}replace it with {{.name}}"
-        raise InvalidInput(words, Given("path", str(target)), Given("force=True"))
-    if target.is_symlink() or not target.is_file():
-        what = "a link" if target.is_symlink() else "a folder" if target.is_dir() else "no regular file"
-        raise InvalidInput(f"{target} cannot be written: it is {what}; choose another name")
+    other = "" if fixed else "choose another name, or "
+    words = f"{{.number}} exists; {other}replace it with {{.name}}"
+    refuse_if(not force, words, Given("path", str(target)), Given("force=True"))
+    what = "a link" if target.is_symlink() else "a folder" if target.is_dir() else "no regular file"
+    words = f"{target} cannot be written: it is {what}; choose another name"
+    refuse_if(target.is_symlink() or not target.is_file(), words)
     known = written(target.parent)
     in_result = target.with_name(MANIFEST).is_file()
     if not (unchanged(target, known.get(target.name, ())) if in_result else is_of_kind(target, kind)):

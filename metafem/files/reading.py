@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 import os
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from metafem._given import printable, shown
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 
 # Largest files that are read [bytes]. A specification of a thousand points has 30 kB, a summit in a table has
 # 60 bytes and a site in a record 300, so that a million summits fit.
@@ -20,8 +22,8 @@ def read_bytes(path: str | Path, most: int, missing: str = "no such file") -> by
     """Return the content of a regular file of at most `most` bytes, or raise InvalidInput."""
     name = file_label(path)
     content = _beginning(path, most + 1, missing)
-    if len(content) > most:
-        raise InvalidInput(f"{name}: is larger than {most / 2**20:g} MiB, the limit for its kind of file")
+    larger = f"{name}: is larger than {most / 2**20:g} MiB, the limit for its kind of file"
+    refuse_if(len(content) > most, larger)
     return content
 
 
@@ -49,9 +51,8 @@ def _refuse_other_kinds(path: str | Path, name: str) -> None:
         kind = os.stat(path).st_mode
     except (TypeError, ValueError):  # a null character, or an invalid character
         raise InvalidInput(f"{shown(path)} is not the name of a file") from None
-    if not stat.S_ISREG(kind):
-        what = "a folder" if stat.S_ISDIR(kind) else "a device or a pipe"
-        raise InvalidInput(f"{name}: cannot be read: it is {what}, not a file")
+    what = "a folder" if stat.S_ISDIR(kind) else "a device or a pipe"
+    refuse_if(not stat.S_ISREG(kind), f"{name}: cannot be read: it is {what}, not a file")
 
 
 def file_label(path: object) -> str:
@@ -70,15 +71,22 @@ def decoded(path: str | Path, raw: bytes) -> str:
         ) from None
 
 
+@contextmanager
+def damaged(path: str | Path) -> Iterator[None]:
+    """Raise InvalidInput for a damaged file if its content cannot be used in the body."""
+    try:
+        yield
+    except RecursionError:
+        raise InvalidInput(f"{file_label(path)} is damaged: it nests its values too deeply") from None
+    except (OSError, ValueError, KeyError, AttributeError) as error:
+        raise InvalidInput(f"{file_label(path)} is damaged: {printable(str(error))}") from None
+
+
 def read_record(path: str | Path, missing: str = "no such file") -> Any:
     """Return the content of a JSON file, or raise InvalidInput for any other file."""
     text = decoded(path, read_bytes(path, RECORD, missing))
-    try:
+    with damaged(path):
         return json.loads(text, parse_constant=_refused)
-    except RecursionError:
-        raise InvalidInput(f"{file_label(path)} is damaged: it nests its values too deeply") from None
-    except ValueError as error:
-        raise InvalidInput(f"{file_label(path)} is damaged: {printable(str(error))}") from None
 
 
 def _refused(constant: str) -> float:

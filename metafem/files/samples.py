@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.calibration import MeasuredLaw
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.files.measurement.contacts import contacts_of, is_of_contacts
-from metafem.files.tables import OWN, Columns, Entries, Table, table_of
-from metafem.files.units import converted
+from metafem.files.tables import Columns, Entries, Table, table_of
 from metafem.surface import Material
 
 
@@ -57,8 +55,8 @@ COLUMNS = {"sampled": TARGET, "profile": PROFILE, "tabulated": MEASURED}
 # Keys of a sampled target, in order of preference for a table.
 LOADS, FRICTIONS = ("rescaled_load", "load"), ("rescaled_friction", "friction_force", "area")
 
-# Columns as keys of a specification: a text with its unit for each entry, or a number of a plain column.
-Keys = dict[str, list[Any]]
+# Columns as keys of a specification, in the package's units.
+Keys = dict[str, FloatArray]
 
 
 def columns_of(name: str, content: bytes, columns: SampleColumns) -> Keys:
@@ -67,23 +65,25 @@ def columns_of(name: str, content: bytes, columns: SampleColumns) -> Keys:
     return {key: _key(entries, key, columns) for key in entries.columns}
 
 
-def _key(entries: Entries, name: str, columns: SampleColumns) -> list[Any]:
-    """Return a column; it is checked here, with the line, and read again with the specification."""
+def _key(entries: Entries, name: str, columns: SampleColumns) -> FloatArray:
+    """Return a column; it is checked here, with the line, and again as part of the specification."""
     values = entries.numbers(name)
     if name in columns.plain:
-        return list(values.tolist())
-    texts = [entries.table.plain(text) for text in entries.texts(name)]
-    for row, (text, value) in enumerate(zip(texts, values.tolist(), strict=True)):
-        key, first = f"{entries.cell(row, name)} = {text}", row == 0
-        if columns.from_zero and first and value != 0.0:
-            raise InvalidInput(f"{key} must be 0; the first line of a {columns.what} is its origin")
-        if value < 0.0 or (value == 0.0 and not (first and columns.from_zero is not False)):
+        return values
+    for row, value in enumerate(values.tolist()):
+        first = row == 0
+        must = f"must be 0; the first line of a {columns.what} is its origin"
+        wrong = columns.from_zero and first and value != 0.0
+        if not wrong:
+            wrong = value < 0.0 or (value == 0.0 and not (first and columns.from_zero is not False))
             of_law = columns.from_zero is False and not name.endswith("_sd")
-            raise InvalidInput(f"{key} must be greater than 0{'; omit the origin' if of_law else ''}")
-        if name in columns.rising and not first and value <= values[row - 1]:
-            raise InvalidInput(f"{key} must exceed the {name} of the previous line")
-    unit = entries.title(name).rpartition("_")[2]
-    return [f"{text} {unit}" for text in texts]
+            must = f"must be greater than 0{'; omit the origin' if of_law else ''}"
+        if not wrong and name in columns.rising and not first:
+            wrong, must = value <= values[row - 1], f"must exceed the {name} of the previous line"
+        if wrong:
+            text = entries.table.plain(entries.texts(name)[row])
+            raise InvalidInput(f"{entries.cell(row, name)} = {text} {must}")
+    return values
 
 
 def samples_of(name: str, content: bytes) -> Keys:
@@ -93,25 +93,16 @@ def samples_of(name: str, content: bytes) -> Keys:
     and of the frictions in the table become relative errors of the frictions.
     """
     table = table_of(name, content, TARGET.example)
-    entries = _of_images(table) if is_of_contacts(table) else columns_of(name, content, TARGET)
-    values = {key: _numbers(key, column) for key, column in entries.items()}
+    values = _of_images(table) if is_of_contacts(table) else columns_of(name, content, TARGET)
     load = next(key for key in LOADS if key in values)
     friction = next(key for key in FRICTIONS if key in values)
     error = _relative_error(table.name, values, load, friction)
     if error is not None:
         values["relative_error"] = error
-        entries["relative_error"] = error.tolist()
-    entries = {key: entries[key] for key in (load, friction, *TARGET.plain) if key in entries}
+    values = {key: values[key] for key in (load, friction, *TARGET.plain) if key in values}
     if (np.diff(values[load]) <= 0.0).any():
-        entries = _averaged({key: values[key] for key in entries}, load)
-    return {"rescaled_friction" if key == "area" else key: column for key, column in entries.items()}
-
-
-def _numbers(key: str, column: list[Any]) -> FloatArray:
-    """Return a column in the package's unit."""
-    if key in TARGET.plain:
-        return np.array(column)
-    return np.array([converted(text, OWN[TARGET.units[key]]) for text in column])
+        values = _averaged(values, load)
+    return {"rescaled_friction" if key == "area" else key: column for key, column in values.items()}
 
 
 def _relative_error(
@@ -121,18 +112,15 @@ def _relative_error(
     stated = [key for key in (f"{load}_sd", f"{friction}_sd") if key in values]
     if not stated:
         return values.get("relative_error")
-    if "relative_error" in values:
-        raise InvalidInput(f"relative_error and {stated[0]} both give the errors; keep one")
+    words = f"relative_error and {stated[0]} both give the errors; keep one"
+    refuse_if("relative_error" in values, words)
     x, y = values[load], values[friction]
     exponent = float(np.polyfit(np.log(x), np.log(y), 1)[0]) if len(np.unique(x)) > 1 else 1.0
     zero = np.zeros(len(x))
     by_load = exponent * values.get(f"{load}_sd", zero) / x
     error = np.hypot(by_load, values.get(f"{friction}_sd", zero) / y)
-    if error.max() >= 1.0:
-        i = int(error.argmax()) + 1
-        raise InvalidInput(
-            f"{name}: the error of sample {i} is as large as its friction; leave the sample out"
-        )
+    words = f"the error of sample {error.argmax() + 1} is as large as its friction; leave the sample out"
+    refuse_if(error.max() >= 1.0, f"{name}: {words}")
     return error
 
 
@@ -149,10 +137,9 @@ def _averaged(values: Mapping[str, FloatArray], load: str) -> Keys:
             mean = np.sqrt(np.bincount(group, column**2)) / counts
         else:
             mean = np.bincount(group, column) / counts
-        unit = "" if key in TARGET.plain else TARGET.units[key]
-        found[key] = [f"{value!r} {unit}" if unit else value for value in mean.tolist()]
+        found[key] = mean
     if len(loads) < len(group) and values.keys().isdisjoint(TARGET.plain):
-        found["weight"] = counts.astype(np.float64).tolist()
+        found["weight"] = counts.astype(np.float64)
     return found
 
 
@@ -166,8 +153,4 @@ def _of_images(table: Table) -> Keys:
     assert law.area is not None
     assert law.area_sd is not None
     kept = (law.load > 0.0) & (law.area > 0.0)
-    columns = {"load": law.load, "area": law.area, "area_sd": law.area_sd}
-    return {
-        key: [f"{value!r} {TARGET.units[key]}" for value in column[kept].tolist()]
-        for key, column in columns.items()
-    }
+    return {"load": law.load[kept], "area": law.area[kept], "area_sd": law.area_sd[kept]}

@@ -15,7 +15,7 @@ import numpy as np
 
 from metafem._given import Names, printable, shown
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.files.reading import TABLE, decoded, file_label, read_bytes
 from metafem.files.units import decimal, factor
 from metafem.progress import message
@@ -42,17 +42,6 @@ class Table:
     header: list[str]
     rows: list[tuple[int, list[str]]]
     separator: str
-
-    def entries(self) -> list[tuple[int, list[str]]]:
-        """Return the lines below the first one with their numbers, each with an entry for every column."""
-        for line, row in self.rows:
-            if len(row) != len(self.header):
-                hint = f"; {SEMICOLONS}" if self.separator == "," and len(row) > len(self.header) else ""
-                raise InvalidInput(
-                    f"{self.name}, line {line} has {len(row)} entries; the first names "
-                    f"{len(self.header)}{hint}"
-                )
-        return self.rows
 
     def number(self, line: int, column: int, text: str) -> Fraction:
         """Return an entry as an exact fraction."""
@@ -91,11 +80,13 @@ def table_of(name: str, content: bytes, example: str) -> Table:
     except csv.Error as error:
         raise InvalidInput(f"{name}, line {reader.line_num}: {error}") from None
     header = [title.strip() for title in rows[0][1]] if rows else []
-    if len(header) < 2:
-        raise InvalidInput(
-            f"{name} has one column, {printable(''.join(header), 60)}; name its columns, "
-            f"for example {example}, separated by commas or semicolons"
-        )
+    words = f"name its columns, for example {example}, separated by commas or semicolons"
+    refuse_if(len(header) < 2, f"{name} has one column, {printable(''.join(header), 60)}; {words}")
+    for line, row in rows[1:]:
+        if len(row) != len(header):
+            hint = f"; {SEMICOLONS}" if separator == "," and len(row) > len(header) else ""
+            words = f"has {len(row)} entries; the first names {len(header)}{hint}"
+            raise InvalidInput(f"{name}, line {line} {words}")
     return Table(name, header, rows[1:], separator)
 
 
@@ -144,8 +135,7 @@ class Columns:
             if column is None:
                 continue
             name, size = column
-            if name in found:
-                raise InvalidInput(f"{table.name}: {name} is in two columns; keep one")
+            refuse_if(name in found, f"{table.name}: {name} is in two columns; keep one")
             found[name] = index, size
         entries = Entries(table, found)
         lacking = [[name for name in names.split(",") if name not in found] for names in self.needed]
@@ -153,17 +143,13 @@ class Columns:
             raise self.lacking(entries, *(lacking[0] if len(lacking) == 1 else ()))
         for name in found:
             base = name.removesuffix("_sd")
-            if base != name and base not in found:
-                raise InvalidInput(
-                    f"{table.name} has the column {entries.title(name)} without {base}; add its column or "
-                    "leave this one out"
-                )
+            words = f"without {base}; add its column or leave this one out"
+            refuse_if(base not in found, f"{table.name} has the column {entries.title(name)} {words}")
         unread = [printable(title, 40) for title in entries.unread]
         if unread:
             what = f"column {unread[0]} is" if len(unread) == 1 else f"columns {', '.join(unread)} are"
             message(f"{table.name}: the {what} not read")
-        if not table.entries():
-            raise InvalidInput(f"{table.name} names columns but holds no {self.entry}")
+        refuse_if(not table.rows, f"{table.name} names columns but holds no {self.entry}")
         return entries
 
     def lacking(self, entries: Entries, *names: str, hint: str = "") -> InvalidInput:
@@ -185,8 +171,8 @@ class Columns:
         if title in self.plain:
             return title, Fraction(1)
         column = f"{table.name}: column {printable(title, 40)}"
-        if self.declared(title) in self.units:
-            raise InvalidInput(f"{column} needs a unit in its name; write {self.title(title)}")
+        known = self.declared(title) in self.units
+        refuse_if(known, f"{column} needs a unit in its name; write {self.title(title)}")
         name, _, unit = title.rpartition("_")
         if self.declared(name) not in self.units:
             return None
@@ -245,9 +231,8 @@ class Entries:
         found = self.texts(name)
         for row, text in enumerate(found):
             if not re.fullmatch(r"\d{1,9}", text, re.ASCII) or int(text) < least:
-                raise InvalidInput(
-                    f"{self.cell(row, name)} = {shown(text, 40)} must be a whole number of at least {least}"
-                )
+                words = f"{shown(text, 40)} must be a whole number of at least {least}"
+                raise InvalidInput(f"{self.cell(row, name)} = {words}")
         return [int(text) for text in found]
 
     def names(self, **names: str) -> Names:

@@ -1,23 +1,31 @@
 """Progress on a terminal and without one."""
 
+import threading
 import time
+from types import SimpleNamespace
 
 from rich.console import Console
 
 from metafem.cli import progress as module
-from metafem.cli.progress import FIRST_LINE, NEXT_LINE, Lines, progress
+from metafem.cli.progress import FIRST_LINE, NEXT_LINE, progress
 from metafem.progress import doing, each, message
 
 
-def test_short_work_prints_no_lines_and_long_work_few():
-    lines = Lines(100.0)
-    lines.step("solving, part 1 of 2", 0.0)
-    assert lines.due(100.0 + 0.9 * FIRST_LINE) is None
-    assert lines.due(100.0 + FIRST_LINE) == f"solving, part 1 of 2, 0 % ({FIRST_LINE:.0f} s)"
-    lines.step("solving, part 2 of 2", 0.5)
-    assert lines.due(100.0 + FIRST_LINE + 0.9 * NEXT_LINE) is None
-    later = FIRST_LINE + NEXT_LINE
-    assert lines.due(100.0 + later) == f"solving, part 2 of 2, 50 % ({later:.0f} s)"
+def test_long_work_prints_few_lines(monkeypatch):
+    waited = []
+
+    class Ended:
+        def wait(self, seconds):
+            waited.append(seconds)
+            return len(waited) > 2
+
+        def set(self):
+            pass
+
+    monkeypatch.setattr(module, "threading", SimpleNamespace(Thread=threading.Thread, Event=Ended))
+    with progress():
+        pass
+    assert waited == [FIRST_LINE, NEXT_LINE, NEXT_LINE]
 
 
 def test_without_a_terminal_facts_are_lines_on_stderr(capsys):
@@ -28,9 +36,8 @@ def test_without_a_terminal_facts_are_lines_on_stderr(capsys):
 
 
 def test_a_line_is_printed_while_a_step_lasts(capsys, monkeypatch):
-    monkeypatch.setattr(module, "LOOK", 0.001)
-    monkeypatch.setattr(module, "FIRST_LINE", 0.0)
-    monkeypatch.setattr(module, "NEXT_LINE", 0.0)  # a line that is printed while the output is read is lost
+    monkeypatch.setattr(module, "FIRST_LINE", 0.001)
+    monkeypatch.setattr(module, "NEXT_LINE", 0.001)  # a line that is printed while the output is read is lost
     printed = ""
     with progress(), doing("factorising [a]"):
         end = time.monotonic() + 10.0

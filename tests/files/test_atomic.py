@@ -54,12 +54,6 @@ def test_a_failing_body_leaves_nothing(tmp_path, error):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_result_folder_is_refused_with_the_way_out(tmp_path):
-    put(tmp_path / "out", a="1")
-    with pytest.raises(mf.InvalidInput, match="force=True"), staged(tmp_path / "out"):
-        pass
-
-
 @pytest.mark.parametrize("force", [False, True])
 def test_force_is_offered_only_where_it_replaces(tmp_path, force):
     (tmp_path / "out").mkdir()
@@ -94,15 +88,6 @@ def test_an_empty_or_by_force_a_result_folder_is_used(tmp_path, content, force):
     assert list(tmp_path.iterdir()) == [target]
 
 
-def test_force_spares_folders_of_others(tmp_path):
-    target = tmp_path / "out"
-    target.mkdir()
-    (target / "design.json").write_text("{}")
-    with pytest.raises(mf.InvalidInput, match="not written by metafem"), staged(target, force=True):
-        pass
-    assert (target / "design.json").read_text() == "{}"
-
-
 def test_a_failing_body_spares_the_replaced_folder(tmp_path):
     target = tmp_path / "out"
     put(target, a="1")
@@ -112,38 +97,25 @@ def test_a_failing_body_spares_the_replaced_folder(tmp_path):
     assert list(tmp_path.iterdir()) == [target]
 
 
-def test_a_file_in_the_way_is_refused_even_by_force(tmp_path):
-    (tmp_path / "out").write_text("mine")
-    with pytest.raises(mf.InvalidInput, match="not a folder"), staged(tmp_path / "out", force=True):
-        pass
-
-
-@pytest.mark.parametrize("parent", ["none", "file"])
-def test_a_parent_that_is_no_folder_is_refused(tmp_path, parent):
-    (tmp_path / "file").write_text("")
-    with pytest.raises(mf.InvalidInput, match="is not a folder"), staged(tmp_path / parent / "out"):
-        pass
-
-
-def test_an_unwritable_name_is_refused(tmp_path):
-    with (
-        pytest.raises(mf.InvalidInput, match="cannot be written: File name too long"),
-        staged(tmp_path / ("x" * 300)),
-    ):
-        pass
-
-
-def test_the_root_is_refused():
-    with pytest.raises(mf.InvalidInput, match="name a new one"), staged("/"):
-        pass
-
-
-def test_the_error_for_an_existing_folder_suggests_another(tmp_path):
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("mine", r"^\S*mine exists; choose another folder, or replace it with force=True"),
+        ("file", "file is in the way and is not a folder"),
+        ("none/out", "none is not a folder"),
+        ("file/out", "file is not a folder"),
+        ("x" * 300, "cannot be written: File name too long"),
+        ("new", "cannot be written: File exists"),
+    ],
+)
+def test_a_folder_that_cannot_be_written_is_refused(tmp_path, name, words):
     put(tmp_path / "mine", design="1")
-    with pytest.raises(mf.InvalidInput, match=r"^\S*mine exists; choose another folder"):
-        check_free(tmp_path / "mine")
-    with pytest.raises(mf.InvalidInput, match="is not a path"):
-        check_free("a\0b")
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / f".new{WORK}").symlink_to(tmp_path / "mine")
+    before = everything(tmp_path)
+    with pytest.raises(mf.InvalidInput, match=words):
+        put(tmp_path / name, force=name != "mine")
+    assert everything(tmp_path) == before
 
 
 @pytest.mark.parametrize("force", [False, True])
@@ -178,13 +150,6 @@ def test_force_refuses_a_folder_with_something_of_others_and_leaves_it(tmp_path,
     ):
         pytest.fail("the body ran")
     assert everything(tmp_path) == before
-
-
-def test_force_removes_what_is_not_written_again(tmp_path):
-    put(tmp_path / "out", a="1", stale="1")
-    put(tmp_path / "out", True, a="2", b="2")
-    assert texts(tmp_path / "out") == {"a": "2", "b": "2"}
-    assert list(tmp_path.iterdir()) == [tmp_path / "out"]
 
 
 @pytest.mark.parametrize("change", ["changed", "link"])
@@ -251,24 +216,31 @@ class Killed(BaseException):
 
 
 @pytest.fixture
-def killed(monkeypatch):
-    """Let a process end at its n-th change of a name: the system frees its lock, nothing is tidied."""
+def finished(monkeypatch):
+    """Whether a work ends before its n-th change of a name, at which the process is killed.
 
-    def after(n, error=Killed):
+    The system then frees the locks, and nothing is tidied.
+    """
+
+    def after(n, work):
         count = iter(range(n))
 
         def counted(change):
             def call(*arguments, **options):
                 if next(count, None) is None:
-                    raise error
+                    raise Killed
                 return change(*arguments, **options)
 
             return call
 
-        if error is Killed:
-            monkeypatch.setattr(atomic, "_remove", lambda _: None)
-        for name in ("replace", "mkdir", "unlink", "rename"):
-            monkeypatch.setattr(Path, name, counted(getattr(Path, name)))
+        with monkeypatch.context() as patch:
+            patch.setattr(atomic, "_remove", lambda _: None)
+            for name in ("replace", "mkdir", "unlink", "rename"):
+                patch.setattr(Path, name, counted(getattr(Path, name)))
+            with contextlib.suppress(Killed):
+                work()
+                return True
+        return False
 
     return after
 
@@ -281,9 +253,7 @@ def hidden(folder):
     return [path for path in folder.rglob("*") if path.name.endswith((LOCK, WORK))]
 
 
-def test_a_killed_run_leaves_at_worst_the_whole_earlier_folder_and_the_next_run_says_so(
-    tmp_path, killed, monkeypatch
-):
+def test_a_killed_run_leaves_at_worst_the_whole_earlier_folder_and_the_next_run_says_so(tmp_path, finished):
     left = []
     for n in range(40):
         target = tmp_path / f"{n}" / "out"
@@ -291,16 +261,11 @@ def test_a_killed_run_leaves_at_worst_the_whole_earlier_folder_and_the_next_run_
         target.parent.mkdir()
         put(target, a="1", stale="1")
         before = everything(target)
-        killed(n)
-        finished = False
-        with contextlib.suppress(Killed):
-            put(target, True, a="2", b="2")
-            finished = True
-        monkeypatch.undo()
+        ended = finished(n, lambda target=target: put(target, True, a="2", b="2"))
         left.append((target.exists(), old.exists()))
         assert not target.exists() or everything(target) == before or texts(target) == {"a": "2", "b": "2"}
         assert not old.exists() or everything(old) == before
-        if finished:
+        if ended:
             break
         said = []
         if target.exists() and old.exists():
@@ -318,33 +283,23 @@ def test_a_killed_run_leaves_at_worst_the_whole_earlier_folder_and_the_next_run_
     assert left[-1] == (True, False)
 
 
-def test_a_run_killed_while_it_made_a_folder_leaves_nothing_after_the_next(tmp_path, killed, monkeypatch):
+def test_a_run_killed_while_it_made_a_folder_leaves_nothing_after_the_next(tmp_path, finished):
     for n in range(40):
-        killed(n)
-        finished = False
-        with contextlib.suppress(Killed):
-            put(tmp_path / "out", a="1")
-            finished = True
-        monkeypatch.undo()
+        ended = finished(n, lambda: put(tmp_path / "out", a="1"))
         put(tmp_path / f"next{n}", b="1")
         assert {path.name for path in tmp_path.iterdir()} - {f"next{i}" for i in range(40)} <= {"out"}
-        if finished:
+        if ended:
             break
     assert texts(tmp_path / "out") == {"a": "1"}
 
 
-def test_a_run_killed_while_it_wrote_a_file_leaves_the_old_one_or_the_new(tmp_path, killed, monkeypatch):
+def test_a_run_killed_while_it_wrote_a_file_leaves_the_old_one_or_the_new(tmp_path, finished):
     target = tmp_path / "out"
     for n in range(40):
         put(target, target.exists(), a="1")
-        killed(n)
-        finished = False
-        with contextlib.suppress(Killed):
-            write_text(target / "a.txt", "2", force=True)
-            finished = True
-        monkeypatch.undo()
-        assert texts(target) == {"a": "2" if finished else "1"}
-        if finished:
+        ended = finished(n, lambda: write_text(target / "a.txt", "2", force=True))
+        assert texts(target) == {"a": "2" if ended else "1"}
+        if ended:
             break
         write_text(target / "a.txt", "3", force=True)
         assert texts(target) == {"a": "3"}
@@ -378,23 +333,6 @@ def test_the_folder_of_a_living_run_is_not_swept(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {"first", "second"}
 
 
-def test_a_folder_that_cannot_be_made_is_reported(tmp_path, monkeypatch):
-    def refuse(path, *_, **__):
-        raise PermissionError(13, "Permission denied")
-
-    monkeypatch.setattr(Path, "mkdir", refuse)
-    with pytest.raises(mf.InvalidInput, match="out cannot be written: Permission denied"):
-        put(tmp_path / "out")
-
-
-def test_a_link_in_the_place_of_the_working_folder_is_refused(tmp_path):
-    (tmp_path / "theirs" / "new").mkdir(parents=True)
-    (tmp_path / ".out.metafem-writing").symlink_to(tmp_path / "theirs")
-    with pytest.raises(mf.InvalidInput, match="cannot be written: File exists"):
-        put(tmp_path / "out")
-    assert (tmp_path / "theirs" / "new").exists()
-
-
 @pytest.mark.parametrize("n", range(8))
 def test_a_signal_while_the_working_folder_is_removed_leaves_nothing(tmp_path, monkeypatch, n):
     count = iter(range(n))
@@ -417,14 +355,10 @@ def test_a_signal_while_the_working_folder_is_removed_leaves_nothing(tmp_path, m
     assert {path.name for path in tmp_path.iterdir()} <= {"out"}
 
 
-def test_a_text_is_written_as_utf8(tmp_path):
+def test_only_force_replaces_a_text(tmp_path):
     write_text(tmp_path / "a.txt", "µ\n")
     assert (tmp_path / "a.txt").read_bytes() == "µ\n".encode()
     assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
-
-
-def test_only_force_replaces_a_text(tmp_path):
-    write_text(tmp_path / "a.txt", "old")
     with pytest.raises(mf.InvalidInput, match="force=True"):
         write_text(tmp_path / "a.txt", "new")
     write_text(tmp_path / "a.txt", "new", force=True)

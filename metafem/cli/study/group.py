@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 import metafem as mf
-from metafem.cli.group import Name, force_option, json_option, main
+from metafem import _caches
+from metafem.cli.group import Name, force_option, json_option, main, option_names
 from metafem.cli.progress import progress
-from metafem.cli.study.kept import kept_batches
+from metafem.cli.signals import report_stop
 from metafem.cli.terminal import loaded, print_json, print_study
 from metafem.errors import named
+from metafem.progress import message
 
 if TYPE_CHECKING:
     from xarray import Dataset
+
+
+# Options without effect on the results.
+PLACES = ("workers", "scheduler")
 
 
 @main.group(short_help="Study the design of a result folder.")
@@ -42,14 +48,13 @@ def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
     @json_option
     @functools.wraps(compute)
     def command(folder: Path, force: bool, as_json: bool, **options: Any) -> None:
-
         if options.get("calibration") is not None:  # a wrong file is reported before the study runs
             mf.files.read_parameters(options["calibration"])
         path = mf.files.study_path(folder, name, force)
         still = mf.files.same_design(folder)
         with progress():
             design = loaded(folder)
-        with progress(), named(mf.files.option_names(_first_texts(options))), ExitStack() as stack:
+        with progress(), named(option_names()), ExitStack() as stack:
             if "workers" in options:  # a study in batches
                 options["kept"] = stack.enter_context(kept_batches(name, folder, options))
             dataset = compute(design, **options)
@@ -62,10 +67,40 @@ def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
     return command
 
 
-def _first_texts(options: Mapping[str, Any]) -> dict[str, str | None]:
-    """Return the text of each option, None without one; of several the first: errors use its unit."""
-    texts: dict[str, str | None] = {}
-    for name, value in options.items():
-        first = next(iter(value), None) if isinstance(value, tuple) else value
-        texts[name] = first.partition(",")[0] if isinstance(first, str) else None
-    return texts
+@contextmanager
+def kept_batches(name: str, folder: Path, options: Mapping[str, Any]) -> Iterator[Path | None]:
+    """Yield the folder for the batches of a study, None without a cache; remove it at the end.
+
+    The folder is the same for every run with the same design and options. It stays if the body is stopped or
+    fails after the first batch.
+    """
+    kept = _folder(name, folder, options)
+    left = "nothing was written" if kept is None else "the same command continues from the finished batches"
+    done = False
+    with report_stop(left):
+        try:
+            yield kept
+            done = True
+        finally:
+            if kept is not None and (done or not any(kept.glob("batch-*"))):
+                _caches.remove([kept])
+
+
+def _folder(name: str, folder: Path, options: Mapping[str, Any]) -> Path | None:
+    """Return the folder for the batches of a study of a design with these options."""
+    from metafem.files.atomic import digest
+    from metafem.studies.sampling.store import inputs_hash, own_version
+
+    numbers = {
+        option: digest(value) if isinstance(value, Path) and value.is_file() else value
+        for option, value in options.items()
+        if option not in PLACES
+    }
+    inputs = inputs_hash((name, own_version(), digest(folder / "design.json"), numbers))
+    try:
+        found = _caches.study_folder() / inputs
+        found.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        message(f"a stopped study will begin again: its batches cannot be kept ({error})")
+        return None
+    return found

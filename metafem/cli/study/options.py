@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import click
 
 import metafem as mf
-from metafem.cli.group import model_option
-from metafem.errors import InvalidInput
+from metafem.cli.group import Quantity, model_option
+from metafem.errors import refuse_if
 
 if TYPE_CHECKING:
     from metafem.inversion import Design
@@ -38,26 +38,19 @@ def with_options(*options: Options) -> Options:
 
 def error_option(name: str) -> Options:
     """Return the option of an error of the made surface."""
-    _, example, meaning = ERRORS[name]
+    unit, example, meaning = ERRORS[name]
     return click.option(
-        option_name(name), metavar="QUANTITY", help=f"{meaning}, such as {example}. Default: 0."
+        option_name(name),
+        type=Quantity(unit, example),
+        default=0.0,
+        metavar="QUANTITY",
+        help=f"{meaning}, such as {example}. Default: 0.",
     )
 
 
 def option_name(name: str) -> str:
     """Return the option of an argument."""
     return f"--{name.replace('_', '-')}"
-
-
-def error(name: str, text: str | None) -> float:
-    """Return an error of the made surface in mm or radians, 0 without the option."""
-    unit, example, _ = ERRORS[name]
-    return 0.0 if text is None else mf.files.quantity(option_name(name), text, unit, example)
-
-
-def errors(name: str, texts: Sequence[str]) -> list[float]:
-    """Return the errors of a repeated option, or of an option with several separated by commas."""
-    return [error(name, part) for text in texts for part in text.split(",")]
 
 
 seed_option = click.option(
@@ -68,6 +61,7 @@ law_options = with_options(
     model_option("that of the folder"),
     click.option(
         "--load-range",
+        type=Quantity(read=lambda text: mf.files.given_load(text)),
         nargs=2,
         metavar="FROM TO",
         help="Loads between which the slope is fitted, P/E* or P, such as 0.05mm^2 0.2mm^2. Default: 25 to "
@@ -76,20 +70,15 @@ law_options = with_options(
 )
 
 
-def law_arguments(design: Design, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of the options of the law."""
-    model = mf.files.chosen_model(design.law.model, options["model"], options["contact"])
-    mf.files.refuse_missing_block(model, design.surface, "design the folder again with a section [block]")
-    loads = mf.files.load_range("--load-range", options["load_range"] or (), design.surface.material)
-    return {"model": model, "load_range": loads}
-
-
 def draw_options(drawn: str, error: str) -> Options:
     """Return the options of the number of draws and of the wanted error."""
     return with_options(
         click.option("--draws", type=click.IntRange(min=2), help=f"Number of {drawn}. Default: 10000."),
         click.option(
-            "--error", metavar="PERCENT", help=f"Draw until {error} is this, such as 1%, instead of --draws."
+            "--error",
+            type=Quantity("%", "1 %"),
+            metavar="PERCENT",
+            help=f"Draw until {error} is this, such as 1%, instead of --draws.",
         ),
     )
 
@@ -111,13 +100,18 @@ run_options = with_options(
 )
 
 
-def run_arguments(options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of the options of draws and of the run; `kept` is the folder of its batches."""
+def study_arguments(design: Design, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of the options of the law, of draws and of the run.
+
+    The option `kept` is the folder of the batches.
+    """
+    model = mf.files.chosen_model(design.law.model, options["model"], options["contact"])
+    mf.files.refuse_missing_block(model, design.surface, "design the folder again with a section [block]")
+    given = options["load_range"]
+    loads = None if given is None else mf.files.rescaled_range(given, design.surface.material)
     found = {name: options[name] for name in ("draws", "error") if options.get(name) is not None}
-    if len(found) == 2:
-        raise InvalidInput("--draws and --error cannot be given together; give one of them")
+    refuse_if(len(found) == 2, "--draws and --error cannot be given together; give one of them")
     if "error" in found:
-        error = mf.files.quantity("--error", found.pop("error"), "%", "1 %")
-        found["draws"] = mf.studies.Draws(error=error)
+        found["draws"] = mf.studies.Draws(error=found.pop("error"))
     execution = mf.studies.Execution(options["workers"], options["scheduler"], options["kept"])
-    return {"rng": options["seed"], "execution": execution, **found}
+    return {"model": model, "load_range": loads, "rng": options["seed"], "execution": execution, **found}

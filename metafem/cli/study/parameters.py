@@ -5,33 +5,35 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
 import metafem as mf
 from metafem._given import Names, printable
-from metafem.cli.group import Name
-from metafem.cli.study.calibrated import with_calibration
+from metafem._validate import FloatArray
+from metafem.cli.group import Name, Quantity
 from metafem.cli.study.group import of_design, study
 from metafem.cli.study.options import (
     ERRORS,
     Options,
     draw_options,
-    error,
     error_option,
-    law_arguments,
     law_options,
-    run_arguments,
     run_options,
+    study_arguments,
 )
-from metafem.errors import InvalidInput, named
+from metafem.errors import named, refuse_if
+from metafem.progress import message
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
     from metafem.inversion import Design
     from metafem.material import Material
+    from metafem.surface import Surface
 
 # Unit and example of each input.
 INPUTS = {
@@ -43,6 +45,9 @@ INPUTS = {
     "area_ratio": ("1", "0.01"),
     "friction_force": ("N", "2mN"),
 }
+
+# Difference of a design value from the calibrated one, in standard deviations, above which both are printed.
+APART = 2.0
 
 # Those of a made surface.
 MADE = {name: INPUTS[name] for name in INPUTS if name not in ("load", "friction_force")}
@@ -88,15 +93,13 @@ def uncertainty(design: Design, **options: Any) -> Dataset:
 
     Example: metafem study uncertainty linear --sd composite_modulus=0.04MPa --sd radius=2um
     """
-    arguments = {**law_arguments(design, options), **run_arguments(options)}
+    arguments = study_arguments(design, options)
     if options["measured"] is not None:
         arguments["load"], arguments["friction_force"] = mf.files.measured_pairs(options["measured"])
     with given_deviations(options["sd"], INPUTS, design.surface.material) as deviations:
         if options["calibration"] is None:
-            if not deviations:
-                raise InvalidInput(
-                    "no error is given; write for example --sd radius=2um, or --calibration calibration.json"
-                )
+            example = "--sd radius=2um, or --calibration calibration.json"
+            refuse_if(not deviations, f"no error is given; write for example {example}")
             return mf.studies.uncertainty(design.surface, deviations, **arguments)
         correlated = with_calibration(options["calibration"], deviations, design.surface)
         return mf.studies.uncertainty(design.surface, correlated, **arguments)
@@ -110,6 +113,7 @@ def uncertainty(design: Design, **options: Any) -> Dataset:
 @deviation_option(MADE)
 @click.option(
     "--misfit",
+    type=Quantity("%"),
     default="10 %",
     show_default=True,
     metavar="PERCENT",
@@ -117,6 +121,7 @@ def uncertainty(design: Design, **options: Any) -> Dataset:
 )
 @click.option(
     "--probability",
+    type=Quantity("%"),
     default="90 %",
     show_default=True,
     metavar="PERCENT",
@@ -135,13 +140,12 @@ def combined(design: Design, **options: Any) -> Dataset:
 
     Example: metafem study combined linear --height-sd 3um --angle 0.05deg --misfit 5%
     """
-    given = {name: error(name, options[name]) for name in ERRORS}
-    if not any(given.values()) and not options["sd"]:
-        raise InvalidInput("no error is given; write for example --height-sd 3um --angle 0.05deg")
+    given = {name: options[name] for name in ERRORS}
+    none = not any(given.values()) and not options["sd"]
+    refuse_if(none, "no error is given; write for example --height-sd 3um --angle 0.05deg")
     tolerances = mf.Tolerances(**given)
-    arguments = {**law_arguments(design, options), **run_arguments(options)}
-    wanted = {name: mf.files.quantity(f"--{name}", options[name], "%") for name in ("misfit", "probability")}
-    arguments["requirement"] = mf.studies.Requirement(**wanted)
+    arguments = study_arguments(design, options)
+    arguments["requirement"] = mf.studies.Requirement(options["misfit"], options["probability"])
     with given_deviations(options["sd"], MADE, design.surface.material) as deviations:
         return mf.studies.combined(design, tolerances, parameters=deviations or None, **arguments)
 
@@ -154,26 +158,17 @@ def given_deviations(
 
     That of Young's modulus is yielded as that of E*, with the Poisson's ratio of the material.
     """
-    from metafem.files.units import written_unit
-
-    texts: dict[str, str] = {}
+    found: dict[str, float] = {}
+    units: dict[str, tuple[str, float]] = {}
     for text in given:
         name, _, value = text.partition("=")
         name = name.strip().replace("-", "_")
-        if name not in inputs:
-            raise InvalidInput(
-                f'--sd "{printable(text, 60)}" must be INPUT=QUANTITY, such as radius=2um; the inputs are '
-                f"{', '.join(inputs)}"
-            )
-        if name in texts:
-            raise InvalidInput(f"--sd {name} is given twice")
-        texts[name] = value
-    found = {name: mf.files.quantity(f"--sd {name}", text, *inputs[name]) for name, text in texts.items()}
-    units = {name: unit for name, text in texts.items() if (unit := written_unit(text))}
-    names = Names(
-        {f"parameters.{name}": f"--sd {name}" for name in texts},
-        {f"parameters.{name}": unit for name, unit in units.items()},
-    )
+        must = f"must be INPUT=QUANTITY, such as radius=2um; the inputs are {', '.join(inputs)}"
+        refuse_if(name not in inputs, f'--sd "{printable(text, 60)}" {must}')
+        refuse_if(name in found, f"--sd {name} is given twice")
+        found[name] = mf.files.quantity(f"--sd {name}", value, *inputs[name])
+        units |= {f"parameters.{name}": unit for unit in [mf.files.written_unit(value)] if unit}
+    names = Names({f"parameters.{name}": f"--sd {name}" for name in found}, units)
     if material is not None and "young_modulus" in found:
         found, names = _of_composite_modulus(found, names, material)
     with named(names):
@@ -184,8 +179,8 @@ def _of_composite_modulus(
     found: dict[str, float], names: Names, material: Material
 ) -> tuple[dict[str, float], Names]:
     """Return the deviations with E* in place of E; errors still name E."""
-    if "composite_modulus" in found:
-        raise InvalidInput("--sd young_modulus and --sd composite_modulus give one error twice; keep one")
+    words = "--sd young_modulus and --sd composite_modulus give one error twice; keep one"
+    refuse_if("composite_modulus" in found, words)
     ratio = material.composite_modulus / material.young_modulus
     old, new = "parameters.young_modulus", "parameters.composite_modulus"
     unit, size = names.units[old]
@@ -193,3 +188,32 @@ def _of_composite_modulus(
     young = {"young_modulus": ("composite_modulus", ratio)}
     renamed = [(*young.get(name, (name, 1.0)), sd) for name, sd in found.items()]
     return {name: times * sd for name, times, sd in renamed}, replace(names, units=units, names=labels)
+
+
+def with_calibration(
+    path: Path, deviations: Mapping[str, float], surface: Surface
+) -> tuple[tuple[str, ...], FloatArray]:
+    """Return the names and the covariance of the inputs of a calibration and of ``--sd``."""
+    found = mf.files.read_parameters(path)
+    twice = [name for name in found.parameters if name in deviations]
+    names = ", ".join(twice)
+    refuse_if(twice, f"--sd {names} and --calibration both give the error of {names}; keep one")
+    designed = {
+        "radius": float(surface.radius.mean()),
+        "composite_modulus": surface.material.composite_modulus,
+    }
+    if surface.friction is not None:
+        designed["area_ratio"] = surface.friction.area_ratio
+        designed["shear_strength"] = surface.friction.shear_strength
+    used = [i for i, name in enumerate(found.parameters) if name in designed]
+    for i in used:
+        name, sd, value = found.parameters[i], float(found.sd[i]), float(found.value[i])
+        if abs(value - designed[name]) > APART * sd:
+            message(
+                f"{name} of the design is {designed[name]:.4g}, and that of the calibration {value:.4g} ± "
+                f"{sd:.2g}; the study has the value of the design with the error of the calibration"
+            )
+    every = (*(found.parameters[i] for i in used), *deviations)
+    covariance = np.diag([*found.sd[used], *deviations.values()]) ** 2
+    covariance[: len(used), : len(used)] = found.covariance[np.ix_(used, used)]
+    return every, covariance

@@ -11,16 +11,14 @@ import click
 import numpy as np
 
 import metafem as mf
+from metafem.cli.group import Quantity
 from metafem.cli.study.group import of_design, study
 from metafem.cli.study.options import (
     draw_options,
-    error,
     error_option,
-    errors,
-    law_arguments,
     law_options,
-    run_arguments,
     run_options,
+    study_arguments,
 )
 
 if TYPE_CHECKING:
@@ -39,6 +37,7 @@ ANGLE = "0.1deg"
 @study.command(short_help="How exact the heights must be.")
 @click.option(
     "--height-sd",
+    type=Quantity("mm", "3um", listed=True),
     multiple=True,
     metavar="LENGTHS",
     help="Standard deviations of the heights, such as 0.9um,3um; may be repeated. Default: 0 to 3 um in "
@@ -61,10 +60,9 @@ def manufacturing(design: Design, **options: Any) -> Dataset:
     """
     return mf.studies.manufacturing(
         design.surface,
-        errors("height_sd", options["height_sd"]) or LEVELS,
-        others=mf.Tolerances(**{name: error(name, options[name]) for name in ("radius_sd", "position_sd")}),
-        **law_arguments(design, options),
-        **run_arguments(options),
+        [*itertools.chain(*options["height_sd"])] or LEVELS,
+        others=mf.Tolerances(**{name: options[name] for name in ("radius_sd", "position_sd")}),
+        **study_arguments(design, options),
     )
 
 
@@ -80,7 +78,9 @@ def _steps(angles: Sequence[float]) -> list[FloatArray]:
 @study.command(short_help="How level the plane must be.")
 @click.option(
     "--angle",
+    type=Quantity("rad", "0.05deg", listed=True),
     multiple=True,
+    default=(ANGLE,),
     metavar="ANGLES",
     help="Largest angle, which is reached in 1,000 steps, or several that are reached in steps of this size, "
     f"such as 0.005deg,0.1deg; may be repeated. Default: {ANGLE}.",
@@ -111,7 +111,7 @@ def misalignment(design: Design, **options: Any) -> Dataset:
 
     Example: metafem study misalignment linear --angle 0.05deg --shuffles 100
     """
-    angles = errors("angle", options["angle"] or (ANGLE,))
+    angles = [*itertools.chain(*options["angle"])]
     increasing = all(low < high for low, high in itertools.pairwise([0.0, *angles]))
     parts = _steps(angles) if increasing else [np.array(angles)]  # the study refuses it
     found = mf.studies.misalignment(
@@ -119,8 +119,7 @@ def misalignment(design: Design, **options: Any) -> Dataset:
         np.concatenate(parts) if len(angles) > 1 else angles[0],
         axes=options["axes"],
         shuffles=options["shuffles"],
-        **law_arguments(design, options),
-        **run_arguments(options),
+        **study_arguments(design, options),
     )
     # for one angle, the figure needs all steps
     return found if len(angles) == 1 else found.isel(angle=np.cumsum([len(part) for part in parts]) - 1)

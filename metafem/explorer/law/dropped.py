@@ -20,7 +20,6 @@ from metafem.explorer.text.document import Document
 from metafem.files.measurement.laws import COLUMNS, read_measured_law
 from metafem.files.samples import TARGET, columns_of
 from metafem.files.tables import table_of
-from metafem.files.units import converted
 from metafem.inversion import Design
 from metafem.progress import listening
 from metafem.surface import Friction, Material
@@ -159,11 +158,7 @@ def _offer(text: str) -> str:
 
 def _rescaled(name: str, text: str) -> Points:
     columns = columns_of(name, text.encode("utf-8"), TARGET)
-    load, friction = (
-        np.array([converted(entry, "mm^2") for entry in columns[key]])
-        for key in (RESCALED, "rescaled_friction")
-    )
-    return Points(name, load, friction)
+    return Points(name, columns[RESCALED], columns["rescaled_friction"])
 
 
 def _measured(name: str, text: str, material: Material, friction: Friction | None) -> Points:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem.contact.cap_geometry import SPHERES, CapShape
 from metafem.errors import MetafemError
-from metafem.files.part.cap import cap_faces, cap_vertices, ring_count
-from metafem.files.part.mesh import Mesh, mirrored
 from metafem.surface import Block, Surface
 
 # Sides and bottom of the block: its corners 0 to 3 at the top, 4 to 7 below them, counterclockwise.
@@ -20,8 +21,42 @@ _BOX = np.array(
 )
 _CORNERS = 8
 
-# Relative rounding error of positions of about 10 mm in the 24 bits of an STL file.
-_SINGLE = float(np.finfo(np.float32).eps)
+# One ring would make a pyramid of the flattest caps.
+_FEWEST = 2
+
+# Number of faces that are processed at a time: about ten megabytes.
+_AT_A_TIME = 1 << 16
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles that bound a solid."""
+
+    vertices: FloatArray  # (n, 3) [mm]
+    faces: IntArray  # (m, 3), counterclockwise, seen from outside
+
+    def corners(self) -> Iterator[FloatArray]:
+        """Yield the corners of faces, (k, 3 corners, 3) [mm], some at a time."""
+        for start in range(0, len(self.faces), _AT_A_TIME):
+            yield self.vertices[self.faces[start : start + _AT_A_TIME]]
+
+    @property
+    def closed(self) -> bool:
+        """Whether each edge belongs to two faces that traverse it in opposite directions."""
+        start, end = self.faces.ravel(), np.roll(self.faces, -1, axis=1).ravel()
+        forth = np.sort(start * len(self.vertices) + end)
+        back = np.sort(end * len(self.vertices) + start)
+        return bool((forth == back).all() and (forth[1:] > forth[:-1]).all() and (start != end).all())
+
+
+def mirrored(points: FloatArray) -> FloatArray:
+    """Return points of the part (n, 2) or (n, 3) as seen from the open face of the mould: x -> -x [mm].
+
+    The part lies face down on the mould, as on a page that is turned over.
+    """
+    result = np.array(points)
+    result[:, 0] = 0.0 - result[:, 0]  # -x is -0.0 on the axis
+    return result
 
 
 def block_mesh(surface: Surface, block: Block, chord_error: float, shape: CapShape = SPHERES) -> Mesh:
@@ -41,27 +76,19 @@ def block_mesh(surface: Surface, block: Block, chord_error: float, shape: CapSha
     mesh = _welded(surface, block, chord_error, shape)
     if not mesh.closed:
         raise MetafemError("the mesh of the part is not closed; the part files were not written")
-    box = block.width * block.length * block.thickness
-    _certify(mesh, "part", surface, box, 1.0, chord_error, shape)
     return mesh
 
 
-def mould_mesh(
-    part: Mesh, surface: Surface, block: Block, chord_error: float, shape: CapShape = SPHERES
-) -> Mesh:
+def mould_mesh(part: Mesh, surface: Surface, block: Block) -> Mesh:
     """Return the negative of a part's mesh: a plate with the block's outline and a cavity for each cap.
 
     It is seen from its open face, z = 0, as the mirror image of the part. Below the deepest cavity the
     plate is as thick as the block.
     """
-    tallest = float(surface.height.max())
     vertices = part.vertices.copy()
-    vertices[4:_CORNERS, 2] = block.thickness + tallest
+    vertices[4:_CORNERS, 2] = block.thickness + float(surface.height.max())
     # summits point down, and inside and outside are exchanged
-    mesh = Mesh(mirrored(vertices) * (1.0, 1.0, -1.0), part.faces[:, ::-1])
-    plate = block.width * block.length * (block.thickness + tallest)
-    _certify(mesh, "mould", surface, plate, -1.0, chord_error, shape)
-    return mesh
+    return Mesh(mirrored(vertices) * (1.0, 1.0, -1.0), part.faces[:, ::-1])
 
 
 def triangle_count(
@@ -118,28 +145,44 @@ def _plane(points: FloatArray, owner: IntArray) -> IntArray:
     return outward
 
 
-def _certify(
-    mesh: Mesh,
-    what: str,
-    surface: Surface,
-    box: float,
-    sign: float,
-    chord_error: float,
-    shape: CapShape,
-) -> None:
-    """Check the mesh against closed forms; an error here is a fault of the program."""
-    h, R = surface.height, surface.radius
-    caps = math.fsum(shape.volume(h, R))
-    exact = box + sign * caps
-    shell = chord_error * math.fsum(shape.largest_area(h, R))
-    lost = sign * (exact - mesh.volume)
-    tallest = float(h.max())
-    top = float((sign * mesh.vertices[_CORNERS:, 2]).max())
-    # faces lie below spheres, but above a profile that curves the other way
-    gained = 0.0 if shape is SPHERES else shell
-    if not -gained - _SINGLE * exact <= lost <= shell + _SINGLE * exact:
-        raise MetafemError(f"the mesh of the {what} misses the caps' volume; the part files were not written")
-    if abs(top - tallest) > _SINGLE * tallest:
-        raise MetafemError(
-            f"the mesh of the {what} misses the tallest summit; the part files were not written"
-        )
+def ring_count(
+    height: FloatArray, radius: FloatArray, chord_error: float, shape: CapShape = SPHERES
+) -> IntArray:
+    """Return numbers of rings (n,) that keep triangles within the chord error [mm] of the caps."""
+    return np.maximum(_FEWEST, np.ceil(shape.ring_count(height, radius, chord_error))).astype(np.int64)
+
+
+def cap_vertices(height: FloatArray, radius: FloatArray, rings: int, shape: CapShape = SPHERES) -> FloatArray:
+    """Return vertices (n, m, 3) [mm] of caps with their summits above the origin.
+
+    The summit and rings of 6, 12, 18, ... points lie on the cap, at equal distances along the meridian down
+    to the base plane z = 0. The last ring is the rim: the last ``6 rings`` points, counterclockwise.
+    """
+    size = np.arange(rings + 1) * 6
+    size[0] = 1
+    ring = np.repeat(np.arange(rings + 1), size)
+    place = np.arange(len(ring)) - np.repeat(np.cumsum(size) - size, size)
+    turn = 2.0 * math.pi * place / size[ring]
+    across, z = shape.rings(height, radius, rings)
+    return np.stack([across[:, ring] * np.cos(turn), across[:, ring] * np.sin(turn), z[:, ring]], axis=2)
+
+
+@cache
+def cap_faces(rings: int) -> IntArray:
+    """Return outward faces (6 rings^2, 3): six sectors of triangles between neighbouring rings."""
+    faces: list[tuple[int, int, int]] = []
+
+    def point(ring: int, place: int) -> int:
+        return 1 + 3 * ring * (ring - 1) + place % (6 * ring) if ring else 0
+
+    for ring in range(rings):
+        for sector in range(6):
+            inner, outer = sector * ring, sector * (ring + 1)
+            for j in range(ring + 1):
+                here, corner = point(ring, inner + j), point(ring + 1, outer + j + 1)
+                faces.append((here, point(ring + 1, outer + j), corner))
+                if j < ring:
+                    faces.append((here, corner, point(ring, inner + j + 1)))
+    result = np.array(faces, dtype=np.int64)
+    result.flags.writeable = False
+    return result

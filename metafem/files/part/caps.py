@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
-from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import SPHERES, CapShape
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.surface import Block, Surface
 
 # Digits of a length proposed in a message.
@@ -20,15 +20,11 @@ LEAVE_OUT = "leave out part.alignment_height: the part then has no alignment asp
 
 
 class CannotBeMade(InvalidInput):
-    """Caps that cannot be made.
+    """Caps that cannot be made; `remedy` is the key of the specification to change."""
 
-    `remedy` is the key of the specification to change, `highest` the largest height at which caps do not
-    overlap [mm], where that is known.
-    """
-
-    def __init__(self, message: str, remedy: str, highest: float | None = None) -> None:
+    def __init__(self, message: str, remedy: str) -> None:
         super().__init__(message)
-        self.remedy, self.highest = remedy, highest
+        self.remedy = remedy
 
 
 def alignment_positions(template: Surface) -> FloatArray:
@@ -39,8 +35,8 @@ def alignment_positions(template: Surface) -> FloatArray:
     """
     from scipy.spatial import KDTree
 
-    if template.count < 2:
-        raise InvalidInput("alignment asperities need a template of at least two sites, for its pitch")
+    words = "needs a template of at least two sites, for its pitch; omit it"
+    refuse_if(template.count < 2, words, key="part.alignment_height")
     distance, _ = KDTree(template.position).query(template.position, k=2)
     pitch = float(distance[:, 1].min())
     (west, south), (east, north) = (
@@ -62,26 +58,17 @@ def with_alignment(
     if height is None:
         return surface
     tallest, most = float(surface.height.max()), shape.tallest(surface.radius)
-    top = check.number("part.alignment_height", height)
-    if top <= tallest:
-        raise InvalidInput(
-            f"must exceed the tallest summit, {tallest:g} mm, so that the alignment asperities touch first; "
-            f"raise it, or {LEAVE_OUT}",
-            key="part.alignment_height",
-            value=f"{top:g} mm",
-        )
-    if top > most.max():
-        limit = (
-            f"the largest radius in use, {most.max():g} mm; a cap is at most as high as its radius"
-            if shape is SPHERES
-            else f"{most.max():.4g} mm, where the profile of the caps ends"
-        )
-        words, given = f"exceeds {limit}; lower it, or {LEAVE_OUT}", f"{top:g} mm"
-        raise InvalidInput(words, key="part.alignment_height", value=given)
-    radius = float(surface.radius[most >= top].min())
+    given: dict[str, Any] = {"key": "part.alignment_height", "value": f"{height:g} mm"}
+    must = f"must exceed the tallest summit, {tallest:g} mm, so that the alignment asperities touch first"
+    refuse_if(height <= tallest, f"{must}; raise it, or {LEAVE_OUT}", **given)
+    limit = f"the largest radius in use, {most.max():g} mm; a cap is at most as high as its radius"
+    if shape is not SPHERES:
+        limit = f"{most.max():.4g} mm, where the profile of the caps ends"
+    refuse_if(height > most.max(), f"exceeds {limit}; lower it, or {LEAVE_OUT}", **given)
+    radius = float(surface.radius[most >= height].min())
     return surface.replaced(
         position=np.vstack([surface.position, alignment_positions(template)]),
-        height=np.append(surface.height, np.full(4, top)),
+        height=np.append(surface.height, np.full(4, height)),
         radius=np.append(surface.radius, np.full(4, radius)),
     )
 
@@ -98,10 +85,10 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int, shape: Ca
         where = f"at ({x:g}, {y:g}) mm"
         return f"asperity {i} {where}" if i < asperities else f"alignment asperity {i - asperities} {where}"
 
-    def refused(words: str, remedy: str, key: str, *rows: int, highest: float | None = None) -> InvalidInput:
+    def refused(words: str, remedy: str, key: str, *rows: int) -> InvalidInput:
         """Return the error of asperities; for alignment asperities it begins with their key."""
         if max(rows) < asperities:
-            return CannotBeMade(f"{words}; {remedy}", key, highest)
+            return CannotBeMade(f"{words}; {remedy}", key)
         why = f"cannot be made: {words}; {LEAVE_OUT}. Or {remedy}"
         return InvalidInput(why, key="part.alignment_height", value=f"{h[-1]:g} mm")
 
@@ -118,7 +105,7 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int, shape: Ca
     room = 0.5 * np.array([block.width, block.length])
     ends = np.abs(surface.position) + base[:, None]
     for i in np.flatnonzero((ends >= room).any(axis=1))[:1]:
-        needed = " by ".join(f"{_above(2.0 * end):g}" for end in ends.max(axis=0))
+        needed = " by ".join(f"{_rounded(2.0 * end, True):g}" for end in ends.max(axis=0))
         raise refused(
             f"{name(i)} has a cap of base radius {base[i]:g} mm, which leaves the block of "
             f"{2 * room[0]:g} by {2 * room[1]:g} mm",
@@ -130,9 +117,9 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int, shape: Ca
     distance = np.linalg.norm(np.diff(surface.position[pairs], axis=1)[:, 0], axis=1)
     for row in np.flatnonzero(distance <= base[pairs].sum(axis=1))[:1]:
         i, j = pairs[row]
-        remedy, top = "increase the pitch or lower the summits", None
+        remedy = "increase the pitch or lower the summits"
         if R[i] == R[j]:
-            top = _below(float(shape.depth_at(np.array(0.5 * distance[row]), float(R[i]))))
+            top = _rounded(float(shape.depth_at(np.array(0.5 * distance[row]), float(R[i]))), False)
             remedy += f": with this pitch and radius they can be {top:g} mm high above the base plane"
         raise refused(
             f"{name(i)} and {name(j)} overlap: their caps have base radii of {base[i]:g} and {base[j]:g} mm",
@@ -140,17 +127,11 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int, shape: Ca
             "limits.max_height",
             i,
             j,
-            highest=top,
         )
 
 
-def _above(value: float) -> float:
-    """Return a length just above a given one, with few digits."""
+def _rounded(value: float, up: bool) -> float:
+    """Return a length just above or below a given one, with few digits."""
     step = 10.0 ** (math.floor(math.log10(value)) - DIGITS + 1)
-    return float(f"{step * (math.floor(value / step) + 1):.{DIGITS}g}")
-
-
-def _below(value: float) -> float:
-    """Return a length just below a given one, with few digits."""
-    step = 10.0 ** (math.floor(math.log10(value)) - DIGITS + 1)
-    return float(f"{step * (math.ceil(value / step) - 1):.{DIGITS}g}")
+    count = math.floor(value / step) + 1 if up else math.ceil(value / step) - 1
+    return float(f"{step * count:.{DIGITS}g}")

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
 
-from metafem._validate import FloatArray, IntArray
-from metafem.files.part.mesh import Mesh
+from metafem.files.part.block import Mesh
 
 # A triangle of a binary STL file: little-endian, not aligned.
 _STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _STL_HEADER = 80
-
-# Number of rows that are formatted at a time.
-_ROWS = 1 << 14
 
 _3MF_TYPES = """<?xml version="1.0" encoding="UTF-8"?>
 <Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">\
@@ -60,8 +56,8 @@ def write_obj(mesh: Mesh, path: Path, title: str) -> None:
     """Write Wavefront OBJ; a comment states the unit, for which the format has no field."""
     with path.open("wb") as file:
         file.write(f"# metafem {title}\n# units: mm\no {title.split()[0]}\n".encode("ascii"))
-        file.writelines(_rows("v %.9g %.9g %.9g\n", mesh.vertices))
-        file.writelines(_rows("f %d %d %d\n", mesh.faces + 1))
+        np.savetxt(file, mesh.vertices, "v %.9g %.9g %.9g")
+        np.savetxt(file, mesh.faces + 1, "f %d %d %d")
 
 
 def write_3mf(mesh: Mesh, path: Path, title: str) -> None:
@@ -71,9 +67,9 @@ def write_3mf(mesh: Mesh, path: Path, title: str) -> None:
             archive.writestr(_member(name), text)
         with archive.open(_member("3D/3dmodel.model"), "w", force_zip64=True) as file:
             file.write(_3MF_HEAD.format(title=title).encode("ascii"))
-            file.writelines(_rows('<vertex x="%.9g" y="%.9g" z="%.9g"/>\n', mesh.vertices))
+            np.savetxt(file, mesh.vertices, '<vertex x="%.9g" y="%.9g" z="%.9g"/>')
             file.write(b"</vertices>\n<triangles>\n")
-            file.writelines(_rows('<triangle v1="%d" v2="%d" v3="%d"/>\n', mesh.faces))
+            np.savetxt(file, mesh.faces, '<triangle v1="%d" v2="%d" v3="%d"/>')
             file.write(_3MF_FOOT.encode("ascii"))
 
 
@@ -81,13 +77,6 @@ def _member(name: str) -> zipfile.ZipInfo:
     info = zipfile.ZipInfo(name, _NO_DATE)
     info.compress_type = zipfile.ZIP_DEFLATED
     return info
-
-
-def _rows(line: str, values: FloatArray | IntArray) -> Iterator[bytes]:
-    """Yield rows of an array (n, 3) as lines, many at a time."""
-    for start in range(0, len(values), _ROWS):
-        some = values[start : start + _ROWS]
-        yield (line * len(some) % tuple(some.ravel().tolist())).encode("ascii")
 
 
 # By the extension of the file's name.

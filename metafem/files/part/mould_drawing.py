@@ -14,7 +14,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.cap_geometry import SPHERES
-from metafem.files.part.mesh import mirrored
+from metafem.files.part.block import mirrored
 from metafem.models.model import PARABOLOID
 from metafem.surface import Block, Surface
 
@@ -27,6 +27,13 @@ _LEFT, _TOP, _RIGHT, _BELOW, _LINE = 32.0, 36.0, 32.0, 28.0, 5.5
 
 # Distance of dimension lines from the outline, and size of arrows and letters [mm].
 _FAR, _ARROW, _TEXT = 10.0, 2.5, 3.5
+
+# The end of a dimension line.
+_ARROWHEAD = (
+    f'<marker id="arrow" viewBox="-{_ARROW} -.4 {_ARROW} .8" refX="0" refY="0" markerWidth="{_ARROW}" '
+    'markerHeight=".8" markerUnits="userSpaceOnUse" orient="auto">'
+    f'<path d="M0 0L-{_ARROW} .4V-.4Z"/></marker>'
+)
 
 # Sheets are at least as wide as their notes [mm].
 _NARROWEST = 190.0
@@ -65,6 +72,7 @@ def mould_drawing(surface: Surface, asperities: int, block: Block, contact: Cont
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{sheet[0]:.7g}mm" height="{sheet[1]:.7g}mm" '
         f'viewBox="0 0 {sheet[0]:.7g} {sheet[1]:.7g}" font-family="sans-serif" font-size="{_TEXT}">',
         f"<title>Mould: {surface.count} holes</title>",
+        _ARROWHEAD,
         f'<rect width="{sheet[0]:.7g}" height="{sheet[1]:.7g}" fill="#fff"/>',
         f'<text x="{_LEFT}" y="8" font-size="5">Mould, seen from its open face</text>',
         '<g fill="none" stroke="#000">',
@@ -88,12 +96,13 @@ def mould_drawing(surface: Surface, asperities: int, block: Block, contact: Cont
             for i in range(surface.count)
         ]
     lines.append("</g>")
-    lines.append('<g stroke="#000" fill="#000" stroke-width=".2">')
+    lines.append('<g stroke="#000" stroke-width=".2" text-anchor="middle">')
     lines += _dimension(left, left + wide, bottom, bottom + _FAR, f"{block.width:.7g}")
-    lines += _dimension(_TOP, bottom, left, left - _FAR, f"{block.length:.7g}", upright=True)
     lines += _chain(np.sort(x), left, _TOP, _TOP - _FAR, scale)
-    lines += _chain(np.sort(y)[::-1], bottom, left + wide, left + wide + _FAR, scale, upright=True)
-    lines.append("</g>")
+    lines.append('<g transform="rotate(-90)">')  # along is -y, and across is x
+    lines += _dimension(-bottom, -_TOP, left, left - _FAR, f"{block.length:.7g}")
+    lines += _chain(np.sort(-y), -bottom, left + wide, left + wide + _FAR, scale)
+    lines.append("</g></g>")
     start = bottom + _BELOW
     for k, ((colour, dashes), (_, words)) in enumerate(zip(_TOOLS, tools, strict=False)):
         level = start + _LINE * k
@@ -157,18 +166,15 @@ def _cross(x: float, y: float, size: float) -> str:
     )
 
 
-def _chain(
-    position: FloatArray, edge: float, side: float, level: float, scale: float, upright: bool = False
-) -> Iterator[str]:
+def _chain(position: FloatArray, edge: float, side: float, level: float, scale: float) -> Iterator[str]:
     """Yield the dimensions from an edge to the first column or row, and of the pitch."""
-    first, sign = float(position[0]), -1.0 if upright else 1.0
-    pitch = _pitch(sign * position)
+    first = float(position[0])
+    pitch = _pitch(position)
     words = f"{abs(first - edge) / scale:.5g}"
-    yield from _dimension(min(edge, first), max(edge, first), side, level, words, upright=upright)
+    yield from _dimension(min(edge, first), max(edge, first), side, level, words)
     if pitch is not None:
-        start, end = sorted((first, first + sign * pitch))
         words = f"pitch {pitch / scale:.6g}"
-        yield from _dimension(start, end, side, level, words, beside=True, upright=upright)
+        yield from _dimension(first, first + pitch, side, level, words, beside=True)
 
 
 def _pitch(position: FloatArray) -> float | None:
@@ -184,41 +190,20 @@ def _pitch(position: FloatArray) -> float | None:
 
 
 def _dimension(
-    start: float,
-    end: float,
-    edge: float,
-    level: float,
-    words: str,
-    *,
-    beside: bool = False,
-    upright: bool = False,
+    start: float, end: float, edge: float, level: float, words: str, *, beside: bool = False
 ) -> Iterator[str]:
-    """Yield a dimension line along x, or along y if upright, with extension lines and its text."""
-    over = level + np.sign(level - edge)
-    pair, line = ("{1:.6g} {0:.6g}", "H") if upright else ("{0:.6g} {1:.6g}", "V")
-    path = "".join(f"M{pair.format(tip, edge)}{line}{over:.6g}" for tip in (start, end))
-    yield f'<path d="{path}" fill="none"/>'
-    yield f'<path d="{_arrows(start, end, level, pair)}"/>'
-    along, anchor = 0.5 * (start + end), "middle"
+    """Yield a dimension line, with extension lines from the edge, arrows and its text."""
+    over, middle = level + np.sign(level - edge), 0.5 * (start + end)
+    extensions = "".join(f"M{tip:.6g} {edge:.6g}V{over:.6g}" for tip in (start, end))
+    yield f'<path d="{extensions}M{start:.6g} {level:.6g}H{end:.6g}"/>'
+    # the arrows of a short line point to it from outside
+    short = end - start <= 3.0 * _ARROW
+    for tip, outside in ((start, start - 2.0 * _ARROW), (end, end + 2.0 * _ARROW)):
+        tail = outside if short else middle
+        yield f'<path d="M{tail:.6g} {level:.6g}H{tip:.6g}" marker-end="url(#arrow)"/>'
+    along, across, anchor = middle, level - 1.0, ""
     if beside:
-        along, anchor = start - _ARROW - 1.0 if upright else end + _ARROW + 1.0, "start"
-    elif not upright and end - start < 0.6 * _TEXT * len(words):
-        along, anchor = end - 0.5 * (end - start) - _ARROW, "end"
-    place = pair.format(along, level + 0.35 * _TEXT if beside else level - 1.0)
-    x, y = place.split()
-    turned = f' transform="rotate(-90 {place})"' if upright else ""
-    yield f'<text x="{x}" y="{y}" text-anchor="{anchor}" stroke="none"{turned}>{words}</text>'
-
-
-def _arrows(start: float, end: float, level: float, pair: str) -> str:
-    """Return the path of a dimension line with arrows: inside it or, if it is short, outside."""
-    inside = end - start > 3.0 * _ARROW
-    reach = 0.0 if inside else 2.0 * _ARROW
-    path = f"M{pair.format(start - reach, level)}L{pair.format(end + reach, level)}"
-    for tip, back in ((start, 1.0), (end, -1.0)):
-        tail = tip + (back if inside else -back) * _ARROW
-        path += f"M{pair.format(tip, level)}L" + "L".join(
-            pair.format(tail, level + side) for side in (0.4, -0.4)
-        )
-        path += "Z"
-    return path
+        along, across, anchor = end + _ARROW + 1.0, level + 0.35 * _TEXT, ' text-anchor="start"'
+    elif end - start < 0.6 * _TEXT * len(words):
+        along, anchor = middle - _ARROW, ' text-anchor="end"'
+    yield f'<text x="{along:.6g}" y="{across:.6g}"{anchor} stroke="none">{words}</text>'

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from metafem._given import shown
 from metafem._values import MICROMETRES
 from metafem.contact import Contact
 from metafem.contact.cap_geometry import SPHERES
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.files.part.block import block_mesh, mould_mesh, triangle_count
 from metafem.files.part.caps import refuse_impossible, with_alignment
 from metafem.files.part.formats import WRITERS, stl_size
@@ -82,8 +82,7 @@ class Part:
     asperities: int  # number of asperities without those for alignment
     block: Block
     chord_error: float  # [mm]
-    coarsened: bool  # whether the chord error was increased for the size of the files
-    formats: tuple[str, ...]
+    options: PartOptions
     contact: Contact  # law with the shape of the caps
 
     @cached_property
@@ -103,14 +102,14 @@ class Part:
         return {
             "chord_error_mm": self.chord_error,
             "triangles": self.triangles,
-            "files": [f"{solid}.{kind}" for kind in self.formats for solid in ("block", "mould")]
+            "files": [f"{solid}.{kind}" for kind in self.options.formats for solid in ("block", "mould")]
             + ["mould.svg"],
         }
 
     def size(self) -> str:
         """Return the size of the solids in words."""
-        names = " and ".join(f"block.{kind}, mould.{kind}" for kind in self.formats)
-        stl = f", {stl_size(self.triangles) / 1e6:.3g} MB as STL" if "stl" in self.formats else ""
+        names = " and ".join(f"block.{kind}, mould.{kind}" for kind in self.options.formats)
+        stl = f", {stl_size(self.triangles) / 1e6:.3g} MB as STL" if "stl" in self.options.formats else ""
         return (
             f"{names}: {self.triangles:,} triangles each{stl}, "
             f"at most {self.chord_error * MICROMETRES:.2g} um below the {self.caps}"
@@ -123,14 +122,14 @@ class Part:
             encoding="utf-8",
             newline="\n",
         )
-        if not self.formats:
+        if not self.options.formats:
             return
         message(self.size())
         with doing("meshing the part"):
             block = block_mesh(self.surface, self.block, self.chord_error, self.contact.shape())
-            mould = mould_mesh(block, self.surface, self.block, self.chord_error, self.contact.shape())
+            mould = mould_mesh(block, self.surface, self.block)
         with doing("writing the part"):
-            for kind in self.formats:
+            for kind in self.options.formats:
                 WRITERS[kind](block, folder / f"block.{kind}", "block")
                 WRITERS[kind](mould, folder / f"mould.{kind}", "mould")
 
@@ -150,37 +149,28 @@ def planned(
         return None
     refuse_impossible(whole, surface.block, surface.count, contact.shape())
     fine = FINE * float(whole.radius.min())
-    chosen = fine if options.chord_error is None else options.chord_error
-    height, radius, shape = whole.height, whole.radius, contact.shape()
+    part = Part(whole, surface.count, surface.block, options.chord_error or fine, options, contact)
     if options.chord_error is None:
-        while triangle_count(height, radius, chosen, shape) > MOST_BY_DEFAULT and chosen < float(
-            radius.max()
-        ):
-            chosen *= COARSER
-    elif (count := triangle_count(height, radius, chosen, shape)) > MOST:
-        raise InvalidInput(
-            f"needs {count:.2g} triangles; at most {MOST:,} are written; choose a larger one, or leave it "
-            "out",
-            key="part.chord_error",
-            value=f"{chosen * MICROMETRES:g} um",
-        )
-    return Part(whole, surface.count, surface.block, chosen, chosen > fine, options.formats, contact)
+        while part.triangles > MOST_BY_DEFAULT and part.chord_error < float(whole.radius.max()):
+            part = replace(part, chord_error=COARSER * part.chord_error)
+    words = (
+        f"needs {part.triangles:.2g} triangles; at most {MOST:,} are written; choose a larger one, or leave"
+    )
+    given = f"{part.chord_error * MICROMETRES:g} um"
+    wrong = options.chord_error is not None and part.triangles > MOST
+    refuse_if(wrong, f"{words} it out", key="part.chord_error", value=given)
+    return part
 
 
-def part_notes(part: Part | None, options: PartOptions) -> tuple[Note, ...]:
+def part_notes(part: Part | None) -> tuple[Note, ...]:
     """Return notes on the files of a part."""
     if part is None:
-        return (
-            information(
-                "no part was written: the surface has no block; add a block with width, length and thickness"
-            ),
+        words = "no part was written: the surface has no block; add a block with width, length and thickness"
+        return (information(words),)
+    if part.options.chord_error is None and part.chord_error > FINE * float(part.surface.radius.min()):
+        depth = f"up to {part.chord_error * MICROMETRES:.2g} um below the {part.caps}"
+        words = (
+            f"the solids have {part.triangles:,} triangles, {depth}; part.chord_error or --chord-error sets"
         )
-    if options.chord_error is None and part.coarsened:
-        return (
-            information(
-                f"the solids have {part.triangles:,} triangles, "
-                f"up to {part.chord_error * MICROMETRES:.2g} um below the {part.caps}; "
-                "part.chord_error or --chord-error sets this depth"
-            ),
-        )
+        return (information(f"{words} this depth"),)
     return ()

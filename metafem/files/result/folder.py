@@ -14,15 +14,14 @@ from types import MappingProxyType
 from typing import Any
 
 from metafem import _validate as check
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.files.atomic import digest, earlier_result, staged
 from metafem.files.part.caps import with_alignment
 from metafem.files.part.plan import Part, PartOptions, part_notes, planned
-from metafem.files.reading import file_label, read_record
+from metafem.files.reading import damaged, file_label, read_record
 from metafem.files.result.changes import FolderNote, compared
 from metafem.files.result.records import from_record, to_record
-from metafem.files.result.tables import heights_table, law_table, mould_table
-from metafem.files.result.vtu import write_surface
+from metafem.files.result.tables import heights_table, law_table, mould_table, write_surface
 from metafem.files.specification.read import Specification
 from metafem.inversion import Design
 from metafem.models.model import contact_of
@@ -86,8 +85,7 @@ def save(
     >>> bool((again.surface.height == design.surface.height).all())
     True
     """
-    if not isinstance(design, Design):
-        raise InvalidInput(f"design = {design!r:.60} must be a metafem.Design")
+    check.instance("design", design, Design, "a metafem.Design")
     with result_folder(folder, specification, force=force) as fresh:
         write_all(design, fresh, specification, pages, part)
 
@@ -106,8 +104,8 @@ def write_all(
     specification: Specification | None = None,
     pages: Mapping[str, str] = NO_PAGES,
     part: PartOptions | None = None,
-) -> None:
-    """Write all files of a design into an existing folder."""
+) -> Part | None:
+    """Write all files of a design into an existing folder, and return the part, None without a block."""
     surface = design.surface
     options = part or (PartOptions() if specification is None else specification.part)
     made = planned(surface, design.template, options, contact_of(design.law.model))
@@ -128,6 +126,7 @@ def write_all(
         write_surface(design, folder / "surface.vtu")
     except OSError as error:
         raise InvalidInput(f"{folder} cannot be written: {error.strerror}") from None
+    return made
 
 
 def result_tables(design: Design, part: PartOptions) -> dict[str, str]:
@@ -177,30 +176,19 @@ def load(folder: str | Path) -> Design:
 def load_compared(folder: str | Path) -> tuple[Design, tuple[Note, ...]]:
     """Return the design of `load`, and notes on changes in the folder since it was written."""
     path, record = read_result(folder)
-    try:
+    with damaged(path):
         design = from_record(record.get("design"), "design")
-    except InvalidInput as error:
-        raise InvalidInput(f"{file_label(path)} is damaged: {error}") from None
-    except RecursionError:
-        raise InvalidInput(f"{file_label(path)} is damaged: it nests its values too deeply") from None
-    if not isinstance(design, Design):
-        raise InvalidInput(f"{file_label(path)} is damaged: it holds no design")
+        refuse_if(not isinstance(design, Design), "it holds no design")
     return compared(design, Path(folder))
 
 
 def stored_hardness(folder: str | Path) -> float | None:
     """Return the hardness [MPa] that the specification of a result folder states, if any."""
     path, record = read_result(folder)
-    specification = record.get("specification", ())
-    if specification is None:
-        return None
-    if not isinstance(specification, dict):
-        raise InvalidInput(f"{file_label(path)} is damaged: it lacks its specification")
-    hardness = specification.get("hardness")
-    try:
-        return None if hardness is None else check.number("hardness", hardness, above=0.0)
-    except InvalidInput as error:
-        raise InvalidInput(f"{file_label(path)} is damaged: specification.{error}") from None
+    with damaged(path):
+        specification = record["specification"] or {}
+        hardness = specification.get("hardness")
+        return None if hardness is None else check.number("specification.hardness", hardness, above=0.0)
 
 
 def same_design(folder: str | Path) -> Callable[[], None]:
@@ -213,8 +201,7 @@ def same_design(folder: str | Path) -> Callable[[], None]:
     before = current()
 
     def still() -> None:
-        if current() != before:
-            raise InvalidInput(f"{path} was replaced in the meantime; run the command again")
+        refuse_if(current() != before, f"{path} was replaced in the meantime; run the command again")
 
     return still
 
@@ -254,7 +241,7 @@ def _record(
             "text": specification.text,
         },
         "part": None if part is None else part.record(),
-        "notes": [note.text for note in part_notes(part, options)],
+        "notes": [note.text for note in part_notes(part)],
         "design": to_record(replace(design, notes=kept)),
     }
 

@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
+from functools import cache
 from importlib import import_module
 from inspect import isbuiltin, isfunction
-from typing import Any, get_type_hints
+from typing import Any, cast, get_type_hints
 
 import numpy as np
+from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from metafem import contact, inversion, models, notes, prediction, substrate, surface
 from metafem._given import printable, shown
 from metafem._validate import plain
 from metafem.contact import TabulatedContact, flattened
-from metafem.errors import InvalidInput
-from metafem.files.result.hints import fits, in_words, with_whole_keys
+from metafem.errors import InvalidInput, refuse_if
 from metafem.inversion import candidate, height_density
 from metafem.inversion.targets import wording
 
@@ -38,6 +39,8 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
 # Types with modules that are imported when a record contains the type.
 LATE: Mapping[str, str] = {"Block3D": "metafem.fe"}
 ARRAYS = ("float64", "int64")
+# Numbers are finite and of the annotated type; other members are instances of their class.
+STRICT = ConfigDict(strict=True, allow_inf_nan=False, arbitrary_types_allowed=True)
 
 
 def to_record(value: Any) -> Any:
@@ -74,7 +77,7 @@ def to_record(value: Any) -> Any:
 def from_record(record: Any, name: str = "record") -> Any:
     """Return the value of a record; raises InvalidInput for one that `to_record` did not write.
 
-    Members are compared with the annotations of their class and checked by its constructor; in errors the
+    Members are compared with the annotations of their class and checked by its constructor. In errors the
     record is `name` and a member of it ``name.member``.
     """
     if isinstance(record, list):
@@ -86,7 +89,10 @@ def from_record(record: Any, name: str = "record") -> Any:
         return (
             _array(record, name)
             if len(record) == 1 and next(iter(record)) in ARRAYS
-            else {key: from_record(member, f"{name}.{printable(key, 40)}") for key, member in record.items()}
+            else {
+                int(key) if key.isdecimal() else key: from_record(member, f"{name}.{printable(key, 40)}")
+                for key, member in record.items()
+            }
         )
     if not isinstance(title, str) or title not in {*TYPES, *LATE}:
         raise InvalidInput(f"{name}: {shown(title)} is not a type of this version")
@@ -102,22 +108,29 @@ def from_record(record: Any, name: str = "record") -> Any:
 def _made(kind: Any, record: dict[str, Any], name: str) -> Any:
     """Return the value of a class; its annotations and constructor check the members."""
     title = kind.__name__
-    given, known = record.keys() - {"type"}, {field.name for field in fields(kind)}
+    given, known = record.keys() - {"type"}, _members(kind).keys()
     if given != known:
         differing = printable(", ".join(sorted(given ^ known)))
         raise InvalidInput(f"{name}, a {title}, has missing or unknown members: {differing}")
-    hints = get_type_hints(kind)
     members = {}
-    for key in given:
-        value = from_record(record[key], f"{name}.{key}")
-        value = with_whole_keys(value, hints[key])
-        if not fits(value, hints[key]):
-            raise InvalidInput(f"{name}.{key} = {shown(record[key])} must be {in_words(hints[key])}")
-        members[key] = value
+    for key, adapter in _members(kind).items():
+        members[key] = from_record(record[key], f"{name}.{key}")
+        try:
+            adapter.validate_python((members[key],))
+        except ValidationError as error:
+            words = error.errors()[0]["msg"].removeprefix("Input should ")
+            raise InvalidInput(f"{name}.{key} = {shown(record[key])} must {words}") from None
     try:
         return MAKERS.get(title, kind)(**members)
     except InvalidInput as error:
         raise InvalidInput(f"{name}: {error}") from None
+
+
+@cache
+def _members(kind: Any) -> dict[str, TypeAdapter[Any]]:
+    """Return what checks each member of a class by its annotation, in a tuple."""
+    hints, one = get_type_hints(kind), cast(Any, tuple)
+    return {field.name: TypeAdapter(one[hints[field.name]], config=STRICT) for field in fields(kind)}
 
 
 def _array(record: dict[str, Any], name: str) -> Any:
@@ -129,5 +142,6 @@ def _array(record: dict[str, Any], name: str) -> Any:
     if array.dtype.kind not in ("iuf" if dtype == "float64" else "iu") and array.size:
         raise InvalidInput(f"{name} = {shown(values)} is not an array of {dtype}")
     array = array.astype(dtype)
+    refuse_if(not np.isfinite(array).all(), f"{name} must be finite numbers")
     array.flags.writeable = False
     return array

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from metafem._given import printable
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.files.atomic import refuse_existing, write_file
-from metafem.files.reading import file_label
+from metafem.files.reading import damaged, file_label
 from metafem.files.result.folder import read_result
 from metafem.files.specification.named_tables import STUDIES
 from metafem.notes import from_lines
@@ -50,13 +49,10 @@ def stored_studies(folder: str | Path) -> dict[str, Dataset]:
         path = Path(folder) / f"{name}.nc"
         if not path.exists():
             continue
-        try:
-            with xr.open_dataset(path, engine="h5netcdf") as stored:
-                found[name] = stored.load()
-        except (OSError, ValueError, KeyError) as error:
-            raise InvalidInput(f"{file_label(path)} is damaged: {printable(str(error))}") from None
-        if found[name].attrs.get("study") != name:
-            raise InvalidInput(f"{file_label(path)} is not a study {name!r} of metafem")
+        with damaged(path), xr.open_dataset(path, engine="h5netcdf") as stored:
+            found[name] = stored.load()
+        other = found[name].attrs.get("study") != name
+        refuse_if(other, f"{file_label(path)} is not a study {name!r} of metafem")
     return found
 
 
@@ -66,7 +62,7 @@ def study_data(study: Dataset) -> dict[str, Any]:
         str(name): {
             "dims": list(array.dims),
             "units": array.attrs.get("units", ""),
-            "values": _plain(array.values.tolist()),
+            "values": plain_data(array.values),
         }
         for name, array in study.variables.items()
     }
@@ -74,7 +70,12 @@ def study_data(study: Dataset) -> dict[str, Any]:
     return {**study.attrs, "notes": notes, "data": arrays}
 
 
-def _plain(value: Any) -> Any:
-    if isinstance(value, list):
-        return [_plain(member) for member in value]
+def plain_data(value: Any) -> Any:
+    """Return arrays as lists, and numbers that are not finite as None."""
+    if isinstance(value, Mapping):
+        return {name: plain_data(member) for name, member in value.items()}
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [plain_data(member) for member in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

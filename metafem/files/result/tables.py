@@ -1,4 +1,4 @@
-"""Tables of a result folder as CSV; design.json holds the exact numbers."""
+"""Tables of a result folder as CSV, and its summits as VTU; design.json holds the exact numbers."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import numpy as np
 
 from metafem._validate import IntArray
 from metafem.calibration import MadeSurface
-from metafem.errors import InvalidInput, named
-from metafem.files.part.mesh import mirrored
+from metafem.errors import named, refuse_if
+from metafem.files.part.block import mirrored
 from metafem.files.tables import Columns
 from metafem.inversion import Design
-from metafem.prediction import FrictionLaw, tables
+from metafem.prediction import FrictionLaw, equilibrium, tables
 from metafem.surface import Block, Friction, Material, Surface
 
 # The columns of a table of summits; the site and standard deviations, as metafem writes them, are not needed.
@@ -115,11 +115,8 @@ def read_surface(
     if radius is None and "radius" not in entries.columns:
         hint = '; for one radius of all summits add --radius "526 um"'
         raise COLUMNS.lacking(entries, "radius", hint=hint)
-    if radius is not None and "radius" in entries.columns:
-        title = entries.title("radius")
-        raise InvalidInput(
-            f"{entries.table.name} has the column {title}, and --radius is given too; leave one out"
-        )
+    words = f"{entries.table.name} has a column radius, and --radius is given too; leave one out"
+    refuse_if(radius is not None and "radius" in entries.columns, words)
     position = np.column_stack([entries.numbers("x"), entries.numbers("y")])
     names = {"position": f"{entries.title('x')}, {entries.title('y')}"}
     if radius is not None:
@@ -127,6 +124,31 @@ def read_surface(
     with named(entries.names(**names)):
         radii = entries.numbers("radius") if radius is None else radius
         return Surface(position, entries.numbers("height"), radii, material, friction, block)
+
+
+def write_surface(design: Design, path: str | Path) -> None:
+    """Write the summits as points with their contacts at the law's largest load, in VTU format.
+
+    Point data: site in the template, height and radius [mm], and load [N], area [mm^2] and
+    contact_radius [mm] under the law's model.
+    """
+    import meshio
+
+    surface, law = design.surface, design.law
+    state = equilibrium(surface, law.model, load=float(law.load[-1]))
+    mesh = meshio.Mesh(
+        np.column_stack([surface.position, surface.height]),
+        [("vertex", np.arange(surface.count)[:, None])],
+        point_data={
+            "site": design.sites,
+            "height": surface.height,
+            "radius": surface.radius,
+            "load": state.asperity_load,
+            "area": state.asperity_area,
+            "contact_radius": np.sqrt(state.asperity_area / np.pi),
+        },
+    )
+    mesh.write(path, file_format="vtu")
 
 
 def _columns(surface: Surface) -> list[list[float]]:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal
 
-import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from metafem.contact import (
     JKR,
@@ -18,40 +17,40 @@ from metafem.contact import (
     SphericalCap,
     TabulatedContact,
 )
-from metafem.errors import InvalidInput
-from metafem.files.specification.fields import Area, Force, Length, Number, Section, measured, says
+from metafem.files.specification.fields import (
+    Area,
+    Energy,
+    Force,
+    Length,
+    Number,
+    Section,
+    Stress,
+    key,
+    optional,
+)
 
 
 class HertzSection(Section):
     """Elastic paraboloids."""
 
+    makes = Hertz
     kind: Literal["hertz"]
-
-    def law(self) -> Contact:
-        """Return the law of these keys."""
-        return Hertz()
 
 
 class SphereSection(Section):
     """Elastic spheres."""
 
+    makes = SphericalCap
     kind: Literal["sphere"]
-
-    def law(self) -> Contact:
-        """Return the law of these keys."""
-        return SphericalCap()
 
 
 class PowerCapSection(Section):
     """Elastic caps with the profile f = coefficient R (rho/R)^exponent."""
 
+    makes = PowerCap
     kind: Literal["power"]
-    exponent: Annotated[Number, says("from 1 to 32; 2 is a paraboloid", 4.0)]
-    coefficient: Annotated[Number, says("greater than 0", 0.5)] = 0.5
-
-    def law(self) -> Contact:
-        """Return the law of these keys."""
-        return PowerCap(self.exponent, self.coefficient)
+    exponent: Number = key("from 1 to 32; 2 is a paraboloid", 4.0)
+    coefficient: Number = key("greater than 0", 0.5, default=0.5)
 
 
 class ProfileSection(Section):
@@ -62,29 +61,18 @@ class ProfileSection(Section):
 
     kind: Literal["profile"]
     choices = (("rho", "f"), ("file",))
-    rho: Annotated[
-        list[Length] | None,
-        says("either: distances from the axis, from 0", ["0 um", "200 um", "400 um", "600 um"]),
-    ] = None
-    f: Annotated[
-        list[Length] | None,
-        says("with it: depths below the summit, from 0", ["0 um", "39 um", "184 um", "600 um"]),
-    ] = None
-    file: Annotated[str | None, says("or: a table with columns such as rho_mm,f_um", "cap.csv")] = None
+    rho: list[Length] | None = optional(
+        "either: distances from the axis, from 0", ["0 um", "200 um", "400 um", "600 um"]
+    )
+    f: list[Length] | None = optional(
+        "with it: depths below the summit, from 0", ["0 um", "39 um", "184 um", "600 um"]
+    )
+    file: str | None = optional("or: a table with columns such as rho_mm,f_um", "cap.csv")
 
-    @model_validator(mode="after")
-    def _pairs(self) -> Self:
-        if self.rho is None or self.f is None:
-            raise InvalidInput("needs rho and f, or file")
-        if len(self.rho) != len(self.f):
-            raise InvalidInput(
-                f"has {len(self.rho)} entries of rho and {len(self.f)} of f; give as many of both"
-            )
-        return self
-
-    def law(self) -> Contact:
+    def value(self) -> Contact:
         """Return the law of these keys."""
-        return AxisymmetricCap(np.array([self.rho, self.f]))
+        profile: Any = [self.rho, self.f]
+        return AxisymmetricCap(profile)
 
 
 CapSection = HertzSection | SphereSection | PowerCapSection | ProfileSection
@@ -94,38 +82,30 @@ class JKRSection(Section):
     """Elastic caps with adhesion, by the theory of Johnson, Kendall and Roberts."""
 
     kind: Literal["jkr"]
-    adhesion_energy: Annotated[float, measured("N/mm"), says("w, from 0", "9 mJ/m^2")]
-    cap: Annotated[
-        CapSection,
-        Field(discriminator="kind"),
-        says("one of the kinds above, with its keys", {"kind": "sphere"}),
-    ] = HertzSection(kind="hertz")
+    adhesion_energy: Energy = key("w, from 0", "9 mJ/m^2")
+    cap: Annotated[CapSection, Field(discriminator="kind")] = key(
+        "one of the kinds above, with its keys", {"kind": "sphere"}, default=HertzSection(kind="hertz")
+    )
 
-    def law(self) -> Contact:
+    def value(self) -> Contact:
         """Return the law of these keys."""
-        return JKR(self.adhesion_energy, self.cap.law())
+        return JKR(self.adhesion_energy, self.cap.value())
 
 
 class KogutEtsionSection(Section):
     """Elastic-plastic spheres, by the formulas of Kogut and Etsion."""
 
+    makes = KogutEtsion
     kind: Literal["kogut-etsion"]
-    hardness: Annotated[float, measured("MPa", "10 MPa"), says("H of the softer material", "10 MPa")]
-
-    def law(self) -> Contact:
-        """Return the law of these keys."""
-        return KogutEtsion(self.hardness)
+    hardness: Stress = key("H of the softer material", "10 MPa")
 
 
 class JacksonGreenSection(Section):
     """Elastic-plastic spheres, by the formulas of Jackson and Green."""
 
+    makes = JacksonGreen
     kind: Literal["jackson-green"]
-    yield_strength: Annotated[float, measured("MPa", "4 MPa"), says("of the softer material", "4 MPa")]
-
-    def law(self) -> Contact:
-        """Return the law of these keys."""
-        return JacksonGreen(self.yield_strength)
+    yield_strength: Stress = key("of the softer material", "4 MPa")
 
 
 class TabulatedSection(Section):
@@ -134,33 +114,15 @@ class TabulatedSection(Section):
     A `file` is replaced by its content before the section is read.
     """
 
+    makes = TabulatedContact
     kind: Literal["tabulated"]
     choices = (("indentation", "load", "area"), ("file",))
-    indentation: Annotated[list[Length] | None, says("either: d, increasing", ["5 um", "20 um", "90 um"])] = (
-        None
+    indentation: list[Length] | None = optional("either: d, increasing", ["5 um", "20 um", "90 um"])
+    load: list[Force] | None = optional("with it: P at these", ["0.46 mN", "3.7 mN", "35 mN"])
+    area: list[Area] | None = optional("with it: A at these", ["0.0083 mm^2", "0.033 mm^2", "0.15 mm^2"])
+    file: str | None = optional(
+        "or: a table with columns such as indentation_um,load_mN,area_mm2", "contact.csv"
     )
-    load: Annotated[list[Force] | None, says("with it: P at these", ["0.46 mN", "3.7 mN", "35 mN"])] = None
-    area: Annotated[
-        list[Area] | None, says("with it: A at these", ["0.0083 mm^2", "0.033 mm^2", "0.15 mm^2"])
-    ] = None
-    file: Annotated[
-        str | None, says("or: a table with columns such as indentation_um,load_mN,area_mm2", "contact.csv")
-    ] = None
-
-    @model_validator(mode="after")
-    def _all(self) -> Self:
-        if self.indentation is None or self.load is None or self.area is None:
-            raise InvalidInput("needs indentation, load and area, or file")
-        count = {len(self.indentation), len(self.load), len(self.area)}
-        if len(count) > 1:
-            raise InvalidInput(
-                f"has {sorted(count)} entries of indentation, load and area; give as many of all"
-            )
-        return self
-
-    def law(self) -> Contact:
-        """Return the law of these keys."""
-        return TabulatedContact(self.indentation or [], self.load or [], self.area or [])
 
 
 ContactSection = Annotated[

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from metafem.files.specification.contents import Sections
+
 Schema = dict[str, Any]
 
 # Kinds of values without a unit, by their types in a JSON schema.
@@ -113,8 +115,6 @@ class SectionForm:
 @cache
 def whole_schema() -> Schema:
     """Return the JSON schema of a specification as pydantic makes it."""
-    from metafem.files.specification.contents import Sections
-
     return Sections.model_json_schema()
 
 

@@ -11,10 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from metafem._given import printable, shown
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.files.reading import TABLE, file_label, read_bytes
 from metafem.files.samples import COLUMNS, TARGET, columns_of, samples_of
-from metafem.files.units import converted
 
 # Files of a design in its result folder, which also holds a copy of the table.
 RESULT_FILES = frozenset(
@@ -66,75 +65,61 @@ def among(tables: Mapping[str, bytes]) -> Source:
     """Return the source of tables that are given by their names."""
 
     def content(key: str, name: str) -> tuple[str, bytes]:
-        if name not in tables:
-            known = ", ".join(printable(other, 60) for other in tables) or "none"
-            words = f"names a table that is not loaded (loaded: {known})"
-            raise InvalidInput(words, key=key, value=shown(name))
-        if len(tables[name]) > TABLE:
-            raise InvalidInput(f"is larger than {TABLE / 2**20:g} MiB", key=key, value=shown(name))
+        known = ", ".join(printable(other, 60) for other in tables) or "none"
+        words = f"names a table that is not loaded (loaded: {known})"
+        refuse_if(name not in tables, words, key=key, value=shown(name))
+        larger = f"is larger than {TABLE / 2**20:g} MiB"
+        refuse_if(len(tables[name]) > TABLE, larger, key=key, value=shown(name))
         return file_label(name), tables[name]
 
     return content
 
 
-def with_tables(text: str, table: dict[str, Any], source: Source) -> tuple[dict[str, Any], dict[str, bytes]]:
-    """Return a specification with the columns of tables in place of keys `file`, and the files to store.
+def with_tables(text: str, table: dict[str, Any], source: Source) -> dict[str, bytes]:
+    """Replace the keys `file` of a specification by the columns of their tables; return the files to store.
 
     The first line of a table names its columns as quantity_unit. The result folder contains the specification
     as spec.toml and the tables, so that the design can be repeated.
     """
     kept: dict[str, bytes] = {}
     for place in PLACES:
-        section: Any = table
-        for key in place:
-            section = section.get(key) if isinstance(section, dict) else None
-        if isinstance(section, dict) and section.get("kind") in tuple(COLUMNS) and "file" in section:
-            filled, content = with_columns(".".join(place), section, source)
-            table = _replaced(table, place, filled)
-            copy = _copy_name(section["file"], kept)
-            if copy != section["file"]:
-                text = _naming_copy(text, place, section, copy)
+        section = _section(table, place)
+        if section.get("kind") in tuple(COLUMNS) and "file" in section:
+            name = section["file"]
+            content = fill(".".join(place), section, source)
+            copy = _copy_name(name, kept)
+            if copy != name:
+                text = _naming_copy(text, place, name, copy)
             kept[copy] = content
-    return table, {"spec.toml": text.encode("utf-8"), **kept}
+    return {"spec.toml": text.encode("utf-8"), **kept}
 
 
-def with_columns(label: str, section: dict[str, Any], source: Source) -> tuple[dict[str, Any], bytes]:
-    """Return a section with the columns of its table in place of the key `file`, and the file's bytes."""
-    key, name, columns = f"{label}.file", section["file"], COLUMNS[section["kind"]]
+def fill(label: str, section: dict[str, Any], source: Source) -> bytes:
+    """Replace the key `file` of a section by the columns of its table, and return the file's bytes."""
+    key, name, columns = f"{label}.file", section.pop("file"), COLUMNS[section["kind"]]
     if not isinstance(name, str):
         raise InvalidInput("must be a text", key=key, value=shown(name), example=EXAMPLE)
-    _refuse_no_file(key, name)
-    rest = {key: value for key, value in section.items() if key != "file"}
-    twice = sorted(rest.keys() & {*columns.units, *columns.plain})
-    if twice:
-        words = f"and {label}.{twice[0]} both give the {columns.what}; keep one"
-        raise InvalidInput(words, key=key)
+    last = SEPARATORS.split(name)[-1]
+    wrong = not last.strip(" .") or not name.isprintable() or len(last.encode("utf-8")) > LONGEST
+    words = f"must end with the printable name of a file, of at most {LONGEST} bytes"
+    refuse_if(wrong, words, key=key, value=f'"{printable(name, 60)}"', example=EXAMPLE)
+    twice = sorted(section.keys() & {*columns.units, *columns.plain})
+    words = f"and {label}.{', '.join(twice)} both give the {columns.what}; keep one"
+    refuse_if(twice, words, key=key)
     try:
         title, content = source(key, name)
-        entries = samples_of(title, content) if columns is TARGET else columns_of(title, content, columns)
+        found = samples_of(title, content) if columns is TARGET else columns_of(title, content, columns)
+        section |= {key: list(column) for key, column in found.items()}
     except InvalidInput as error:
         raise (error if error.key == key else InvalidInput(f"cannot be used: {error}", key=key)) from None
-    return {**rest, **entries}, content
+    return content
 
 
-def _refuse_no_file(key: str, name: str) -> None:
-    """Refuse a name of a table that is not a valid name of a file on every system."""
-    last = SEPARATORS.split(name)[-1]
-    wrong = ""
-    if last.strip(" .") == "":
-        wrong = "does not name a file"
-    elif not name.isprintable():
-        wrong = "holds an unprintable character"
-    elif len(last.encode("utf-8")) > LONGEST:
-        wrong = f"has {len(last.encode('utf-8'))} bytes; at most {LONGEST} are allowed"
-    if wrong:
-        raise InvalidInput(wrong, key=key, value=f'"{printable(name, 60)}"', example=EXAMPLE)
-
-
-def _replaced(table: dict[str, Any], place: tuple[str, ...], section: dict[str, Any]) -> dict[str, Any]:
-    """Return a copy of a table with another section at a place."""
-    inner = section if len(place) == 1 else _replaced(table[place[0]], place[1:], section)
-    return {**table, place[0]: inner}
+def _section(table: Any, place: tuple[str, ...]) -> dict[str, Any]:
+    """Return the section at a place, an empty one if there is none."""
+    for key in place:
+        table = table.get(key) if isinstance(table, dict) else None
+    return table if isinstance(table, dict) else {}
 
 
 def _copy_name(name: str, taken: Collection[str]) -> str:
@@ -145,10 +130,10 @@ def _copy_name(name: str, taken: Collection[str]) -> str:
     return copy
 
 
-def _naming_copy(text: str, place: tuple[str, ...], section: dict[str, Any], copy: str) -> str:
+def _naming_copy(text: str, place: tuple[str, ...], name: str, copy: str) -> str:
     """Return the text of a specification with the name of a table's copy, and a comment on it."""
-    name = section["file"]
-    wanted = _replaced(tomllib.loads(text.removeprefix("\ufeff")), place, {**section, "file": copy})
+    wanted = tomllib.loads(text.removeprefix("\ufeff"))
+    _section(wanted, place)["file"] = copy
     newline = "\r\n" if "\r\n" in text else "\n"
     comment = f"# The design read {json.dumps(name, ensure_ascii=False)}; {copy} is a copy of it.{newline}"
     for found in FILE_KEY.finditer(text):
@@ -165,7 +150,6 @@ def _naming_copy(text: str, place: tuple[str, ...], section: dict[str, Any], cop
 def measured_pairs(path: str | Path) -> tuple[list[float], list[float]]:
     """Return the loads and friction forces [N] of a table with increasing loads."""
     samples = samples_of(file_label(path), read_bytes(path, TABLE))
-    if "load" not in samples or "friction_force" not in samples:
-        raise InvalidInput(f"{printable(str(path))} must hold forces; name its columns {TARGET.example}")
-    load, force = ([converted(text, "N") for text in samples[name]] for name in ("load", "friction_force"))
-    return load, force
+    words = f"{printable(str(path))} must hold forces; name its columns {TARGET.example}"
+    refuse_if(not samples.keys() >= {"load", "friction_force"}, words)
+    return samples["load"].tolist(), samples["friction_force"].tolist()

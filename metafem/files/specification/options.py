@@ -6,12 +6,15 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from pydantic import TypeAdapter, ValidationError
+
 from metafem._given import Names, printable
 from metafem.contact import Contact
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
+from metafem.files.specification.contacts import ContactSection
 from metafem.files.specification.forms import KeyForm, section_forms
 from metafem.files.specification.models import model_named, suggestion
-from metafem.files.specification.named_tables import in_folder, with_columns
+from metafem.files.specification.named_tables import fill, in_folder
 from metafem.files.specification.problems import problem
 from metafem.files.units import written_unit
 from metafem.models import Model
@@ -39,19 +42,14 @@ def contact_named(text: str) -> Contact:
     >>> contact_named("power 4 0.5")
     PowerCap(exponent=4.0, coefficient=0.5)
     """
-    from pydantic import TypeAdapter, ValidationError
-
-    from metafem.files.specification.contacts import ContactSection
-
     table = section_named(text.split())
     kind = table["kind"]
     units = {name: unit for name, value in table.items() if (unit := written_unit(value))}
     try:
-        if "file" in table:
-            table, _ = with_columns("contact", table, in_folder(Path()))
-        if "file" in table.get("cap", {}):
-            table["cap"], _ = with_columns("contact.cap", table["cap"], in_folder(Path()))
-        law: Contact = TypeAdapter(ContactSection).validate_python(table).law()
+        for name, section in (("contact", table), ("contact.cap", table.get("cap", {}))):
+            if "file" in section:
+                fill(name, section, in_folder(Path()))
+        law: Contact = TypeAdapter(ContactSection).validate_python(table).value()
         return law
     except ValidationError as error:
         detail = error.errors(include_url=False)[0]
@@ -81,8 +79,8 @@ def form(kind: str) -> str:
 def section_named(words: list[str]) -> dict[str, Any]:
     """Return the section of a specification from words."""
     kind, rest = " ".join(words[:1]), words[1:]
-    if kind not in contacts():
-        raise InvalidInput(f'contact law "{printable(kind, 60)}" is unknown{suggestion(kind, contacts())}')
+    unknown = f'contact law "{printable(kind, 60)}" is unknown{suggestion(kind, contacts())}'
+    refuse_if(kind not in contacts(), unknown)
     section: dict[str, Any] = {"kind": kind}
     for key in contacts()[kind]:
         if not rest:
@@ -97,10 +95,8 @@ def section_named(words: list[str]) -> dict[str, Any]:
         else:  # a quantity; its unit may be a separate word
             apart = isinstance(_number(rest[0]), float)
             section[name], rest = " ".join(rest[: 1 + apart]), rest[1 + apart :]
-    if rest:
-        raise InvalidInput(
-            f'contact law "{kind}": {printable(" ".join(rest), 60)} is not one of its values ({form(kind)})'
-        )
+    left = printable(" ".join(rest), 60)
+    refuse_if(rest, f'contact law "{kind}": {left} is not one of its values ({form(kind)})')
     return section
 
 

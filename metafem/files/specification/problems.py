@@ -6,7 +6,7 @@ from typing import Any
 
 from metafem._given import printable
 from metafem.errors import InvalidInput
-from metafem.files.specification.forms import Schema, all_keys, as_toml, sections_of, whole_schema
+from metafem.files.specification.forms import as_toml, section_forms
 from metafem.files.specification.models import suggestion
 from metafem.files.units import as_written
 
@@ -29,56 +29,54 @@ MUST = {
 def problem(detail: Any) -> InvalidInput:
     """Return one of pydantic's errors, with its key."""
     kind, given = detail["type"], detail["input"]
-    keys, last, sections = _located(detail["loc"])
+    keys, known, kinds = _located(detail["loc"])
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{printable(part, 60)}" for part in keys)[1:]
-    name = next((part for part in reversed(keys) if isinstance(part, str)), "")
+    *_, name = (part for part in keys if isinstance(part, str))
     if kind == "value_error":
         reason: InvalidInput = detail["ctx"]["error"]
+        own = known.get(name)
+        if reason.example and own and isinstance(own.example, str):
+            reason.example = as_toml(own.example)
         return reason.at(key)
     if kind == "extra_forbidden":
         what = "section" if len(keys) == 1 else "key"
-        return InvalidInput(f"is an unknown {what}{suggestion(name, tuple(last['properties']))}", key=key)
+        return InvalidInput(f"is an unknown {what}{suggestion(name, known)}", key=key)
     if kind == "missing" and len(keys) == 1:
         return InvalidInput(f"is missing; write a section [{key}]", key=key)
+    example = f"{name} = {as_toml(known[name].example)}" if known.get(name) else ""
     if kind == "missing":
-        return InvalidInput("is missing", key=key, example=_example(keys[0], name))
+        return InvalidInput("is missing", key=key, example=example)
     if kind == "union_tag_not_found":
-        return InvalidInput("is missing", key=f"{key}.kind", example=f'kind = "{next(iter(sections))}"')
+        return InvalidInput("is missing", key=f"{key}.kind", example=f'kind = "{next(iter(kinds))}"')
     if kind == "union_tag_invalid":
-        tag, known = printable(str(detail["ctx"]["tag"]), 60), tuple(sections)
-        return InvalidInput(f"is unknown{suggestion(tag, known)}", key=f"{key}.kind", value=f'"{tag}"')
-    must, example = MUST.get(kind, "cannot be used"), _example(keys[0], name)
+        tag = printable(str(detail["ctx"]["tag"]), 60)
+        return InvalidInput(f"is unknown{suggestion(tag, kinds)}", key=f"{key}.kind", value=f'"{tag}"')
+    must = MUST.get(kind, "cannot be used")
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         must, example = f"must be a section: write [{key}] on a line of its own", ""
-    must = must.format(**detail.get("ctx", {}))
-    value = (
-        given if isinstance(given, float) else as_written(given)
-    )  # a float may be a quantity that was read
-    return InvalidInput(must, key=key, value=value, example=example)
+    # a float may be a quantity that was read
+    value = given if isinstance(given, float) else as_written(given)
+    return InvalidInput(must.format(**detail.get("ctx", {})), key=key, value=value, example=example)
 
 
-def _located(place: tuple[Any, ...]) -> tuple[list[Any], Schema, dict[str, Schema]]:
-    """Return the keys of a location, the section of the last key, and the sections of its value.
+def _located(place: tuple[Any, ...]) -> tuple[list[Any], dict[str, Any], dict[str, str]]:
+    """Return the keys of a location, the forms of its section's keys, and the kinds of its value.
 
     pydantic includes the kind of a section in the location.
     """
+    forms = {form.name: form for form in section_forms()}
     keys: list[Any] = []
-    last = whole_schema()
-    sections = {"": last}
+    known: dict[str, Any] = {name: None for name in forms if "." not in name}
+    kinds: dict[str, str] = {}
     for part in place:
-        if keys and part in sections:
-            sections = {"": sections[part]}
-            continue
-        keys.append(part)
-        if len(sections) == 1:
-            last = next(iter(sections.values()))
-        sections = sections_of(last["properties"].get(part, {}))
-    return keys, last, sections
-
-
-def _example(section: str, name: str) -> str:
-    """Return a line with an example of a key, for the end of an error; "" for an unknown key."""
-    for key in all_keys():
-        if (key.section, key.name) == (section, name):
-            return f"{name} = {as_toml(key.example)}"
-    return ""
+        section = ".".join(map(str, keys))
+        kind = part if part in kinds else ""
+        if section in forms and kind in forms[section].keys:
+            known = {key.name: key for key in forms[section].keys[kind]}
+            known = {"kind": None, **known} if kind else known
+        kinds = {}
+        if not kind:
+            keys.append(part)
+            form = forms.get(".".join(map(str, keys)))
+            kinds = form.kinds if form else {}
+    return keys, known, kinds

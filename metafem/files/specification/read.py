@@ -10,11 +10,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from pydantic import ValidationError
+
 from metafem._given import AS_IN_PYTHON, Names, printable
 from metafem.errors import InvalidInput
 from metafem.files.part.plan import PartOptions, planned
 from metafem.files.reading import SPECIFICATION, decoded, file_label, read_bytes
-from metafem.files.specification.cost import tell_cost
+from metafem.files.specification.contents import Sections, tell_cost
 from metafem.files.specification.named_tables import Source, among, in_folder, with_tables
 from metafem.files.specification.problems import problem
 from metafem.files.units import written_units
@@ -232,13 +234,9 @@ def _specification(name: str, raw: bytes, source: Source) -> Specification:
     text = raw.decode("utf-8")
     table = toml_table(text, name)
     try:
-        table, kept = with_tables(text, table, source)
+        kept = with_tables(text, table, source)
     except InvalidInput as error:
         raise _refused(name, error) from None
-    from pydantic import ValidationError
-
-    from metafem.files.specification.contents import Sections
-
     names = Names(units=written_units(table))
     try:
         sections = Sections.model_validate(table)
@@ -246,13 +244,12 @@ def _specification(name: str, raw: bytes, source: Source) -> Specification:
         problems = [problem(detail) for detail in error.errors(include_url=False)]
         raise _refused(name, *problems, names=names) from None
     parts, problems = sections.build()
-    mixed = sections.radii is not None and sections.radii.mixed
     if problems:
         raise _refused(name, *problems, names=names)
     return Specification(
         **parts,
         seed=sections.layout.seed,
-        mixed=mixed,
+        mixed=sections.radii is not None and sections.radii.mixed,
         hardness=sections.checks.hardness,
         text=text,
         sha256=hashlib.sha256(raw).hexdigest(),
@@ -280,18 +277,7 @@ def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:
         end = f"at line {len(text.splitlines())}, the end of the file"
         cause = printable(str(error).replace("at end of document", end))
         raise _refused(name, f"not valid TOML: {cause}; {REMEDY}") from None
-    if _holds_too_large(table):
-        raise _refused(name, "holds a whole number beyond 64 bits, which is not valid TOML")
     return table
-
-
-def _holds_too_large(value: Any) -> bool:
-    """Whether there is an integer beyond 64 bits, which TOML does not allow."""
-    if isinstance(value, dict):
-        value = list(value.values())
-    if isinstance(value, list):
-        return any(map(_holds_too_large, value))
-    return isinstance(value, int) and not -(2**63) <= value < 2**63
 
 
 def _refused(name: str, *problems: InvalidInput | str, names: Names = AS_IN_PYTHON) -> InvalidInput:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal
+from collections.abc import Sequence
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import Field
 
 from metafem import _validate as check
-from metafem.errors import InvalidInput
-from metafem.files.loads import LOAD, GivenLoad, given_load, rescaled_range
+from metafem.errors import InvalidInput, refuse_if
 from metafem.files.specification.fields import (
     Area,
     Choices,
@@ -17,9 +17,10 @@ from metafem.files.specification.fields import (
     Number,
     Quantity,
     Section,
-    one_of_two,
-    says,
+    key,
+    optional,
 )
+from metafem.files.units import converted
 from metafem.inversion import (
     BilinearLaw,
     LinearLaw,
@@ -31,6 +32,41 @@ from metafem.inversion import (
 )
 from metafem.inversion.targets.wording import RESCALED, Wording
 from metafem.surface import Friction, Material
+
+# Example in errors about loads that may be rescaled or in newtons.
+LOAD = '0.144 mm^2" or "0.2 N'
+
+
+class GivenLoad(NamedTuple):
+    """A load as it was written, in mm^2 or N."""
+
+    value: float
+    unit: str
+
+    def rescaled(self, material: Material) -> float:
+        """Return P/E* [mm^2]."""
+        return self.value / material.composite_modulus if self.unit == "N" else self.value
+
+
+def given_load(given: Any) -> GivenLoad:
+    """Read a load in newtons or a rescaled one; errors have no key."""
+    try:
+        return GivenLoad(converted(given, "mm^2", LOAD), "mm^2")
+    except InvalidInput as reason:
+        try:
+            return GivenLoad(converted(given, "N", LOAD), "N")
+        except InvalidInput:
+            raise reason from None
+
+
+def rescaled_range(given: Sequence[GivenLoad], material: Material) -> tuple[float, float]:
+    """Return a range of rescaled loads; it is checked in the written units, for the errors."""
+    mixed = len({load.unit for load in given}) > 1
+    refuse_if(mixed, "mixes mm^2 and N; give both loads in one unit", key="load_range")
+    check.interval("load_range", [load.value for load in given])
+    low, high = (load.rescaled(material) for load in given)
+    return low, high
+
 
 LOADS, FRICTIONS = ["0.144 mm^2", "0.336 mm^2"], ["0.84 mm^2", "1.68 mm^2"]
 RANGE = ["0.1 mm^2", "0.4 mm^2"]
@@ -53,36 +89,21 @@ Load = Annotated[Any, Quantity(given_load, ("mm^2", "N"))]
 Crossover = Annotated[Any, Quantity(_crossover, ("mm^2", "N"), pairs=True)]
 
 
-# Targets from points, and the keys of the points.
+# Targets from points.
 Kind = type[OperatingPoints] | type[SampledLaw]
-CURVE_KEYS = ("rescaled_load", "load", "rescaled_friction", "friction_force")
 
 
 class CurveSection(Section):
     """Points of a law: rescaled values, or forces."""
 
-    # keys that must be stated together
-    pairs: ClassVar[tuple[tuple[str, ...], ...]] = (
-        ("rescaled_load", "rescaled_friction"),
-        ("load", "friction_force"),
-    )
     choices: ClassVar[Choices] = (("rescaled_load", "rescaled_friction"), ("load", "friction_force"))
 
-    rescaled_load: Annotated[list[Area] | None, says("either: P/E*, increasing", LOADS)] = None
-    rescaled_friction: Annotated[
-        list[Area] | None, says("with it: F/(sigma B) at these loads", FRICTIONS)
-    ] = None
-    load: Annotated[list[Force] | None, says("or: P, increasing", ["0.2 N", "0.4 N"])] = None
-    friction_force: Annotated[
-        list[Force] | None, says("with it: F at these loads; needs [friction]", ["0.26 N", "0.53 N"])
-    ] = None
-
-    @model_validator(mode="after")
-    def _one_pair(self) -> CurveSection:
-        given = tuple(key for key in CURVE_KEYS if getattr(self, key) is not None)
-        if given not in self.pairs:
-            raise InvalidInput(f"needs {', or '.join(map(' and '.join, self.pairs))}")
-        return self
+    rescaled_load: list[Area] | None = optional("either: P/E*, increasing", LOADS)
+    rescaled_friction: list[Area] | None = optional("with it: F/(sigma B) at these loads", FRICTIONS)
+    load: list[Force] | None = optional("or: P, increasing", ["0.2 N", "0.4 N"])
+    friction_force: list[Force] | None = optional(
+        "with it: F at these loads; needs [friction]", ["0.26 N", "0.53 N"]
+    )
 
     def law(self, kind: Kind, material: Material, friction: Friction | None, **more: Any) -> Target:
         """Return the target of a class of points."""
@@ -92,9 +113,8 @@ class CurveSection(Section):
             modulus = material.composite_modulus
             load = np.array(self.load) / modulus
             return kind(load, self.rescaled_friction or [], **more, wording=Wording(modulus))
-        if friction is None:
-            raise InvalidInput("needs [friction] with shear_strength", key="friction_force")
-        return kind.from_forces(self.load, self.friction_force, material, friction, **more)
+        pair = material, _stated(friction, "friction_force")
+        return kind.from_forces(self.load, self.friction_force, *pair, **more)
 
 
 class PointsSection(CurveSection):
@@ -114,23 +134,16 @@ class SampledSection(CurveSection):
     """
 
     kind: Literal["sampled"]
-    pairs = (*CurveSection.pairs, ("load", "rescaled_friction"))
     choices = (*CurveSection.choices, ("file",))
-    weight: Annotated[
-        list[Number] | None, says("of each sample; default: 1/relative_error², or equal", [1.0, 2.0])
-    ] = None
-    relative_error: Annotated[
-        list[Number] | None,
-        says("standard deviation of each friction; the misfit may be 1 % plus their rms", [0.01, 0.02]),
-    ] = None
-    file: Annotated[
-        str | None,
-        says(
-            "or: a table as `metafem compare` reads it, such as load_N,friction_force_N with "
-            "friction_force_sd_N",
-            "wanted.csv",
-        ),
-    ] = None
+    also = (("load", "rescaled_friction"),)
+    weight: list[Number] | None = optional("of each sample; default: 1/relative_error², or equal", [1.0, 2.0])
+    relative_error: list[Number] | None = optional(
+        "standard deviation of each friction; the misfit may be 1 % plus their rms", [0.01, 0.02]
+    )
+    file: str | None = optional(
+        "or: a table as `metafem compare` reads it, such as load_N,friction_force_N with friction_force_sd_N",
+        "wanted.csv",
+    )
 
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
@@ -142,58 +155,32 @@ class PowerSection(Section):
     """Friction proportional to a power of the load."""
 
     kind: Literal["power"]
-    exponent: Annotated[Number, says("of F/(sigma B) = C (P/E*)^exponent", 1.2)]
-    load_range: Annotated[list[Load], says("P/E* or P, from and to", RANGE)]
-    prefactor: Annotated[Number | None, says("C, for areas in mm^2; default: chosen by the design", 7.0)] = (
-        None
-    )
+    exponent: Number = key("of F/(sigma B) = C (P/E*)^exponent", 1.2)
+    load_range: list[Load] = key("P/E* or P, from and to", RANGE)
+    prefactor: Number | None = optional("C, for areas in mm^2; default: chosen by the design", 7.0)
 
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
-        told_in = Wording(material.composite_modulus if self.load_range[0].unit == "N" else None)
-        return PowerLaw(
-            self.exponent, rescaled_range(self.load_range, material) or [], self.prefactor, told_in
-        )
+        ends = rescaled_range(self.load_range, material)
+        return PowerLaw(self.exponent, ends, self.prefactor, _in_newtons(material, *self.load_range))
 
 
-class StraightSection(Section):
-    """Slopes or friction coefficients, over rescaled loads or loads in newtons."""
-
-    def told_in(self, material: Material, loads: list[GivenLoad]) -> Wording:
-        """Return the units of slopes over these loads, for messages."""
-        return Wording(material.composite_modulus) if any(load.unit == "N" for load in loads) else RESCALED
-
-    def pair(self, material: Material, friction: Friction | None, key: str) -> tuple[Material, Friction]:
-        """Return the material pair that friction coefficients need."""
-        if friction is None:
-            raise InvalidInput("needs [friction] with shear_strength", key=key)
-        return material, friction
-
-
-class MultilinearSection(StraightSection):
+class MultilinearSection(Section):
     """Straight branches, slopes rising or falling, with a free intercept."""
 
     kind: Literal["multilinear"]
     choices = (("slopes",), ("friction_coefficients",))
-    slopes: Annotated[
-        list[Number] | None, says("either: of F/(sigma B) over P/E*, one for each branch", [9.5, 8.0, 7.0])
-    ] = None
-    friction_coefficients: Annotated[
-        list[Number] | None, says("or: dF/dP, one for each branch; needs [friction]", [2.1, 1.8, 1.6])
-    ] = None
-    crossover_loads: Annotated[
-        list[Crossover],
-        says(
-            "P/E* or P of each: one load, or a pair; between them the law is free",
-            ["0.07 mm^2", ["0.15 mm^2", "0.18 mm^2"]],
-        ),
-    ]
-    load_range: Annotated[list[Load], says("P/E* or P, from and to", ["0.03 mm^2", "0.26 mm^2"])]
-
-    @model_validator(mode="after")
-    def _one_of_two(self) -> MultilinearSection:
-        one_of_two(self, "slopes", "friction_coefficients")
-        return self
+    slopes: list[Number] | None = optional(
+        "either: of F/(sigma B) over P/E*, one for each branch", [9.5, 8.0, 7.0]
+    )
+    friction_coefficients: list[Number] | None = optional(
+        "or: dF/dP, one for each branch; needs [friction]", [2.1, 1.8, 1.6]
+    )
+    crossover_loads: list[Crossover] = key(
+        "P/E* or P of each: one load, or a pair; between them the law is free",
+        ["0.07 mm^2", ["0.15 mm^2", "0.18 mm^2"]],
+    )
+    load_range: list[Load] = key("P/E* or P, from and to", ["0.03 mm^2", "0.26 mm^2"])
 
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
@@ -203,64 +190,79 @@ class MultilinearSection(StraightSection):
             if len(loads) > 1:
                 check.interval(f"crossover_loads[{i}]", [load.value for load in given])
             crossovers.append(loads if len(loads) > 1 else loads[0])
-        ends = rescaled_range(self.load_range, material) or []
-        if self.friction_coefficients is None:
-            given = [*self.load_range, *(load for pair in self.crossover_loads for load in pair)]
-            return MultilinearLaw(self.slopes or [], crossovers, ends, self.told_in(material, given))
-        wording = Wording.of(*self.pair(material, friction, "friction_coefficients"))
-        slopes = wording.given_slopes(self.friction_coefficients, None)
-        return MultilinearLaw(slopes, crossovers, ends, wording)
+        every = [*self.load_range, *(load for pair in self.crossover_loads for load in pair)]
+        wording = _wording(self, material, friction, *every)
+        ends = rescaled_range(self.load_range, material)
+        return MultilinearLaw(_slopes(self, wording, None), crossovers, ends, wording)
 
 
-class LinearSection(StraightSection):
+class LinearSection(Section):
     """A straight law: a slope or a friction coefficient."""
 
     kind: Literal["linear"]
     choices = (("slope",), ("friction_coefficient",))
-    slope: Annotated[Number | None, says("either: of F/(sigma B) over P/E*", 6.87)] = None
-    friction_coefficient: Annotated[Number | None, says("or: dF/dP; needs [friction]", 1.5)] = None
-    load_range: Annotated[list[Load] | None, says(LINE, ["0.05 mm^2", "0.2 mm^2"])] = None
-
-    @model_validator(mode="after")
-    def _one_of_two(self) -> LinearSection:
-        one_of_two(self, "slope", "friction_coefficient")
-        return self
+    slope: Number | None = optional("either: of F/(sigma B) over P/E*", 6.87)
+    friction_coefficient: Number | None = optional("or: dF/dP; needs [friction]", 1.5)
+    load_range: list[Load] | None = optional(LINE, ["0.05 mm^2", "0.2 mm^2"])
 
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
-        ends = rescaled_range(self.load_range, material)
+        ends = rescaled_range(self.load_range, material) if self.load_range is not None else None
+        wording = _wording(self, material, friction, *(self.load_range or ()))
         if self.friction_coefficient is None:
-            return LinearLaw(self.slope or 0.0, ends, self.told_in(material, self.load_range or []))
-        law = LinearLaw.from_friction_coefficient(
-            self.friction_coefficient, *self.pair(material, friction, "friction_coefficient")
-        )
-        return LinearLaw(law.slope, ends, law.wording)
+            return LinearLaw(self.slope or 0.0, ends, wording)
+        mu = check.number("friction_coefficient", self.friction_coefficient, above=0.0)
+        return LinearLaw(wording.slope(mu), ends, wording)
 
 
-class BilinearSection(StraightSection):
+class BilinearSection(Section):
     """Two straight branches that meet at a crossover load."""
 
     kind: Literal["bilinear"]
     choices = (("slopes",), ("friction_coefficients",))
-    slopes: Annotated[
-        list[Number] | None, says("either: of F/(sigma B) over P/E*, below and above", [7.15, 12.52])
-    ] = None
-    friction_coefficients: Annotated[
-        list[Number] | None, says("or: dF/dP, below and above; needs [friction]", [1.6, 2.7])
-    ] = None
-    crossover_load: Annotated[Load, says("P/E* or P where they meet", "0.0380 mm^2")]
-    load_range: Annotated[list[Load] | None, says(LINES, ["0.02 mm^2", "0.1 mm^2"])] = None
-
-    @model_validator(mode="after")
-    def _one_of_two(self) -> BilinearSection:
-        one_of_two(self, "slopes", "friction_coefficients")
-        return self
+    slopes: list[Number] | None = optional("either: of F/(sigma B) over P/E*, below and above", [7.15, 12.52])
+    friction_coefficients: list[Number] | None = optional(
+        "or: dF/dP, below and above; needs [friction]", [1.6, 2.7]
+    )
+    crossover_load: Load = key("P/E* or P where they meet", "0.0380 mm^2")
+    load_range: list[Load] | None = optional(LINES, ["0.02 mm^2", "0.1 mm^2"])
 
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
-        ends, crossover = rescaled_range(self.load_range, material), self.crossover_load.rescaled(material)
-        if self.friction_coefficients is None:
-            told_in = self.told_in(material, [self.crossover_load, *(self.load_range or [])])
-            return BilinearLaw(self.slopes or [], crossover, ends, told_in)
-        wording = Wording.of(*self.pair(material, friction, "friction_coefficients"))
-        return BilinearLaw(wording.given_slopes(self.friction_coefficients, 2), crossover, ends, wording)
+        wording = _wording(self, material, friction, self.crossover_load, *(self.load_range or ()))
+        ends = rescaled_range(self.load_range, material) if self.load_range is not None else None
+        crossover = self.crossover_load.rescaled(material)
+        return BilinearLaw(_slopes(self, wording, 2), crossover, ends, wording)
+
+
+def _wording(section: Section, material: Material, friction: Friction | None, *loads: GivenLoad) -> Wording:
+    """Return the units of the slopes of a section and of its loads."""
+    name = section.choices[1][0]
+    if getattr(section, name) is not None:
+        return Wording.of(material, _stated(friction, name))
+    return _in_newtons(material, *loads)
+
+
+def _slopes(section: MultilinearSection | BilinearSection, wording: Wording, count: int | None) -> Any:
+    """Return the slopes of the branches."""
+    if section.friction_coefficients is None:
+        return section.slopes or []
+    return wording.given_slopes(section.friction_coefficients, count)
+
+
+def _stated(friction: Friction | None, key: str) -> Friction:
+    """Return the friction that a key needs."""
+    if friction is None:
+        raise InvalidInput("needs [friction] with shear_strength", key=key)
+    return friction
+
+
+def _in_newtons(material: Material, *loads: GivenLoad) -> Wording:
+    """Return the units of a law without frictions in newtons, over these loads."""
+    return Wording(material.composite_modulus) if any(load.unit == "N" for load in loads) else RESCALED
+
+
+TargetSection = Annotated[
+    PointsSection | LinearSection | BilinearSection | SampledSection | PowerSection | MultilinearSection,
+    Field(discriminator="kind"),
+]

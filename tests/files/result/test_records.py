@@ -151,5 +151,5 @@ def test_notes_read_back():
     record = json.loads(json.dumps(to_record(design)))
     assert from_record(record).notes == design.notes
     record["notes"] = [3]
-    with pytest.raises(mf.InvalidInput, match=r"record\.notes = \[3\] must be a list, each a Note"):
+    with pytest.raises(mf.InvalidInput, match=r"record\.notes = \[3\] must be an instance of Note"):
         from_record(record)

@@ -2,6 +2,7 @@ import csv
 import io
 from dataclasses import replace
 
+import meshio
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,7 +10,7 @@ from hypothesis import strategies as st
 
 import metafem as mf
 from metafem.files.part.caps import with_alignment
-from metafem.files.result.tables import heights_table, law_table, mould_table, read_surface
+from metafem.files.result.tables import heights_table, law_table, mould_table, read_surface, write_surface
 
 TEMPLATE = mf.Surface.square_lattice(
     0.12, (3, 3), radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.358, 0.85)
@@ -167,10 +168,21 @@ def test_errors_of_a_table_name_line_and_column(tmp_path, rows, message):
 def test_a_radius_beside_a_column_of_radii_is_refused(tmp_path):
     path = tmp_path / "heights.csv"
     path.write_text(heights_table(DESIGN.surface, DESIGN.sites))
-    with pytest.raises(mf.InvalidInput, match="has the column radius_mm, and --radius is given too"):
+    with pytest.raises(mf.InvalidInput, match="has a column radius, and --radius is given too"):
         read_summits(path, radius=0.5)
 
 
-def test_a_missing_table_is_refused(tmp_path):
-    with pytest.raises(mf.InvalidInput, match="no such file"):
-        read_summits(tmp_path / "none.csv")
+def test_the_field_file_holds_the_contacts_at_the_largest_load(tmp_path):
+    design = DESIGN
+    write_surface(design, tmp_path / "surface.vtu")
+    mesh = meshio.read(tmp_path / "surface.vtu")
+    np.testing.assert_array_equal(
+        mesh.points, np.column_stack([design.surface.position, design.surface.height])
+    )
+    np.testing.assert_array_equal(mesh.point_data["site"], design.sites)
+    # exact sums of the same numbers: rounding alone
+    np.testing.assert_allclose(mesh.point_data["load"].sum(), design.law.load[-1], rtol=1e-12)
+    np.testing.assert_allclose(mesh.point_data["area"].sum(), design.law.area[-1], rtol=1e-12)
+    np.testing.assert_allclose(
+        np.pi * mesh.point_data["contact_radius"] ** 2, mesh.point_data["area"], rtol=1e-12
+    )

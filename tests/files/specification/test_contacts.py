@@ -1,10 +1,14 @@
-"""Contact laws of specifications and of options."""
+"""Contact laws of specifications and of options, and models with them."""
+
+from dataclasses import dataclass
 
 import pytest
 
 import metafem as mf
+from metafem.cli.group import CONTACTS as COMMAND_CONTACTS
 from metafem.files.specification.demos import demo_text
-from metafem.files.specification.options import contact_named, contacts
+from metafem.files.specification.options import chosen_model, contact_named, contacts, form
+from metafem.models.model import with_contact
 
 PROFILE = "rho_mm,f_um\n0,0\n0.2,39.5\n0.4,184\n0.6,600\n"
 CAP = mf.AxisymmetricCap([[0.0, 0.2, 0.4, 0.6], [0.0, 39.5e-3, 0.184, 0.6]])
@@ -93,13 +97,10 @@ def test_tables_of_a_target_and_of_a_profile_are_both_kept(home):
     ("section", "words"),
     [
         ("exponent = 4.0", r'contact.kind is missing; write for example kind = "hertz"'),
-        ('kind = "spher"', r'contact.kind = "spher" is unknown; did you mean sphere\?'),
         ('kind = "sphere"\nexponent = 4.0', r"contact.exponent is an unknown key \(known: kind\)"),
         ('kind = "power"', "contact.exponent is missing; write for example exponent = 4.0"),
-        ('kind = "power"\nexponent = "4"', "contact.exponent = '4' must be a number, without quotes"),
         ('kind = "power"\nexponent = 0.5', "contact.exponent = 0.5 must be at least 1"),
         ('kind = "power"\nexponent = 4.0\ncoefficient = 0.0', "contact.coefficient = 0 must be greater"),
-        ('kind = "jkr"', 'contact.adhesion_energy is missing; write for example adhesion_energy = "9 mJ/m'),
         ('kind = "jkr"\nadhesion_energy = 9e-6', 'contact.adhesion_energy = 9e-06 needs a unit; .* "9 mJ/m'),
         (
             'kind = "jkr"\nadhesion_energy = "-9 mJ/m^2"',
@@ -115,37 +116,82 @@ def test_tables_of_a_target_and_of_a_profile_are_both_kept(home):
             "contact.cap.exponent is missing; write for example exponent = 4.0",
         ),
         ('kind = "kogut-etsion"\nhardness = "0 MPa"', "contact.hardness = 0 MPa must be greater than 0"),
-        ('kind = "tabulated"', "contact needs indentation, load and area, or file"),
+        ('kind = "tabulated"', "contact needs either indentation and load and area or file"),
         ('kind = "tabulated"\nfile = "cap.csv"', "name its columns indentation_um,load_mN,area_mm2"),
         ('kind = "tabulated"\nfile = "less.csv"', r"less.csv, line 3: area_mm2 = 0 must be greater than 0"),
         (
             'kind = "tabulated"\nindentation = ["5 um", "6 um"]\nload = ["1 mN"]\narea = ["1 mm2", "2 mm2"]',
-            r"contact has \[1, 2\] entries of indentation, load and area; give as many of all",
+            "contact.load has 1 number; it must have 2",
         ),
         (
             'kind = "profile"\nrho = ["0 um", "0.1 mm"]\nf = ["0 um", "1 um"]',
             r"contact.rho = \[0.0, 0.1\] must begin with 0 and increase over at least 3 points",
         ),
-        ('kind = "profile"', "contact needs rho and f, or file"),
+        ('kind = "profile"', "contact needs either rho and f or file"),
         ('kind = "profile"\nrho = ["0 mm"]\nfile = "cap.csv"', "contact.file and contact.rho both give the"),
-        ('kind = "profile"\nrho = ["0 mm"]\nf = ["0 um", "1 um"]', "contact has 1 entries of rho and 2 of f"),
-        ('kind = "profile"\nfile = "none.csv"', "none.csv: no such file"),
+        (
+            'kind = "profile"\nrho = ["0 mm"]\nf = ["0 um", "1 um"]',
+            r"contact.profile is not an array of numbers: \[\[0.0\]",
+        ),
         ('kind = "profile"\nfile = "late.csv"', "late.csv, line 2: rho_mm = 0.1 must be 0; the first line"),
         (
             'kind = "profile"\nfile = "back.csv"',
             "back.csv, line 4: f_um = 2 must exceed the f of the previous",
-        ),
-        (
-            'kind = "profile"\nfile = "bare.csv"',
-            "bare.csv: column rho needs a unit in its name; write rho_mm",
         ),
     ],
 )
 def test_errors_name_the_key_the_value_and_the_remedy(home, section, words):
     (home / "late.csv").write_text("rho_mm,f_um\n0.1,1\n0.2,3\n", "utf-8")
     (home / "back.csv").write_text("rho_mm,f_um\n0,0\n0.2,3\n0.3,2\n", "utf-8")
-    (home / "low.csv").write_text("rho_mm,f_um\n0,0\n0.2,40\n0.3,100\n", "utf-8")
     (home / "less.csv").write_text("indentation_um,load_mN,area_mm2\n5,1,2\n6,2,0\n", "utf-8")
-    (home / "bare.csv").write_text("rho,f\n0,0\n0.2,3\n", "utf-8")
     with pytest.raises(mf.InvalidInput, match=words):
         mf.read_spec(written(home, section))
+
+
+def test_laws_of_the_command_are_those_of_the_files():
+    assert tuple(form(kind) for kind in contacts()) == COMMAND_CONTACTS
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", r'contact law "" is unknown \(known: hertz, sphere, power'),
+        ("powr 4", r'contact law "powr" is unknown; did you mean power\?'),
+        ("sphere 3", r'"sphere": 3 is not one of its values \(sphere\)'),
+        ("power", r'"power": exponent is missing; .* \(power EXPONENT \[COEFFICIENT\]\)'),
+        ("power four", "\"power four\": exponent = 'four' must be a number"),
+        ("power 4 -1", '"power 4 -1": coefficient = -1 must be greater than 0'),
+        ("profile", r'"profile": needs either rho and f or file \(profile FILE\)'),
+        ("profile none.csv", "none.csv: no such file"),
+    ],
+)
+def test_errors_in_words_name_the_value_and_the_form(text, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        contact_named(text)
+
+
+def test_options_replace_the_model_and_the_law_each_alone():
+    folder = mf.Independent(contact=mf.SphericalCap())
+    assert chosen_model(folder, None, None) is folder
+    assert chosen_model(folder, None, "hertz") == mf.Independent()
+    assert chosen_model(folder, "independent", None) == folder
+    assert chosen_model(mf.MeanField(), "independent", "power 3") == mf.Independent(contact=mf.PowerCap(3))
+
+
+def test_a_model_that_cannot_use_a_law_is_named():
+    @dataclass(frozen=True)
+    class Own:
+        name = "own"
+
+    with pytest.raises(
+        mf.InvalidInput, match=r"own: the contacts of this model are paraboloids, not Spherical"
+    ):
+        with_contact(Own(), mf.SphericalCap())
+    assert with_contact(Own(), mf.Hertz()) == Own()
+
+
+def test_a_law_without_a_profile_couples_by_order_1():
+    law = mf.KogutEtsion(10.0)
+    assert with_contact(mf.Interacting(), law) == mf.Interacting(order=1, contact=law)
+    assert with_contact(mf.Interacting(order=1), mf.PowerCap(4)).order == 1
+    assert with_contact(mf.Interacting(), mf.PowerCap(4)).order == 3

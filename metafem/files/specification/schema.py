@@ -1,13 +1,91 @@
-"""Keys and sections of a specification, as parts of a JSON schema that editors understand."""
+"""The JSON schema of a specification and its file, for completion and error marks in editors."""
 
 from __future__ import annotations
 
+import json
+import os
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
+from metafem.errors import InvalidInput
+from metafem.files.atomic import write_text
 from metafem.files.samples import COLUMNS
-from metafem.files.schema.manual import remark
-from metafem.files.specification.forms import KeyForm, Schema, SectionForm, as_toml, section_forms
+from metafem.files.specification.forms import (
+    KeyForm,
+    Schema,
+    SectionForm,
+    as_toml,
+    section_forms,
+    whole_schema,
+)
+from metafem.files.specification.manual import remark
+
+# Name of the schema in the specifications of the demos, relative to their folder.
+SCHEMA_FILE = "metafem.schema.json"
+
+# Language servers of TOML read draft 7 of JSON Schema; its first keys identify the file.
+FIRST = {
+    "$schema": "http://json-schema.org/draft-07/schema#",
+    "title": "Specification of metafem",
+}
+
+MEANING = (
+    "Specification of a surface for `metafem design`. Quantities are texts with their unit. "
+    "The usual units are listed here; metafem reads others too."
+)
+
+
+def schema() -> dict[str, Any]:
+    """Return the JSON schema of a specification.
+
+    Examples
+    --------
+    >>> found = schema()["properties"]["limits"]
+    >>> found["required"], "max_hight" in found["properties"]
+    (['max_height'], False)
+    """
+    whole = whole_schema()
+    return {
+        **FIRST,
+        "description": MEANING,
+        "type": "object",
+        "required": whole["required"],
+        "properties": {
+            form.name: section(form, remark(form.meaning, form.optional, None))
+            for form in section_forms()
+            if "." not in form.name
+        },
+        "additionalProperties": False,
+        **ONE_RADIUS,
+    }
+
+
+def schema_text() -> str:
+    """Return the schema as the text of its file."""
+    return json.dumps(schema(), indent=2, ensure_ascii=False) + "\n"
+
+
+def write_schema(path: Path, force: bool = False) -> None:
+    """Write the schema unless the file already holds it; with `force` a schema of metafem is replaced."""
+    if path.is_file() and path.read_bytes() == schema_text().encode("utf-8"):
+        return
+    write_text(path, schema_text(), force=force, kind="schema")
+
+
+def place_schema(folder: Path) -> str | None:
+    """Write the schema next to a specification, and return a remark if another file is in its place."""
+    path = folder / SCHEMA_FILE
+    try:
+        write_schema(path)
+    except InvalidInput:
+        if not os.path.lexists(path):
+            raise
+        return (
+            f"{path} exists and differs from the schema of this version; "
+            f"`metafem spec --schema -o {path} --force` renews it"
+        )
+    return None
 
 
 def section(form: SectionForm, description: str) -> Schema:
@@ -80,9 +158,6 @@ def _choice(keys: Sequence[KeyForm], kind: str) -> Schema:
 
 def _merged(keys: Sequence[KeyForm]) -> Schema:
     """Return one schema of a key that several kinds have."""
-    values = [_value(key) for key in keys]
-    if any(other != values[0] for other in values):
-        raise TypeError(f"{keys[0].name} has several types")
     texts: dict[str, list[str]] = {}
     for key in keys:
         words = remark(key.meaning, key.optional, key.default)
@@ -92,7 +167,7 @@ def _merged(keys: Sequence[KeyForm]) -> Schema:
     examples = [key.example for key in keys if key.example is not None]
     unique = [example for i, example in enumerate(examples) if example not in examples[:i]]
     description = "\n\n".join(f"{', '.join(kinds)}: {text}" for text, kinds in texts.items())
-    return {**values[0], "description": description.removeprefix(": "), "examples": unique}
+    return {**_value(keys[0]), "description": description.removeprefix(": "), "examples": unique}
 
 
 def _value(key: KeyForm) -> Schema:
@@ -100,14 +175,15 @@ def _value(key: KeyForm) -> Schema:
     if key.value == "section":
         inner = next(form for form in section_forms() if form.name == f"{key.section}.{key.name}")
         return section(inner, "")
-    schema: Schema = without_own_words(key.schema)
-    return schema
+    return key.schema
 
 
-def without_own_words(part: Any) -> Any:
-    """Return a part of a schema without the words that only metafem knows."""
-    if isinstance(part, list):
-        return [without_own_words(each) for each in part]
-    if not isinstance(part, dict):
-        return part
-    return {name: without_own_words(each) for name, each in part.items() if name != "x-units"}
+# Radii are stated once: the radius of the lattice, or the radii to choose from.
+ONE_RADIUS = {
+    "if": given("radii"),
+    "then": {"properties": {"lattice": refused(["radius"])}, "additionalProperties": True},
+    "else": {
+        "properties": {"lattice": given("radius")},
+        "additionalProperties": True,
+    },
+}

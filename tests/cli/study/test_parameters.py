@@ -8,7 +8,7 @@ import pytest
 
 import metafem as mf
 from metafem import progress
-from metafem.cli.study.calibrated import with_calibration
+from metafem.cli.study.parameters import with_calibration
 from metafem.errors import InvalidInput
 
 SURFACE = mf.Surface.square_lattice(

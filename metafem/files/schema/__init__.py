@@ -1,1 +1,0 @@
-"""The JSON schema of specifications, for completion and error marks in editors."""
