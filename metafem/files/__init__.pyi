@@ -42,14 +42,14 @@ from .result.tables import heights_table as heights_table
 from .result.tables import law_table as law_table
 from .result.tables import made_table as made_table
 from .result.tables import read_surface as read_surface
-from .specification.demos import DEMOS as DEMOS
-from .specification.demos import demo_text as demo_text
 from .specification.forms import KeyForm as KeyForm
 from .specification.forms import SectionForm as SectionForm
 from .specification.forms import all_keys as all_keys
 from .specification.forms import section_forms as section_forms
 from .specification.manual import manual as manual
+from .specification.models import DEMOS as DEMOS
 from .specification.models import MODELS as MODELS
+from .specification.models import demo_text as demo_text
 from .specification.named_tables import measured_pairs as measured_pairs
 from .specification.options import chosen_model as chosen_model
 from .specification.read import Specification as Specification

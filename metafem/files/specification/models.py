@@ -1,9 +1,10 @@
-"""The models by their names in specifications and on the command line."""
+"""The models and the demonstrations by their names in specifications and on the command line."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
+from importlib.resources import files
 from typing import TYPE_CHECKING
 
 import metafem as mf
@@ -35,6 +36,10 @@ MODELS: Mapping[str, Callable[[], Model]] = {
 }
 
 
+# Specifications that come with the package.
+DEMOS = ("operating-points", "linear", "bilinear")
+
+
 def model_named(name: str, contact: Contact | None = None) -> Model:
     """Return the model of a name with a contact law, default: Hertz(); raises InvalidInput for other names.
 
@@ -56,3 +61,14 @@ def suggestion(name: str, known: Mapping[str, object] | tuple[str, ...]) -> str:
     near = get_close_matches(name, list(known), 1)
     meant = f"; did you mean {near[0]}?" if near else ""
     return f"{meant} (known: {', '.join(known)})"
+
+
+def demo_text(name: str) -> str:
+    """Return the text of a specification to start from: operating-points, linear or bilinear."""
+    if name not in DEMOS:
+        raise InvalidInput(f'demo "{printable(name, 60)}" is unknown{suggestion(name, DEMOS)}')
+    return (
+        files("metafem.files.specification")
+        .joinpath("demo_files", f"{name}.toml")
+        .read_text(encoding="utf-8")
+    )

@@ -174,7 +174,7 @@ def read_spec(path: str | Path) -> Specification:
     Examples
     --------
     >>> import tempfile
-    >>> from metafem.files.specification.demos import demo_text
+    >>> from metafem.files.specification.models import demo_text
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = Path(folder, "linear.toml")
     ...     _ = path.write_text(demo_text("linear"), encoding="utf-8")
@@ -210,7 +210,7 @@ def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec
 
     Examples
     --------
-    >>> from metafem.files.specification.demos import demo_text
+    >>> from metafem.files.specification.models import demo_text
     >>> parsed(demo_text("linear")).target
     LinearLaw(slope=6.87, load_range=None)
     >>> try:

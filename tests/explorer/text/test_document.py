@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 import metafem as mf
 from metafem.explorer.text.document import Document
 from metafem.files import demo_text, parsed, section_forms
-from metafem.files.specification.demos import DEMOS
+from metafem.files.specification.models import DEMOS
 
 TEXTS = {
     **{name: demo_text(name) for name in DEMOS},

@@ -13,7 +13,7 @@ from metafem.explorer.text.document import Document
 from metafem.explorer.text.kinds import ATTEMPTS, NAMES, with_kind
 from metafem.explorer.workshop.form import form
 from metafem.files import demo_text, parsed, section_forms
-from metafem.files.specification.demos import DEMOS
+from metafem.files.specification.models import DEMOS
 
 
 @pytest.fixture(

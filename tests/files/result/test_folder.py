@@ -7,7 +7,7 @@ import pytest
 import metafem as mf
 from metafem.files.atomic import MANIFEST, write_text
 from metafem.files.result.folder import same_design, stored_hardness, write_all
-from metafem.files.specification.demos import demo_text
+from metafem.files.specification.models import demo_text
 from metafem.files.specification.named_tables import RESERVED
 
 

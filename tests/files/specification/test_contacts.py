@@ -6,7 +6,7 @@ import pytest
 
 import metafem as mf
 from metafem.cli.group import CONTACTS as COMMAND_CONTACTS
-from metafem.files.specification.demos import demo_text
+from metafem.files.specification.models import demo_text
 from metafem.files.specification.options import chosen_model, contact_named, contacts, form
 from metafem.models.model import with_contact
 

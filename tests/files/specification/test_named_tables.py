@@ -7,7 +7,7 @@ import pytest
 
 import metafem as mf
 from metafem.files import parsed
-from metafem.files.specification.demos import demo_text
+from metafem.files.specification.models import demo_text
 
 REST = demo_text("linear").split("[material]")[1].replace('height_step = "6 um"', "")
 

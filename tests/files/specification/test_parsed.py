@@ -9,7 +9,7 @@ import pytest
 import metafem as mf
 from metafem.files import demo_text, parsed, read_spec
 from metafem.files.reading import SPECIFICATION, TABLE
-from metafem.files.specification.demos import DEMOS
+from metafem.files.specification.models import DEMOS
 
 LINEAR = demo_text("linear")
 TABLE_TARGET = LINEAR.replace('kind = "linear"', 'kind = "sampled"').replace(

@@ -7,7 +7,7 @@ import pytest
 
 import metafem as mf
 from metafem.files.specification.contents import tell_cost
-from metafem.files.specification.demos import demo_text
+from metafem.files.specification.models import demo_text
 from tests.files.specification.wrong import LINEAR, RADIUS, WRONG
 
 
