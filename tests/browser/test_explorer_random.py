@@ -15,7 +15,7 @@ from validation.scenes.explorer import served, visited
 
 pytestmark = pytest.mark.slow
 
-STEPS, BATCH = 300, 100
+STEPS, BATCH = 1000, 100
 
 TABLES = ("heights.csv", "law.csv")
 
