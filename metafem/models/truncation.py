@@ -41,6 +41,9 @@ SMALLEST = 1e-3
 # Contact radius over distance of neighbours up to which order 3 was compared with resolved contacts.
 COMPARED = 0.32
 
+# Contact radius over thickness of a layer up to which the error of order 3 is at most 0.2 %.
+COMPARED_ON_LAYER = 0.3
+
 
 def truncation(surface: Surface, area: FloatArray, substrate: Substrate, law: Contact = PARABOLOID) -> float:
     """Return the relative error of A0 by order 3, estimated from the contact areas (n,) [mm^2].

@@ -27,7 +27,7 @@ from metafem.models import Curve, Interacting, Model
 from metafem.models.boundary_elements.model import resolvable
 from metafem.models.interacting.model import DENSE_LIMIT
 from metafem.models.model import contact_of, has_paraboloids
-from metafem.models.truncation import COMPARED, crowding, truncation
+from metafem.models.truncation import COMPARED, COMPARED_ON_LAYER, crowding, truncation
 from metafem.notes import Note, information
 from metafem.prediction.part_notes import part_notes
 from metafem.substrate import BondedLayer, HalfSpace
@@ -217,6 +217,13 @@ def _width_notes(surface: Surface, model: Model, reference: Interacting, curve: 
             f"a/r = {ratio:.2f} exceeds {COMPARED}, up to which order 3 was compared with resolved contacts"
         )
     error = truncation(surface, area, reference.substrate, law)
+    thickness = getattr(reference.substrate.for_surface(surface), "thickness", math.inf)
+    wide = math.sqrt(float(area.max()) / math.pi) / thickness
+    if wide > COMPARED_ON_LAYER and reference == model.reference and model.couples:
+        yield information(
+            f"a/t = {wide:.2f} exceeds {COMPARED_ON_LAYER}, up to which order 3 was compared with resolved "
+            f"contacts on a layer; its estimated error in A0 is {percent(error)}"
+        )
     if error > BOUND:
         remedy = "the model resolved" if resolvable(law) else "a larger pitch or lighter loads"
         yield Note(
