@@ -65,8 +65,8 @@ def part_warnings(answer: Answer) -> dict[str, list[str]]:
 def warnings_by_place(answer: Answer) -> dict[str, list[str]]:
     """Return the warnings of an answer by part of the page: "law", "surface", "take" or a specification key.
 
-    "take" is the tab of the files. A warning can belong to several parts. If the surface belongs to an earlier
-    state, there are no warnings, because they would not apply to the current specification.
+    "take" is the tab of the files. A warning can belong to several parts. A surface of an earlier state has
+    no warnings, because they would not apply to the current specification.
     """
     if not answer.current:
         return {}

@@ -17,14 +17,14 @@ from metafem.progress import listening
 # Shortest time between two progress reports [s]. The page needs no more.
 SHOWN_EVERY = 0.25
 
-# Niceness of the process. The server has a higher priority, because it computes a design at every step of a drag.
+# Niceness of the process. The server has a higher priority: it computes a design at every step of a drag.
 NICENESS = 5
 
 STEP, DONE, FAILED = "step", "done", "failed"
 
 
 def main() -> None:
-    """Read a function and its arguments from the input, call it, and write its steps and its result or error."""
+    """Read a function and its arguments, call the function, and write its steps and its result or error."""
     requests, answers = sys.stdin.buffer, os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # printed output must not mix with the answers
     if sys.platform != "win32":  # Windows has no niceness

@@ -115,8 +115,8 @@ def read_points(name: str, text: str, material: Material, friction: Friction | N
 def as_target(answer: Answer, found: Points) -> str:
     """Return the text of an answer with the points as the target, which is fitted by least squares.
 
-    Points with equal loads are replaced by one point with their mean friction. Points whose load or friction is
-    not positive are omitted.
+    Points with equal loads are replaced by one point with their mean friction. Points are omitted if their
+    load or friction is not positive.
     """
     rows = (found.load > 0.0) & (found.friction > 0.0)
     load = np.unique(found.load[rows])
@@ -178,7 +178,7 @@ def _measured(name: str, text: str, material: Material, friction: Friction | Non
 
 
 class Measured:
-    """The measured points of a state, which are read again only if their table, material or friction changes."""
+    """The measured points of a state; they are read again only if the table, material or friction changes."""
 
     def __init__(self) -> None:
         self.key: Any = None
@@ -186,7 +186,7 @@ class Measured:
         self.problem = ""
 
     def data(self, answer: Answer, units: Units) -> dict[str, Any] | None:
-        """Return the measured points of an answer in the units of the axes; None if it has no readable points.
+        """Return the measured points of an answer in the units of the axes; None if no points can be read.
 
         If the points cannot be read, the attribute `problem` states the reason.
         """

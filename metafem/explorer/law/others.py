@@ -44,7 +44,7 @@ class Other:
 
 
 def own_name(design: Design) -> str:
-    """Return the name of the design's model in specifications; "" if no name stands for it with its options."""
+    """Return the name of the design's model in specifications; "" if no name selects exactly this model."""
     model = design.law.model
     names = (*QUICK, SLOW)
     return next((name for name in names if chosen_model(model, name, None) == model), "")

@@ -45,7 +45,7 @@ class Reach:
 
 
 def band_of(specification: Specification, count: int) -> Band | None:
-    """Return rescaled load, lowest and highest friction (k,) [mm^2] for `count` asperities; None without a bound."""
+    """Return rescaled load, lowest and highest friction (k,) [mm^2] of `count` asperities, or None."""
     template = specification.template
     members = {name: getattr(template, name)[:count] for name in ("position", "height", "radius")}
     template = template.replaced(**members)
