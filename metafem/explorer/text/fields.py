@@ -14,8 +14,8 @@ from metafem.files import KeyForm, SectionForm, toml_table
 # A decimal number without a digit before or after the point, which TOML does not accept.
 SHORT_NUMBER = re.compile(r"[+-]?(\d+\.|\.\d+)")
 
-# Separators of the entries of a list. Lists of integers (rows and columns) also accept a cross, or an x that is
-# not part of a word.
+# Separators of the entries of a list. Lists of integers (rows and columns) also accept a cross, or an x that
+# is not part of a word.
 SEPARATORS = re.compile(r"[,;\n]")
 CROSS = re.compile(r"[,;\n×]|(?<![^\W\d])[xX](?![^\W\d])")
 
@@ -27,8 +27,8 @@ def with_field(text: str, key: str, typed: str) -> str:
     """Return the text with the value that the user typed for a key; an empty value removes the key.
 
     An invalid value is also written as typed, so that the reader of the specification reports the error. If
-    the key belongs to one of several choices, the keys of the other choices are removed. If the key is a kind,
-    the keys that the new kind does not have are removed.
+    the key belongs to one of several choices, the keys of the other choices are removed. If the key is a
+    kind, the keys that the new kind does not have are removed.
 
     Raises
     ------

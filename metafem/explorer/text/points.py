@@ -99,7 +99,7 @@ class PointHandles(Marks):
         return ("rescaled_load", "rescaled_friction") if rescaled else ("load", "friction_force")
 
     def _listed(self) -> dict[str, Any]:
-        """Return the lists of the points as they are written; for a table, lists that replace the file name."""
+        """Return the lists of the points as written; for a table, lists that replace the file name."""
         section, scene = self.scene.section, self.scene
         names = self._names()
         if "file" not in section:

@@ -63,7 +63,7 @@ class PowerHandles(Marks):
         return {"exponent": exponent, "prefactor": rounded(level / middle**exponent, resolution)}
 
     def removed(self, id: str) -> dict[str, Any]:
-        """Return the keys that change when the prefactor is removed; the design then chooses the prefactor."""
+        """Return the keys that change when the prefactor is removed, which the design then chooses."""
         return {"prefactor": None} if id == "prefactor" else super().removed(id)
 
     @property

@@ -14,8 +14,8 @@ QUANTITY = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?(\s*)(.*?)\s*", re.DOTALL
 # Number of significant digits that double precision always preserves.
 ALL_DIGITS = 15
 
-# Smallest distance of a value from its neighbours, in units of the resolution. Rounding moves a value by at most
-# half a unit.
+# Smallest distance of a value from its neighbours, in units of the resolution. Rounding moves a value by at
+# most half a unit.
 APART = 2.0
 
 
