@@ -14,8 +14,8 @@ Application = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 REFUSED = "This page needs the token in the address that `metafem explore` printed. Open that address."
 
-# Browsers do not send the address, which contains the token, to other pages. No other page may show this page
-# in a frame.
+# Headers of every answer: the browser sends no other page the address, which contains the token, and no other
+# page may show this page in a frame.
 HEADERS = ((b"referrer-policy", b"no-referrer"), (b"x-frame-options", b"DENY"))
 
 

@@ -158,9 +158,10 @@ def _reason(key: str, problems: Sequence[InvalidInput]) -> str:
 def _law_of(
     specification: Specification, target: Target, draft: bool
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return rescaled load and friction [mm^2] of a target's law; for a law of open range, of its design.
+    """Return rescaled load and friction (k,) [mm^2] of the law of a target.
 
-    Returns None if there is no such design.
+    If the target has open parameters or no load range, the law of its design is returned, or None if there is
+    no such design.
     """
     try:
         law = target.curve()

@@ -18,8 +18,8 @@ from metafem.explorer.turns import Turns
 class Browser(Element, component="browser.js"):
     """Element that reads the stored history and the address when the page opens, and stores each later state.
 
-    The fragment of the address is a link to the current state. When the connection to the server is lost, the
-    page says so.
+    The fragment of the address is a link to the current state. The element also shows a message while the
+    connection to the server is lost.
     """
 
     def __init__(

@@ -20,16 +20,17 @@ HOST = "127.0.0.1"
 TOKEN_BYTES = 16
 
 
-# The lock of this run. The process holds it until it ends.
+# The lock of this run, which the process holds until its end.
 _HELD: list[FileLock] = []
 
 
 def token_and_port(wanted: int | None) -> tuple[str, int]:
-    """Return token and port, and save both; without `wanted`, the port of the last run or any free port.
+    """Return token and port for this run, and save both for the next run.
 
-    Both are saved in the cache folder in a file that only the user can read. If that is impossible, each run
-    has a new token and port. Of several simultaneous runs, only the first one reuses the port of the last run
-    and saves its own port; a run with `wanted` always saves its port.
+    The port is `wanted` or, if this is None, the port of the last run or any free port. Token and port are
+    saved in the cache folder in a file that only the user can read; if that is impossible, each run has new
+    ones. Of several simultaneous runs, only the first reuses the port of the last run and saves its own port.
+    A run with `wanted` always saves its port.
     """
     token, last = _kept()
     first = wanted is not None or _is_first()
@@ -40,13 +41,13 @@ def token_and_port(wanted: int | None) -> tuple[str, int]:
 
 
 def _is_first() -> bool:
-    """Acquire the lock and return True, or return False if another run holds it or it cannot be made."""
+    """Acquire the lock and return True; return False if another run holds it or its file is unusable."""
     try:
         path = cache_folder() / "explorer.lock"
         path.parent.mkdir(parents=True, exist_ok=True)
         lock = FileLock(path)
         lock.acquire(timeout=0.0)
-    except OSError:  # another run holds it, or it cannot be made
+    except OSError:  # another run holds the lock, or the file cannot be created
         return False
     _HELD.append(lock)
     return True
@@ -83,7 +84,7 @@ def _first_free(port: int) -> int:
 
 
 def _free(port: int) -> int:
-    """Return a free port: this port, or any free port for 0; raise InvalidInput if this port is in use."""
+    """Return `port` or, if it is 0, any free port; raise InvalidInput if the port cannot be used."""
     with socket.socket() as trial:
         trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:

@@ -30,7 +30,10 @@ Result = TypeVar("Result")
 
 
 class Dropped(BaseException):
-    """Raised to end a computation whose result is not needed; a BaseException, so error handlers miss it."""
+    """Raised to end a computation whose result is not needed.
+
+    It is a BaseException, so that handlers of `Exception` do not catch it.
+    """
 
 
 class Newest(Generic[Request, Result]):
@@ -92,7 +95,7 @@ class Newest(Generic[Request, Result]):
             self.running = False
 
     async def _rest(self, request: Request) -> None:
-        """Wait for a newer request; if none arrives in time, queue the better request."""
+        """Wait for a newer request; if none arrives within `REST`, queue the better request."""
         better = self.better(request)
         if better is None:
             return

@@ -81,7 +81,7 @@ class Page:
         self.listeners.append(partial(prepared, prepare, show))
 
     def listen_late(self, callback: Callable[[Answer], None]) -> None:
-        """Call a function with the current answer when its random tolerance surfaces have been computed."""
+        """Call a function with the current answer when its tolerance band from random draws is known."""
         self.late_listeners.append(callback)
 
     def listen_tab(self, callback: Callable[[str], None]) -> None:
@@ -122,7 +122,7 @@ class Page:
         return self._ask(self.state, True)
 
     async def make(self, change: Callable[..., str], *given: Any, released: bool = True) -> int | None:
-        """Answer the text that `change(state, *given)` returns; it runs in a thread, after earlier changes.
+        """Answer the text that `change(state, *given)` returns in a thread, after all earlier changes.
 
         Returns the number of the request, or None for a draft that a newer change replaced.
         """
@@ -183,7 +183,7 @@ class Page:
         self._show(self._prepared(failed))
 
     def not_shown(self, request: object, error: Exception) -> None:
-        """Show the error that kept a part of the page from showing an answer."""
+        """Show an error that prevented a part of the page from showing an answer."""
         self._say_failure(in_words(error))
 
     def _tell(self, listeners: Iterable[Callable[[Told], None]], value: Told) -> None:

@@ -18,8 +18,8 @@ LAST_PORT = 65535
 def explore(path: str | Path | None = None, *, port: int | None = None, show: bool = True) -> None:
     """Open the explorer in the browser, and serve it until Ctrl-C.
 
-    The server listens only at the loopback address of this machine. It serves only requests whose address
-    contains the token. The command prints this address.
+    The server listens only at the loopback address of this machine, and answers only requests whose address
+    contains a secret token. The complete address is printed.
 
     Parameters
     ----------

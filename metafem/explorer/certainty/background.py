@@ -83,7 +83,7 @@ class Background:
                     return
                 self._process = process = subprocess.Popen(
                     [sys.executable, "-c", _program()], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                    cwd=_folder(), start_new_session=True,  # Ctrl-C in the terminal is for the server alone
+                    cwd=_folder(), start_new_session=True,  # Ctrl-C in the terminal reaches only the server
                 )  # fmt: skip
         except (OSError, pickle.PicklingError, TypeError, AttributeError) as error:
             self._report(self._end, self.on_error, MetafemError(f"no process could be started: {error}"))

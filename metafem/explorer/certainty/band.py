@@ -187,7 +187,7 @@ def _linear(design: Design, tolerances: Tolerances) -> Linear | None:
 def deviations(tolerances: Tolerances, surface: Surface, gradient: FloatArray) -> FloatArray:
     """Return the standard deviations of linear functions of the heights, (k,)."""
     variance = np.diagonal(tolerances.linear_covariance(surface, gradient))
-    return np.asarray(np.sqrt(np.maximum(variance, 0.0)))  # rounding
+    return np.asarray(np.sqrt(np.maximum(variance, 0.0)))  # rounding can make a variance negative
 
 
 def loads_of(design: Design) -> FloatArray:
@@ -213,7 +213,7 @@ def draw(answer: Answer, wanted: Callable[[], bool]) -> Drawn | None:
             return None
         try:
             parts.append(_areas(model, design.surface, load, tolerances, unit[done : done + size]))
-        except MetafemError:  # the model does not hold for a drawn surface
+        except MetafemError:  # the model is not valid for a drawn surface
             return None
         done += size
         each = (time.monotonic() - start) / done

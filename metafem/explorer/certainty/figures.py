@@ -187,7 +187,7 @@ def _scatter(answer: Answer, design: Design) -> list[Figure]:
     if linear is None:
         words = "It is not computed at once for so many asperities; draw surfaces below."
         return found or [Figure(name, "unknown", "", Standing.UNKNOWN, words)]
-    if np.ptp(design.surface.height) == 0.0:  # a slope has no default range of loads
+    if np.ptp(design.surface.height) == 0.0:  # with equal heights a slope has no default load range
         return found
     fit = Slope.of(design.surface, None, design.law.model)
     response = design.law.model.gradient_model.sensitivity(design.surface, fit.load)
@@ -226,7 +226,7 @@ def _widths(design: Design) -> list[Figure]:
     wide = float((np.sqrt(area / math.pi) / surface.radius).max())
     overlaps, near = crowding(surface, area, law)
     newtons = f"at {three_digits(design.law.load[-1])} N"
-    # pairs that are far apart are not evaluated
+    # `near` is 0 if no pair is close enough to be evaluated
     ratio = f"{near:.2f}" if near else f"below {COMPARED:g}"
     words = f"Small strain holds up to about {WIDEST:g}, with a fitted modulus."
     remedy = " Use lighter loads, more asperities or larger radii."

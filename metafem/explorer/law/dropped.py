@@ -30,7 +30,7 @@ MOST = 2000
 # Column that only the table of a target law has; a table of a measured law does not have it.
 RESCALED = "rescaled_load"
 
-# Usual column names, and the column title of a measured law, with its unit, that each of them stands for.
+# Column names that people often use, each with the matching column title of a measured law and its unit.
 KNOWN = {
     "load": "load_N", "normal_load": "load_N", "normal_force": "load_N", "p": "load_N",
     "friction_force": "friction_force_N", "friction": "friction_force_N", "f": "friction_force_N",
@@ -58,9 +58,9 @@ class Points:
     remarks: tuple[str, ...] = ()
 
     def difference(self, design: Design) -> tuple[float, int]:
-        """Return the rms relative difference between a design's law and the points, and their number.
+        """Return the rms relative difference between a design's law and the points, and the number compared.
 
-        Only points with a positive friction and within the load range of the law are compared.
+        Only points with a positive friction and a load within the range of the law are compared.
         """
         law = design.law
         rows = (self.load >= law.rescaled_load[0]) & (self.load <= law.rescaled_load[-1])
@@ -113,7 +113,7 @@ def read_points(name: str, text: str, material: Material, friction: Friction | N
 
 
 def as_target(answer: Answer, found: Points) -> str:
-    """Return the text of an answer with the points as the target, which is fitted by least squares.
+    """Return the text of an answer with the points as a sampled target law, to be met by least squares.
 
     Points with equal loads are replaced by one point with their mean friction. Points are omitted if their
     load or friction is not positive.
@@ -128,7 +128,7 @@ def as_target(answer: Answer, found: Points) -> str:
 
 
 def better_titles(header: Sequence[str]) -> dict[str, str]:
-    """Return, for column titles that are not recognised, a similar title that would be recognised.
+    """Return a suggested title for each column title that is only similar to a known title.
 
     Examples
     --------

@@ -40,7 +40,7 @@ def law_data(answer: Answer) -> dict[str, Any]:
         "marked": isinstance(target, OperatingPoints) and not many,
         "crowd": f"{many:,} points, too many to drag" if many else "",
         "nearest": None,
-        "offer": offer(answer),  # what a button that takes it says
+        "offer": offer(answer),  # label of the button that adopts the nearest law
         "refusal": f"{answer.refused} {SEARCHED}" if answer.undecided else answer.refused,
         "undecided": answer.undecided,
         # None if the text has problems, because its handles are then unknown

@@ -78,7 +78,7 @@ class LawPanel:
         self.band_shown: Any = None
         self.measured = Measured()
         self.beside = Beside(page.tasks, self.plot.more)
-        # request numbers of the plot by request number of the page
+        # request number of the plot for each request number of the page
         self.requests: dict[int, int] = {}
         # text, specification and design of the current state: every step of a drag starts from them
         self.base: tuple[str, Specification, Design | None] | None = None

@@ -41,7 +41,8 @@ def edited(text: str, design: Design | None, given: Any) -> str:
 def typed_height(typed: str) -> str:
     """Return a typed height as a quantity; a number without a unit is in micrometres.
 
-    Other invalid quantities are reported later, when the specification is read.
+    Text that does not begin with a number raises InvalidInput. Other invalid quantities are reported when the
+    specification is read.
     """
     words = typed.strip()
     if NUMBER.fullmatch(words):

@@ -63,7 +63,7 @@ class Views:
         return contact_data(answer.design, answer.state.load, self.sensitive)
 
     async def _edit(self, given: Any) -> None:
-        """Fix the heights of sites, empty sites or release them, as chosen in the menu."""
+        """Fix, empty or release sites, as chosen in the menu."""
 
         def change(state: State) -> str:
             return edited(state.text, self.page.answer.design, given)

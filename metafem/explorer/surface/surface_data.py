@@ -15,7 +15,7 @@ from metafem.inversion import Design, DesignStatus
 from metafem.inversion.assessment import misfit_text
 from metafem.surface import Surface
 
-# Decimals of heights [um] and positions [mm]. The last decimal is smaller than a pixel.
+# Decimals of heights [um] and positions [mm]. One unit of the last decimal is smaller than a pixel.
 HEIGHT_DECIMALS, POSITION_DECIMALS = 2, 4
 
 
@@ -77,9 +77,10 @@ def message_data(answer: Answer) -> dict[str, Any]:
 
 
 def message(answer: Answer) -> str:
-    """Return a message if the surface shown is missing, belongs to an earlier state or misses the target.
+    """Return the message about the surface, or "".
 
-    Otherwise returns "".
+    The message states that there is no surface, that the surface belongs to an earlier state, or that it
+    misses the target with the fixed and empty sites.
     """
     if answer.design is None:
         return "There is no surface yet." if answer.problems or answer.refusal else ""

@@ -26,7 +26,7 @@ DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def specification_file(state: State) -> tuple[str, bytes]:
-    """Return name and content of the specification file; with tables, of a zip archive with all of them.
+    """Return name and content of the specification file or, if it has tables, of a zip archive with them.
 
     A link can contain table names that point outside the folder of the archive, where the tables would be
     unpacked. In this case, all tables are renamed as in a result folder, without folders. A lone surrogate,

@@ -47,7 +47,7 @@ PICTURE = File("law.svg", "Picture of the law, with its difference from the targ
 
 SPECIFICATION_FILE = File("spec.toml", "Specification, with the tables that it names")
 
-# Messages about the link, and about the copied link.
+# Message beside the link, and message after the link is copied.
 LINK = "The address of this page, for this machine; colleagues need spec.toml"
 COPIED = (
     "It opens the same state on this machine while metafem explore runs. For another machine take spec.toml."
@@ -228,7 +228,7 @@ def _button(file: File, take: Callable[[], Awaitable[None]]) -> Offered:
 
 
 def _lines(making: Making, name: str, text: str) -> ui.label:
-    """Return a label with lines of text as they are, next to a button that copies them."""
+    """Return a label that shows the text unchanged, next to a button that copies the text."""
     with ui.element("div").classes("lines"):
         lines = ui.label(text)
         copy = ui.button(icon="content_copy", on_click=lambda: making.say(f"The {name} was copied."))

@@ -65,7 +65,7 @@ class Document:
         return self.with_values({key: None})
 
     def with_kind(self, section: str, kind: str, values: Mapping[str, Any] | None = None) -> str:
-        """Return the text with another kind of a section.
+        """Return the text with a section changed to another kind.
 
         `values` are the keys and values of the new section. Default: the present values of the keys that the
         new kind has, and the examples of the manual for missing required keys. All other keys are removed.

@@ -12,7 +12,8 @@ from tomlkit.items import Array, Item, String, Table
 from metafem.explorer.text.order import key_order, section_order
 
 # A comma without a space after it, which tomlkit writes when it adds an entry; and a character that does not
-# occur in a list of integers. A list with such a character may have commas in strings or comments.
+# occur in a list of integers. In lists with such characters no space is added, because their strings or
+# comments may contain commas.
 CLOSE, OTHER = re.compile(r",(?! )"), re.compile(r"[^\d, \[\]]")
 
 

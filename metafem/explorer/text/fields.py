@@ -11,7 +11,7 @@ from metafem.explorer.text.document import Document
 from metafem.explorer.text.order import form_of
 from metafem.files import KeyForm, SectionForm, toml_table
 
-# A decimal number without a digit before or after the point, which TOML does not accept.
+# A decimal number without a digit before or after the point; TOML does not accept this form.
 SHORT_NUMBER = re.compile(r"[+-]?(\d+\.|\.\d+)")
 
 # Separators of the entries of a list. Lists of integers (rows and columns) also accept a cross, or an x that

@@ -39,7 +39,7 @@ POINTS, SAMPLES = (4, 3, 2, 1), 8
 # Relative resolution of a target after a change of units. The change of the law is too small to see.
 RESTATED = 1e-6
 
-# First load of the new target if the present target states only one load, relative to that load.
+# First load of the new target if the present target has a single load, as a fraction of that load.
 START = 0.25
 
 # Distance of a value from the bound of the reachable values, in units of the resolution. Rounding moves a
@@ -121,7 +121,7 @@ def _near(
 
 
 def restated(document: Document, specification: Specification, newtons: bool) -> dict[str, Any]:
-    """Return the keys of the same target in newtons or rescaled; none for newtons without a friction."""
+    """Return the keys of the same target in newtons or rescaled; no keys for newtons without a friction."""
     scene, friction = Scene(document, specification, None), specification.template.friction
     if newtons and friction is None:
         return {}
@@ -216,7 +216,7 @@ def _slope(law: Law, low: float, high: float) -> float:
 
 
 def _written(numbers: Numbers, scene: Scene, wording: Wording, resolution: float) -> dict[str, Any]:
-    """Return the keys and values of a target in the units of a wording."""
+    """Return the keys and values of a target in the units of a `Wording`."""
     rescaled, forces = wording.composite_modulus is None, wording.per_slope is not None
     found: dict[str, Any] = {}
     for name, value in numbers.items():

@@ -12,13 +12,13 @@ from metafem.explorer.text.marks import Handle, Marks
 from metafem.explorer.text.shape import Branch, Point, Shape, shape_of
 from metafem.explorer.text.written import between
 
-# Largest rescaled load of a surface, as a fraction of "number of sites x largest height x radius": an estimate
-# for use before there is a design, near the largest loads of the paper's surfaces.
+# Estimate of the largest rescaled load of a surface before there is a design, as a fraction of
+# "number of sites x largest height x radius". It is near the largest loads of the paper's surfaces.
 BEFORE_ANY_DESIGN = 0.1
 
 # Smallest load difference between pointer and pivot at which a line is turned through the pointer, as a
-# fraction of the load difference between handle and pivot. Closer to the pivot, the slope would be far too
-# large or far too small.
+# fraction of the load difference between handle and pivot. Closer to the pivot, a small move would change the
+# slope far too much.
 NEAREST = 0.2
 
 

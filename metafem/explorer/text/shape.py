@@ -12,7 +12,7 @@ from metafem._validate import FloatArray
 
 
 class Shift(NamedTuple):
-    """How a point follows a handle: if the handle moves by (dP, dF), it moves by (x dP, across dP + y dF)."""
+    """How a point follows a handle move (dP, dF): the point moves by (x dP, across dP + y dF)."""
 
     x: float = 0.0
     across: float = 0.0

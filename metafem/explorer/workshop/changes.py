@@ -47,7 +47,7 @@ def with_section(text: str, section: str) -> str:
 
 
 def without_section(text: str, section: str) -> str:
-    """Return the text without an optional section; without ``radii``, ``lattice.radius`` has an example."""
+    """Return the text without an optional section; an example ``lattice.radius`` replaces ``radii``."""
     text = fields.without_section(text, section)
     document = Document(text)
     if section != "radii" or document.value("lattice.radius") is not None:

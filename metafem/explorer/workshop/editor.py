@@ -22,7 +22,7 @@ PACE = 0.3
 
 
 class Editor(Element, component="editor.js"):
-    """Text editor with the problems of the text; emits events for typed text, loaded files and demos."""
+    """Text editor that marks the problems of the text; emits events for new text, loaded files and demos."""
 
     def __init__(self) -> None:
         super().__init__()

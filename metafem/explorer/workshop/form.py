@@ -107,7 +107,7 @@ def _section(section: SectionForm, title: str) -> dict[str, Any]:
 
 
 def _inner(name: str) -> dict[str, str] | None:
-    """Return the key and the kind of the outer section that allow an inner section; None for others."""
+    """Return the key ``kind`` of the outer section and its kind that allows an inner section, or None."""
     outer, _, key = name.rpartition(".")
     for form in section_forms():
         for kind, keys in form.keys.items():

@@ -1,4 +1,4 @@
-"""Files that the user loads into a page: a specification with its tables, or tables for the current one."""
+"""Files that the user loads into a page: a specification with its tables, or only tables."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Given:
 
 
 def loaded(state: State, files: list[Given]) -> State:
-    """Return the state with the specification in the files, or with new tables for its own specification.
+    """Return the state with the specification in the files, or with new tables for the old specification.
 
     Raises
     ------
