@@ -193,7 +193,7 @@ class Page:
             self._say_failure(failures)
 
     def wrong(self, error: Exception) -> None:
-        """Show a program error that an event handler or a timer raised; NiceGUI logs the error."""
+        """Show a program error that an event handler or a timer raised; the error is already logged."""
         self._say_failure(in_words(error))
 
     def _say_failure(self, words: str) -> None:

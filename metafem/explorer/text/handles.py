@@ -19,8 +19,8 @@ __all__ = ["Handle", "added", "crowd", "drawn", "handles", "moved", "removed"]
 # Relative resolution of a dragged value: one pixel of a plot that is a thousand pixels wide.
 RESOLUTION = 1e-3
 
-# Largest number of points that have handles. With more points, the marks would overlap on the plot, and moving
-# a single point would make a spike in the law.
+# Largest number of points that have handles. With more points, the marks would overlap on the plot, and
+# moving a single point would make a spike in the law.
 MOST = 200
 
 MARKS: dict[str, type[Marks]] = {
