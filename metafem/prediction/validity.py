@@ -145,7 +145,7 @@ def _resolved_or(law: Contact) -> str:
 
 
 def _size_note(surface: Surface, reference: Interacting, area: float) -> Note:
-    """Return a note on the error of point loads for laws without a profile, from paraboloids of equal area."""
+    """Return a note on the error of point loads for laws without a profile; paraboloids replace the caps."""
     point = Interacting(1, reference.substrate)
 
     def excess(approach: float) -> float:

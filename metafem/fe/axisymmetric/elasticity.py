@@ -36,7 +36,7 @@ def hierarchical(kind: Any, degree: int) -> Any:
 
 
 def assembled(number: IntArray, block: FloatArray, size: int) -> csc_matrix:
-    """Return the global matrix of element matrices (elements, local, local) with unknowns (elements, local)."""
+    """Return the sum of element matrices (elements, local, local) for unknowns (elements, local)."""
     width = number.shape[1]
     rows, columns = np.repeat(number, width, axis=1).ravel(), np.tile(number, (1, width)).ravel()
     return coo_matrix((block.ravel(), (rows, columns)), shape=(size, size)).tocsc()
