@@ -38,7 +38,8 @@ class LineElements:
     node: FloatArray  # ascending positions of the quadratic degrees of freedom [mm]
     point: FloatArray  # Gauss points [mm]
     weight: FloatArray  # their weights [mm]
-    # quadratic shape functions and their derivatives at the Gauss points, and linear ones; sparse
+    # values and derivatives of the quadratic shape functions at the Gauss points; then values of the linear
+    # ones
     quadratic: tuple[Any, Any]
     linear: Any
 
@@ -57,5 +58,5 @@ class LineElements:
         )
 
     def integral(self, left: Any, right: Any) -> Any:
-        """Return the matrix of integrals of products of two sets of functions, from values at Gauss points."""
+        """Return the integrals of products of two sets of functions, from their values at Gauss points."""
         return left.T @ sp.diags_array(self.weight) @ right

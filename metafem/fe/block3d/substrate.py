@@ -95,7 +95,7 @@ class Block3D:
         return replace(self, block=block, poisson_ratio=ratio)
 
     def values(self) -> tuple[Block, float]:
-        """Block and its Poisson's ratio, as set by `for_surface`."""
+        """Return the block and its Poisson's ratio, as set by `for_surface`."""
         assert self.block is not None
         assert self.poisson_ratio is not None
         return self.block, self.poisson_ratio
