@@ -50,7 +50,7 @@ class Given:
 
     @property
     def number(self) -> str:
-        """Value as a text."""
+        """Value as text."""
         return str(self.value)
 
     def __str__(self) -> str:
@@ -62,8 +62,8 @@ class Names:
     """Names of arguments as a reader knows them: in Python, in a file or on the command line.
 
     `names` maps arguments to the reader's names. `units` maps quantities to the unit in which they were
-    written, and its size in the package's unit. `places` holds the location of each entry of an array
-    argument, such as a line of a file.
+    written and the size of this unit in the package's unit. `places` holds the location of each entry of an
+    array argument, such as a line of a file.
     """
 
     names: Mapping[str, str] = field(default_factory=dict)
@@ -80,13 +80,13 @@ class Names:
         return message.format(*map(self.said, about)) if about else message
 
     def said(self, given: Given) -> Given:
-        """Return an argument with the reader's name, and its value as a text with the reader's unit."""
+        """Return an argument with the reader's name, and its value as text with the reader's unit."""
         value = given.value
         number = value if isinstance(value, str) else "" if value is None else self.number(given.name, value)
         return Given(self.name(given.name), number)
 
     def number(self, name: str, value: float) -> str:
-        """Return a number as a text, in the unit in which the reader wrote the quantity."""
+        """Return a number as text, in the unit in which the reader wrote the quantity."""
         if not self.units:
             return f"{value:g}"
         base = name.partition("[")[0]
@@ -119,6 +119,6 @@ def shown(value: Any, most: int = 60) -> str:
 
 
 def printable(text: str, most: int = 200) -> str:
-    """Return a text as one line: unprintable characters are escaped, and long texts are cut."""
+    """Return text as one line: unprintable characters are escaped, and long texts are cut."""
     cut = text if len(text) <= most else text[: most - 1] + "…"
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in cut)

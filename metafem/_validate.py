@@ -172,7 +172,7 @@ def instance(name: str, value: Any, kind: type | UnionType, required: str, *, op
 
 
 def scalar(value: Any) -> bool:
-    """Return whether a value is a single number or quantity instead of a list."""
+    """Return whether a value is a single number or quantity, not a list of them."""
     return not isinstance(value, range) and depth(value) == 0
 
 
@@ -215,9 +215,9 @@ def generator(rng: Any) -> np.random.Generator:
 def plain(name: str, value: Any) -> Any:
     """Return a value as plain numbers in the unit of the argument `name`.
 
-    The method of a quantity converts its unit (pint, astropy and similar libraries). Values with a unit but
-    without such a method, masked entries, and units of another dimension are refused. Other values that are
-    not numbers raise TypeError, which states their type.
+    A quantity of pint, astropy or a similar library is converted by its own method. Values that have a unit
+    but no such method, masked entries and units of another dimension are refused. Other values that are not
+    numbers raise a TypeError that states their type.
     """
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return value
@@ -251,7 +251,7 @@ def _plain(name: str, value: Any) -> Any:
 
 
 def _without_unit(name: str, value: Any) -> Any:
-    """Return the numbers of a quantity in the unit of the argument `name`; attributes identify the kind."""
+    """Return the numbers of a quantity, which its attributes identify, in the unit of `name`."""
     expected = unit_of(name)
     inner = getattr(value, "data", None)
     if hasattr(inner, "to") and hasattr(inner, "units"):  # a labelled array that wraps a quantity

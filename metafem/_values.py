@@ -43,13 +43,13 @@ class Value:
 
 
 def span(values: NDArray[Any], unit: str) -> str:
-    """Return a text with the range of an array and its unit, or one value if all entries are equal."""
+    """Return text with the range of an array and its unit, or one value if all entries are equal."""
     low, high = f"{values.min():.4g}", f"{values.max():.4g}"
     return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
 
 
 def three_digits(value: float) -> str:
-    """Return a number as a text with three significant digits; large numbers have no exponent.
+    """Return a number as text with three significant digits; large numbers have no exponent.
 
     Examples
     --------
@@ -60,7 +60,7 @@ def three_digits(value: float) -> str:
 
 
 def two_digits(value: float) -> str:
-    """Return a number as a text with two significant digits; large numbers have no exponent.
+    """Return a number as text with two significant digits; large numbers have no exponent.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def _written_out(value: float, digits: int) -> str:
 
 
 def percent(fraction: float, form: str = ".2g") -> str:
-    """Return a fraction as a text in percent; large values are integers without an exponent.
+    """Return a fraction as text in percent; large values are integers without an exponent.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Exceptions and warning of the package."""
+"""Exceptions and warnings of the package."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from metafem._given import AS_IN_PYTHON, Given, Names
 
 
 class MetafemError(Exception):
-    """Base of all errors that metafem raises for its users.
+    """Base class of all errors that metafem raises on purpose.
 
     A message about arguments is a template with one field for each argument. `str` fills the fields with the
     names and values of the arguments: Python's names, unless `named` sets those of a file or a command.
@@ -75,11 +75,11 @@ class InvalidInput(MetafemError, ValueError):
         return f"{said.name if self.value is None else said} {self.must}"
 
     def at(self, key: str) -> InvalidInput:
-        """Return the error of a value as an error of the key `key`."""
+        """Return the error of a value as an error of `key`."""
         return InvalidInput(*self.args, key=key, value=self.value, example=self.example)
 
     def within(self, section: str) -> InvalidInput:
-        """Return the error of an argument as an error of a key in the section `section`."""
+        """Return the error of an argument as an error of a key in `section`."""
         if not self.key:
             return InvalidInput(f"cannot be used: {self}", key=section)
         message, *about = self.args
@@ -151,7 +151,7 @@ class MetafemWarning(UserWarning):
 
 @contextmanager
 def named(names: Names) -> Iterator[None]:
-    """Set the names and units, such as those of a file, for errors raised in the ``with`` block.
+    """Set the names and units that errors raised in the ``with`` block use, such as those of a file.
 
     Names that an inner ``named`` block has set take precedence.
     """

@@ -1,6 +1,7 @@
 """Notes: sentences that accompany a result, as a warning or as information.
 
-A note is a warning unless it is made by `information`. The thresholds of the notes stand next to their texts:
+A note is a warning unless it is made by `information`. The thresholds of the notes are defined next to their
+texts:
 
 - effects that a model neglects: `BOUND` and `TOO_WIDE` in `prediction/validity.py`;
 - choice of the model: the tolerance of `Automatic` in `models/automatic.py`;
@@ -99,7 +100,7 @@ def information(text: str) -> Note:
 
 
 def counted(notes: Iterable[Note]) -> str:
-    """Return a text with the numbers of warnings and other notes: ``1 warning, 2 notes``.
+    """Return text with the numbers of warnings and other notes: ``1 warning, 2 notes``.
 
     Examples
     --------
@@ -123,7 +124,7 @@ def from_lines(text: str) -> tuple[Note, ...]:
 
 
 class LateNotes:
-    """Descriptor for notes that is set to a tuple, or to a function that is called when they are first read.
+    """Descriptor for notes, set to a tuple or to a function that is called at the first read.
 
     The notes are delayed because estimating a model's errors takes longer than solving for one equilibrium,
     and most callers do not read the notes.

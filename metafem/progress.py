@@ -18,7 +18,7 @@ OnStep = Callable[[str, float | None], None]
 
 @dataclass(frozen=True)
 class _Step:
-    """A step; for one of several steps, also its number and the number of steps `of` or its upper bound."""
+    """A step. In a series, it has a number; `of` is the number of steps in the series or its upper bound."""
 
     name: str
     number: int = 0
@@ -126,7 +126,8 @@ def each(
             listener.at(depth, _Step(name, number, len(items), at_most, detail()))
             yield item
     finally:
-        # do not report here: if the loop ends early, Python would print and ignore an exception of a listener
+        # do not report here: if the loop ends early, Python prints and ignores exceptions raised by a
+        # listener
         del listener.steps[depth:]
     listener.at(depth)
 

@@ -1,4 +1,4 @@
-"""The surface: asperities on a block."""
+"""Surface with asperities on a block."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Block", "Friction", "Material", "Surface"]
 
-# Largest tilt [rad]. At larger tilts the heights are far from normal to the plane.
+# Largest tilt [rad]. At larger tilts the direction of the heights is far from normal to the plane.
 STEEPEST = 0.25 * math.pi
 
 # Largest number of asperities that a notebook shows individually.
@@ -198,7 +198,7 @@ class Surface(Value):
         return np.asarray(self.height.max() - self.height)
 
     def replaced(self, **changes: Any) -> Surface:
-        """Return a copy with some of the constructor's arguments changed."""
+        """Return a copy in which some arguments of the constructor are changed."""
         return replace(self, **changes)
 
     def tilted(self, angle_x: float, angle_y: float) -> Surface:
@@ -207,7 +207,7 @@ class Surface(Value):
         Parameters
         ----------
         angle_x, angle_y : float
-            Angles of the slopes along x and y [rad], between -pi/4 and pi/4. The height at the origin does
+            Tilt angles along x and y [rad], between -pi/4 and pi/4. The height at the origin does
             not change.
 
         Returns
@@ -227,7 +227,7 @@ class Surface(Value):
         return self.replaced(height=self.height + self.position @ np.array(slope))
 
     def perturbed(self, height_sd: float, rng: Any = 0) -> Surface:
-        """Return the surface with independent Gaussian errors of its heights, of s.d. `height_sd` [mm].
+        """Return the surface with independent Gaussian height errors of standard deviation `height_sd` [mm].
 
         `rng` is a seed or a numpy Generator; default: 0.
         """

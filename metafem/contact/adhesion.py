@@ -20,7 +20,7 @@ from metafem.contact.law import Contact, Values, material_of
 from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Material
 
-# Twice the width of the first bracket of ln d, where d is the indentation of the cap.
+# Twice the width of the first bracket of ln d, where d is the cap's indentation without adhesion.
 WIDTH = 1.0
 
 
@@ -28,7 +28,7 @@ WIDTH = 1.0
 class JKR(Contact):
     """Frictionless adhesive contact of an elastic cap and a rigid plane.
 
-    Let d_cap(a) and P_cap(a) be the law of the cap without adhesion, ``c = d d_cap/da`` and
+    Let d_cap(a) and P_cap(a) be indentation and load of the cap without adhesion, ``c = d d_cap/da`` and
     ``s = sqrt(2 pi w a/E*)``. Then ``d = d_cap - s``, ``A = pi a^2``, ``P/E* = P_cap/E* - 2 a s``, and
     ``dP/dd = 2 a E* (c - 3/2 s/a)/(c - 1/2 s/a)``. The second moment of the pressure over E* is that of the
     cap minus ``4/3 a^3 s``. For a paraboloid without other contacts
@@ -225,7 +225,7 @@ class JKR(Contact):
 def of_sizes(method: Callable[[JKR, FloatArray], FloatArray], law: JKR, radius: FloatArray) -> FloatArray:
     """Return a contact radius [mm] for each summit radius, (n,), computed once for each distinct radius.
 
-    `method` computes the contact radii; it is a method of `JKR`, such as ``JKR.entry_radius``.
+    The contact radius is that of `method`, a method of `JKR` such as ``JKR.entry_radius``.
     """
     sizes, which = np.unique(radius, return_inverse=True)
     return _of_sizes(method, law, tuple(sizes.tolist()))[which]

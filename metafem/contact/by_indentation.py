@@ -1,4 +1,4 @@
-"""Contact laws in which load and area are functions of the indentation, and these functions."""
+"""Contact laws with load and area as functions of the indentation, and cubics for these functions."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class LawByIndentation(Contact):
 
     largest_order: ClassVar[int] = 1
 
-    if TYPE_CHECKING:  # of laws whose load and area are such functions
+    if TYPE_CHECKING:  # members of the subclasses whose load and area are `LogCubic`
 
         @property
         def _load(self) -> LogCubic:
@@ -47,7 +47,7 @@ class LawByIndentation(Contact):
         """Return the units of d [mm], P/E* [mm^2] and A [mm^2]."""
 
     def _scaled_load(self, d: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return P/E* in the unit of `_scales`, and d ln P/d ln d [-], at d in the unit of `_scales`."""
+        """Return P/E* and d ln P/d ln d [-] at d, with P/E* and d in the units of `_scales`."""
         return self._load.at(d)
 
     def _load_at(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -181,8 +181,7 @@ class LogCubic(NamedTuple):
         left, right = self.slope[panel], self.slope[panel + 1]
         mean = (self.y[panel + 1] - self.y[panel]) / width
         s = np.clip(t, 0.0, 1.0)
-        # Hermite cubic: a straight line with the left slope plus two corrections, which vanish for a power
-        # law
+        # Hermite cubic: a line with the left slope, plus two corrections that vanish for a power law
         square, cube = 3.0 * mean - 2.0 * left - right, left + right - 2.0 * mean
         y = self.y[panel] + width * s * (left + s * (square + s * cube))
         slope = left + s * (2.0 * square + 3.0 * s * cube)

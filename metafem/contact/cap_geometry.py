@@ -14,8 +14,8 @@ from metafem.errors import refuse_if
 
 Values = FloatArray | float
 
-# Distance of neighbouring points on a ring of a mesh, over the spacing of the rings: six points on the first
-# ring are 60 degrees apart.
+# Distance of neighbouring points on a ring of a mesh, over the spacing of the rings. The six points on the
+# first ring are 60 degrees apart.
 RING_ARC = math.pi / 3.0
 
 # Number of points along a meridian at which its length and curvature are computed, and number of ring
@@ -138,7 +138,7 @@ class ProfileCaps:
         spacing, error = self._chord_errors(across, along)
         wanted = np.log(chord_error / scale)
         found = np.interp(wanted, np.log(error), np.log(spacing))
-        found += np.minimum(wanted - math.log(error[0]), 0.0)  # finer: no error grows slower than linearly
+        found += np.minimum(wanted - math.log(error[0]), 0.0)  # finer: the error falls at least linearly
         return np.asarray(np.interp(foot, across, along) / np.exp(found))
 
     def rings(self, height: FloatArray, radius: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:

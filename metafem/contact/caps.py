@@ -198,12 +198,13 @@ class PowerCap(ElasticCap):
 class SphericalCap(ElasticCap):
     """Frictionless, non-adhesive elastic contact of a sphere of radius R and a rigid plane.
 
-    The profile is ``f(rho) = R - sqrt(R^2 - rho^2)``. With the contact radius a < R and ``L = ln((R + a)/(R -
-    a))/2``, ``d = a L``, ``A = pi a^2``, ``P/E* = (a^2 + R^2) L - a R``, and the second moment of the
-    pressure over E* is ``((a^4 + 3 R^4) L - a^3 R - 3 a R^3)/3``. An extra curvature adds the terms of a
-    paraboloid. Lengths are in mm, P/E* in mm^2. The law assumes small strain. At large a/R its load exceeds
-    that of a soft sphere, and Hertz's law with a fitted modulus is more accurate. At a/R = 0.5 the two laws
-    differ by about 10 %. Sneddon, Int. J. Eng. Sci. 3, 47 (1965), doi:10.1016/0020-7225(65)90019-4.
+    The profile is ``f(rho) = R - sqrt(R^2 - rho^2)``. With the contact radius a < R and
+    ``L = ln((R + a)/(R - a))/2``, ``d = a L``, ``A = pi a^2``, ``P/E* = (a^2 + R^2) L - a R``, and the second
+    moment of the pressure over E* is ``((a^4 + 3 R^4) L - a^3 R - 3 a R^3)/3``. An extra curvature adds the
+    terms of a paraboloid. Lengths are in mm, P/E* in mm^2. The law assumes small strain. At large a/R its
+    load exceeds that of a soft sphere, and Hertz's law with a fitted modulus is more accurate. At a/R = 0.5
+    the two laws differ by about 10 %. Sneddon, Int. J. Eng. Sci. 3, 47 (1965),
+    doi:10.1016/0020-7225(65)90019-4.
 
     Examples
     --------

@@ -71,5 +71,5 @@ class Hertz(Contact):
         return np.asarray((0.75 * np.asarray(load) / np.sqrt(radius)) ** (2.0 / 3.0))
 
 
-# The default contact law of every model.
+# Default contact law of all models.
 PARABOLOID = Hertz()

@@ -27,8 +27,7 @@ LEAST_STRAIN = 9e-4
 # slope of ln P over ln w within the blend does not exceed that of Hertz's law.
 AFTER_YIELD = 2.0
 
-# Number of indentations at which the change by a blend is evaluated, and decimals to which the change is
-# rounded.
+# Number of indentations at which the change by a blend is evaluated, and number of decimals of the change.
 SAMPLES, DIGITS = 201, 9
 
 # Number of quadrature nodes for the work between two neighbouring ends of blends.
@@ -36,7 +35,7 @@ NODES = 40
 
 
 class Blend(NamedTuple):
-    """Range of a cubic that replaces a jump of the published formulas, and its changes of load and area."""
+    """Range of a cubic that replaces a jump of the published formulas, with the changes that it makes."""
 
     start: float  # w/w_c
     end: float  # w/w_c
@@ -54,7 +53,7 @@ class ElasticPlastic(LawByIndentation):
     plastic: ClassVar[bool] = True
     material: Material | None
 
-    strength_ratio: ClassVar[float] = 1.0  # the strength that the law is given over the yield strength
+    strength_ratio: ClassVar[float] = 1.0  # strength parameter of the law over the yield strength
 
     def __post_init__(self) -> None:
         check.member(self, self._name, above=0.0)
@@ -86,7 +85,7 @@ class ElasticPlastic(LawByIndentation):
 
     @abstractmethod
     def _published(self, w: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return P/P_c and A/A_c at w/w_c by the published formulas, which have jumps."""
+        """Return P/P_c and A/A_c at w/w_c from the published formulas, which have jumps."""
 
     def for_material(self, material: Material) -> Self:
         """Return the law with a material, unless it already has one."""

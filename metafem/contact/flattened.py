@@ -20,10 +20,10 @@ class FlattenedContact(Value, LawByIndentation):
     """Contact law of each asperity of a surface that an earlier load has flattened.
 
     The indentation e is measured from the lowered summit. Up to the earlier indentation, ``e <= depth``, the
-    contact is elastic: ``P = load_before (e/depth)^load_exponent`` and ``A = area_before
-    (e/depth)^area_exponent``. Beyond it, the original law continues at the indentation ``e + residual``. For
-    an asperity that has not yielded, depth and residual are 0. `Contact.unloaded` returns this law. All
-    arrays are (n,).
+    contact is elastic: ``P = load_before (e/depth)^load_exponent`` and
+    ``A = area_before (e/depth)^area_exponent``. Beyond it, the original law continues at the indentation
+    ``e + residual``. For an asperity that has not yielded, depth and residual are 0. `Contact.unloaded`
+    returns this law. All arrays are (n,).
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class FlattenedContact(Value, LawByIndentation):
     area_exponent: FloatArray
 
     def __repr__(self) -> str:
-        """Return a text with the original law and the largest loss of height."""
+        """Return text with the original law and the largest loss of height."""
         return f"FlattenedContact({self.law!r}, by up to {float(np.max(self.residual)):.4g} mm)"
 
     @property

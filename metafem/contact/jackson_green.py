@@ -122,7 +122,7 @@ class JacksonGreen(ElasticPlastic):
         return load, w * np.maximum(w / HERTZIAN, 1.0) ** self._exponent
 
     def notes(self, indentation: FloatArray, radius: FloatArray) -> tuple[Note, ...]:
-        """Return the notes of `ElasticPlastic`, and a warning if S_y/E* is too large for plastic contacts."""
+        """Return `ElasticPlastic.notes`, and a warning if S_y/E* is too large for plastic contacts."""
         notes = super().notes(indentation, radius)
         if notes and self._strain > LARGEST_STRAIN:
             text = (

@@ -24,9 +24,10 @@ class KogutEtsion(ElasticPlastic):
     """Frictionless elastic-plastic contact of a sphere and a rigid plane, by Kogut and Etsion.
 
     With ``K = 0.454 + 0.41 nu`` the material yields at the indentation ``w_c = (pi K H/(2 E*))^2 R``. Up to
-    w_c Hertz's law holds; P_c and A_c are its load and area at w_c. With w* = w/w_c, ``P = 1.03 P_c
-    w*^1.425`` and ``A = 0.93 A_c w*^1.136`` up to w* = 6, and ``P = 1.40 P_c w*^1.263`` and ``A = 0.94 A_c
-    w*^1.146`` up to w* = 110. Above 110 the contact is fully plastic: ``P = H A`` and ``A = 2 pi R w``.
+    w_c Hertz's law holds; P_c and A_c are its load and area at w_c. With w* = w/w_c,
+    ``P = 1.03 P_c w*^1.425`` and ``A = 0.93 A_c w*^1.136`` up to w* = 6, and ``P = 1.40 P_c w*^1.263`` and
+    ``A = 0.94 A_c w*^1.146`` up to w* = 110. Above 110 the contact is fully plastic: ``P = H A`` and
+    ``A = 2 pi R w``.
 
     The formulas jump at w* = 1, 6 and 110: P by +3 %, +1.7 % and 3/(1.4 K) 110^-0.263 - 1 (+7.9 % at nu =
     0.3, -5.5 % at 0.5), and A by -7, +2.9 and +7.1 %. From w* = 1 to 2, 4.8 to 7.5 and 88 to 137.5, cubics of

@@ -1,4 +1,4 @@
-"""The protocol of contact laws."""
+"""Protocol of contact laws."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class Contact(Protocol):
 
     @property
     def count(self) -> int | None:
-        """Number of asperities of an individual law; None for a law that all asperities share."""
+        """Number of asperities if the law is individual; None if all asperities share the law."""
         return None
 
     def one(self, i: int) -> Contact:
@@ -157,7 +157,7 @@ class Contacts(NamedTuple):
 
     load: FloatArray  # P/E* [mm^2]
     area: FloatArray  # [mm^2]
-    stiffness: FloatArray  # derivative of the load by the indentation [mm]
+    stiffness: FloatArray  # d(P/E*)/dd [mm]
     contact_radius: FloatArray  # [mm]
 
 
@@ -165,7 +165,7 @@ def contacts(law: Contact, indentation: FloatArray, radius: FloatArray) -> Conta
     """Return the contacts at indentations [mm] without neighbours; at d < 0 a contact is open."""
     a = law.contact_radius(indentation, radius)
     stiffness = law.stiffness(a, radius)
-    # correct the load for rounding of a, to first order: near the equator of a sphere `load` loses digits
+    # first-order correction for rounding of a, because `load` loses digits near the equator of a sphere
     missing = np.where(a > 0.0, indentation - law.indentation(a, radius), 0.0)
     return Contacts(law.load(a, radius) + stiffness * missing, law.area(a), stiffness, a)
 

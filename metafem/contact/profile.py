@@ -48,25 +48,26 @@ class Panels(NamedTuple):
 
     edge: FloatArray  # (m + 1,) [mm]
     value: FloatArray  # (DEGREE + 1, m), Chebyshev coefficients of F [mm^2]
-    slope: FloatArray  # (DEGREE + 1, m), of D [mm]
-    bend: FloatArray  # (DEGREE + 1, m), of D' [-]
-    moment: FloatArray  # (DEGREE + 3, m), of int_0^a s F ds [mm^4]
+    slope: FloatArray  # (DEGREE + 1, m), coefficients of D [mm]
+    bend: FloatArray  # (DEGREE + 1, m), coefficients of D' [-]
+    moment: FloatArray  # (DEGREE + 3, m), coefficients of int_0^a s F ds [mm^4]
     depth: FloatArray  # (m + 1,), D at the edges [mm]
-    power: float  # F grows as a to this power below the first panel
+    power: float  # exponent of a in F below the first panel
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AxisymmetricCap(Value, ElasticCap):
     """Frictionless, non-adhesive elastic contact of a cap with any profile and a rigid plane.
 
-    With ``F(a) = int_0^a f(sqrt(a^2 - w^2)) dw`` and D = F', ``d = D(a)``, ``A = pi a^2``, ``P/E* = 2 (a D -
-    F)``, and the second moment of the pressure over E* is ``4/3 (a^3 D - 3 a^2 F + 6 int_0^a s F ds)``. An
-    extra curvature adds the terms of a paraboloid. F is computed once by quadrature and then interpolated. If
-    the profile is a function, the relative errors of d and P are below 1e-12. Between the points of a table,
-    f is a monotone cubic in rho^2: 30 points of a sphere up to a/R = 0.66 give d within 6e-5, and 100 points
-    within 3e-6. Lengths are in mm, P/E* in mm^2. The law assumes small strain: the profile must be flat, f'
-    << 1. All asperities have the same profile, whatever their R. Popov and Hess, Method of Dimensionality
-    Reduction in Contact Mechanics and Friction (2015), doi:10.1007/978-3-642-53876-6.
+    With ``F(a) = int_0^a f(sqrt(a^2 - w^2)) dw`` and D = F', ``d = D(a)``, ``A = pi a^2``,
+    ``P/E* = 2 (a D - F)``, and the second moment of the pressure over E* is
+    ``4/3 (a^3 D - 3 a^2 F + 6 int_0^a s F ds)``. An extra curvature adds the terms of a paraboloid. F is
+    computed once by quadrature and then interpolated. If the profile is a function, the relative errors of d
+    and P are below 1e-12. Between the points of a table, f is a monotone cubic in rho^2: 30 points of a
+    sphere up to a/R = 0.66 give d within 6e-5, and 100 points within 3e-6. Lengths are in mm, P/E* in mm^2.
+    The law assumes small strain: the profile must be flat, f' << 1. All asperities have the same profile,
+    whatever their R. Popov and Hess, Method of Dimensionality Reduction in Contact Mechanics and Friction
+    (2015), doi:10.1007/978-3-642-53876-6.
 
     Parameters
     ----------

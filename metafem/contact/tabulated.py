@@ -81,7 +81,7 @@ class TabulatedContact(Value, LawByIndentation):
         object.__setattr__(self, "material", material)
 
     def __repr__(self) -> str:
-        """Return a text with the number of points and the last indentation of the table."""
+        """Return text with the number of points and the last indentation of the table."""
         return f"TabulatedContact(<{self.table.shape[1]} points>, up to {self.table[0, -1]:g} mm)"
 
     def for_material(self, material: Material) -> TabulatedContact:
@@ -113,5 +113,5 @@ def _monotone(x: FloatArray, y: FloatArray) -> LogCubic:
     slope = np.asarray(scipy.interpolate.pchip_interpolate(u, v, u, der=1))
     secant = np.diff(v) / np.diff(u)
     slope[0] = secant[0]
-    slope[-1] = slope[-1] or secant[-1]  # 0 where the last secants bend too much
+    slope[-1] = slope[-1] or secant[-1]  # PCHIP may set 0 at the last point
     return LogCubic(u, v, slope)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 class BaseLaw(Value):
     """Base class of `metafem.FrictionLaw` and `metafem.calibration.MeasuredLaw`, at k increasing loads."""
 
-    if TYPE_CHECKING:  # fields or properties of each law
+    if TYPE_CHECKING:  # members of the derived classes
 
         @property
         def load(self) -> FloatArray:
@@ -58,7 +58,7 @@ class BaseLaw(Value):
 
     @abstractmethod
     def _about(self) -> Mapping[str, str]:
-        """Return the metadata of the law for a table."""
+        """Return the metadata of the law for its tables: model, status and notes."""
 
     @abstractmethod
     def _draw(self, ax: Axes, forces: bool, label: str | None) -> None:

@@ -32,7 +32,7 @@ class ContactState(Value):
     area : float
         Real contact area A0 [mm^2].
     separation : float
-        Distance from the undeformed base plane to the plane [mm].
+        Distance from the undeformed base plane to the rigid plane [mm].
     approach : float
         Height of the tallest summit minus separation [mm], accurate also at light loads.
     stiffness : float
@@ -52,7 +52,9 @@ class ContactState(Value):
     field : ContactField
         Pressure, gap and displacement on the cells of `BoundaryElements`; other models raise InvalidInput.
 
-    Notes ----- A load on one asperity displaces the entire surface, including the base between the summits.
+    Notes
+    -----
+    A load on one asperity displaces the entire surface, including the base between the summits.
     Summit i and the base near it have the same displacement u_i: the sum of the displacements by the other
     asperities plus the regular self term of the block. The gap near asperity i is ``separation + u_i``. For
     an asperity in contact, this gap is ``h_i - d_i``, its height minus its indentation. The base gap is the

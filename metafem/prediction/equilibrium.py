@@ -36,7 +36,7 @@ def equilibrium(
     approach : float, optional
         Height of the tallest summit minus separation [mm]; there is no contact if it is negative.
     separation : float, optional
-        Distance from the undeformed base plane to the plane [mm]. Exactly one of load, approach and
+        Distance from the undeformed base plane to the rigid plane [mm]. Exactly one of load, approach and
         separation must be given.
 
     Returns

@@ -24,12 +24,13 @@ GRID_POINTS = 100
 # Indentation of the lowest asperity at the end of the default grid, over its radius; a/R is then 0.2.
 GRID_INDENTATION = 0.04
 
-# Largest approach of the default grid over the largest height: the grid ends before the plane reaches the
-# base plane.
+# Largest approach of the default grid, over the largest height. The grid ends just before the rigid plane
+# reaches the base plane.
 CLEAR = 0.999
 
-# Largest indentation of the default grid over the largest indentation of the contact law. The margin allows
-# for rounding and for the different displacements of interacting asperities.
+# Largest approach of the default grid, over the approach at which a contact without neighbours reaches the
+# largest indentation of its law. The margin allows for rounding, and for the different displacements of
+# interacting asperities.
 WITHIN = 0.98
 
 
@@ -57,8 +58,8 @@ def friction_law(
         Normal loads P [N], at least 0. Adhesive contacts on unloading may also have negative loads, down to
         the load at which the last contacts break.
     separation : array_like, (k,), optional
-        Separations [mm]. Default, if neither loads nor separations are given: 100 loads. The largest one is
-        that at which the lowest asperity is indented by 0.04 R, the plane reaches the base plane, or the
+        Separations [mm]. Default, if neither loads nor separations are given: 100 loads. The largest load
+        is that at which the lowest asperity is indented by 0.04 R, the plane reaches the base plane, or the
         approach is 98 % of that at which a contact reaches the largest indentation of its law, whichever
         comes first.
     unloading : bool
@@ -69,7 +70,7 @@ def friction_law(
     Returns
     -------
     FrictionLaw
-        The states, ordered by increasing load.
+        Law with the states in the order of increasing load.
 
     Raises
     ------
@@ -125,7 +126,7 @@ def friction_law(
         top = surface.height.max()
         surface, solver, curve = unloading_curve(surface, solver, **values)
         distance = top - curve.approach if distance is None else distance
-    back = unloading and law.adhesive  # the flattened law of plastic contacts has one path
+    back = unloading and law.adhesive  # flattened plastic contacts load and unload along the same path
     return law_of_curve(surface, solver, curve, values.get("load", curve.load), distance, back)
 
 
@@ -135,7 +136,7 @@ def default_loads(surface: Surface, model: Model) -> FloatArray:
     described = (surface.gap + contact.largest_indentation(surface.radius)).min()
     last = np.array([min(_grid_end(surface), WITHIN * described)])
     end = model.curve(surface, approach=last).load[0]
-    if end <= 0.0:  # adhesion makes the load negative there: use the load without adhesion
+    if end <= 0.0:  # with adhesion the load may be negative there; use the load without adhesion
         end = with_contact(model, contact.without_adhesion).curve(surface, approach=last).load[0]
     return np.asarray(end * np.arange(1, GRID_POINTS + 1) / GRID_POINTS)
 

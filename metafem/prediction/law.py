@@ -42,12 +42,12 @@ class FrictionLaw(BaseLaw):
     Attributes
     ----------
     rescaled_load : ndarray
-        Normal load over composite modulus, P/E* [mm^2]: the required loads, not the computed sums over the
-        asperities. Negative where adhesive contacts are in tension on unloading.
+        Normal load over composite modulus, P/E* [mm^2]: the prescribed loads, not the computed sums over the
+        asperities. They are negative where adhesive contacts are in tension on unloading.
     area : ndarray
         Real contact area A0 [mm^2].
     separation, approach : ndarray
-        Distance from the undeformed base plane to the plane, and tallest summit minus this distance [mm].
+        Distance from the undeformed base plane to the rigid plane, and tallest summit minus separation [mm].
     rescaled_stiffness : ndarray
         Normal contact stiffness over composite modulus, the increase of P/E* per decrease of the separation
         [mm].

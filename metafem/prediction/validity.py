@@ -1,8 +1,8 @@
 """Estimates of the effects that a model neglects, and the notes that report them.
 
 The A0 of every model at given load is compared with that of a reference model. The reference has the same
-contact law, the highest interaction order of this law, and a bonded layer if the surface has a block. A
-simple sum over the neighbours would not do: uniform sinking does not change A0(P), the remaining change may
+contact law, the highest interaction order of this law, and a bonded layer if the surface has a block. A sum
+over the neighbours is not accurate enough: uniform sinking does not change A0(P), the remaining change may
 have either sign, and the sum is wrong by a factor of ten if contacts are crowded. Order 3 at a few loads
 costs less than a design. It estimates the change by resolved contacts within a factor of two, even if
 contacts overlap or are as wide as the layer is thick. `truncation` estimates the error of the reference. The
@@ -38,13 +38,13 @@ from metafem.surface import Surface
 # error of the surfaces of the source paper is 0.4 to 3.3 % for any assignment of heights to sites, and the
 # paper regards these surfaces as successful. With an error of 5 % every design needs a warning. The rms over
 # the probed loads differs from that over a hundred loads by less than a fifth, which is less than the margin
-# on both sides.
+# between BOUND and these two values.
 BOUND = 0.04
 
 # Smallest error for which there is an information note.
 STATED = 0.01
 
-# Number of loads at which the error is estimated, and this number for surfaces too large for the dense
+# Number of loads at which the error is estimated: for most surfaces, and for surfaces too large for the dense
 # solver.
 PROBES, FEW_PROBES = 8, 3
 
@@ -116,7 +116,7 @@ def _interaction_notes(surface: Surface, model: Model, curve: Curve, unloading: 
     try:
         if reference != gradient_model:
             full = _on_path(reference, surface, load, unloading)
-            if model.couples:  # the difference of resolved contacts from order 3 is not due to the block
+            if model.couples:  # the block does not cause the error of order 3
                 area = _on_path(gradient_model, surface, load, unloading).checked().area
             if full.solved.any():
                 change = full.area[full.solved] / area[full.solved] - 1.0
@@ -152,7 +152,7 @@ def _size_note(surface: Surface, reference: Interacting, area: float) -> Note:
         return float(point.curve(surface, approach=np.array([approach])).checked().area[0]) - area
 
     try:
-        high = area / (math.pi * float(surface.radius.max()))  # the approach of one summit
+        high = area / (math.pi * float(surface.radius.max()))  # the approach for one summit
         for _ in range(MOST_STEPS):
             if excess(high) > 0.0:
                 break
@@ -262,7 +262,7 @@ def base_contact_load(surface: Surface, model: Model) -> float:
     for _ in range(MOST_STEPS):
         if gap <= BASE_TOLERANCE * top:
             break
-        high += max(2.0 * gap, high - top)  # the steps double if nearly all of each step is sinking
+        high += max(2.0 * gap, high - top)  # doubles the step if the base sinks almost as far
         gap = state_at(high)[0]
     if abs(gap) > BASE_TOLERANCE * top:
         high = scipy.optimize.brentq(lambda x: state_at(x)[0], 0.0, high, xtol=BASE_TOLERANCE * top)
@@ -276,7 +276,7 @@ def _base_notes(surface: Surface, model: Model, curve: Curve) -> Iterator[Note]:
         return
     try:
         onset = min(surface.material.composite_modulus * base_contact_load(surface, model), newtons)
-    except MetafemError:  # no solution at lighter loads: the plane reaches the base by this load
+    except MetafemError:  # no solution at lighter loads: state the last load
         onset = newtons
     yield Note(
         f"the base plane would touch from a load of {onset:.4g} N on: at {newtons:.4g} N the plane would be "

@@ -146,7 +146,7 @@ def _cap_mesh(cap: Cap, cell: float, reach: float) -> MeshQuad:
 
 
 def _growing(start: float, end: float, first: float) -> FloatArray:
-    """Return positions from start to end; the first spacing is `first`, the ratio is at most `GROWTH`."""
+    """Return positions from start to end; spacings begin with `first` and grow by at most `GROWTH`."""
     count = max(1, math.ceil(math.log1p((end - start) / first * (GROWTH - 1.0)) / math.log(GROWTH)))
     sums = np.cumsum(GROWTH ** np.arange(count))
     return np.concatenate([[start], start + (end - start) * sums[:-1] / sums[-1], [end]])

@@ -68,7 +68,7 @@ class Cap(Flat):
     """
 
     radius: float  # of the sphere [mm]
-    height: float  # of the cap [mm], up to the radius
+    height: float  # of the cap [mm], at most the radius
     outer: float  # radius of the block [mm]
     thickness: float  # of the block [mm]
 
@@ -79,7 +79,7 @@ class Cap(Flat):
 
     @property
     def angle(self) -> float:
-        """Slope of the sphere at the foot [rad]."""
+        """Slope angle of the sphere at the foot [rad]."""
         return math.acos(1.0 - self.height / self.radius)
 
     def point(self, plane: FloatArray) -> FloatArray:
@@ -92,8 +92,8 @@ class Cap(Flat):
         keep = 0.5 + 0.5 * np.exp(-2.0 * math.tan(0.5 * self.angle) / self.foot * depth)
         stretch = (self.outer - self.foot * keep) / (self.outer - self.foot)
         across = np.where(inside, self.radius * np.sin(theta) * keep, self.outer - (self.outer - s) * stretch)
-        # height of the surface above the top of the block, and the part of it at each depth: 1 at the
-        # surface, 0 at the base
+        # height of the surface above the top of the block, and the fraction of this height by which a point
+        # at `depth` is raised: 1 at the surface, 0 at the base
         rise = np.where(inside, self.radius * np.cos(theta) - (self.radius - self.height), 0.0)
         fade = 1.0 / (1.0 + depth / self.foot) - depth / self.thickness / (1.0 + self.thickness / self.foot)
         return np.array([across, depth - rise * fade])

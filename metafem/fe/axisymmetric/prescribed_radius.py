@@ -1,4 +1,4 @@
-"""Contact of given radius, from two linear problems; at the indentation found, the pressure is finite."""
+"""Contact of prescribed radius: two linear problems, and the indentation with a finite edge pressure."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class PressedContact:
         radius = check.array("r", np.atleast_1d(r), shape=(None,))
         result = np.zeros(radius.shape)
         inside = np.abs(radius) < self.contact_radius
-        # The hoop strain u/r needs r > 0; r >= 1e-6 a changes the result by a relative 1e-12.
+        # The hoop strain u/r needs r > 0; the lower bound 1e-6 a changes the result by a relative 1e-12.
         near = np.maximum(np.abs(radius[inside]), 1e-6 * self.contact_radius)
         if inside.any():
             result[inside] = self._traction(near)

@@ -47,7 +47,7 @@ def press(
     cell_radius: float | None = None,
     profile: Profile | None = None,
 ) -> PressedContact:
-    """Return the contact of a rigid, frictionless plane on a body, for a given contact radius.
+    """Return the contact between a rigid, frictionless plane and a body, with radius `contact_radius`.
 
     The problem is axisymmetric with small strain and E* = 1. Two linear problems with the same matrix are
     solved: a unit displacement of the contact, and the profile pressed flat. The indentation is that for
@@ -166,11 +166,11 @@ def _body(
 
 
 def measure_pedestal(height_ratio: float, contact_ratio: float, poisson_ratio: float = 0.5) -> float:
-    """Return the compliance c_p R [-] that a spherical cap adds to a half-space and a Hertz contact.
+    """Return the compliance c_p R [-] that a spherical cap adds to a Hertz contact on a half-space.
 
     ``c_p = (d - d_Hertz(P)) pi E*/P`` follows from the extra indentation at the same load. In units of
-    1/(pi R), c_p R is the diagonal of the influence matrix of asperities with Hertz contacts. The strain is
-    small.
+    1/(pi R), c_p R is the diagonal of the influence matrix of asperities with Hertz contacts. Small
+    strain is assumed.
 
     Parameters
     ----------

@@ -28,13 +28,13 @@ class BlockInfluence:
 
     # (n, n), displacement at site i per load P/E* on site j [1/mm]: symmetric, with the regular self terms
     matrix: FloatArray
-    gradient_x: FloatArray  # (n, n), its derivatives in the plane at i [1/mm^2]
+    gradient_x: FloatArray  # (n, n), derivative of `matrix` by x of site i [1/mm^2]
     gradient_y: FloatArray
     laplacian: FloatArray  # (n, n) [1/mm^3]
     asymmetry: float  # largest difference between mirrored entries before averaging [1/mm]
-    error_estimate: float  # largest change of an entry against cells 1.6 times as large [1/mm]: error bound
+    error_estimate: float  # largest change of an entry with cells 1.6 times as large [1/mm]: error bound
     residual: float  # largest relative residual of the linear solutions
-    notes: tuple[str, ...] = ()  # whether it was computed or read, and disk errors
+    notes: tuple[str, ...] = ()  # whether the influence was computed or read, and disk errors
 
     def __post_init__(self) -> None:
         for value in vars(self).values():
@@ -73,7 +73,7 @@ def is_cached(shape: tuple[float, ...], position: FloatArray) -> bool:
     """Return whether the influence of a block and its sites is stored on disk."""
     try:
         return _path(shape, position).is_file()
-    except OSError:  # no home folder, or one that cannot be read
+    except OSError:  # no home folder, or an unreadable folder
         return False
 
 

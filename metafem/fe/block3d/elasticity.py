@@ -51,7 +51,7 @@ class Quarter:
 
     @classmethod
     def on(cls, lines: Sequence[FloatArray], poisson_ratio: float) -> Quarter:
-        """Return the quarter on lines of vertices, with its matrix before boundary conditions.
+        """Return the quarter on the tensor product of `lines`, with its matrix before boundary conditions.
 
         The form is ``2 mu dev(eps) : eps(v) - p div v - q div u - p q / K``, with 1/K = 0 for nu = 1/2. The
         mesh and the Q2 and Q1 hexahedra are tensor products, so the matrices are Kronecker products of line
@@ -128,8 +128,7 @@ class Quarter:
         """Return whether symmetry or the bonded base prescribes each unknown."""
         known = np.zeros(self.matrix.shape[0], dtype=bool)
         for k, sign in enumerate(parity):
-            # on a symmetry plane, an even field has no normal displacement, and an odd field no tangential
-            # one
+            # on a symmetry plane, an even field has no normal and an odd field no tangential displacement
             still = [k] if sign > 0 else [c for c in range(3) if c != k]
             known[np.take(self._index[still], 0, axis=k + 1)] = True
         known[self._index[..., -1]] = True

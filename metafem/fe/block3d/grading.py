@@ -32,7 +32,7 @@ def quarter_lines(
     """
     thickness, stretch = block.thickness, 1.0
     reach = np.abs(position).max(axis=0) + thickness
-    if block.width == block.length:  # keep the symmetry about the diagonal
+    if block.width == block.length:  # keep the mesh symmetric about the diagonal
         reach[:] = reach.max()
     spans = (0.5 * block.width, reach[0]), (0.5 * block.length, reach[1]), (thickness, thickness)
     while True:

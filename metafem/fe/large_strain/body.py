@@ -76,7 +76,7 @@ class FiniteContact:
     residual: float
     energy: float  # stored energy over E* [mm^3]
     shift: float  # amplitude of the last term of the radial displacement of sticking points
-    fraction: float  # fraction of the prescribed displacements; 1 for a complete state
+    fraction: float  # fraction of the prescribed displacements that is applied; 1 for a complete state
     unknowns: FloatArray = field(repr=False)  # radial and downward displacements, pressures
 
     @property

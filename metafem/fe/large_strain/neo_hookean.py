@@ -11,8 +11,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 
-# Matrix that maps (F11, F12, F21, F22) to the derivative of the determinant F11 F22 - F12 F21 with respect to
-# F.
+# Matrix that maps (F11, F12, F21, F22) to the derivatives of the determinant F11 F22 - F12 F21.
 TURN = np.array([[0, 0, 0, 1], [0, 0, -1, 0], [0, -1, 0, 0], [1, 0, 0, 0]], dtype=np.float64)
 
 # Unit tensor.

@@ -50,14 +50,14 @@ def press_finite(
     block_radius: float,
     stick: bool = False,
 ) -> FiniteContact:
-    """Return the contact of a rigid plane and a soft spherical cap at large strain, for a contact radius.
+    """Return the contact of prescribed radius between a rigid plane and a soft cap at large strain.
 
-    The body is axisymmetric, incompressible and neo-Hookean: ``W = mu/2 (F:F - 3)`` with ``J = 1`` and E* = 4
-    mu. The elements have quadratic displacements and linear pressures in the undeformed configuration. The
-    points up to a material radius lie on the plane. The indentation is that at which no force acts on the
-    last of these points, so that the pressure is finite at the edge. The material radius is that whose
-    deformed value is `contact_radius`. The cap stands on a block with a bonded base and free sides, as in
-    `press`.
+    The body is axisymmetric, incompressible and neo-Hookean: ``W = mu/2 (F:F - 3)`` with ``J = 1`` and
+    ``E* = 4 mu``. The elements have quadratic displacements and linear pressures in the undeformed
+    configuration. All points up to a material radius lie on the plane. The indentation is chosen so that no
+    force acts on the last of these points and the pressure is finite at the edge. The material radius is
+    chosen so that its deformed value is `contact_radius`. The cap is part of a block with a bonded base and
+    free sides, as in `press`.
 
     The points slip without friction or, with `stick`, remain where they first touched the plane. A point with
     the undeformed radius s then remains at ``r = a(s)``. A sequence of increasing contacts determines this
@@ -87,10 +87,10 @@ def press_finite(
 
     Notes
     -----
-    For h/R = 0.38, P(a) over that of Hertz's law is 0.989 at a/R = 0.1, 0.974 at 0.4 and 0.978 at 0.5. Small
-    strain (`press`) gives 1.11 at a/R = 0.5, so its error is larger than that of Hertz's law and has the
-    opposite sign. For soft bodies at large a/R, Hertz's law with a fitted E* is more accurate than small
-    strain.
+    For h/R = 0.38, the ratio of P(a) to Hertz's law is 0.989 at a/R = 0.1, 0.974 at 0.4 and 0.978
+    at 0.5. Small strain (`press`) gives 1.11 at a/R = 0.5, so its error is larger than that of Hertz's law
+    and has the opposite sign. For soft bodies at large a/R, Hertz's law with a fitted E* is more accurate
+    than small strain.
 
     Examples
     --------
