@@ -11,7 +11,7 @@ from metafem._given import AS_IN_PYTHON, Given, Names
 
 
 class MetafemError(Exception):
-    """Base class of all errors that metafem raises on purpose.
+    """Base class of all errors that metafem raises.
 
     A message about arguments is a template with one field for each argument. `str` fills the fields with the
     names and values of the arguments: Python's names, unless `named` sets those of a file or a command.

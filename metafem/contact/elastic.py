@@ -1,4 +1,4 @@
-"""Hertz's law: the elastic contact of a paraboloid and a plane."""
+"""Hertz's law for the elastic contact of a paraboloid and a rigid plane."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from metafem.surface import Surface
 def flattened(surface: Surface, model: Model | None = None, *, load: float) -> tuple[Surface, Model]:
     """Return the surface after permanent flattening by a load, and the model with its new contact law.
 
-    The model computes how deep the load indents each asperity. After unloading, the summit is lower by the
+    The model computes the indentation of each asperity under the load. After unloading, the summit is lower by the
     residual loss of height of the contact law. The contact is then elastic up to the earlier indentation;
     beyond it, the law of first loading continues. Up to the earlier load, unloading and reloading follow the
     same law, which the returned surface and model predict. The returned contact law applies only to these

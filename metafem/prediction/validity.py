@@ -116,7 +116,7 @@ def _interaction_notes(surface: Surface, model: Model, curve: Curve, unloading: 
     try:
         if reference != gradient_model:
             full = _on_path(reference, surface, load, unloading)
-            if model.couples:  # the block does not cause the error of order 3
+            if model.couples:  # excludes the difference between resolved contacts and order 3
                 area = _on_path(gradient_model, surface, load, unloading).checked().area
             if full.solved.any():
                 change = full.area[full.solved] / area[full.solved] - 1.0
@@ -256,8 +256,8 @@ def base_contact_load(surface: Surface, model: Model) -> float:
         curve = model.gradient_model.curve(surface, approach=np.array([approach])).checked()
         return curve.last.base_gap, float(curve.load[0])
 
-    # start from the base contact of independent asperities; if asperities sink, base contact comes later, and
-    # if the layer rises between them, it may come earlier
+    # start from the base contact of independent asperities; it comes later if the base sinks, and it may come
+    # earlier if the layer rises
     high, gap = top, state_at(top)[0]
     for _ in range(MOST_STEPS):
         if gap <= BASE_TOLERANCE * top:

@@ -70,7 +70,7 @@ def _remainder(
     quarter = Quarter.on(lines, poisson_ratio)
     folded = np.abs(position)
     square = block.width == block.length
-    if square:  # the mirror image in the diagonal comes last
+    if square:  # append the sites mirrored in the diagonal
         folded = np.concatenate([folded, folded[:, ::-1]])
     site, orbit = _distinct(folded, SAME * block.thickness)
     step = STEP * np.minimum(0.5 * np.array([block.width, block.length]) - site, block.thickness).min(axis=1)
