@@ -81,7 +81,7 @@ class AxisymmetricCap(Value, ElasticCap):
     Raises
     ------
     InvalidInput
-        For profiles that do not increase or are not smooth, and for indentations beyond the extent.
+        If the profile does not increase or is not smooth, or an indentation exceeds that at the extent.
 
     Examples
     --------
@@ -186,7 +186,7 @@ class AxisymmetricCap(Value, ElasticCap):
         first, first_depth = (float(chebyshev.chebval(-1.0, part[:, 0])) for part in (value, slope))
         power = float(edge[0] * first_depth / first)
         steps = np.concatenate([[first * edge[0] ** 2 / (power + 2.0)], moment.sum(axis=0)[:-1]])
-        moment[0] += np.cumsum(steps)  # polynomials of Chebyshev are 1 at the upper edge
+        moment[0] += np.cumsum(steps)  # Chebyshev polynomials are 1 at the upper edge of a panel
         depth = np.concatenate([[first_depth], slope.sum(axis=0)])
         return Panels(edge, value, slope, bend, moment, depth, power)
 

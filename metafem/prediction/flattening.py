@@ -18,12 +18,12 @@ from metafem.surface import Surface
 def flattened(surface: Surface, model: Model | None = None, *, load: float) -> tuple[Surface, Model]:
     """Return the surface after permanent flattening by a load, and the model with its new contact law.
 
-    The model computes the indentation of each asperity under the load. After unloading, the summit is lower by the
-    residual loss of height of the contact law. The contact is then elastic up to the earlier indentation;
-    beyond it, the law of first loading continues. Up to the earlier load, unloading and reloading follow the
-    same law, which the returned surface and model predict. The returned contact law applies only to these
-    asperities in this order. Its tables take 20 s for a thousand asperities. For an elastic law, surface and
-    model are returned unchanged.
+    The model computes the indentation of each asperity under the load. After unloading, the summit is lower
+    by the residual loss of height of the contact law. The contact is then elastic up to the earlier
+    indentation; beyond it, the law of first loading continues. Up to the earlier load, unloading and
+    reloading follow the same law, which the returned surface and model predict. The returned contact law
+    applies only to these asperities in this order. Its tables take 20 s for a thousand asperities. For an
+    elastic law, surface and model are returned unchanged.
 
     Parameters
     ----------

@@ -26,15 +26,16 @@ ERROR_LIMIT = 1e-2
 class Block3D:
     """A block of finite width and length with free sides, bonded to a rigid base.
 
-    ``G(x, x') = 1/(pi r) + w(x, x')``. The half-space's part is in closed form. The smooth remainder w is
+    ``G(x, x') = 1/(pi r) + w(x, x')``. The half-space term is in closed form. The smooth remainder w is
     computed with hexahedra of quadratic displacements and linear pressure (Taylor-Hood), for any Poisson's
     ratio up to and including 1/2. Symmetry reduces the computation to a few problems on a quarter of the
     block; Betti's theorem then gives w. The block has no asperities. Each result is stored on disk, in the
     folder that ``metafem doctor`` prints. The environment variable ``METAFEM_CACHE_DIR`` sets another folder.
 
-    Valid for loads within the block. Loads nearer to a side than `cell` times the thickness need smaller
-    cells, as a warning states. With the default cells, entries for the 8 x 8 lattice on the block of Aymard
-    et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, have an error below 1e-5 /mm.
+    The result is valid for loads within the block. Loads nearer to a side than `cell` times the thickness
+    need smaller cells, as a warning states. With the default cells, entries for the 8 x 8 lattice on the
+    block of Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, have errors below
+    1e-5 /mm.
 
     Parameters
     ----------
