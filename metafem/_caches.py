@@ -1,4 +1,4 @@
-"""The cache on disk: compiled kernels, the influence of blocks and the batches of stopped studies."""
+"""Disk cache: compiled kernels, influence matrices of blocks and finished batches of stopped studies."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
-# Environment variable with the folder of all caches; default: the user's cache folder.
+# Environment variable that sets the folder of all caches; default: metafem's folder in the user's cache
+# folder.
 VARIABLE = "METAFEM_CACHE_DIR"
 
-# Names of the files that metafem writes there; other files are never removed.
+# Names of the files and folders that metafem writes to the cache; others are never removed.
 _KERNELS = _STUDY = re.compile(r"[0-9a-f]{32}")
 _BLOCK = re.compile(r"\.?block-.*\.npz.*")
 
@@ -36,32 +37,32 @@ def cache_folder() -> Path:
 
 
 def kernel_folder() -> Path:
-    """Return the folder with one folder of compiled kernels for each version of their sources."""
+    """Return the folder of compiled kernels; it has a subfolder for each version of their sources."""
     return cache_folder() / "kernels"
 
 
 def kept_kernels() -> list[Path]:
-    """Return the folders of compiled kernels, the most recently used first."""
+    """Return the subfolders of compiled kernels, most recently used first."""
     return sorted(_children(kernel_folder(), _KERNELS), key=_time, reverse=True)
 
 
 def kept_blocks() -> list[Path]:
-    """Return the files with the influence of a block."""
+    """Return the files that store the influence matrices of blocks."""
     return sorted(_children(cache_folder(), _BLOCK))
 
 
 def study_folder() -> Path:
-    """Return the folder with one folder of finished batches for each stopped study."""
+    """Return the folder of finished batches; it has a subfolder for each stopped study."""
     return cache_folder() / "studies"
 
 
 def kept_studies() -> list[Path]:
-    """Return the folders with the finished batches of stopped studies."""
+    """Return the subfolders with the finished batches of stopped studies."""
     return sorted(_children(study_folder(), _STUDY))
 
 
 def size(paths: list[Path]) -> int:
-    """Return the size of files and of all files in folders [bytes]."""
+    """Return the total size of files, and of all files in folders [bytes]."""
     return sum(_size(path) for path in paths) + sum(
         _size(Path(folder, file)) for path in paths for folder, _, files in os.walk(path) for file in files
     )
@@ -70,8 +71,8 @@ def size(paths: list[Path]) -> int:
 def remove(paths: list[Path]) -> int:
     """Remove files and folders, and return the freed size [bytes].
 
-    Other processes may use the same files at any time: each file is complete or absent, and the content of
-    absent files is computed again.
+    This is safe while other processes use the cache: each file is either complete or absent, and a process
+    that finds no file computes its content again.
     """
     before = size(paths)
     for path in paths:
@@ -84,7 +85,7 @@ def remove(paths: list[Path]) -> int:
 
 
 def write_whole(path: Path, write: Callable[[BinaryIO], Any]) -> None:
-    """Write a file under a hidden name and rename it, so that it is complete or absent."""
+    """Write a file under a temporary hidden name, then rename it, so that it is complete or absent."""
     fresh = path.with_name(f".{path.name}-{os.getpid()}-{threading.get_ident()}")
     try:
         with fresh.open("wb") as file:

@@ -1,4 +1,4 @@
-"""Arguments in error messages: their names, units and values."""
+"""Names, units and values of arguments in error messages."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-# The unit of each argument that has one. A name has one meaning in the whole package.
+# Unit of each argument that has a unit. An argument name has the same meaning in the whole package.
 UNITS: Mapping[str, str] = {
     name: unit
     for unit, names in {
@@ -33,15 +33,16 @@ UNITS: Mapping[str, str] = {
 
 
 def unit_of(name: str) -> str:
-    """Return the unit of an argument, such as "mm" of ``radius[3]``, or "1"."""
+    """Return the unit of an argument, such as "mm" for ``radius[3]``, or "1" if it has none."""
     return UNITS.get(name.rpartition(".")[2].partition("[")[0], "1")
 
 
 @dataclass(frozen=True)
 class Given:
-    """An argument or an entry of one, such as ``radius[3]``, with its value if an error states it.
+    """An argument or an entry of an array argument, such as ``radius[3]``, named in an error message.
 
-    A number is in the package's unit, a text is printed as it is.
+    `value` is None if the message does not state the value. A number is in the package's unit. A text is
+    printed unchanged.
     """
 
     name: str
@@ -49,7 +50,7 @@ class Given:
 
     @property
     def number(self) -> str:
-        """The value as a text."""
+        """Value as text."""
         return str(self.value)
 
     def __str__(self) -> str:
@@ -58,10 +59,11 @@ class Given:
 
 @dataclass(frozen=True)
 class Names:
-    """Names of arguments for a reader: those of Python, of a file or of a command.
+    """Names of arguments as a reader knows them: in Python, in a file or on the command line.
 
-    `names` holds the reader's names of arguments, `units` the unit in which a quantity was written and the
-    size of that unit in the package's unit, and `places` the location of each entry of an argument.
+    `names` maps arguments to the reader's names. `units` maps quantities to the unit in which they were
+    written and the size of this unit in the package's unit. `places` holds the location of each entry of an
+    array argument, such as a line of a file.
     """
 
     names: Mapping[str, str] = field(default_factory=dict)
@@ -69,22 +71,22 @@ class Names:
     places: Sequence[str] = ()
 
     def under(self, inner: Names) -> Names:
-        """Return these names with others that take precedence."""
+        """Return these names combined with `inner`, which takes precedence."""
         places = inner.places or self.places
         return Names({**self.names, **inner.names}, {**self.units, **inner.units}, places)
 
     def filled(self, message: str, *about: Given) -> str:
-        """Return a message with its arguments; the fields are ``{}``, ``{.name}`` and ``{.number}``."""
+        """Return a message with its fields ``{}``, ``{.name}`` and ``{.number}`` filled by the arguments."""
         return message.format(*map(self.said, about)) if about else message
 
     def said(self, given: Given) -> Given:
-        """Return an argument as the reader knows it: its name, and its value with the unit."""
+        """Return an argument with the reader's name, and its value as text with the reader's unit."""
         value = given.value
         number = value if isinstance(value, str) else "" if value is None else self.number(given.name, value)
         return Given(self.name(given.name), number)
 
     def number(self, name: str, value: float) -> str:
-        """Return a number in the unit in which its quantity was written."""
+        """Return a number as text, in the unit in which the reader wrote the quantity."""
         if not self.units:
             return f"{value:g}"
         base = name.partition("[")[0]
@@ -106,7 +108,7 @@ AS_IN_PYTHON = Names()
 
 
 def shown(value: Any, most: int = 60) -> str:
-    """Return any value on one line, for an error."""
+    """Return any value as one line of text, for an error message."""
     if isinstance(value, (str, bytes)):
         value = value[: 2 * most]
     try:
@@ -117,6 +119,6 @@ def shown(value: Any, most: int = 60) -> str:
 
 
 def printable(text: str, most: int = 200) -> str:
-    """Return a text on one line: unprintable characters are escaped, and a long text is cut."""
+    """Return text as one line: unprintable characters are escaped, and long texts are cut."""
     cut = text if len(text) <= most else text[: most - 1] + "…"
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in cut)

@@ -1,4 +1,4 @@
-"""Checks of user input, as plain numbers; each error states the argument, the value and the allowed ones."""
+"""Checks of user input; each error states the argument, its value and the allowed values."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from metafem.errors import InvalidInput, refuse_if
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# The package computes products of up to five lengths, loads or moduli; each must be a normal number in double
-# precision.
+# Bounds of lengths, loads and moduli. The package multiplies up to five of them, and each product must be a
+# normal number in double precision.
 SMALLEST, LARGEST = sys.float_info.min**0.2, sys.float_info.max**0.2
 
-# If the ratio of two lengths is larger than this, the smaller one is lost when they are added.
+# Largest ratio of two lengths. At larger ratios, rounding loses the smaller length when the two are added.
 PROPORTION = 1.0 / sys.float_info.epsilon
 
-# Bounds of Poisson's ratio of a block: 0.5 is incompressible.
+# Bounds of Poisson's ratio; a material with 0.5 is incompressible.
 POISSON: Mapping[str, Any] = {"at_least": 0.0, "at_most": 0.5}
 
-# Kinds of arrays that are no numbers, by numpy's letter: truth values, complex numbers, dates, durations,
+# numpy's letters for the kinds of arrays that are refused: booleans, complex numbers, dates, durations,
 # bytes, texts and structures.
 FOREIGN = "bcMmSUV"
 
@@ -42,7 +42,7 @@ def number(
     at_least: float | None = None,
     at_most: float | None = None,
 ) -> float:
-    """Return `value` as a finite float within the bounds, in the unit of the name."""
+    """Return `value` as a finite float within the bounds, in the unit of the argument `name`."""
     try:
         result = float(_one(plain(name, value)))
     except InvalidInput:
@@ -62,7 +62,7 @@ def number(
 
 
 def member(owner: Any, name: str, *, optional: bool = False, **bounds: float) -> None:
-    """Replace a member of a frozen dataclass by a checked number; an optional one may be None."""
+    """Replace a member of a frozen dataclass with a checked number; an optional member may be None."""
     value = getattr(owner, name)
     if value is not None or not optional:
         object.__setattr__(owner, name, number(name, value, **bounds))
@@ -84,7 +84,7 @@ def _beyond(name: str, value: float) -> InvalidInput:
 
 
 def integer(name: str, value: Any, *, at_least: int) -> int:
-    """Return `value` as an int of at least `at_least`."""
+    """Return `value` as an int, which must be at least `at_least`."""
     whole = isinstance(value, (int, np.integer)) and not isinstance(value, (bool, np.timedelta64))
     if not whole or value < at_least:
         raise InvalidInput(f"must be a whole number of at least {at_least}", key=name, value=shown(value))
@@ -106,7 +106,7 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...], positive: boo
         where = first[0] if len(first) == 1 else first
         raise InvalidInput(f"holds {result[first]} at entry {where}; all must be finite", key=name)
     if unit_of(name) != "1":
-        # a coordinate or a height may be arbitrarily small: nothing is divided by it
+        # coordinates and heights may be arbitrarily small, because nothing is divided by them
         beyond = np.argwhere((np.abs(result) > LARGEST) | (positive & (result > 0.0) & (result < SMALLEST)))
         if beyond.size:
             first = tuple(beyond[0].tolist())
@@ -133,7 +133,7 @@ def _refuse_shape(name: str, found: tuple[int, ...], shape: tuple[int | None, ..
 
 
 def proportion(name: str, value: float, other: str, reference: float) -> None:
-    """Refuse two lengths whose ratio exceeds the resolution of double precision."""
+    """Refuse a length that exceeds a reference length by more than double precision resolves."""
     small, large = sorted((abs(value), abs(reference)))
     if large > PROPORTION * small:
         raise InvalidInput(
@@ -146,7 +146,7 @@ def proportion(name: str, value: float, other: str, reference: float) -> None:
 
 
 def lists(name: str, value: Any, length: int | None) -> FloatArray:
-    """Return one list of numbers or several as a new, read-only, finite array (m, length)."""
+    """Return one list of numbers, or several, as a new, read-only, finite array (m, length)."""
     try:
         table = np.atleast_2d(np.asarray(plain(name, value), dtype=np.float64))
     except InvalidInput:
@@ -158,7 +158,7 @@ def lists(name: str, value: Any, length: int | None) -> FloatArray:
 
 
 def loads(name: str, value: Any) -> FloatArray:
-    """Return loads, none of them negative, (k,)."""
+    """Return `value` as an array of loads (k,), none of which may be negative."""
     result = array(name, value, shape=(None,))
     lowest = Given(name, result.min())
     refuse_if(result.min() < 0.0, "holds {.number}; loads cannot be negative", lowest, key=name)
@@ -166,25 +166,25 @@ def loads(name: str, value: Any) -> FloatArray:
 
 
 def instance(name: str, value: Any, kind: type | UnionType, required: str, *, optional: bool = False) -> None:
-    """Refuse a class, and a value that is not an instance of `kind`; an optional one may be None."""
+    """Refuse a value that is a class or not an instance of `kind`; an optional value may be None."""
     wrong = isinstance(value, type) or not isinstance(value, (kind, type(None)) if optional else kind)
     refuse_if(wrong, f"must be {required}", key=name, value=shown(value) if wrong else None)
 
 
 def scalar(value: Any) -> bool:
-    """Whether a value is a single number or quantity, and not a list of them."""
+    """Return whether a value is a single number or quantity, not a list of them."""
     return not isinstance(value, range) and depth(value) == 0
 
 
 def depth(value: Any) -> int:
-    """Return the nesting depth of lists, or the number of axes of an array: 0 for a single value."""
+    """Return the nesting depth of a list, or the number of axes of an array; 0 for a single value."""
     if isinstance(value, (list, tuple)):
         return 1 + (depth(value[0]) if value else 0)
     return int(getattr(value, "ndim", 0))
 
 
 def increasing(name: str, value: FloatArray, *, first: int = 0) -> FloatArray:
-    """Return `value`, whose entries must be positive and strictly increasing; its first index is `first`."""
+    """Return `value` if its entries are positive and strictly increasing; errors index from `first`."""
     refuse_if(value[0] <= 0.0, "must be greater than 0", key=f"{name}[{first}]", value=value[0])
     if value[0] < SMALLEST and unit_of(name) != "1":
         raise _beyond(f"{name}[{first}]", value[0])
@@ -198,13 +198,13 @@ def increasing(name: str, value: FloatArray, *, first: int = 0) -> FloatArray:
 
 
 def interval(name: str, value: Any) -> tuple[float, float]:
-    """Return two positive numbers; the second must be larger."""
+    """Return two positive numbers, of which the second must be the larger."""
     low, high = increasing(name, array(name, value, shape=(2,))).tolist()
     return low, high
 
 
 def generator(rng: Any) -> np.random.Generator:
-    """Return the random generator of a seed or of a generator."""
+    """Return a random generator from a seed, or the generator itself."""
     try:
         return np.random.default_rng(rng)
     except (TypeError, ValueError):
@@ -213,11 +213,11 @@ def generator(rng: Any) -> np.random.Generator:
 
 
 def plain(name: str, value: Any) -> Any:
-    """Return a value as plain numbers in the unit of its name.
+    """Return a value as plain numbers in the unit of the argument `name`.
 
-    A quantity of pint, astropy or a similar library is converted by its own method. A value that has a unit
-    but no such method is refused, and so are masked entries and units of another dimension. Any other value
-    that is not a number raises TypeError with its type.
+    A quantity of pint, astropy or a similar library is converted by its own method. Values that have a unit
+    but no such method, masked entries and units of another dimension are refused. Other values that are not
+    numbers raise a TypeError that states their type.
     """
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return value
@@ -251,7 +251,7 @@ def _plain(name: str, value: Any) -> Any:
 
 
 def _without_unit(name: str, value: Any) -> Any:
-    """Return the numbers of a quantity, recognised by its attributes, in the unit of the name."""
+    """Return the numbers of a quantity, which its attributes identify, in the unit of `name`."""
     expected = unit_of(name)
     inner = getattr(value, "data", None)
     if hasattr(inner, "to") and hasattr(inner, "units"):  # a labelled array that wraps a quantity
@@ -274,7 +274,7 @@ def _wrong_unit(name: str, unit: Any, expected: str) -> InvalidInput:
 
 
 def array_with_gaps(name: str, value: Any, *, shape: tuple[int | None, ...]) -> FloatArray:
-    """Return `value` as `array` does, with nan where it was not measured."""
+    """Return `value` as `array` does, but allow nan for entries that were not measured."""
     missing: Any = False
     with suppress(TypeError, ValueError):  # `array` reports the problem
         entries = np.array(plain(name, value), dtype=np.float64)
@@ -284,7 +284,7 @@ def array_with_gaps(name: str, value: Any, *, shape: tuple[int | None, ...]) -> 
 
 
 def refuse_entries(name: str, values: FloatArray, wrong: Any, must: str) -> None:
-    """Refuse values if one is `wrong`, a mask of their shape; the error names the first such entry."""
+    """Raise InvalidInput for the first entry of `values` at which the mask `wrong` is true."""
     bad = np.argwhere(wrong)
     if bad.size:
         place = tuple(bad[0].tolist())

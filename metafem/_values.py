@@ -1,4 +1,4 @@
-"""Base of frozen dataclasses that hold arrays: bitwise equality, a hash and a short repr."""
+"""Base class of frozen dataclasses with arrays (bitwise equality, hash, short repr), and number texts."""
 
 from __future__ import annotations
 
@@ -12,15 +12,16 @@ from numpy.typing import NDArray
 # Micrometres per millimetre.
 MICROMETRES = 1e3
 
-# A repr prints up to this number of entries; of more, their number and range.
+# Largest number of entries that a repr prints; for longer arrays it prints their number and range.
 MOST_PRINTED = 6
 
 
 class Value:
-    """Base of dataclasses declared ``frozen=True, eq=False, repr=False``.
+    """Base class of dataclasses declared ``frozen=True, eq=False, repr=False``.
 
-    Two values are equal if they have the same type and all compared members are equal: arrays in type, shape
-    and every bit, mappings in any order. Equal values have the same hash.
+    Two values are equal if they have the same type and all their compared members are equal. Arrays are equal
+    if their types, shapes and bits are equal; the order of mappings does not matter. Equal values have the
+    same hash.
     """
 
     def __eq__(self, other: object) -> bool:
@@ -42,13 +43,13 @@ class Value:
 
 
 def span(values: NDArray[Any], unit: str) -> str:
-    """Return the range of an array with a unit, or its value if all entries are equal."""
+    """Return text with the range of an array and its unit, or one value if all entries are equal."""
     low, high = f"{values.min():.4g}", f"{values.max():.4g}"
     return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
 
 
 def three_digits(value: float) -> str:
-    """Return a number with three significant digits; large numbers have no exponent.
+    """Return a number as text with three significant digits; large numbers have no exponent.
 
     Examples
     --------
@@ -59,7 +60,7 @@ def three_digits(value: float) -> str:
 
 
 def two_digits(value: float) -> str:
-    """Return a number with two significant digits; large numbers have no exponent.
+    """Return a number as text with two significant digits; large numbers have no exponent.
 
     Examples
     --------
@@ -74,7 +75,7 @@ def _written_out(value: float, digits: int) -> str:
 
 
 def percent(fraction: float, form: str = ".2g") -> str:
-    """Return a fraction as percent, for texts; a large one as a whole number, without an exponent.
+    """Return a fraction as text in percent; large values are integers without an exponent.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The exceptions and the warning of the package."""
+"""Exceptions and warnings of the package."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from metafem._given import AS_IN_PYTHON, Given, Names
 
 
 class MetafemError(Exception):
-    """Base of all errors that metafem raises for its users.
+    """Base class of all errors that metafem raises.
 
-    A message about arguments is a template with a field for each of them. `str` fills it with their names and
-    values as the reader knows them: those of Python, unless `named` sets others.
+    A message about arguments is a template with one field for each argument. `str` fills the fields with the
+    names and values of the arguments: Python's names, unless `named` sets those of a file or a command.
     """
 
     names: Names = AS_IN_PYTHON
@@ -35,16 +35,17 @@ class InvalidInput(MetafemError, ValueError):
     Attributes
     ----------
     must : str
-        The problem or the allowed values: "must be greater than 0". Without a key it is the whole message.
+        The problem or the allowed values, such as "must be greater than 0"; the complete message if there is
+        no key.
     key : str
-        The argument, an entry such as "radius[3]", or the key of a file such as "limits.max_height"; "" if
-        there is no single one.
+        The argument, an entry such as "radius[3]", or a key of a file such as "limits.max_height"; "" if the
+        error does not concern a single argument.
     value : float, str or None
-        The number, in the package's unit, or the text; None if the error does not state it.
+        The invalid number, in the package's unit, or text; None if the error does not state the value.
     example : str
-        A valid value or line, stated at the end; "" for none.
+        A valid value or line, which ends the message; "" for no example.
     problems : tuple of InvalidInput
-        The problems of a refused specification; its name is then the message. Otherwise empty.
+        All problems of a refused specification, whose name is then the message; empty for other errors.
     """
 
     def __init__(
@@ -61,7 +62,7 @@ class InvalidInput(MetafemError, ValueError):
 
     @property
     def must(self) -> str:
-        """The problem, without the key and its value."""
+        """Problem without the key and its value."""
         words = super().__str__()
         return f"{words}; write for example {self.example}" if self.example else words
 
@@ -74,11 +75,11 @@ class InvalidInput(MetafemError, ValueError):
         return f"{said.name if self.value is None else said} {self.must}"
 
     def at(self, key: str) -> InvalidInput:
-        """Return the error of a value as that of a key."""
+        """Return the error of a value as an error of `key`."""
         return InvalidInput(*self.args, key=key, value=self.value, example=self.example)
 
     def within(self, section: str) -> InvalidInput:
-        """Return the error of an argument as that of a key in a section."""
+        """Return the error of an argument as an error of a key in `section`."""
         if not self.key:
             return InvalidInput(f"cannot be used: {self}", key=section)
         message, *about = self.args
@@ -95,23 +96,25 @@ def refuse_if(
     value: float | str | None = None,
     example: str = "",
 ) -> None:
-    """Raise `InvalidInput` with these data if `wrong`."""
+    """Raise `InvalidInput` with these attributes if `wrong` is true."""
     if wrong:
         raise InvalidInput(must, *about, key=key, value=value, example=example)
 
 
 class Infeasible(MetafemError):
-    """A target that no surface within the limits can reach.
+    """No surface within the limits can reach the target.
 
-    The message states loads and frictions in the units of the target; `in_units` converts it to others.
+    The message states loads and frictions in the units of the target; `in_units` converts them to other
+    units.
 
     Attributes
     ----------
     nearest : target or None
-        The nearest target of the same kind that can be designed with the same template and
-        limits, if one is known.
+        The nearest target of the same kind that the same template and limits can reach; None if it is not
+        known.
     by_search : bool
-        Whether a search has found no surface although no bound excludes one. A longer search may find one.
+        Whether a search found no surface although no bound excludes the target; a longer search may then find
+        a surface.
     """
 
     def __init__(self, message: Any, nearest: Any = None, by_search: bool = False) -> None:
@@ -124,12 +127,12 @@ class Infeasible(MetafemError):
         return str(self.message)
 
     def in_units(self, wording: Any) -> str:
-        """Return the message with its loads and frictions in the units of a target's wording."""
+        """Return the message with loads and frictions in the units of a target's wording."""
         return self.message if isinstance(self.message, str) else str(self.message.worded(wording))
 
 
 class NotConverged(MetafemError):
-    """A solver stopped before its residual was small.
+    """A solver stopped before its residual reached the tolerance.
 
     Attributes
     ----------
@@ -143,14 +146,14 @@ class NotConverged(MetafemError):
 
 
 class MetafemWarning(UserWarning):
-    """A result was computed outside the range in which the model is valid."""
+    """Warning that a result lies outside the range in which the model is valid."""
 
 
 @contextmanager
 def named(names: Names) -> Iterator[None]:
-    """Make errors of the body use the names of arguments and the units of a file or a command.
+    """Set the names and units that errors raised in the ``with`` block use, such as those of a file.
 
-    Names that were set within the body remain.
+    Names that an inner ``named`` block has set take precedence.
     """
     try:
         yield

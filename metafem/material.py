@@ -9,7 +9,7 @@ from metafem import _validate as check
 
 @dataclass(frozen=True)
 class Material:
-    """Linear-elastic material of the block against a rigid plane.
+    """Linear-elastic material of the block; the plane is rigid.
 
     The composite modulus is ``E* = E / (1 - nu^2)``.
 
@@ -18,7 +18,7 @@ class Material:
     composite_modulus : float
         E* [MPa], positive.
     poisson_ratio : float
-        nu [-], from 0 to 0.5 (incompressible; default: 0.5).
+        nu [-], from 0 to 0.5 (incompressible); default: 0.5.
 
     Raises
     ------
@@ -40,7 +40,7 @@ class Material:
 
     @classmethod
     def from_young(cls, young_modulus: float, poisson_ratio: float = 0.5) -> Material:
-        """Return the material with a Young's modulus, ``E* = E / (1 - nu^2)``.
+        """Return the material with the given Young's modulus, ``E* = E / (1 - nu^2)``.
 
         Parameters
         ----------
@@ -80,9 +80,9 @@ class Friction:
     Parameters
     ----------
     shear_strength : float
-        sigma [MPa]: friction force per sheared real contact area, positive.
+        sigma [MPa], positive: friction force over the real contact area under shear.
     area_ratio : float
-        B [-]: sheared area over initial area, positive; default: 1, no change of the area by shear.
+        B [-], positive: real contact area under shear over that before shear; default: 1, no change.
 
     Raises
     ------
@@ -105,7 +105,7 @@ class Friction:
 
 @dataclass(frozen=True)
 class Block:
-    """The block below the asperities. It is centred on the origin, and its base is bonded.
+    """Block below the asperities, centred on the origin, with a bonded base.
 
     Parameters
     ----------

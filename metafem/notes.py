@@ -1,10 +1,13 @@
-"""Notes: sentences that accompany a result, as information or as a warning.
+"""Notes: sentences that accompany a result, as a warning or as information.
 
-A note is a warning unless `information` makes it. Thresholds are defined next to the text: `BOUND` and
-`TOO_WIDE` in `prediction/validity.py` for what a model neglects, the tolerance of `Automatic` in
-`models/automatic.py`, `MISSED` in `inversion/assessment.py` and `HEIGHT_TO_ERROR` in
-`inversion/design_notes.py` for designs, and `FINEST_SCALE_IN_SD` of `inversion/height_density.py` in
-`inversion/strategies/exponential.py` for errors of the heights.
+A note is a warning unless it is made by `information`. The thresholds of the notes are defined next to their
+texts:
+
+- effects that a model neglects: `BOUND` and `TOO_WIDE` in `prediction/validity.py`;
+- choice of the model: the tolerance of `Automatic` in `models/automatic.py`;
+- designs: `MISSED` in `inversion/assessment.py` and `HEIGHT_TO_ERROR` in `inversion/design_notes.py`;
+- height errors: `FINEST_SCALE_IN_SD` of `inversion/height_density.py`, used in
+  `inversion/strategies/exponential.py`.
 """
 
 from __future__ import annotations
@@ -17,13 +20,13 @@ from typing import Any, cast
 
 from metafem._given import AS_IN_PYTHON, Given, Names
 
-# Largest number of asperities and loads of a result for which printing estimates the notes: up to a few
-# tenths of a second; for the state of a million asperities it would be 17 s.
+# Largest number of asperities and loads of a result whose notes are estimated for printing. The estimate then
+# takes at most a few tenths of a second; for a million asperities it would take 17 s.
 FEW = 1000
 
 
 class Level(Enum):
-    """Level of a note; its value is the word in JSON and in data sets."""
+    """Level of a note; its value is the word used in JSON and in datasets."""
 
     INFORMATION = "information"
     WARNING = "warning"
@@ -38,7 +41,7 @@ class Note:
     text : str
     level : Level
         ``Level.WARNING`` if the result may be wrong or the part may not work; ``Level.INFORMATION`` for
-        actions, choices and omissions.
+        what the program did, chose or left out.
 
     Examples
     --------
@@ -61,20 +64,20 @@ class Note:
         return self.level is Level.WARNING
 
     def named(self, names: Names) -> Note:
-        """Return the note itself: it has no names of arguments."""
+        """Return the note itself, because its text contains no argument names."""
         return self
 
 
 @dataclass(frozen=True)
 class ArgumentNote(Note):
-    """A note on arguments; `named` returns it with other names of them.
+    """A note whose text names arguments; `named` returns the note with the reader's names.
 
     Parameters
     ----------
     text, level
-        As for `Note`; the text has the names of Python.
+        As for `Note`; the text contains the Python names.
     template : str
-        The text with a field for each argument, as in an error.
+        The text with one field for each argument, as in an error message.
     about : tuple of Given
     """
 
@@ -83,21 +86,21 @@ class ArgumentNote(Note):
 
     @classmethod
     def of(cls, template: str, *about: Given, level: Level = Level.WARNING) -> ArgumentNote:
-        """Return the note of a template and its arguments."""
+        """Return the note with a template and its arguments."""
         return cls(AS_IN_PYTHON.filled(template, *about), level, template, about)
 
     def named(self, names: Names) -> Note:
-        """Return the note with the names of a reader."""
+        """Return the note with the reader's names of the arguments."""
         return Note(names.filled(self.template, *self.about), self.level)
 
 
 def information(text: str) -> Note:
-    """Return a note of the level information."""
+    """Return a note with the level `Level.INFORMATION`."""
     return Note(text, Level.INFORMATION)
 
 
 def counted(notes: Iterable[Note]) -> str:
-    """Return the number of notes of each level: ``1 warning, 2 notes``.
+    """Return text with the numbers of warnings and other notes: ``1 warning, 2 notes``.
 
     Examples
     --------
@@ -110,20 +113,21 @@ def counted(notes: Iterable[Note]) -> str:
 
 
 def to_lines(notes: Iterable[Note]) -> str:
-    """Return notes as one text for a data set, one line each: ``information: ...``."""
+    """Return notes as one text for a dataset, with one line for each note: ``information: ...``."""
     return "\n".join(f"{note.level.value}: {note.text}" for note in notes)
 
 
 def from_lines(text: str) -> tuple[Note, ...]:
-    """Return the notes that `to_lines` wrote."""
+    """Return the notes from a text that `to_lines` returned."""
     parts = (line.partition(": ") for line in text.splitlines())
     return tuple(Note(rest, Level(word)) for word, _, rest in parts)
 
 
 class LateNotes:
-    """A field of notes, set to a tuple or to a function that is called when they are first read.
+    """Descriptor for notes, set to a tuple or to a function that is called at the first read.
 
-    The estimates of a model's errors take longer than one equilibrium, and most callers do not read them.
+    The notes are delayed because estimating a model's errors takes longer than solving for one equilibrium,
+    and most callers do not read the notes.
     """
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -142,19 +146,19 @@ class LateNotes:
 
 
 def late_notes() -> Any:
-    """Return a field of notes for a dataclass; its value is a tuple."""
+    """Return a dataclass field whose value is a tuple of notes, computed when it is first read."""
     return LateNotes()
 
 
 def when_read(function: Callable[..., tuple[Note, ...]], *arguments: Any, size: int) -> Any:
-    """Return a placeholder for the notes of a result with a number `size` of asperities and loads."""
+    """Return a placeholder for notes that `function` computes; `size` counts asperities and loads."""
     later: Any = partial(function, *arguments)
     later.size = size
     return later
 
 
 def printed_count(*results: Any) -> str:
-    """Return `counted` of the notes of results, unless their estimate would take long.
+    """Return `counted` for the notes of results, or say that they are not estimated if this takes long.
 
     Examples
     --------

@@ -12,13 +12,13 @@ __all__ = ["listening"]
 
 Item = TypeVar("Item")
 
-# Called with the name of the step and the completed fraction, None if it is not known.
+# Function that is called with the name of a step and the completed fraction, or None if it is not known.
 OnStep = Callable[[str, float | None], None]
 
 
 @dataclass(frozen=True)
 class _Step:
-    """A step and, if it is one of several, its number and their number `of` (may be an upper bound)."""
+    """A step. In a series, it has a number; `of` is the number of steps in the series or its upper bound."""
 
     name: str
     number: int = 0
@@ -34,14 +34,14 @@ class _Step:
 
 @dataclass(eq=False)
 class _Listener:
-    """The running steps, outermost first, and the functions to call."""
+    """The running steps, outermost first, and the functions that report them."""
 
     on_step: OnStep
     on_message: Callable[[str], None] | None
     steps: list[_Step] = field(default_factory=list)
 
     def at(self, depth: int, *step: _Step) -> None:
-        """Replace the steps from a depth on, and report the running steps."""
+        """Replace the steps at `depth` and deeper, then report the running steps."""
         self.steps[depth:] = step
         if self.steps:
             self.on_step(", ".join(map(str, self.steps)), self._done())
@@ -62,13 +62,13 @@ _LISTENER: ContextVar[_Listener | None] = ContextVar("metafem progress", default
 
 @contextmanager
 def listening(on_step: OnStep, on_message: Callable[[str], None] | None = None) -> Iterator[None]:
-    """Report the progress of the computations within the ``with`` block.
+    """Report the progress of computations in the ``with`` block.
 
     Parameters
     ----------
     on_step : callable
-        Called at the beginning of each step with the name of the step and the completed fraction, from 0 to
-        1, or None if it is not known. Quick computations report many steps per second.
+        Called at the start of each step with the name of the step and the completed fraction, from 0 to 1, or
+        None if the fraction is not known. Fast computations report many steps per second.
     on_message : callable, optional
         Called with messages that should stay on the screen, such as the file in which a solution is stored.
 
@@ -95,7 +95,7 @@ def listening(on_step: OnStep, on_message: Callable[[str], None] | None = None) 
 
 @contextmanager
 def doing(name: str) -> Iterator[None]:
-    """Report a step while the block runs."""
+    """Report a step that lasts as long as the ``with`` block."""
     listener = _LISTENER.get()
     if listener is None:
         yield
@@ -111,9 +111,10 @@ def doing(name: str) -> Iterator[None]:
 def each(
     name: str, items: Sequence[Item], *, at_most: bool = False, detail: Callable[[], str] = str
 ) -> Iterator[Item]:
-    """Yield items and report each as a step of this name; `at_most` if the loop may end early.
+    """Yield items and report each of them as a step called `name`.
 
-    `detail` returns an addition to the name of each step, such as the time left.
+    With `at_most`, the loop may end early. `detail` returns a text that is added to the name of each step,
+    such as the time left.
     """
     listener = _LISTENER.get()
     if listener is None:
@@ -125,13 +126,14 @@ def each(
             listener.at(depth, _Step(name, number, len(items), at_most, detail()))
             yield item
     finally:
-        # no report here: if a loop ends early, Python prints and ignores an exception that a listener raises
+        # do not report here: if the loop ends early, Python prints and ignores exceptions raised by a
+        # listener
         del listener.steps[depth:]
     listener.at(depth)
 
 
 def message(text: str) -> None:
-    """Report a message that should stay on the screen after the step has ended."""
+    """Report a message that should stay on the screen after the step ends."""
     listener = _LISTENER.get()
     if listener is not None and listener.on_message is not None:
         listener.on_message(text)

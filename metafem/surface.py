@@ -1,4 +1,4 @@
-"""The surface: asperities on a block."""
+"""Surface with asperities on a block."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ if TYPE_CHECKING:
 
 __all__ = ["Block", "Friction", "Material", "Surface"]
 
-# Largest tilt: for larger ones the heights are no longer nearly normal to the plane.
+# Largest tilt [rad]. At larger tilts the direction of the heights is far from normal to the plane.
 STEEPEST = 0.25 * math.pi
 
 # Largest number of asperities that a notebook shows individually.
 MOST_DRAWN = 4000
 
-# Largest number of sites: more need gigabytes.
+# Largest number of sites; more sites need gigabytes of memory.
 MOST_SITES = 10**8
 
 
@@ -48,15 +48,15 @@ class Surface(Value):
         Radii of curvature of the summits [mm], positive.
     material : Material
     friction : Friction, optional
-        Needed for friction forces; default: None.
+        Required for friction forces; default: None.
     block : Block, optional
-        Needed by the bonded layer, the true block and the part files; default: None.
+        Required for the bonded layer, the true block and the part files; default: None.
 
     Raises
     ------
     InvalidInput
-        For arrays that are empty, of the wrong shape or not finite, for radii that are not positive, and for
-        coincident asperities.
+        If an array is empty, has the wrong shape or is not finite, a radius is not positive, or two
+        asperities coincide.
 
     Examples
     --------
@@ -162,7 +162,7 @@ class Surface(Value):
         return f"<Surface: {count[1]} asperities, {', '.join(f'{name} {words}' for name, words in rest)}>"
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows."""
+        """Return the HTML representation for notebooks."""
         few = self.count <= MOST_DRAWN
 
         def distribution(ax: Axes) -> None:
@@ -171,7 +171,7 @@ class Surface(Value):
         return card.card("Surface", self._facts(), self.plot if few else distribution)
 
     def _facts(self) -> dict[str, str]:
-        """Return the printed facts of the surface."""
+        """Return the quantities for the printed summary."""
         facts = {
             "asperities": f"{self.count:,}",
             "heights": span(self.height, "mm"),
@@ -194,11 +194,11 @@ class Surface(Value):
 
     @property
     def gap(self) -> FloatArray:
-        """Depth of each summit below the tallest, (n,) [mm]; it preserves the digits of small differences."""
+        """Depth of each summit below the tallest, (n,) [mm], accurate also for small differences."""
         return np.asarray(self.height.max() - self.height)
 
     def replaced(self, **changes: Any) -> Surface:
-        """Return a copy with some of the constructor's arguments changed."""
+        """Return a copy in which some arguments of the constructor are changed."""
         return replace(self, **changes)
 
     def tilted(self, angle_x: float, angle_y: float) -> Surface:
@@ -207,7 +207,7 @@ class Surface(Value):
         Parameters
         ----------
         angle_x, angle_y : float
-            Slopes along x and along y, as angles [rad], between -pi/4 and pi/4; the height at the origin does
+            Tilt angles along x and y [rad], between -pi/4 and pi/4. The height at the origin does
             not change.
 
         Returns
@@ -227,7 +227,7 @@ class Surface(Value):
         return self.replaced(height=self.height + self.position @ np.array(slope))
 
     def perturbed(self, height_sd: float, rng: Any = 0) -> Surface:
-        """Return the surface with independent Gaussian errors of s.d. `height_sd` [mm] on its heights.
+        """Return the surface with independent Gaussian height errors of standard deviation `height_sd` [mm].
 
         `rng` is a seed or a numpy Generator; default: 0.
         """
@@ -235,19 +235,19 @@ class Surface(Value):
         return self.replaced(height=self.height + sd * check.generator(rng).standard_normal(self.count))
 
     def shuffled(self, rng: Any = 0) -> Surface:
-        """Return the surface with its asperities (height and radius) assigned to its sites at random.
+        """Return the surface with its asperities (heights and radii) randomly assigned to its sites.
 
         `rng` is a seed or a numpy Generator; default: 0.
         """
         generator = check.generator(rng)
-        # `design` assigns heights to sites by the first permutation of a seed; to apply it again would sort
-        # the heights
+        # `design` assigns sorted heights to sites by the first permutation of a seed; skip it, so that the
+        # same seed does not undo that assignment
         generator.permutation(self.count)
         order = generator.permutation(self.count)
         return self.replaced(height=self.height[order], radius=self.radius[order])
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the heights at their sites; the markers are proportional to the radii if these differ.
+        """Draw the heights at their sites; marker sizes are proportional to the radii if these differ.
 
         Parameters
         ----------
@@ -273,14 +273,14 @@ class Surface(Value):
 
 
 def _radii(radius: ArrayLike, count: int) -> FloatArray:
-    """Return one radius for all summits, or one each, as positive radii (count,)."""
+    """Return positive radii (count,) [mm] from one radius for all summits or one for each."""
     if check.scalar(radius):
         radius = np.full(count, check.number("radius", radius, above=0.0))
     return check.array("radius", radius, shape=(count,), positive=True)
 
 
 def _refuse_coincident(position: FloatArray) -> None:
-    # coordinates may be arbitrarily small; smaller ones count as zero
+    # coordinates may be arbitrarily small, but those below SMALLEST count as zero
     rounded = np.where(np.abs(position) < check.SMALLEST, 0.0, position)
     order = np.lexsort(rounded.T)
     same = np.flatnonzero((rounded[order[1:]] == rounded[order[:-1]]).all(axis=1))
@@ -292,7 +292,7 @@ def _refuse_coincident(position: FloatArray) -> None:
 
 
 def _refuse_disproportion(radius: FloatArray, lengths: Mapping[str, FloatArray]) -> None:
-    """Refuse lengths that exceed the smallest radius by more than the resolution of double precision."""
+    """Refuse lengths so large, relative to the smallest radius, that rounding would lose the radius."""
     i = int(radius.argmin())
     for name, values in lengths.items():
         largest = int(np.abs(values).argmax())

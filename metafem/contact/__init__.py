@@ -1,4 +1,4 @@
-"""One asperity against the plane."""
+"""Contact of one asperity and a rigid plane."""
 
 from metafem.contact.adhesion import JKR
 from metafem.contact.cap_compliance import pedestal_compliance

@@ -20,7 +20,7 @@ from metafem.contact.law import Contact, Values, material_of
 from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Material
 
-# Twice the width of the first bracket of an indentation, in the logarithm.
+# Twice the width of the first bracket of ln d, where d is the cap's indentation without adhesion.
 WIDTH = 1.0
 
 
@@ -28,15 +28,15 @@ WIDTH = 1.0
 class JKR(Contact):
     """Frictionless adhesive contact of an elastic cap and a rigid plane.
 
-    With the contact radius a, the law without adhesion of the cap, its slope ``c = dd/da``, and
-    ``s = sqrt(2 pi w a/E*)``: ``d = d_cap - s``, ``A = pi a^2``, ``P/E* = P_cap/E* - 2 a s``,
-    ``dP/dd = 2 a E* (c - 3/2 s/a)/(c - 1/2 s/a)``, and the second moment of the pressure is that of the cap
-    minus ``4/3 a^3 s`` E*. For a paraboloid without other contacts
-    ``a^3 = 3 R/(4 E*) [P + 3 pi w R + sqrt(6 pi w R P + (3 pi w R)^2)]``. Under a given load the contact
-    breaks at `pull_off_radius`; the load there is ``-3/2 pi w R`` for a paraboloid. Under a given indentation
-    it stays closed down to a smaller radius, where ``c = 1/2 s/a``. Lengths in mm. Valid for soft, large
-    contacts with short-range adhesion (Tabor parameter above about 5), and for profiles with increasing
-    ``c sqrt(a)``. Johnson, Kendall and Roberts, Proc. R. Soc. A 324, 301 (1971),
+    Let d_cap(a) and P_cap(a) be indentation and load of the cap without adhesion, ``c = d d_cap/da`` and
+    ``s = sqrt(2 pi w a/E*)``. Then ``d = d_cap - s``, ``A = pi a^2``, ``P/E* = P_cap/E* - 2 a s``, and
+    ``dP/dd = 2 a E* (c - 3/2 s/a)/(c - 1/2 s/a)``. The second moment of the pressure over E* is that of the
+    cap minus ``4/3 a^3 s``. For a paraboloid without other contacts
+    ``a^3 = 3 R/(4 E*) [P + 3 pi w R + sqrt(6 pi w R P + (3 pi w R)^2)]``. Under load control the contact
+    breaks at `pull_off_radius`, where the load of a paraboloid is ``-3/2 pi w R``. Under displacement control
+    the contact stays closed down to a smaller radius, where ``c = 1/2 s/a``. Lengths are in mm. The law is
+    valid for soft, large contacts with short-range adhesion (Tabor parameter above about 5), and for profiles
+    with increasing ``c sqrt(a)``. Johnson, Kendall and Roberts, Proc. R. Soc. A 324, 301 (1971),
     doi:10.1098/rspa.1971.0141; other profiles: Popov and Hess (2015), doi:10.1007/978-3-642-53876-6.
 
     Parameters
@@ -79,36 +79,36 @@ class JKR(Contact):
 
     @property
     def without_adhesion(self) -> Contact:
-        """The law of the cap."""
+        """Law of the cap without adhesion."""
         return self.cap
 
     def for_material(self, material: Material) -> Contact:
-        """Return the law for E* of a material; the law itself if it has a material, the cap if w is 0."""
+        """Return the law with a material, unless it already has one; return the cap's law if w is 0."""
         if self.adhesion_energy == 0.0:
             return self.cap
         return self if self.material is not None else replace(self, material=material)
 
     def shape(self) -> CapShape:
-        """Shape of the caps of a part."""
+        """Return the shape of the caps of a part."""
         return self.cap.shape()
 
     @property
     def length(self) -> float:
-        """w/E* [mm]."""
+        """Length w/E* [mm]."""
         if self.adhesion_energy == 0.0:
             return 0.0
         return self.adhesion_energy / material_of(self).composite_modulus
 
     def deficit(self, contact_radius: Values) -> FloatArray:
-        """Decrease s = sqrt(2 pi w a/E*) [mm] of the cap's indentation by adhesion."""
+        """Return s = sqrt(2 pi w a/E*) [mm], by which adhesion reduces the cap's indentation."""
         return np.sqrt(2.0 * math.pi * self.length * np.asarray(contact_radius, dtype=np.float64))
 
     def profile_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Derivative c = dd/da of the cap's indentation [-], for a > 0."""
+        """Return the slope c = d d_cap/da of the cap's indentation [-], for a > 0."""
         return self.cap.profile_slope(contact_radius, radius, curvature)
 
     def largest_indentation(self, radius: Values) -> FloatArray:
-        """Largest valid indentation [mm] of the law; infinite if there is no limit."""
+        """Return the largest indentation [mm] for which the law is valid; infinite if there is no limit."""
         most = np.asarray(self.cap.largest_indentation(radius), dtype=np.float64)
         finite = np.isfinite(most)
         if not finite.any():
@@ -117,10 +117,10 @@ class JKR(Contact):
         return np.where(finite, most - self.deficit(a), most)[()]
 
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Contact radius a [mm] of the stable branch on loading; 0 where d is negative: an open contact.
+        """Return the contact radius a [mm] on the stable branch of loading; 0 for open contacts, d < 0.
 
-        At d = 0 the asperity has jumped into contact. On unloading, it stays closed down to a negative
-        indentation; the models find its radius by following the branch.
+        At d = 0 the asperity has jumped into contact. On unloading, the contact stays closed down to a
+        negative indentation. The models follow this branch to find the contact radius.
         """
         given = (np.asarray(value, dtype=np.float64) for value in (indentation, radius, curvature))
         d, size, extra = np.broadcast_arrays(*given)
@@ -136,44 +136,44 @@ class JKR(Contact):
         return found[()]
 
     def indentation(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Indentation d = d_cap - s [mm]."""
+        """Return the indentation d = d_cap - s [mm]."""
         return self.cap.indentation(contact_radius, radius, curvature) - self.deficit(contact_radius)
 
     def load(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Rescaled load P/E* = P_cap/E* - 2 a s [mm^2]."""
+        """Return the rescaled load P/E* = P_cap/E* - 2 a s [mm^2]."""
         a = np.asarray(contact_radius)
         return np.asarray(self.cap.load(a, radius, curvature) - 2.0 * a * self.deficit(a))[()]
 
     def second_moment(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Second moment of the pressure over E*, that of the cap minus 4/3 a^3 s [mm^4]."""
+        """Return the second moment of the pressure over E*, that of the cap minus 4/3 a^3 s [mm^4]."""
         a = np.asarray(contact_radius)
         moment = self.cap.second_moment(a, radius, curvature)
         return np.asarray(moment - 4.0 / 3.0 * a**3 * self.deficit(a))[()]
 
     def stiffness(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Derivative of P/E* by d, 2 a (c - 3/2 s/a)/(c - 1/2 s/a) [mm]; 0 for an open contact."""
+        """Return d(P/E*)/dd = 2 a (c - 3/2 s/a)/(c - 1/2 s/a) [mm]; 0 for an open contact."""
         a, slope, drop = self._rates(contact_radius, radius, curvature)
         return np.asarray(2.0 * a * (slope - 1.5 * drop) / (slope - 0.5 * drop))[()]
 
     def area_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Derivative of the area by d, 2 pi a/(c - 1/2 s/a) [mm]; 0 for an open contact."""
+        """Return dA/dd = 2 pi a/(c - 1/2 s/a) [mm]; 0 for an open contact."""
         a, slope, drop = self._rates(contact_radius, radius, curvature)
         return np.asarray(2.0 * math.pi * a / (slope - 0.5 * drop))[()]
 
     def entry_radius(self, radius: Values) -> FloatArray:
-        """Contact radius [mm] after the jump into contact, at d = 0."""
+        """Return the contact radius [mm] after the jump into contact at d = 0."""
         return self.contact_radius(np.zeros(np.shape(radius)), radius)
 
     def pull_off_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Contact radius [mm] at which the load is smallest, c = 3/2 s/a; the load there is negative."""
+        """Return the contact radius [mm] at which the load has its (negative) minimum: c = 3/2 s/a."""
         return self._steep(1.5, radius, curvature)
 
     def break_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Contact radius [mm] at which the indentation is smallest, c = 1/2 s/a: the end of the branch."""
+        """Return the contact radius [mm] of smallest indentation, where the branch ends: c = 1/2 s/a."""
         return self._steep(0.5, radius, curvature)
 
     def _steep(self, share: float, radius: Values, curvature: Values) -> FloatArray:
-        """Return the contact radius [mm] at which c = share s/a."""
+        """Return the contact radius [mm] at which c equals ``share`` times s/a."""
 
         def excess(a: FloatArray, _: FloatArray, *given: FloatArray) -> FloatArray:
             return np.asarray(np.log(self.profile_slope(a, *given[:2]) * a / (share * self.deficit(a))))
@@ -181,7 +181,7 @@ class JKR(Contact):
         return self._radius_where(excess, radius, curvature)
 
     def zero_load_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Contact radius [mm] of the stable contact without load."""
+        """Return the radius [mm] of the stable contact at zero load."""
 
         def excess(a: FloatArray, _: FloatArray, *given: FloatArray) -> FloatArray:
             return np.asarray(np.log(self.cap.load(a, *given[:2]) / (2.0 * a * self.deficit(a))))
@@ -199,9 +199,10 @@ class JKR(Contact):
     def _radius_where(
         self, excess: Callable[..., FloatArray], radius: Values, curvature: Values, depth: Values = 0.0
     ) -> FloatArray:
-        """Return the contact radius at which excess(a, z, radius, curvature, depth) is 0, to rounding.
+        """Return the contact radius a at which excess(a, z, radius, curvature, depth) is 0, to rounding.
 
-        z is the indentation of the cap at a. The excess increases nearly linearly with the logarithm of z.
+        z is the cap's indentation without adhesion at the contact radius a. The excess increases almost
+        linearly with ln z.
         """
         given = np.broadcast_arrays(*(np.asarray(v, dtype=np.float64) for v in (radius, curvature, depth)))
         top = np.log(np.asarray(self.cap.largest_indentation(given[0]), dtype=np.float64))
@@ -222,9 +223,9 @@ class JKR(Contact):
 
 
 def of_sizes(method: Callable[[JKR, FloatArray], FloatArray], law: JKR, radius: FloatArray) -> FloatArray:
-    """Return contact radii (n,) [mm] of summits of radii (n,), computed once for each distinct radius.
+    """Return a contact radius [mm] for each summit radius, (n,), computed once for each distinct radius.
 
-    method: one of `JKR`, such as ``JKR.entry_radius``.
+    The contact radius is that of `method`, a method of `JKR` such as ``JKR.entry_radius``.
     """
     sizes, which = np.unique(radius, return_inverse=True)
     return _of_sizes(method, law, tuple(sizes.tolist()))[which]
@@ -234,5 +235,5 @@ def of_sizes(method: Callable[[JKR, FloatArray], FloatArray], law: JKR, radius: 
 def _of_sizes(
     method: Callable[[JKR, FloatArray], FloatArray], law: JKR, sizes: tuple[float, ...]
 ) -> FloatArray:
-    """As `of_sizes`, cached: a search takes a millisecond, and a design repeats it for many heights."""
+    """Return the radii of `of_sizes`, cached because a design repeats this root search for many heights."""
     return np.asarray(method(law, np.array(sizes)))

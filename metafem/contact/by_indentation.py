@@ -1,4 +1,4 @@
-"""Contact laws given as load and area over the indentation, and the functions that represent them."""
+"""Contact laws with load and area as functions of the indentation, and cubics for these functions."""
 
 from __future__ import annotations
 
@@ -16,65 +16,66 @@ from metafem.errors import InvalidInput
 # Relative excess over the largest indentation that is treated as rounding.
 ROUNDING = 1e-12
 
-# Maximum number of steps of Newton's method and bisection in one panel; the cubics of contact laws need 3 to
-# 6. After a step below SETTLED the next one, its square, is below rounding.
+# Maximum number of steps of Newton's method with bisection in one panel; the cubics of contact laws need 3 to
+# 6. Convergence is quadratic: after a step below SETTLED, the next step is below rounding.
 MOST_STEPS, SETTLED = 60, 1e-9
 
 
 class LawByIndentation(Contact):
-    """A law given as load P/E* and area A over the indentation d; it is coupled by order 1.
+    """Contact law with load P/E* and area A as functions of the indentation d; its coupling is of order 1.
 
-    The contact radius is ``sqrt(A/pi)``. The curvature by other contacts is ignored: it is a term of
-    order 3. The pressure is not known. Its second moment is 2/5 P a^2 for Hertz's pressure and 1/2 P a^2
-    for a uniform one; elastic-plastic contacts lie between them. `second_moment` is the larger.
+    The contact radius is ``sqrt(A/pi)``. The law ignores the curvature due to other contacts, which is a term
+    of order 3. The pressure distribution is not known: its second moment is 2/5 P a^2 for Hertz's pressure
+    and 1/2 P a^2 for a uniform pressure, and elastic-plastic contacts lie in between. `second_moment` returns
+    the larger value.
     """
 
     largest_order: ClassVar[int] = 1
 
-    if TYPE_CHECKING:  # of laws whose load and area are such functions
+    if TYPE_CHECKING:  # members of the subclasses whose load and area are `LogCubic`
 
         @property
         def _load(self) -> LogCubic:
-            """P over d, in units of `_scales`."""
+            """P/E* as a function of d, in the units of `_scales`."""
 
         @property
         def _area(self) -> LogCubic:
-            """A over d, in units of `_scales`."""
+            """A as a function of d, in the units of `_scales`."""
 
     @abstractmethod
     def _scales(self, radius: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Units of d [mm], of P/E* [mm^2] and of A [mm^2]."""
+        """Return the units of d [mm], P/E* [mm^2] and A [mm^2]."""
 
     def _scaled_load(self, d: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """P and d ln P/d ln d, in units of `_scales`."""
+        """Return P/E* and d ln P/d ln d [-] at d, with P/E* and d in the units of `_scales`."""
         return self._load.at(d)
 
     def _load_at(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """P/E* [mm^2] and its derivative [mm] at indentations depth > 0 [mm]."""
+        """Return P/E* [mm^2] and its derivative [mm] at indentations depth > 0 [mm]."""
         length, unit, _ = self._scales(radius)
         scaled, slope = self._scaled_load(depth / length)
         load = unit * scaled
         return load, load * slope / depth
 
     def _area_at(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """A [mm^2] and its derivative [mm] at indentations depth > 0 [mm]."""
+        """Return A [mm^2] and its derivative [mm] at indentations depth > 0 [mm]."""
         length, _, unit = self._scales(radius)
         scaled, slope = self._area.at(depth / length)
         area = unit * scaled
         return area, area * slope / depth
 
     def _depth_at(self, area: FloatArray, radius: FloatArray) -> FloatArray:
-        """Indentation d [mm] at areas > 0 [mm^2]."""
+        """Return the indentation d [mm] at areas > 0 [mm^2]."""
         length, _, unit = self._scales(radius)
         return np.asarray(length * self._area.inverse(area / unit))
 
     def breaks(self, radius: float) -> FloatArray:
-        """Contact radii [mm] at the ends of the panels of A."""
+        """Return the contact radii [mm] at the ends of the panels of A(d)."""
         _, _, unit = self._scales(radius)
         return np.asarray(np.sqrt(unit * np.exp(self._area.y) / math.pi))
 
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Contact radius sqrt(A/pi) [mm]; 0 where the contact is open."""
+        """Return the contact radius sqrt(A/pi) [mm]; 0 where the contact is open."""
         given = (np.asarray(value, dtype=np.float64) for value in (indentation, radius))
         d, size = np.broadcast_arrays(*given)
         most = self.largest_indentation(size)
@@ -90,29 +91,29 @@ class LawByIndentation(Contact):
         return np.asarray(np.where(closed, np.sqrt(area / math.pi), 0.0))[()]
 
     def indentation(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Indentation d [mm]."""
+        """Return the indentation d [mm]."""
         return self._of_closed(lambda depth, _: (depth,), contact_radius, radius)[0]
 
     def load(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Rescaled load P/E* [mm^2]."""
+        """Return the rescaled load P/E* [mm^2]."""
         return self._of_closed(self._load_at, contact_radius, radius)[0]
 
     def second_moment(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Second moment over E* of a uniform pressure, 1/2 P/E* a^2 [mm^4], an upper bound."""
+        """Return the second moment of a uniform pressure over E*, 1/2 P/E* a^2 [mm^4]: an upper bound."""
         return np.asarray(0.5 * np.square(contact_radius) * self.load(contact_radius, radius))[()]
 
     def stiffness(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Derivative of P/E* by d [mm]; 0 for an open contact."""
+        """Return d(P/E*)/dd [mm]; 0 for an open contact."""
         return self._of_closed(self._load_at, contact_radius, radius)[1]
 
     def area_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Derivative of the area by d [mm]; 0 for an open contact."""
+        """Return dA/dd [mm]; 0 for an open contact."""
         return self._of_closed(self._area_at, contact_radius, radius)[1]
 
     def _of_closed(
         self, function: Callable[..., tuple[FloatArray, ...]], contact_radius: Values, radius: Values
     ) -> list[FloatArray]:
-        """Return functions of the indentation and the summit radius at contact radii; 0 for open contacts."""
+        """Return the values of a function of indentation and summit radius; 0 for open contacts."""
         given = (np.asarray(value, dtype=np.float64) for value in (contact_radius, radius))
         a, size = np.broadcast_arrays(*given)
         closed = a > 0.0
@@ -123,8 +124,8 @@ class LawByIndentation(Contact):
 class LogCubic(NamedTuple):
     """An increasing function y(x) of x > 0 with a continuous slope.
 
-    ln y is a cubic of ln x in each panel, and a straight line (a power of x) outside the panels. Powers are
-    reproduced exactly.
+    ln y is a cubic polynomial of ln x in each panel. Outside the panels ln y is a straight line, so that y is
+    a power of x. Power laws are reproduced exactly.
     """
 
     x: FloatArray  # (m,), ln x at the ends of the panels, increasing
@@ -133,7 +134,7 @@ class LogCubic(NamedTuple):
 
     @classmethod
     def powers(cls, parts: list[tuple[float, float]], blends: list[tuple[float, float]]) -> LogCubic:
-        """Return power laws ``c x^n`` from parts (c, n), joined by cubics over blends (from, to)."""
+        """Return the power laws ``c x^n`` of parts (c, n), joined by a cubic over each blend (start, end)."""
         ends = np.log(np.array(blends))
         scale = np.log([c for c, _ in parts])
         power = np.array([n for _, n in parts])
@@ -171,16 +172,16 @@ class LogCubic(NamedTuple):
         return np.exp(self.x[panel] + width * t)
 
     def _panel(self, ends: FloatArray, values: FloatArray) -> IntArray:
-        """Return the panel index of each value; the first or the last one for values outside."""
+        """Return the panel index of each value; values outside get the first or the last panel."""
         return np.clip(np.searchsorted(ends, values, side="right") - 1, 0, len(ends) - 2).astype(np.int64)
 
     def _in_panel(self, panel: IntArray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return ln y and its slope at t from 0 to 1 in panels; outside, by straight lines."""
+        """Return ln y and d ln y/d ln x at t, which runs from 0 to 1 in a panel; outside, ln y is linear."""
         width = self.x[panel + 1] - self.x[panel]
         left, right = self.slope[panel], self.slope[panel + 1]
         mean = (self.y[panel + 1] - self.y[panel]) / width
         s = np.clip(t, 0.0, 1.0)
-        # the Hermite cubic as a straight line of the left slope plus two corrections that vanish for a line
+        # Hermite cubic: a line with the left slope, plus two corrections that vanish for a power law
         square, cube = 3.0 * mean - 2.0 * left - right, left + right - 2.0 * mean
         y = self.y[panel] + width * s * (left + s * (square + s * cube))
         slope = left + s * (2.0 * square + 3.0 * s * cube)

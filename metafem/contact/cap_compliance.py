@@ -1,4 +1,4 @@
-"""Compliance that a cap adds to the half-space on which it stands."""
+"""Compliance that a spherical cap adds to the half-space below it."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import foot_radius
 from metafem.errors import refuse_if
 
-# Range of the fit: h/R, and the largest contact radius over that of the cap's foot.
+# Range of the fit: lowest and highest h/R, and largest ratio of the contact radius to the foot radius.
 LOWEST, TALLEST, WIDEST = 0.05, 0.6, 0.6
 
-# c_p R = sum of coefficient theta^i x^j over rows i and columns j, with the slope theta of the sphere at the
-# foot and x = a/R, fitted to finite elements (metafem.fe.measure_pedestal), nu = 0.5, with a relative error
-# of at most FIT_ERROR.
+# c_p R = sum over i, j of COEFFICIENTS[i, j] theta^i x^j, where theta is the slope angle of the sphere at the
+# foot and x = a/R. The sum is fitted to finite elements (metafem.fe.measure_pedestal) with nu = 0.5; its
+# relative error is at most FIT_ERROR.
 COEFFICIENTS = np.array(
     [
         (0.0, 0.27508, -0.072683, 0.041567),
@@ -30,25 +30,25 @@ COEFFICIENTS = np.array(
 )
 FIT_ERROR = 3e-4
 
-# Terms of the fit that do not depend on the contact radius. Those that grow with it belong to the contact law
-# and are left out; for them the deviations at small strain and at finite strain have equal size and opposite
-# sign.
+# Terms of the fit that do not depend on the contact radius. The terms that grow with the contact radius
+# belong to the contact law and are left out: for these terms, the deviations at small strain and at finite
+# strain are equal in size and opposite in sign.
 LIGHT = COEFFICIENTS[:, 0]
 
 
 def pedestal_compliance(height: ArrayLike, radius: ArrayLike, contact_radius: ArrayLike = 0.0) -> FloatArray:
-    """Compliance c_p that a spherical cap adds to the half-space on which it stands.
+    """Return the compliance c_p [1/mm] that a spherical cap adds to the half-space below it.
 
-    ``d = d_Hertz(P) + c_p P/(pi E*)``: c_p/pi is added to the diagonal of the influence between asperities.
-    Fitted to small-strain finite elements of an incompressible cap; at nu = 0.49 and a/R = 0.1 it is 7 %
-    smaller. It increases with the contact by about 0.25 a/R^2.
+    ``d = d_Hertz(P) + c_p P/(pi E*)``, so c_p/pi is added to the diagonal of the influence matrix of the
+    asperities. The formula is fitted to small-strain finite elements of an incompressible cap. At nu = 0.49
+    and a/R = 0.1, c_p is 7 % smaller. c_p increases with the contact radius by about 0.25 a/R^2.
 
     Parameters
     ----------
     height, radius : array_like
         h and R of the cap [mm], 0.05 <= h/R <= 0.6.
     contact_radius : array_like
-        a [mm], up to 0.6 of the foot radius of the cap; default: 0, the limit of light loads.
+        a [mm], up to 0.6 times the foot radius of the cap; default: 0, the limit of light loads.
 
     Returns
     -------
@@ -82,11 +82,12 @@ def pedestal_compliance(height: ArrayLike, radius: ArrayLike, contact_radius: Ar
 
 
 def pedestal_influence(height: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Displacement of summits by their own caps, per unit of P/E* [1/mm], and its derivative by the height.
+    """Return c_p/pi [1/mm] of each cap at light loads, and its derivative by the height [1/mm^2].
 
-    ``c_p/pi`` of `metafem.contact.pedestal_compliance` in the limit of light loads. It vanishes in
-    proportion to the height, so the fit also applies below the lowest row of the table; summits
-    at or below the base plane have no pedestal. Summits above the last row get the value of that row.
+    c_p/pi is the displacement of a summit per unit of P/E* due to its own cap; see
+    `metafem.contact.pedestal_compliance`. As h tends to 0, c_p vanishes in proportion to h, so the fit also
+    applies below h/R = 0.05. Summits at or below the base plane have no pedestal. Above h/R = 0.6, c_p has
+    its value at 0.6.
 
     Examples
     --------
@@ -97,7 +98,7 @@ def pedestal_influence(height: FloatArray, radius: FloatArray) -> tuple[FloatArr
     ratio = np.clip(height / radius, 0.0, TALLEST)
     angle = np.arccos(1.0 - ratio)
     value = polynomial.polyval(angle, LIGHT) / (math.pi * radius)
-    # d angle/dh = 1/(R sin(angle)), and angle/sin(angle) stays finite
+    # d angle/dh = 1/(R sin(angle)); the ratio angle/sin(angle) stays finite as the angle tends to 0
     slope = polynomial.polyval(angle, polynomial.polyder(LIGHT)[1:]) / np.sinc(angle / math.pi)
     within = (ratio > 0.0) & (ratio < TALLEST)
     return np.asarray(value), np.where(within, slope / (math.pi * radius**2), 0.0)

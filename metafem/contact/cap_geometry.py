@@ -1,4 +1,4 @@
-"""Geometry of caps: the spheres of most laws, or surfaces of revolution of any profile."""
+"""Geometry of caps: spheres for most contact laws, or surfaces of revolution with any profile."""
 
 from __future__ import annotations
 
@@ -14,63 +14,65 @@ from metafem.errors import refuse_if
 
 Values = FloatArray | float
 
-# Distance of neighbours on a ring of a mesh: 60 degrees on the ring of six points, an arc of pi/3 spacings.
+# Distance of neighbouring points on a ring of a mesh, over the spacing of the rings. The six points on the
+# first ring are 60 degrees apart.
 RING_ARC = math.pi / 3.0
 
-# Number of points along a meridian for its length and curvature, and number of ring spacings at which the
-# chord error is computed.
+# Number of points along a meridian at which its length and curvature are computed, and number of ring
+# spacings for which the chord error is computed.
 POINTS, SPACINGS = 4097, 129
 
-# Nodes of the quadrature of a cap's volume: 1e-7 for tables, rounding for smooth profiles.
+# Number of quadrature nodes for the volume of a cap. The relative error is 1e-7 for tables, and rounding for
+# smooth profiles.
 NODES = 64
 
 
 def foot_radius(height: Values, radius: Values) -> FloatArray:
-    """Radius of the circle in which a cap of height h <= R meets its base plane, sqrt(h (2 R - h)) [mm]."""
+    """Return the foot radius of a cap of height h <= R at the base plane, sqrt(h (2 R - h)) [mm]."""
     return np.asarray(np.sqrt(height * (2.0 * radius - height)))
 
 
 def sphere_profile(r: FloatArray, radius: Values) -> FloatArray:
-    """Depth R - sqrt(R^2 - r^2) of a sphere below its summit at radii r <= R [mm], without cancellation."""
+    """Return the depth R - sqrt(R^2 - r^2) [mm] below a sphere's summit at r <= R, without cancellation."""
     return np.asarray(r**2 / (radius + np.sqrt((radius - r) * (radius + r))))
 
 
 class Spheres:
-    """Spherical caps of heights h <= R and radii R, (n,) [mm], on their base plane."""
+    """Geometry of spherical caps on a base plane, with heights h <= R and radii R, (n,) [mm]."""
 
     def tallest(self, radius: FloatArray) -> FloatArray:
-        """Largest height of a cap, R [mm]."""
+        """Return the largest possible heights of caps, R [mm], (n,)."""
         return radius
 
     def foot_radius(self, height: FloatArray, radius: FloatArray) -> FloatArray:
-        """Radius of the circle in which a cap meets its base plane [mm]."""
+        """Return the foot radii at the base plane [mm], (n,)."""
         return foot_radius(height, radius)
 
     def depth_at(self, distance: FloatArray, radius: float) -> FloatArray:
-        """Depth below the summit [mm]; beyond the equator, the depth of the equator."""
+        """Return the depth below the summit [mm] at distances from the axis; beyond the equator, R."""
         return np.asarray(radius - np.sqrt(np.maximum(radius**2 - distance**2, 0.0)))
 
     def volume(self, height: FloatArray, radius: FloatArray) -> FloatArray:
-        """Volume pi h^2 (3 R - h)/3 [mm^3]."""
+        """Return the volumes pi h^2 (3 R - h)/3 [mm^3], (n,)."""
         return np.asarray(math.pi * height**2 * (3.0 * radius - height) / 3.0)
 
     def largest_area(self, height: FloatArray, radius: FloatArray) -> FloatArray:
-        """Area 2 pi R h [mm^2]."""
+        """Return the areas of the caps, 2 pi R h [mm^2], (n,)."""
         return np.asarray(2.0 * math.pi * radius * height)
 
     def ring_count(self, height: FloatArray, radius: FloatArray, chord_error: float) -> FloatArray:
-        """Number of rings for which the triangles of a mesh are within the chord error [mm] of the spheres.
+        """Return how many rings, (n,), keep the triangles within the chord error [mm] of the spheres.
 
-        The rings of 6, 12, 18, ... points are at equal distances along the meridian.
-        Neighbouring rings are at most D apart along a meridian and pi/3 D along a ring, so no triangle has a
-        circumradius above that of the right triangle of these sides, which lies
-        ``(1 + (pi/3)^2) D^2 / (8 R)`` below the sphere.
+        Rings of 6, 12, 18, ... points lie at equal distances D along the meridian. Neighbouring points are at
+        most pi/3 D apart along a ring. The circumradius of a triangle is therefore at most that of a right
+        triangle with the sides D and pi/3 D, which lies up to ``(1 + (pi/3)^2) D^2 / (8 R)`` below the
+        sphere.
         """
         step = np.sqrt(8.0 * chord_error / ((1.0 + RING_ARC**2) * radius))
         return np.asarray(self._opening(height, radius) / step)
 
     def rings(self, height: FloatArray, radius: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
-        """Distances of the summit and the rings from the axis, and their heights, at equal polar angles."""
+        """Return the distances of summit and rings from the axis, and their heights, (n, count + 1) [mm]."""
         polar = self._opening(height, radius)[:, None] * np.arange(count + 1) / count
         across = radius[:, None] * np.sin(polar)
         z = height[:, None] - 2.0 * radius[:, None] * np.sin(0.5 * polar) ** 2
@@ -79,7 +81,7 @@ class Spheres:
         return across, z
 
     def _opening(self, height: FloatArray, radius: FloatArray) -> FloatArray:
-        """Polar angles of rims, from ``h = R (1 - cos) = 2 R sin^2(angle/2)``."""
+        """Return the polar angles of the feet [rad], from ``h = R (1 - cos(angle)) = 2 R sin^2(angle/2)``."""
         return np.asarray(2.0 * np.arcsin(np.sqrt(0.5 * height / radius)))
 
 
@@ -88,10 +90,11 @@ SPHERES = Spheres()
 
 @dataclass(frozen=True)
 class ProfileCaps:
-    """Caps with any increasing profile f(rho) from the summit down; same methods as `Spheres`.
+    """Geometry of caps with any increasing profile; it has the same methods as `Spheres`.
 
-    `profile` returns depths at distances for the scale 1. If `scaled`, lengths scale with R; otherwise all
-    caps have the same profile. It ends at `extent` [mm], if that is given.
+    `profile` returns the depth f below the summit at distances rho from the axis. If `scaled` is true, this
+    is the profile for R = 1 and all lengths are proportional to R; otherwise all caps have the same profile.
+    The profile ends at `extent` [mm]; default: it has no end.
     """
 
     profile: Callable[[FloatArray], FloatArray]
@@ -99,23 +102,23 @@ class ProfileCaps:
     extent: float = math.inf
 
     def tallest(self, radius: FloatArray) -> FloatArray:
-        """Largest height of a cap [mm]: the depth at the extent."""
+        """Return the largest possible heights of caps [mm], (n,): the depth at the extent."""
         if math.isinf(self.extent):
             return np.full_like(radius, math.inf)
         return np.asarray(self._scale(radius) * float(self.profile(np.array(self.extent))))
 
     def foot_radius(self, height: FloatArray, radius: FloatArray) -> FloatArray:
-        """Distance at which the depth is the height [mm]; raises InvalidInput beyond the extent."""
+        """Return the distances [mm] at which the depth is the height, if these are within the extent."""
         scale = self._scale(radius)
         return np.asarray(scale * self._foot(np.asarray(height / scale)))
 
     def depth_at(self, distance: FloatArray, radius: float) -> FloatArray:
-        """Depth below the summit [mm]."""
+        """Return the depth below the summit [mm] at distances from the axis."""
         scale = radius if self.scaled else 1.0
         return np.asarray(scale * self.profile(distance / scale))
 
     def volume(self, height: FloatArray, radius: FloatArray) -> FloatArray:
-        """Volume 2 pi int rho (h - f) drho [mm^3], by quadrature."""
+        """Return the volumes 2 pi int rho (h - f) drho [mm^3], (n,), by quadrature."""
         node, weight = np.polynomial.legendre.leggauss(NODES)
         scale = self._scale(radius)[:, None]
         foot = self.foot_radius(height, radius)[:, None]
@@ -124,22 +127,22 @@ class ProfileCaps:
         return np.asarray(math.pi * foot[:, 0] * ((rho * inside) @ weight))
 
     def largest_area(self, height: FloatArray, radius: FloatArray) -> FloatArray:
-        """Upper bound of the area of a cap: its foot and a cylinder around it [mm^2]."""
+        """Return upper bounds of the areas [mm^2], (n,): the foot plus a cylinder around the cap."""
         foot = self.foot_radius(height, radius)
         return np.asarray(math.pi * foot * (foot + 2.0 * height))
 
     def ring_count(self, height: FloatArray, radius: FloatArray, chord_error: float) -> FloatArray:
-        """Number of rings for which the triangles are within the chord error [mm] of the caps."""
+        """Return how many rings, (n,), keep the triangles within the chord error [mm] of the caps."""
         scale = self._scale(radius)
         across, along, foot = self._meridian(height / scale)
         spacing, error = self._chord_errors(across, along)
         wanted = np.log(chord_error / scale)
         found = np.interp(wanted, np.log(error), np.log(spacing))
-        found += np.minimum(wanted - math.log(error[0]), 0.0)  # finer: no error grows slower than linearly
+        found += np.minimum(wanted - math.log(error[0]), 0.0)  # finer: the error falls at least linearly
         return np.asarray(np.interp(foot, across, along) / np.exp(found))
 
     def rings(self, height: FloatArray, radius: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
-        """Distances of the summit and the rings from the axis, and their heights, (n, count + 1) [mm]."""
+        """Return the distances of summit and rings from the axis, and their heights, (n, count + 1) [mm]."""
         scale = self._scale(radius)[:, None]
         across, along, foot = self._meridian(height / scale[:, 0])
         length = np.interp(foot, across, along)
@@ -153,7 +156,7 @@ class ProfileCaps:
         return np.asarray(radius) if self.scaled else np.ones_like(radius)
 
     def _foot(self, height: FloatArray) -> FloatArray:
-        """Distance at which the depth is the height, to rounding; all divided by the scale."""
+        """Return the distances at which the depth is the height, to rounding; all lengths over the scale."""
         most = float(self.profile(np.array(self.extent))) if math.isfinite(self.extent) else math.inf
         refuse_if(
             (height > most).any(),
@@ -171,7 +174,7 @@ class ProfileCaps:
         return np.asarray(found.x)
 
     def _meridian(self, height: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Distances from the axis and lengths from the summit along a meridian, and all feet.
+        """Return distances from the axis and arc lengths along a meridian, and the foot radii of all caps.
 
         The meridian ends at the foot of the tallest cap. All lengths are divided by the scale.
         """
@@ -181,11 +184,11 @@ class ProfileCaps:
         return across, np.concatenate([[0.0], np.cumsum(steps)]), foot
 
     def _chord_errors(self, across: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Spacings of rings along a meridian, and the largest chord error with each; divided by the scale.
+        """Return spacings of rings along a meridian and the largest chord error for each, over the scale.
 
-        A triangle lies within ``D^2/8 (k1 + (pi/3)^2 k2)`` of the cap, with the curvatures k1 along the
-        meridian and k2 across it. Where the curvature at the summit is infinite, rings of the spacing D begin
-        at D, and k1 is taken from D/4 on.
+        With the spacing D, a triangle lies within ``D^2/8 (k1 + (pi/3)^2 k2)`` of the cap, where k1 is the
+        curvature along the meridian and k2 the curvature across it. The curvature may be infinite at the
+        summit: k1 is its largest value beyond the arc length D/4, and k2 that beyond the first ring, at D.
         """
         angle = np.arctan(np.gradient(self.profile(across), across))
         k1 = np.abs(np.gradient(angle, along))

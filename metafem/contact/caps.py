@@ -16,22 +16,24 @@ from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import SPHERES, CapShape, ProfileCaps, sphere_profile
 from metafem.contact.law import Contact, Values
 
-# Largest exponent of a power cap: a nearly flat punch. Above it, (a/R)^n underflows for small contacts.
+# Largest exponent of a power cap, which is then a nearly flat punch. With larger exponents (a/R)^n would
+# underflow for small contacts.
 STEEPEST = 32.0
 
 # Newton's method in the logarithm reaches rounding in 4 to 8 steps; this limit also allows for halved steps.
 MAX_STEPS = 60
 
-# Below this a/R the closed forms of the sphere suffer from cancellation, and series with this number of terms
-# are used; the remainder is about 0.3^40 of the sum.
+# Below a/R = SERIES_LIMIT the closed forms of the sphere suffer from cancellation, so series are used. Their
+# relative truncation error is about 0.3^40.
 SERIES_LIMIT, SERIES_TERMS = 0.3, 20
 
-# Distance over R beyond which the profile of a sphere continues along its tangent, so that it stays finite.
+# Distance from the axis over R beyond which the profile of a sphere continues along its tangent, to stay
+# finite.
 STEEP = 0.999
 
 
 class ElasticCap(Contact):
-    """An elastic cap f(rho) without adhesion.
+    """Contact law of an elastic cap with the profile f(rho), without adhesion.
 
     With ``D(s) = s int_0^s f'(rho)/sqrt(s^2 - rho^2) drho`` and an extra curvature k, ``d = D(a) + k a^2``,
     ``P/E* = 2 int_0^a s (D' + 2 k s) ds`` and the second moment of the pressure over E* is
@@ -44,39 +46,40 @@ class ElasticCap(Contact):
 
     @abstractmethod
     def depth_at(self, distance: Values, radius: Values) -> FloatArray:
-        """Depth f of the cap below its summit at a distance rho from the axis [mm].
+        """Return the depth f [mm] of the cap below its summit at a distance rho [mm] from the axis.
 
-        Beyond the end of a cap the profile continues along its tangent: resolved contacts have cells there.
+        Beyond the end of a cap the profile continues along its tangent, because resolved contacts also have
+        cells there.
         """
 
     @abstractmethod
     def _depth(self, a: FloatArray, radius: FloatArray) -> FloatArray:
-        """D(a) [mm]."""
+        """Return D(a) [mm]."""
 
     @abstractmethod
     def _slope(self, a: FloatArray, radius: FloatArray) -> FloatArray:
-        """D'(a) [-]."""
+        """Return D'(a) [-]."""
 
     @abstractmethod
     def _load(self, a: FloatArray, radius: FloatArray) -> FloatArray:
-        """2 int_0^a s D' ds [mm^2]."""
+        """Return 2 int_0^a s D' ds [mm^2]."""
 
     @abstractmethod
     def _moment(self, a: FloatArray, radius: FloatArray) -> FloatArray:
-        """4/3 int_0^a s^3 D' ds [mm^4]."""
+        """Return 4/3 int_0^a s^3 D' ds [mm^4]."""
 
     @abstractmethod
     def _closed_radius(self, depth: FloatArray, radius: FloatArray, curvature: FloatArray) -> FloatArray:
-        """Contact radius [mm] of closed contacts, depth > 0 [mm]."""
+        """Return the contact radius [mm] of closed contacts with the indentation depth > 0 [mm]."""
 
     def shape(self) -> CapShape:
-        """Shape of the caps of a part."""
+        """Return the shape of the caps of a part."""
         return ProfileCaps(partial(self.depth_at, radius=1.0), scaled=True)
 
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Contact radius a [mm]: the root of D(a) + k a^2 = d, to rounding; 0 where the contact is open.
+        """Return the contact radius a [mm], the root of D(a) + k a^2 = d; 0 where the contact is open.
 
-        D(a) + k a^2 must increase with a, which holds for k >= 0.
+        D(a) + k a^2 must increase with a, as it does for k >= 0.
         """
         given = (np.asarray(value, dtype=np.float64) for value in (indentation, radius, curvature))
         d, size, extra = np.broadcast_arrays(*given)
@@ -86,26 +89,26 @@ class ElasticCap(Contact):
         return found[()]
 
     def indentation(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Indentation d = D(a) + k a^2 [mm]."""
+        """Return the indentation d = D(a) + k a^2 [mm]."""
         a, size = np.asarray(contact_radius), np.asarray(radius)
         return np.asarray(self._depth(a, size) + curvature * a**2)[()]
 
     def load(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Rescaled load P/E* = 2 int_0^a s D' ds + 4/3 k a^3 [mm^2]."""
+        """Return the rescaled load P/E* = 2 int_0^a s D' ds + 4/3 k a^3 [mm^2]."""
         a, size = np.asarray(contact_radius), np.asarray(radius)
         return np.asarray(self._load(a, size) + 4.0 / 3.0 * curvature * a**3)[()]
 
     def second_moment(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Second moment of the pressure over E*, 4/3 int_0^a s^3 D' ds + 8/15 k a^5 [mm^4]."""
+        """Return the second moment of the pressure over E*, 4/3 int_0^a s^3 D' ds + 8/15 k a^5 [mm^4]."""
         a, size = np.asarray(contact_radius), np.asarray(radius)
         return np.asarray(self._moment(a, size) + 8.0 / 15.0 * curvature * a**5)[()]
 
     def stiffness(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Derivative of P/E* by d, 2 a [mm]."""
+        """Return d(P/E*)/dd = 2 a [mm]."""
         return np.multiply(2.0, contact_radius)
 
     def area_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Derivative of the area by d, 2 pi a/(D' + 2 k a) [mm]; 0 for an open contact."""
+        """Return dA/dd = 2 pi a/(D' + 2 k a) [mm]; 0 for an open contact."""
         a, size = np.asarray(contact_radius, dtype=np.float64), np.asarray(radius)
         closed = a > 0.0
         slope = np.asarray(self._slope(a, size) + 2.0 * curvature * a)
@@ -119,9 +122,9 @@ class PowerCap(ElasticCap):
     ``f(rho) = c R (rho/R)^n``. With the contact radius a, ``d = c R K (a/R)^n``, where
     ``K = sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2)``, ``A = pi a^2``, ``P/E* = 2 n/(n + 1) a d``, and the
     second moment of the pressure is ``2 (n + 1)/(3 (n + 3)) P a^2``. An extra curvature k adds the terms of a
-    paraboloid. Lengths in mm, P/E* in mm^2. Small strain: valid where the profile is flat, f' << 1; R only
-    scales the profile. ``PowerCap(2, 0.5)`` is `Hertz`, ``PowerCap(1, c)`` a cone. Galin (1946) and Sneddon,
-    Int. J. Eng. Sci. 3, 47 (1965), doi:10.1016/0020-7225(65)90019-4.
+    paraboloid. Lengths are in mm, P/E* in mm^2. The law assumes small strain: the profile must be flat,
+    f' << 1. R only scales the profile. ``PowerCap(2, 0.5)`` is `Hertz`, and ``PowerCap(1, c)`` is a cone.
+    Galin (1946) and Sneddon, Int. J. Eng. Sci. 3, 47 (1965), doi:10.1016/0020-7225(65)90019-4.
 
     Parameters
     ----------
@@ -151,16 +154,16 @@ class PowerCap(ElasticCap):
         check.member(self, "coefficient", above=0.0)
 
     def depth_at(self, distance: Values, radius: Values) -> FloatArray:
-        """Depth c R (rho/R)^n of the cap below its summit at a distance from the axis [mm]."""
+        """Return the depth c R (rho/R)^n [mm] of the cap below its summit at a distance from the axis."""
         return np.asarray(self.coefficient * radius * np.divide(distance, radius) ** self.exponent)[()]
 
     @property
     def power(self) -> float:
-        """The exponent of the profile."""
+        """Exponent n of the profile [-]."""
         return self.exponent
 
     def _factor(self) -> float:
-        """C K [-]."""
+        """Return c K [-]."""
         n = self.exponent
         return self.coefficient * math.sqrt(math.pi) * math.gamma(0.5 * n + 1.0) / math.gamma(0.5 * (n + 1.0))
 
@@ -180,7 +183,7 @@ class PowerCap(ElasticCap):
         alone = radius * (depth / (self._factor() * radius)) ** (1.0 / self.exponent)
         if not curvature.any():
             return alone
-        # either part by itself gives a larger radius than both; a flattened cap starts from its own
+        # each term without the other gives too large a radius; for k <= 0 start from the radius without k
         with np.errstate(divide="ignore", invalid="ignore"):
             start = np.where(curvature > 0.0, np.minimum(alone, np.sqrt(depth / curvature)), alone)
 
@@ -195,12 +198,13 @@ class PowerCap(ElasticCap):
 class SphericalCap(ElasticCap):
     """Frictionless, non-adhesive elastic contact of a sphere of radius R and a rigid plane.
 
-    ``f(rho) = R - sqrt(R^2 - rho^2)`` in place of Hertz's paraboloid. With the contact radius a < R and
+    The profile is ``f(rho) = R - sqrt(R^2 - rho^2)``. With the contact radius a < R and
     ``L = ln((R + a)/(R - a))/2``, ``d = a L``, ``A = pi a^2``, ``P/E* = (a^2 + R^2) L - a R``, and the second
     moment of the pressure over E* is ``((a^4 + 3 R^4) L - a^3 R - 3 a R^3)/3``. An extra curvature adds the
-    terms of a paraboloid. Lengths in mm, P/E* in mm^2. Small strain: at large a/R the load exceeds that of a
-    soft sphere; Hertz's law with a fitted modulus is then closer. At a/R = 0.5 the two differ by about a
-    tenth. Sneddon, Int. J. Eng. Sci. 3, 47 (1965), doi:10.1016/0020-7225(65)90019-4.
+    terms of a paraboloid. Lengths are in mm, P/E* in mm^2. The law assumes small strain. At large a/R its
+    load exceeds that of a soft sphere, and Hertz's law with a fitted modulus is more accurate. At a/R = 0.5
+    the two laws differ by about 10 %. Sneddon, Int. J. Eng. Sci. 3, 47 (1965),
+    doi:10.1016/0020-7225(65)90019-4.
 
     Examples
     --------
@@ -211,11 +215,11 @@ class SphericalCap(ElasticCap):
     """
 
     def shape(self) -> CapShape:
-        """Shape of the caps of a part."""
+        """Return the shape of the caps of a part."""
         return SPHERES
 
     def depth_at(self, distance: Values, radius: Values) -> FloatArray:
-        """Depth R - sqrt(R^2 - rho^2) of the sphere below its summit at a distance from the axis [mm].
+        """Return the depth R - sqrt(R^2 - rho^2) [mm] below the summit at a distance rho from the axis.
 
         Beyond 0.999 R, where the slope is 22, the profile continues along its tangent.
         """
@@ -245,20 +249,20 @@ class SphericalCap(ElasticCap):
         return np.asarray(radius**4 * np.where(x < SERIES_LIMIT, series, closed) / 3.0)
 
     def _closed_radius(self, depth: FloatArray, radius: FloatArray, curvature: FloatArray) -> FloatArray:
-        # with a = R tanh t, d/R = t tanh t + k R tanh^2 t, between a square and a line in t
+        # with a = R tanh t, d/R = t tanh t + k R tanh^2 t: quadratic in t for small t, and linear for large t
         ratio, bend = depth / radius, curvature * radius
 
         def parts(t: FloatArray) -> tuple[FloatArray, FloatArray]:
             x = np.tanh(t)
             return t * x + bend * x**2, t * (x + (t + 2.0 * bend * x) * (1.0 - x**2))
 
-        # t tanh t >= t^2/(1 + t): the start is above the root without an extra curvature
+        # the start solves t^2/(1 + t) = d/R; it exceeds the root for k = 0, because t tanh t >= t^2/(1 + t)
         t = root(parts, ratio, 0.5 * (ratio + np.sqrt(ratio * (ratio + 4.0))))
         return np.asarray(np.minimum(radius * np.tanh(t), np.nextafter(radius, 0.0)))
 
 
 def _polynomial(coefficient: FloatArray, x: FloatArray) -> FloatArray:
-    """Return sum of coefficient[k] x^k."""
+    """Return the sum of coefficient[k] x^k over k."""
     total = np.zeros_like(x)
     for c in coefficient[::-1]:
         total = total * x + c
@@ -268,10 +272,11 @@ def _polynomial(coefficient: FloatArray, x: FloatArray) -> FloatArray:
 def root(
     parts: Callable[[FloatArray], tuple[FloatArray, FloatArray]], target: FloatArray, start: FloatArray
 ) -> FloatArray:
-    """Return x > 0 at which the first value of parts(x) is the target; the second is d/d log x of it.
+    """Return the x > 0 at which the first value of parts(x) equals the target.
 
-    Newton's method in log x and the logarithm of the values, so that power laws are straight lines. A step
-    is at most one decade, and a step without progress ends the search.
+    The second value of parts(x) is the derivative of the first with respect to ln x. Newton's method uses the
+    logarithms of x and of the value, in which power laws are straight lines. A step changes x by at most a
+    factor of 10. The search ends when x changes by rounding only.
     """
     x = start
     for _ in range(MAX_STEPS):

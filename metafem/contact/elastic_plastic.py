@@ -20,22 +20,22 @@ from metafem.errors import InvalidInput
 from metafem.material import Material
 from metafem.notes import Note, information
 
-# Yield strength over E* of the softest metal in the finite elements of both sources: E/Y = 1000, nu = 0.3.
+# Lowest ratio of yield strength to E* in the finite-element analyses of both sources: E/Y = 1000, nu = 0.3.
 LEAST_STRAIN = 9e-4
 
-# End of the blend after first yield, over the indentation at which it begins: the largest slope of ln P is
-# then that of Hertz's law.
+# Indentation at which the blend after first yield ends, over that at which it begins. With this ratio, the
+# slope of ln P over ln w within the blend does not exceed that of Hertz's law.
 AFTER_YIELD = 2.0
 
-# Number of indentations at which the size of a blend is evaluated, and its decimals: the rest is rounding.
+# Number of indentations at which the change by a blend is evaluated, and number of decimals of the change.
 SAMPLES, DIGITS = 201, 9
 
-# Nodes of the quadrature of the work between two ends of blends.
+# Number of quadrature nodes for the work between two neighbouring ends of blends.
 NODES = 40
 
 
 class Blend(NamedTuple):
-    """A cubic that closes a jump of the published formulas, and the relative changes that it makes."""
+    """Range of a cubic that replaces a jump of the published formulas, with the changes that it makes."""
 
     start: float  # w/w_c
     end: float  # w/w_c
@@ -44,28 +44,28 @@ class Blend(NamedTuple):
 
 
 class ElasticPlastic(LawByIndentation):
-    """A law for w/w_c, P/P_c and A/A_c, where w_c, P_c and A_c are Hertz's values at first yield.
+    """Contact law that relates P/P_c and A/A_c to w/w_c; w_c, P_c and A_c are Hertz's values at first yield.
 
-    A law needs a material, which a model sets by `for_material`.
+    The law needs a material, which a model sets by `for_material`.
     """
 
     similar: ClassVar[bool] = True
     plastic: ClassVar[bool] = True
     material: Material | None
 
-    strength_ratio: ClassVar[float] = 1.0  # the strength that the law is given over the yield strength
+    strength_ratio: ClassVar[float] = 1.0  # strength parameter of the law over the yield strength
 
     def __post_init__(self) -> None:
         check.member(self, self._name, above=0.0)
 
     @property
     def _name(self) -> str:
-        """Name of the strength that the law is given [MPa], its first field."""
+        """Name of the strength parameter of the law, which is its first field."""
         return str(next(iter(self.__dataclass_fields__)))  # type: ignore[attr-defined]
 
     @property
     def _strength(self) -> float:
-        """The strength over E* [-]."""
+        """Strength parameter over E* [-]."""
         return float(getattr(self, self._name) / material_of(self).composite_modulus)
 
     @property
@@ -76,7 +76,7 @@ class ElasticPlastic(LawByIndentation):
     @property
     @abstractmethod
     def _factor(self) -> float:
-        """Mean pressure at yield, times 3/2 and over the strength [-]."""
+        """Maximum pressure of Hertz's contact at yield, over the strength parameter [-]."""
 
     @cached_property
     def _yield(self) -> float:
@@ -85,10 +85,10 @@ class ElasticPlastic(LawByIndentation):
 
     @abstractmethod
     def _published(self, w: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """P/P_c and A/A_c over w/w_c by the published formulas, with their jumps."""
+        """Return P/P_c and A/A_c at w/w_c from the published formulas, which have jumps."""
 
     def for_material(self, material: Material) -> Self:
-        """Return the law for E* and nu of a material; the law itself if it has a material."""
+        """Return the law with a material, unless it already has one."""
         if self.material is not None:
             return self
         bound: Self = replace(self, material=material)  # type: ignore[type-var]
@@ -103,7 +103,7 @@ class ElasticPlastic(LawByIndentation):
         return bound
 
     def blends(self) -> tuple[Blend, ...]:
-        """Return the blends, and the change of the published load and area by each."""
+        """Return the blends; each states how much it changes the published load and area."""
         found = []
         for start, end in np.exp(self._area.x).reshape(-1, 2):
             w = np.geomspace(start, end, SAMPLES)
@@ -114,7 +114,7 @@ class ElasticPlastic(LawByIndentation):
         return tuple(found)
 
     def notes(self, indentation: FloatArray, radius: FloatArray) -> tuple[Note, ...]:
-        """Return notes on the number of plastic contacts, and on the sizes of the blends that they reach."""
+        """Return a note on the number of plastic contacts and on the blends that they reach."""
         w = np.asarray(indentation) / self.yield_indentation(radius)
         plastic = int((w > 1.0).sum())
         if not plastic:
@@ -138,19 +138,20 @@ class ElasticPlastic(LawByIndentation):
         )
 
     def yield_indentation(self, radius: Values) -> FloatArray:
-        """Indentation w_c at which the material yields below the contact [mm]."""
+        """Return the indentation w_c [mm] at which the material below the contact first yields."""
         return np.multiply(self._yield, radius)
 
     def unloaded(self, indentation: FloatArray, radius: FloatArray) -> tuple[FlattenedContact, FloatArray]:
-        """Return the elastic law of flattened asperities (n,), and their loss of height [mm].
+        """Return the contact law of the flattened asperities, and their loss of height (n,) [mm].
 
         With the largest indentation w_m and w* = w_m/w_c > 1, the loss of height is
         ``w_r = w_m (1 - w*^-0.28) (1 - w*^-0.69)``, the load ``P_m ((w - w_r)/(w_m - w_r))^n`` with
-        ``n = 1.5 w*^-0.0331`` and the area ``A_m ((w - w_r)/(w_m - w_r))^m`` with ``m = w*^-0.12``. Etsion,
-        Kligerman and Kadin, Int. J. Solids Struct. 42, 3716 (2005), doi:10.1016/j.ijsolstr.2004.12.006, for
-        w* up to 170 and Kogut and Etsion's law. Jackson and Green's law uses them with its own w_c for
-        the same material. The formulas were not compared with the printed paper. For w* < 1.1, n is raised by
-        less than 0.1 % where unloading would otherwise return more energy than loading stored.
+        ``n = 1.5 w*^-0.0331`` and the area ``A_m ((w - w_r)/(w_m - w_r))^m`` with ``m = w*^-0.12``. The
+        formulas are those of Etsion, Kligerman and Kadin, Int. J. Solids Struct. 42, 3716 (2005),
+        doi:10.1016/j.ijsolstr.2004.12.006, for Kogut and Etsion's law and w* up to 170. Jackson and Green's
+        law uses the same formulas with its own w_c. The formulas were not compared with the printed paper.
+        For w* < 1.1, n is raised by less than 0.1 % where unloading would otherwise return more energy than
+        loading stored.
         """
         w = np.asarray(indentation) / self.yield_indentation(radius)
         flattened = w > 1.0
@@ -172,8 +173,8 @@ class ElasticPlastic(LawByIndentation):
         return law, residual
 
     def _work(self, w: FloatArray) -> FloatArray:
-        """Work of loading, the integral of P/P_c over w/w_c."""
-        # a power before the first blend, and smooth in ln w between the ends of the blends
+        """Return the work of loading up to w: the integral of P/P_c over w/w_c."""
+        # the load is a power of w up to the first blend, and smooth in ln w between the ends of the blends
         end = np.log(w)
         edge = np.append(self._load.x, np.inf)
         low, high = np.minimum(end[..., None], edge[:-1]), np.minimum(end[..., None], edge[1:])

@@ -17,13 +17,13 @@ from metafem.notes import Note, information
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FlattenedContact(Value, LawByIndentation):
-    """Law of each asperity of a surface flattened by an earlier load.
+    """Contact law of each asperity of a surface that an earlier load has flattened.
 
-    The indentation e is counted from the lowered summit. Up to the earlier indentation, ``e <= depth``, the
+    The indentation e is measured from the lowered summit. Up to the earlier indentation, ``e <= depth``, the
     contact is elastic: ``P = load_before (e/depth)^load_exponent`` and
     ``A = area_before (e/depth)^area_exponent``. Beyond it, the original law continues at the indentation
-    ``e + residual``. An asperity that has not yielded has depth 0.
-    `Contact.unloaded` returns this law; all arrays are (n,).
+    ``e + residual``. For an asperity that has not yielded, depth and residual are 0. `Contact.unloaded`
+    returns this law. All arrays are (n,).
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class FlattenedContact(Value, LawByIndentation):
     area_exponent: FloatArray
 
     def __repr__(self) -> str:
-        """Return the original law and the largest loss of height."""
+        """Return text with the original law and the largest loss of height."""
         return f"FlattenedContact({self.law!r}, by up to {float(np.max(self.residual)):.4g} mm)"
 
     @property
@@ -66,17 +66,17 @@ class FlattenedContact(Value, LawByIndentation):
         )
 
     def breaks(self, radius: float) -> FloatArray:
-        """Contact radii [mm] between which the law of one asperity is smooth."""
+        """Return the contact radii [mm] between which the law of one asperity is smooth."""
         before = math.sqrt(float(self.area_before) / math.pi)
         later = self.law.breaks(radius)
         return np.append([before] if before > 0.0 else [], later[later > before])
 
     def largest_indentation(self, radius: Values) -> FloatArray:
-        """Largest indentation [mm] of the original law, from the lowered summit."""
+        """Return the largest indentation [mm] of the original law, measured from the lowered summit."""
         return np.asarray(self.law.largest_indentation(radius) - self.residual)
 
     def notes(self, indentation: FloatArray, radius: FloatArray) -> tuple[Note, ...]:
-        """Return notes on the number of flattened summits, followed by those of the original law."""
+        """Return a note on the number of flattened summits, and the notes of the original law."""
         flat = int((self.depth > 0.0).sum())
         elastic = (np.asarray(indentation) <= self.depth) & (self.depth > 0.0)
         if not flat:
@@ -89,7 +89,7 @@ class FlattenedContact(Value, LawByIndentation):
         return (information(text), *self.law.notes(np.asarray(indentation) + self.residual, radius))
 
     def unloaded(self, indentation: FloatArray, radius: FloatArray) -> tuple[FlattenedContact, FloatArray]:
-        """Return the law after larger indentations (n,) from these summits [mm], and the further loss."""
+        """Return the law after further indentations (n,) [mm], and the further loss of height (n,) [mm]."""
         deeper, loss = self.law.unloaded(np.asarray(indentation) + self.residual, radius)
         further = np.asarray(indentation) > self.depth
         parts = (
@@ -116,7 +116,7 @@ class FlattenedContact(Value, LawByIndentation):
         exponent: FloatArray,
         later: tuple[FloatArray, FloatArray],
     ) -> tuple[FloatArray, FloatArray]:
-        """Return value and derivative of the elastic part, and beyond it those of the original law."""
+        """Return a quantity and its derivative: elastic up to `depth`, by the original law beyond."""
         elastic = depth < self.depth
         value = before * np.where(elastic, depth / np.where(elastic, self.depth, 1.0), 1.0) ** exponent
         return np.where(elastic, value, later[0]), np.where(elastic, value * exponent / depth, later[1])

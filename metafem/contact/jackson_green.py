@@ -1,4 +1,4 @@
-"""Elastic-plastic contact by Jackson and Green."""
+"""Elastic-plastic contact law of Jackson and Green."""
 
 from __future__ import annotations
 
@@ -18,22 +18,23 @@ from metafem.notes import Note
 # Hertz's law holds up to this multiple of the indentation at yield.
 HERTZIAN = 1.9
 
-# Largest yield strength over E* for the exponent B, which has doubled there: three times the largest value in
-# the finite elements of the source. Far above it, B would not describe any material.
+# Largest ratio of yield strength to E* in the exponent B: three times the largest ratio in the finite-element
+# analyses of the source. B has then doubled; at much larger ratios B would be unrealistic.
 LARGEST_STRAIN = 0.03
 
 
 @dataclass(frozen=True)
 class JacksonGreen(ElasticPlastic):
-    """Elastic-plastic contact of a sphere and a rigid plane by Jackson and Green, frictionless.
+    """Frictionless elastic-plastic contact of a sphere and a rigid plane, by Jackson and Green.
 
     With ``C = 1.295 exp(0.736 nu)`` the material yields at ``w_c = (pi C S_y/(2 E*))^2 R``. Up to 1.9 w_c
-    the contact is Hertz's. Beyond, with w* = w/w_c and ``B = 0.14 exp(23 S_y/E*)``,
+    Hertz's law holds. For larger indentations, with w* = w/w_c and ``B = 0.14 exp(23 S_y/E*)``,
     ``A = pi R w (w*/1.9)^B``, and with ``a = sqrt(A/pi)`` and ``H = 2.84 S_y (1 - exp(-0.82 (a/R)^-0.7))``,
     ``P/P_c = exp(-w*^(5/12)/4) w*^(3/2) + 4 H/(C S_y) (1 - exp(-w*^(5/9)/25)) w*``.
 
-    At 1.9 the load jumps by +0.5 % at nu = 0.3 and -3.4 % at 0.5, and the slope of A changes. Cubics of ln P
-    and ln A over ln w from w* = 1.9 to 3.8 close the jump with continuous slopes. They change A by at most
+    At w* = 1.9 the published load jumps by +0.5 % for nu = 0.3 and by -3.4 % for nu = 0.5, and the slope of A
+    jumps too. From w* = 1.9 to 3.8, cubics of ln P and ln A in ln w replace the formulas, so that both curves
+    and their slopes are continuous. The cubics change A by at most
     1.5 % at S_y/E* = 0.0015 and 2.8 % at 0.03, and P by at most
 
     ===============================  ====  ====  ====  ====  ====  ====
@@ -42,9 +43,9 @@ class JacksonGreen(ElasticPlastic):
     change of P, S_y/E* = 0.03, %    6.6   4.3   2.1   1.0   2.9   4.8
     ===============================  ====  ====  ====  ====  ====  ====
 
-    `blends` evaluates this for a material, and the notes of a state name it. The law couples by order 1.
-    Valid for S_y/E* from 0.0009 to 0.03 (above it, B of 0.03 is used), and for contacts narrower than R.
-    Jackson and Green, J. Tribol. 127, 343 (2005), doi:10.1115/1.1866166.
+    `blends` returns these changes for a material, and the notes of a state report them. The law couples by
+    order 1. The law is valid for S_y/E* from 0.0009 to 0.03 and for contact radii below R. Above 0.03, the
+    law uses the value of B at 0.03. Jackson and Green, J. Tribol. 127, 343 (2005), doi:10.1115/1.1866166.
 
     Parameters
     ----------
@@ -74,12 +75,12 @@ class JacksonGreen(ElasticPlastic):
 
     @property
     def _factor(self) -> float:
-        """C [-]."""
+        """Factor C [-]."""
         return 1.295 * math.exp(0.736 * material_of(self).poisson_ratio)
 
     @cached_property
     def _exponent(self) -> float:
-        """B [-]."""
+        """Exponent B [-]."""
         return 0.14 * math.exp(23.0 * min(self._strain, LARGEST_STRAIN))
 
     @cached_property
@@ -101,7 +102,7 @@ class JacksonGreen(ElasticPlastic):
         return load, slope
 
     def _formula(self, w: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """P/P_c over w/w_c > 1.9, and d ln P/d ln w."""
+        """Return P/P_c at w/w_c > 1.9, and d ln P/d ln w."""
         power = 1.0 + self._exponent  # exponent of w in (a/R)^2
         wide = (self._yield * w * (w / HERTZIAN) ** self._exponent) ** -0.35
         hardness = -2.84 * np.expm1(-0.82 * wide)
@@ -121,7 +122,7 @@ class JacksonGreen(ElasticPlastic):
         return load, w * np.maximum(w / HERTZIAN, 1.0) ** self._exponent
 
     def notes(self, indentation: FloatArray, radius: FloatArray) -> tuple[Note, ...]:
-        """As `ElasticPlastic.notes`, with a warning for plastic contacts beyond the range of S_y/E*."""
+        """Return `ElasticPlastic.notes`, and a warning if S_y/E* is too large for plastic contacts."""
         notes = super().notes(indentation, radius)
         if notes and self._strain > LARGEST_STRAIN:
             text = (

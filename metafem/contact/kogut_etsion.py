@@ -1,4 +1,4 @@
-"""Elastic-plastic contact by Kogut and Etsion."""
+"""Elastic-plastic contact law of Kogut and Etsion."""
 
 from __future__ import annotations
 
@@ -14,33 +14,35 @@ from metafem.contact.elastic_plastic import AFTER_YIELD, ElasticPlastic
 from metafem.contact.law import material_of
 from metafem.material import Material
 
-# The other blends extend from the break divided by this number to the break times this number. Wider blends
-# change the load more; with narrower ones the slope of ln P exceeds 1.5 by more.
+# The blends around w* = 6 and 110 extend from w*/AROUND to w* AROUND. Wider blends change the load more;
+# narrower blends increase the largest slope of ln P, which exceeds 1.5.
 AROUND = 1.25
 
 
 @dataclass(frozen=True)
 class KogutEtsion(ElasticPlastic):
-    """Elastic-plastic contact of a sphere and a rigid plane by Kogut and Etsion, frictionless.
+    """Frictionless elastic-plastic contact of a sphere and a rigid plane, by Kogut and Etsion.
 
     With ``K = 0.454 + 0.41 nu`` the material yields at the indentation ``w_c = (pi K H/(2 E*))^2 R``. Up to
-    w_c the contact is Hertz's, with P_c and A_c at w_c. With w* = w/w_c, ``P = 1.03 P_c w*^1.425`` and
-    ``A = 0.93 A_c w*^1.136`` up to w* = 6, ``1.40 P_c w*^1.263`` and ``0.94 A_c w*^1.146`` up to 110, then
-    the contact is fully plastic, ``P = H A`` and ``A = 2 pi R w``.
+    w_c Hertz's law holds; P_c and A_c are its load and area at w_c. With w* = w/w_c,
+    ``P = 1.03 P_c w*^1.425`` and ``A = 0.93 A_c w*^1.136`` up to w* = 6, and ``P = 1.40 P_c w*^1.263`` and
+    ``A = 0.94 A_c w*^1.146`` up to w* = 110. Above 110 the contact is fully plastic: ``P = H A`` and
+    ``A = 2 pi R w``.
 
-    The formulas jump at w* = 1, 6 and 110: P by +3, +1.7 and 3/(1.4 K) 110^-0.263 - 1 (+7.9 % at nu = 0.3,
-    -5.5 % at 0.5), A by -7, +2.9 and +7.1 %. Cubics of ln P and ln A over ln w close the jumps with
-    continuous slopes, from w* = 1 to 2, 4.8 to 7.5 and 88 to 137.5. They change A by at most 7.5, 1.5 and
-    4.2 %, and P by at most 2.9, 1.7 and, for the third, which depends on nu,
+    The formulas jump at w* = 1, 6 and 110: P by +3 %, +1.7 % and 3/(1.4 K) 110^-0.263 - 1 (+7.9 % at nu =
+    0.3, -5.5 % at 0.5), and A by -7, +2.9 and +7.1 %. From w* = 1 to 2, 4.8 to 7.5 and 88 to 137.5, cubics of
+    ln P and ln A in ln w replace the formulas, so that both curves and their slopes are continuous. The three
+    cubics change A by at most 7.5, 1.5 and 4.2 %. The first two change P by at most 2.9 and 1.7 %; the change
+    by the third depends on nu:
 
     ====================  ====  ====  ====  ====  ====  ====
     nu                    0     0.1   0.2   0.3   0.4   0.5
     third change of P, %  15.8  12.1  8.6   5.1   1.8   4.2
     ====================  ====  ====  ====  ====  ====  ====
 
-    `blends` evaluates the changes for a material, and the notes of a state list those that apply. P and
-    A increase with w for all nu. The law couples by order 1. Valid for H/E* >= 0.0025 and contacts narrower
-    than R. Kogut and Etsion, J. Appl. Mech. 69, 657 (2002), doi:10.1115/1.1490373.
+    `blends` returns these changes for a material, and the notes of a state report those that apply. P and A
+    increase with w for all nu. The law couples by order 1. The law is valid for H/E* >= 0.0025 and contact
+    radii below R. Kogut and Etsion, J. Appl. Mech. 69, 657 (2002), doi:10.1115/1.1490373.
 
     Parameters
     ----------
@@ -72,12 +74,12 @@ class KogutEtsion(ElasticPlastic):
 
     @property
     def _factor(self) -> float:
-        """K [-]."""
+        """Factor K [-]."""
         return 0.454 + 0.41 * material_of(self).poisson_ratio
 
     @cached_property
     def _loads(self) -> list[tuple[float, float]]:
-        """Factors and exponents of P/P_c; H 2 pi R w/P_c = 3/K w*."""
+        """Factors and exponents of P/P_c in the four regimes; in the last, H 2 pi R w/P_c = 3/K w*."""
         return [(1.0, 1.5), (1.03, 1.425), (1.40, 1.263), (3.0 / self._factor, 1.0)]
 
     AREAS: ClassVar = [(1.0, 1.0), (0.93, 1.136), (0.94, 1.146), (2.0, 1.0)]

@@ -23,19 +23,20 @@ from metafem.errors import InvalidInput, refuse_if
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator
 
-# Number of panels of contact radii, and degree of the polynomial for the integral of D in each. With two
-# panels per octave the error is 12^-15 for a power, and 5e-14 for a sphere up to a/R = 0.7; derivatives lose
-# more digits with more panels or a higher degree.
+# Degree of the polynomial that represents the integral of D in each panel of contact radii, panels per octave
+# (a factor of 2 in the contact radius), and octaves. The relative error is 12^-15 for a power-law profile,
+# and 5e-14 for a sphere up to a/R = 0.7. With more panels or a higher degree, the derivatives lose more
+# digits.
 DEGREE, PER_OCTAVE, OCTAVES = 14, 2, 40
 
-# Nodes of the quadrature over a profile. The variable is the cube root of the angle, which makes fractional
-# powers at the summit smooth.
+# Number of nodes of the quadrature over a profile. The variable of integration is the cube root of the angle,
+# in which fractional powers at the summit are smooth.
 NODES = 96
 
-# Largest ratio of the last two polynomial coefficients to the first for a smooth profile.
+# A profile is smooth if the last two polynomial coefficients, relative to the first, are below this bound.
 SMOOTH = 1e-10
 
-# Step of the tangent at the end of a profile, relative to the extent.
+# Step of the finite difference for the slope at the end of a profile, relative to the extent.
 TANGENT = 1e-6
 
 # Relative excess over the largest indentation that is treated as rounding.
@@ -43,43 +44,44 @@ ROUNDING = 1e-12
 
 
 class Panels(NamedTuple):
-    """F(a) = int_0^a D ds as polynomials in panels, with the integral of s F up to each panel."""
+    """Piecewise polynomials for F(a) = int_0^a D ds, its derivatives and the integral of s F."""
 
     edge: FloatArray  # (m + 1,) [mm]
     value: FloatArray  # (DEGREE + 1, m), Chebyshev coefficients of F [mm^2]
-    slope: FloatArray  # (DEGREE + 1, m), of D [mm]
-    bend: FloatArray  # (DEGREE + 1, m), of D' [-]
-    moment: FloatArray  # (DEGREE + 3, m), of int_0^a s F ds [mm^4]
+    slope: FloatArray  # (DEGREE + 1, m), coefficients of D [mm]
+    bend: FloatArray  # (DEGREE + 1, m), coefficients of D' [-]
+    moment: FloatArray  # (DEGREE + 3, m), coefficients of int_0^a s F ds [mm^4]
     depth: FloatArray  # (m + 1,), D at the edges [mm]
-    power: float  # F grows as a to this power below the first panel
+    power: float  # exponent of a in F below the first panel
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AxisymmetricCap(Value, ElasticCap):
-    """Frictionless, non-adhesive elastic contact of a cap of any profile and a rigid plane.
+    """Frictionless, non-adhesive elastic contact of a cap with any profile and a rigid plane.
 
     With ``F(a) = int_0^a f(sqrt(a^2 - w^2)) dw`` and D = F', ``d = D(a)``, ``A = pi a^2``,
     ``P/E* = 2 (a D - F)``, and the second moment of the pressure over E* is
     ``4/3 (a^3 D - 3 a^2 F + 6 int_0^a s F ds)``. An extra curvature adds the terms of a paraboloid. F is
-    computed once, by quadrature, and interpolated; for a function the error of d and P is within 1e-12.
-    Between the points of a table f is a monotone cubic in rho^2: 30 points of a sphere up to a/R = 0.66 give
-    d within 6e-5, 100 points within 3e-6. Lengths in mm, P/E* in mm^2. Small strain: valid where the profile
-    is flat, f' << 1. All asperities have this profile for any R. Popov and Hess, Method of Dimensionality
-    Reduction in Contact Mechanics and Friction (2015), doi:10.1007/978-3-642-53876-6.
+    computed once by quadrature and then interpolated. If the profile is a function, the relative errors of d
+    and P are below 1e-12. Between the points of a table, f is a monotone cubic in rho^2: 30 points of a
+    sphere up to a/R = 0.66 give d within 6e-5, and 100 points within 3e-6. Lengths are in mm, P/E* in mm^2.
+    The law assumes small strain: the profile must be flat, f' << 1. All asperities have the same profile,
+    whatever their R. Popov and Hess, Method of Dimensionality Reduction in Contact Mechanics and Friction
+    (2015), doi:10.1007/978-3-642-53876-6.
 
     Parameters
     ----------
     profile : callable or array_like, (2, m)
-        Depth f [mm] below the summit over the distance rho [mm] from the axis: a smooth function of arrays,
-        or rho and f in a table that begins with (0, 0). Both must increase.
+        Depth f [mm] below the summit at the distance rho [mm] from the axis: a smooth, vectorised function,
+        or a table with the rows rho and f that begins with (0, 0). f must increase with rho.
     extent : float, optional
-        Distance up to which a function is used [mm], the largest contact radius. It is required with a
-        function; for a table it is the last rho.
+        Largest rho at which the profile is used [mm], which is also the largest contact radius. It is
+        required for a function; default for a table: the last rho.
 
     Raises
     ------
     InvalidInput
-        For profiles that do not increase or are not smooth, and for indentations beyond the extent.
+        If the profile does not increase or is not smooth, or an indentation exceeds that at the extent.
 
     Examples
     --------
@@ -119,7 +121,7 @@ class AxisymmetricCap(Value, ElasticCap):
         )
 
     def __repr__(self) -> str:
-        """Return the constructor's call, with the name of a function or the size of a table."""
+        """Return the call of the constructor, with the function's name or the number of points of a table."""
         if callable(self.profile):
             shape = getattr(self.profile, "__name__", type(self.profile).__name__)
         else:
@@ -127,11 +129,11 @@ class AxisymmetricCap(Value, ElasticCap):
         return f"{type(self).__name__}({shape}, extent={self.extent:g})"
 
     def shape(self) -> CapShape:
-        """Shape of the caps of a part: this profile for every radius."""
+        """Return the shape of the caps of a part: this profile for every radius."""
         return ProfileCaps(partial(self.depth_at, radius=1.0), scaled=False, extent=self._panels.edge[-1])
 
     def depth_at(self, distance: Values, radius: Values) -> FloatArray:
-        """Depth f of the cap below its summit at a distance from the axis [mm], for any radius.
+        """Return the depth f [mm] of the cap below its summit at a distance from the axis, for any radius.
 
         Beyond the extent the profile continues along its tangent.
         """
@@ -144,20 +146,20 @@ class AxisymmetricCap(Value, ElasticCap):
         return np.asarray(np.broadcast_to(found, np.broadcast_shapes(rho.shape, np.shape(radius))))[()]
 
     def _profile(self, rho: FloatArray) -> FloatArray:
-        """Depth f [mm] at distances rho [mm] up to the extent; a table is cubic in the square of rho."""
+        """Return the depth f [mm] at distances rho [mm] up to the extent; tables are cubics of rho^2."""
         if callable(self.profile):
             return np.asarray(self.profile(rho), dtype=np.float64)
         return np.asarray(self._cubic(rho**2))
 
     @cached_property
     def _cubic(self) -> PchipInterpolator:
-        """Monotone cubic through the points of a table, over the square of rho."""
+        """Monotone cubic of rho^2 through the points of a table."""
         rho, depth = np.asarray(self.profile)
         return scipy.interpolate.PchipInterpolator(rho**2, depth, extrapolate=True)
 
     @cached_property
     def _panels(self) -> Panels:
-        """The interpolated integral of D, computed at first use."""
+        """Interpolated integral of D, computed at first use."""
         if callable(self.profile):
             edge = np.float64(self.extent) * 2.0 ** (-np.arange(PER_OCTAVE * OCTAVES, -1, -1) / PER_OCTAVE)
         else:
@@ -184,12 +186,12 @@ class AxisymmetricCap(Value, ElasticCap):
         first, first_depth = (float(chebyshev.chebval(-1.0, part[:, 0])) for part in (value, slope))
         power = float(edge[0] * first_depth / first)
         steps = np.concatenate([[first * edge[0] ** 2 / (power + 2.0)], moment.sum(axis=0)[:-1]])
-        moment[0] += np.cumsum(steps)  # polynomials of Chebyshev are 1 at the upper edge
+        moment[0] += np.cumsum(steps)  # Chebyshev polynomials are 1 at the upper edge of a panel
         depth = np.concatenate([[first_depth], slope.sum(axis=0)])
         return Panels(edge, value, slope, bend, moment, depth, power)
 
     def _integral(self, a: FloatArray) -> FloatArray:
-        """F(a) [mm^2] by quadrature, for an array of contact radii [mm]."""
+        """Return F(a) [mm^2] at an array of contact radii [mm], by quadrature."""
         if callable(self.profile):
             node, weight = np.polynomial.legendre.leggauss(NODES)
             node, weight = 0.5 * (node + 1.0), 0.5 * weight
@@ -205,7 +207,7 @@ class AxisymmetricCap(Value, ElasticCap):
                 )
             return np.asarray(a * (depth @ (1.5 * np.pi * node**2 * weight * sine)))
         square = self.profile[0] ** 2
-        # between the points of the table, a polynomial of degree 6 in w: 4 nodes are exact
+        # between the points of the table, f is a polynomial of degree 6 in w: 4 Gauss nodes are exact
         node, weight = np.polynomial.legendre.leggauss(4)
         w = np.sqrt(np.maximum(a[..., None] ** 2 - square, 0.0))
         half, middle = 0.5 * (w[..., :-1] - w[..., 1:]), 0.5 * (w[..., :-1] + w[..., 1:])
@@ -214,15 +216,15 @@ class AxisymmetricCap(Value, ElasticCap):
         return np.asarray(((depth @ weight) * half).sum(axis=-1))
 
     def breaks(self, radius: float) -> FloatArray:
-        """Contact radii [mm] between which the law is smooth: the points of a table."""
+        """Return the contact radii [mm] between which the law is smooth: rho at the points of a table."""
         return np.empty(0) if callable(self.profile) else self.profile[0, 1:]
 
     def largest_indentation(self, radius: Values) -> FloatArray:
-        """Indentation [mm] at which the contact reaches the extent of the profile."""
+        """Return the indentation [mm] at which the contact reaches the extent of the profile."""
         return np.full(np.shape(radius), self._panels.depth[-1])[()]
 
     def _at(self, name: str, a: FloatArray) -> FloatArray:
-        """Return one of the functions of the panels at contact radii [mm]."""
+        """Return the function `name` of the panels at contact radii [mm]."""
         found, size = self._panels, np.asarray(a, dtype=np.float64)
         if (size > found.edge[-1] * (1.0 + ROUNDING)).any():
             raise InvalidInput(
@@ -235,7 +237,7 @@ class AxisymmetricCap(Value, ElasticCap):
         value = chebyshev.chebval(
             (2.0 * inside - low - high) / (high - low), getattr(found, name)[:, panel], tensor=False
         )
-        # below the first panel all functions are powers
+        # below the first panel all functions are powers of a
         order = {"value": 0.0, "slope": -1.0, "bend": -2.0, "moment": 2.0}[name]
         with np.errstate(divide="ignore"):
             return np.asarray(value * (size / inside) ** (found.power + order))

@@ -1,4 +1,4 @@
-"""A contact law from a table of load and area over the indentation."""
+"""Contact law from a table of indentation, load and area."""
 
 from __future__ import annotations
 
@@ -18,24 +18,25 @@ from metafem.contact.law import Values, material_of
 from metafem.errors import refuse_if
 from metafem.material import Material
 
-# Minimum number of points of a table, without its origin: the slope of a cubic needs three.
+# Minimum number of points of a table without the origin; the slope of the cubic at a point needs three
+# points.
 FEWEST = 3
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
 class TabulatedContact(Value, LawByIndentation):
-    """Contact of one asperity and a rigid plane from a measured or computed table.
+    """Contact law of one asperity and a rigid plane, from a measured or computed table.
 
-    The logarithms of load and area are monotone cubics of the logarithm of the indentation (PCHIP): load and
-    area increase and have continuous slopes, and powers are exact. Below the first point both are powers
-    through the first two points. All asperities have this law for any radius R, for loading and
-    unloading. The law couples by order 1. Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 300 (1984),
-    doi:10.1137/0905021.
+    The logarithms of load and area are monotone cubics (PCHIP) of the logarithm of the indentation. Load and
+    area therefore increase and have continuous slopes, and power laws are exact. Below the first point, both
+    are power laws through the first two points. All asperities have the same law, whatever their R, on
+    loading and unloading. The law couples by order 1. Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 300
+    (1984), doi:10.1137/0905021.
 
     Parameters
     ----------
     indentation : array_like, (m,)
-        Indentation d [mm], increasing and positive; a first point of zeros is omitted.
+        Indentation d [mm], increasing and positive; a first point (0, 0, 0) is dropped.
     load : array_like, (m,)
         Load P [N] of one asperity, increasing and positive.
     area : array_like, (m,)
@@ -47,7 +48,7 @@ class TabulatedContact(Value, LawByIndentation):
     ------
     InvalidInput
         For a table that does not increase, has fewer than 3 points or unequal lengths, and for indentations
-        beyond its last.
+        beyond the last of the table.
 
     Examples
     --------
@@ -80,25 +81,25 @@ class TabulatedContact(Value, LawByIndentation):
         object.__setattr__(self, "material", material)
 
     def __repr__(self) -> str:
-        """Return the class with the size of the table and its last indentation."""
+        """Return text with the number of points and the last indentation of the table."""
         return f"TabulatedContact(<{self.table.shape[1]} points>, up to {self.table[0, -1]:g} mm)"
 
     def for_material(self, material: Material) -> TabulatedContact:
-        """Return the law for E* of a material; the law itself if it has a material."""
+        """Return the law with a material, unless it already has one."""
         return self if self.material is not None else TabulatedContact(*self.table, material=material)
 
     @cached_property
     def _load(self) -> LogCubic:
-        """P/E* [mm^2] over d [mm]."""
+        """P/E* [mm^2] as a function of d [mm]."""
         return _monotone(self.table[0], self.table[1] / material_of(self).composite_modulus)
 
     @cached_property
     def _area(self) -> LogCubic:
-        """A [mm^2] over d [mm]."""
+        """A [mm^2] as a function of d [mm]."""
         return _monotone(self.table[0], self.table[2])
 
     def largest_indentation(self, radius: Values) -> FloatArray:
-        """Last indentation of the table [mm]."""
+        """Return the last indentation of the table [mm]."""
         return np.full(np.shape(radius), self.table[0, -1])[()]
 
     def _scales(self, radius: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -107,10 +108,10 @@ class TabulatedContact(Value, LawByIndentation):
 
 
 def _monotone(x: FloatArray, y: FloatArray) -> LogCubic:
-    """Return the monotone cubic of ln y over ln x, with the slope of the first secant at the first point."""
+    """Return the monotone cubic of ln y in ln x; its slope at the first point is that of the first secant."""
     u, v = np.log(x), np.log(y)
     slope = np.asarray(scipy.interpolate.pchip_interpolate(u, v, u, der=1))
     secant = np.diff(v) / np.diff(u)
     slope[0] = secant[0]
-    slope[-1] = slope[-1] or secant[-1]  # 0 where the last secants bend too much
+    slope[-1] = slope[-1] or secant[-1]  # PCHIP may set 0 at the last point
     return LogCubic(u, v, slope)

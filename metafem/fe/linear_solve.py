@@ -1,4 +1,4 @@
-"""Sparse symmetric systems: a fast, checked factorisation, and a second one with pivoting if needed."""
+"""Sparse symmetric linear systems: fast factorisation with a check, and full pivoting if it fails."""
 
 from __future__ import annotations
 
@@ -14,14 +14,15 @@ from scipy.sparse.linalg import splu
 
 from metafem._validate import FloatArray
 
-# Largest scaled residual after refinement with accurate factors: a good factorisation ends near 1e-15, one
-# with a small pivot orders of magnitude higher.
+# Largest scaled residual of an accurate solution after refinement. A good factorisation reaches about 1e-15;
+# one with a small pivot ends orders of magnitude higher.
 RESIDUAL = 1e-10
 
-# Threshold for mixed elements whose pressures have not been eliminated: their diagonal is zero at nu = 0.5.
+# Pivot threshold for mixed elements whose pressures are not eliminated: the diagonal is zero for nu = 0.5.
 THRESHOLD = 1e-3
 
-# Refinement steps: each gains as many digits as the factors have; accurate factors need one step.
+# Number of refinement steps. Each step gains as many digits as the factors have; accurate factors need one
+# step.
 STEPS = 3
 
 
@@ -35,7 +36,7 @@ class LinearStatus(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """Solution of a system (n, k), its scaled residual (infinite for a singular matrix), and its status."""
+    """Solution (n, k) of a system, its scaled residual (infinite for a singular matrix) and status."""
 
     value: FloatArray
     residual: float
@@ -43,13 +44,13 @@ class Solved:
 
 
 def solve(matrix: Any, right: FloatArray, threshold: float = 0.0) -> Solved:
-    """Solve a sparse symmetric system for all columns of `right`, (n, k).
+    """Return the solution of a sparse symmetric system for all columns of `right`, (n, k).
 
-    Rows and columns are scaled by the roots of the diagonal, or of their largest entry where it is zero.
-    After elimination of the bubbles, the displacement and pressure blocks are definite with opposite
-    signs: a quasi-definite matrix, which needs no pivoting in any order (Vanderbei,
-    SIAM J. Optim. 5, 100 (1995), doi:10.1137/0805005). With a `threshold` a diagonal pivot is used only if
-    it exceeds that fraction of the largest entry of its column. If the residual is not small, the system is
+    Rows and columns are scaled by the square roots of the diagonal entries, or of their largest entries where
+    the diagonal is zero. After elimination of the bubbles, the displacement and pressure blocks are definite
+    with opposite signs. Such a quasi-definite matrix needs no pivoting in any order (Vanderbei, SIAM J.
+    Optim. 5, 100 (1995), doi:10.1137/0805005). With a `threshold`, a diagonal pivot is used only if it
+    exceeds this fraction of the largest entry of its column. If the residual is not small, the system is
     factorised again with full partial pivoting, and the solution with the smaller residual is returned.
     """
     size = np.abs(matrix.diagonal())
@@ -73,7 +74,7 @@ def solve(matrix: Any, right: FloatArray, threshold: float = 0.0) -> Solved:
 
 
 def _refined(factorised: Callable[[], Any], matrix: Any, right: FloatArray) -> tuple[FloatArray, float]:
-    """Return the solution after refinement and its largest residual, relative to each column."""
+    """Return the refined solution and its largest residual, relative to each column of `right`."""
     size = np.abs(right).max(axis=0)
     size[size == 0.0] = 1.0
     try:

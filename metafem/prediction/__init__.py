@@ -1,4 +1,4 @@
-"""Equilibria and friction laws of a surface, with loads in N."""
+"""Equilibria and friction laws of surfaces, with loads in N."""
 
 from metafem.prediction.branch_fit import BranchFit, fit_branch
 from metafem.prediction.contact_state import ContactState

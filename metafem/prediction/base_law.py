@@ -1,4 +1,4 @@
-"""Common base of predicted and measured friction laws: coefficient, fits, tables and figures."""
+"""Base class of predicted and measured friction laws: friction coefficient, fits, tables and figures."""
 
 from __future__ import annotations
 
@@ -24,49 +24,49 @@ if TYPE_CHECKING:
 
 
 class BaseLaw(Value):
-    """A friction law at k increasing loads: `metafem.FrictionLaw`, `metafem.calibration.MeasuredLaw`."""
+    """Base class of `metafem.FrictionLaw` and `metafem.calibration.MeasuredLaw`, at k increasing loads."""
 
-    if TYPE_CHECKING:  # fields or properties of each law
+    if TYPE_CHECKING:  # members of the derived classes
 
         @property
         def load(self) -> FloatArray:
-            """P [N]."""
+            """Normal load P [N], (k,)."""
 
         @property
         def rescaled_load(self) -> FloatArray:
-            """P/E* [mm^2]."""
+            """Rescaled load P/E* [mm^2], (k,)."""
 
         @property
         def rescaled_friction(self) -> FloatArray:
-            """F/(sigma B) [mm^2]."""
+            """Rescaled friction F/(sigma B) [mm^2], (k,)."""
 
         @property
         def material(self) -> Material:
-            """The block's material."""
+            """Material of the block."""
 
         @property
         def friction(self) -> Friction | None:
-            """Friction of the material pair."""
+            """Friction of the material pair, if it is known."""
 
     @abstractmethod
     def _force(self) -> FloatArray:
-        """Return the friction forces [N], or raise InvalidInput if they are not known."""
+        """Return the friction forces [N], (k,); raise InvalidInput if they are not known."""
 
     @abstractmethod
     def quantities(self) -> dict[str, FloatArray]:
-        """Return the arrays (k,) of the law by name, in the order of its tables."""
+        """Return the arrays (k,) of the law by name, in the order of the columns of its tables."""
 
     @abstractmethod
     def _about(self) -> Mapping[str, str]:
-        """Return the metadata of the law for a table."""
+        """Return the metadata of the law for its tables: model, status and notes."""
 
     @abstractmethod
     def _draw(self, ax: Axes, forces: bool, label: str | None) -> None:
-        """Draw the law on axes, as forces [N] or rescaled [mm^2]."""
+        """Draw the law on axes, with forces [N] or rescaled quantities [mm^2]."""
 
     @property
     def friction_coefficient(self) -> FloatArray:
-        """F/P [-], infinite without a load; raises InvalidInput if the friction forces are not known."""
+        """F/P [-], (k,), infinite at zero load; raises InvalidInput if the friction forces are not known."""
         force = self._force()
         ratio = np.full(force.shape, np.inf)
         np.divide(force, self.load, out=ratio, where=self.load > 0.0)
@@ -75,9 +75,10 @@ class BaseLaw(Value):
     def fit(
         self, load_range: tuple[float, float] | None = None, *, load: tuple[float, float] | None = None
     ) -> BranchFit:
-        """Fit a straight line to the branch between two loads.
+        """Return a straight line fitted to the branch of the law between two loads.
 
-        Least squares of `rescaled_friction` against `rescaled_load`, with Student's 68 % intervals.
+        The fit is linear least squares of `rescaled_friction` against `rescaled_load`, with 68 % confidence
+        intervals from Student's distribution.
 
         Parameters
         ----------
@@ -89,8 +90,8 @@ class BaseLaw(Value):
         Raises
         ------
         InvalidInput
-            If the range is not increasing or contains fewer than three points, or if none or both of the
-            ranges are given.
+            If the range is not increasing or contains fewer than three points, or unless exactly one range is
+            given.
 
         Examples
         --------
@@ -113,15 +114,15 @@ class BaseLaw(Value):
         )
 
     def to_dataframe(self) -> DataFrame:
-        """Return the law as a table with a row for each load.
+        """Return the law as a table with one row for each load.
 
         Returns
         -------
         pandas.DataFrame
-            Columns named by quantity and unit as in ``law.csv``: ``load_N``, ``area_mm2``,
-            ``separation_mm``, ``rescaled_load_mm2``, ``rescaled_friction_mm2``, with a Friction
-            ``friction_force_N`` and ``friction_coefficient``, ``approach_mm``, ``stiffness_N_per_mm`` and
-            ``residual``. Its ``attrs`` hold model, status and notes as texts.
+            Columns named by quantity and unit, as in ``law.csv``: ``load_N``, ``area_mm2``,
+            ``separation_mm``, ``rescaled_load_mm2``, ``rescaled_friction_mm2``, ``approach_mm``,
+            ``stiffness_N_per_mm`` and ``residual``. With a Friction, there are also ``friction_force_N`` and
+            ``friction_coefficient``. The ``attrs`` of the table hold model, status and notes as texts.
 
         Examples
         --------
@@ -139,15 +140,15 @@ class BaseLaw(Value):
         return table
 
     def to_xarray(self) -> Dataset:
-        """Return the law over its rescaled loads.
+        """Return the law as a dataset over the rescaled load.
 
         Returns
         -------
         xarray.Dataset
-            ``load``, ``area``, ``separation``, ``rescaled_friction``, with a Friction ``friction_force``
-            and ``friction_coefficient``,
-            ``approach``, ``stiffness`` and ``residual`` over the dimension ``rescaled_load``, each with its
-            ``units`` and ``long_name``. Its ``attrs`` hold model, status and notes as texts.
+            ``load``, ``area``, ``separation``, ``rescaled_friction``, ``approach``, ``stiffness`` and
+            ``residual`` over the dimension ``rescaled_load``, each with its ``units`` and ``long_name``. With
+            a Friction, there are also ``friction_force`` and ``friction_coefficient``. The ``attrs`` of the
+            dataset hold model, status and notes as texts.
 
         Examples
         --------
@@ -183,7 +184,7 @@ class BaseLaw(Value):
         Raises
         ------
         InvalidInput
-            For other units, for an `ax` that is not a matplotlib Axes, and for forces of a surface without
+            If the units are others, `ax` is not a matplotlib Axes, or forces are drawn for a surface without
             a Friction.
 
         Examples

@@ -1,4 +1,4 @@
-"""Straight lines through the branches of a friction law."""
+"""Straight lines fitted to the branches of a friction law."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from metafem._validate import FloatArray
 from metafem.errors import refuse_if
 from metafem.surface import Friction, Material
 
-# Probability below the upper end of a two-sided 68 % interval of Student's distribution.
+# Probability of values below the upper end of a two-sided 68 % interval of Student's distribution.
 UPPER = 0.84
 
 
 @dataclass(frozen=True)
 class BranchFit:
-    """Straight line through a branch of a law, in rescaled load and friction.
+    """Straight line fitted to a branch of a law, rescaled friction over rescaled load.
 
     Attributes
     ----------
     slope : float
         Slope m [-]; the friction coefficient is about ``sigma B / E* m``.
     intercept : float
-        Friction at zero load [mm^2].
+        Rescaled friction at zero load [mm^2].
     slope_interval, intercept_interval : (float, float)
-        68 % confidence intervals of the regression.
+        68 % confidence intervals from the regression.
     load_range : (float, float)
         Range of the rescaled loads of the fitted points [mm^2].
     points : int
@@ -65,7 +65,7 @@ def fit_branch(
     material: Material,
     friction: Friction | None,
 ) -> BranchFit:
-    """Fit areas (k,) [mm^2] to rescaled loads (k,) [mm^2] between two loads by least squares."""
+    """Return the least-squares line of areas (k,) over rescaled loads (k,) [mm^2] between two loads."""
     low, high = load_range
     refuse_if(high <= low, f"load_range = ({low:g}, {high:g}) must increase")
     chosen = (load >= low) & (load <= high) & ~np.isnan(area)  # areas of a measured law may be unknown

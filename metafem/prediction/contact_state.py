@@ -32,36 +32,36 @@ class ContactState(Value):
     area : float
         Real contact area A0 [mm^2].
     separation : float
-        Distance of the plane from the undeformed base plane [mm].
+        Distance from the undeformed base plane to the rigid plane [mm].
     approach : float
-        Tallest summit minus separation [mm]; accurate also at light loads.
+        Height of the tallest summit minus separation [mm], accurate also at light loads.
     stiffness : float
-        Normal contact stiffness, dP per decrease of the separation [N/mm], not negative.
+        Normal contact stiffness, the increase of P per decrease of the separation [N/mm]; not negative.
     asperity_load, asperity_area : ndarray, (n,)
         Load [N] and area [mm^2] of each asperity.
     residual : float
-        ``max(max |F_i| / max d, |sum P_i - P| / P)``, recomputed on this state.
+        ``max(max |F_i| / max d, |sum P_i - P| / P)`` [-] with the errors F_i [mm] of the equations of the
+        contacts, recomputed on this state.
     status : Status
     model : object
         The model that was solved.
     base_gap : float
-        Smallest distance between the plane and the base plane near a summit [mm], see Notes.
+        Smallest distance between the plane and the displaced base near a summit [mm]; see Notes.
     notes : tuple of Note
-        Approximations of the solution with their bounds, and estimates of neglected effects.
+        Approximations made in the solution, with their bounds, and estimates of neglected effects.
     field : ContactField
-        Pressure, gap and displacement on the cells of `BoundaryElements`; InvalidInput is raised for any
-        other model.
+        Pressure, gap and displacement on the cells of `BoundaryElements`; other models raise InvalidInput.
 
     Notes
     -----
-    The base between the summits is displaced with them. A load on asperity j displaces the whole surface. The
-    summit i and the base near it have the same displacement u_i, the sum over the other asperities and the
-    regular self term of the block. The gap near asperity i is then ``separation + u_i``; for an asperity in
-    contact this is ``h_i - d_i``, its height minus its indentation. The base gap is the smallest of these.
-    For independent asperities it is the separation; the mean field adds the uniform displacement.
-    The Hertzian displacement around the contact and the displacement of the foot of its cap are not included;
-    both increase the gap. The base outside the array is not displaced: a plane that extends far beyond the
-    array touches it there at zero separation.
+    A load on one asperity displaces the entire surface, including the base between the summits.
+    Summit i and the base near it have the same displacement u_i: the sum of the displacements by the other
+    asperities plus the regular self term of the block. The gap near asperity i is ``separation + u_i``. For
+    an asperity in contact, this gap is ``h_i - d_i``, its height minus its indentation. The base gap is the
+    smallest gap. For independent asperities, the base gap is the separation; the mean field adds the uniform
+    displacement. The gap excludes the Hertzian displacement around the contact and the displacement of the
+    cap's foot, which would both increase the gap. Far outside the array the base is not displaced: a plane
+    that extends that far touches the base there at zero separation.
 
     Examples
     --------
@@ -90,7 +90,7 @@ class ContactState(Value):
 
     @property
     def field(self) -> ContactField:
-        """Pressure, gap and displacement on cells; raises InvalidInput for models without cells."""
+        """Pressure, gap and displacement on the cells; raises InvalidInput for models without cells."""
         if self._field is None:
             raise InvalidInput(
                 f"{self.model!r} has no pressure field; solve with metafem.BoundaryElements(cell=...)"

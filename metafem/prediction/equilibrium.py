@@ -1,4 +1,4 @@
-"""The equilibrium of a surface at a given load, approach or separation."""
+"""Equilibrium of a surface at a given load, approach or separation."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def equilibrium(
     approach: float | None = None,
     separation: float | None = None,
 ) -> ContactState:
-    """Solve for the equilibrium of a surface pressed on the plane.
+    """Return the equilibrium of a surface pressed on the rigid plane.
 
     Parameters
     ----------
@@ -34,9 +34,10 @@ def equilibrium(
     load : float, optional
         Normal load P [N], at least 0.
     approach : float, optional
-        Tallest summit minus separation [mm]; with a negative value there is no contact.
+        Height of the tallest summit minus separation [mm]; there is no contact if it is negative.
     separation : float, optional
-        Distance of the plane from the undeformed base plane [mm]. Exactly one of the three must be given.
+        Distance from the undeformed base plane to the rigid plane [mm]. Exactly one of load, approach and
+        separation must be given.
 
     Returns
     -------
@@ -45,7 +46,7 @@ def equilibrium(
     Raises
     ------
     InvalidInput
-        Unless exactly one of load, approach and separation is given, or if its value is out of range.
+        If not exactly one of load, approach and separation is given, or if its value is out of range.
     NotConverged
         If the residual exceeds the model's tolerance; the state is attached.
 

@@ -1,4 +1,4 @@
-"""Surfaces flattened by an earlier load."""
+"""Surfaces that an earlier load has permanently flattened."""
 
 from __future__ import annotations
 
@@ -16,13 +16,14 @@ from metafem.surface import Surface
 
 
 def flattened(surface: Surface, model: Model | None = None, *, load: float) -> tuple[Surface, Model]:
-    """Return the surface after permanent flattening by a load, and the model with the law of its contacts.
+    """Return the surface after permanent flattening by a load, and the model with its new contact law.
 
-    Each asperity is indented by the load under the model. Its summit remains lower by the residual height
-    loss of the contact law. Its contact is elastic up to the earlier indentation; then the first loading
-    continues. At loads up to the earlier one, the returned surface and model give the law of unloading, which
-    is also that of reloading. It holds for the asperities of this surface in their order; the
-    tables of a thousand asperities take 20 s. With an elastic law, surface and model are returned unchanged.
+    The model computes the indentation of each asperity under the load. After unloading, the summit is lower
+    by the residual loss of height of the contact law. The contact is then elastic up to the earlier
+    indentation; beyond it, the law of first loading continues. Up to the earlier load, unloading and
+    reloading follow the same law, which the returned surface and model predict. The returned contact law
+    applies only to these asperities in this order. Its tables take 20 s for a thousand asperities. For an
+    elastic law, surface and model are returned unchanged.
 
     Parameters
     ----------
@@ -35,9 +36,9 @@ def flattened(surface: Surface, model: Model | None = None, *, load: float) -> t
     Returns
     -------
     surface : Surface
-        The surface with the heights after unloading.
+        The surface with its heights after unloading.
     model : Model
-        The model with the contact law of each asperity.
+        The model with a contact law for each asperity.
 
     Raises
     ------
@@ -70,9 +71,10 @@ def flattened(surface: Surface, model: Model | None = None, *, load: float) -> t
 def unloading_curve(
     surface: Surface, model: Model, load: FloatArray | None = None, approach: FloatArray | None = None
 ) -> tuple[Surface, Model, Curve]:
-    """Return the surface after the largest of loads [mm^2] or approaches [mm], its model, and its states.
+    """Return the surface flattened by the largest load, its model, and its states on unloading.
 
-    For contacts without adhesion. All approaches refer to the surface before flattening.
+    The states are those at rescaled loads [mm^2] or approaches [mm]. The contacts must not adhere. All
+    approaches refer to the surface before flattening.
     """
     first = model.curve(
         surface,
@@ -91,7 +93,7 @@ def unloading_curve(
 
 
 def flattened_by(surface: Surface, model: Model, indentation: FloatArray) -> tuple[Surface, Model]:
-    """Return surface and model after indentations (n,) [mm]; both unchanged for an elastic law."""
+    """Return surface and model after indentations (n,) [mm]; an elastic law leaves both unchanged."""
     law = contact_of(model).for_material(surface.material)
     after, loss = law.unloaded(indentation, surface.radius)
     if after is law:

@@ -21,14 +21,16 @@ from metafem.surface import Surface
 # Number of loads of the default grid.
 GRID_POINTS = 100
 
-# Indentation of the lowest asperity at the end of the default grid over its radius: a/R = 0.2.
+# Indentation of the lowest asperity at the end of the default grid, over its radius; a/R is then 0.2.
 GRID_INDENTATION = 0.04
 
-# The default grid ends at this fraction of the tallest height, before the plane reaches the base plane.
+# Largest approach of the default grid, over the largest height. The grid ends just before the rigid plane
+# reaches the base plane.
 CLEAR = 0.999
 
-# Fraction of the largest indentation of a contact law that the default grid uses. The rest allows for
-# rounding and for the different displacements of interacting asperities.
+# Largest approach of the default grid, over the approach at which a contact without neighbours reaches the
+# largest indentation of its law. The margin allows for rounding, and for the different displacements of
+# interacting asperities.
 WITHIN = 0.98
 
 
@@ -40,12 +42,12 @@ def friction_law(
     separation: ArrayLike | None = None,
     unloading: bool = False,
 ) -> FrictionLaw:
-    """Predict the friction law of a surface.
+    """Return the predicted friction law of a surface.
 
-    Adhesive contacts jump into contact and break at different loads: with `unloading` the states are those of
-    unloading. Under a given load every state is stable, and the notes state the jumps. Plastic contacts are
-    flattened by the largest load. On unloading they are elastic, and reloading up to that load follows
-    the same law (`flattened`).
+    Adhesive contacts form and break in jumps at different loads; `unloading` selects the states on unloading.
+    All states are stable under load control, and the notes report the jumps. The largest load flattens
+    plastic contacts. They are then elastic: unloading and reloading up to that load follow the same law (see
+    `flattened`).
 
     Parameters
     ----------
@@ -53,28 +55,29 @@ def friction_law(
     model : Model, optional
         Default: `Independent()`.
     load : array_like, (k,), optional
-        Normal loads P [N], at least 0. On unloading, loads of adhesive contacts may be negative, down to the
-        load at which the last contacts break.
+        Normal loads P [N], at least 0. Adhesive contacts on unloading may also have negative loads, down to
+        the load at which the last contacts break.
     separation : array_like, (k,), optional
-        Separations [mm]. Default, if neither is given: 100 loads up to the one at which the lowest asperity
-        is indented by 0.04 R, the plane reaches the base plane, or the approach is 98 % of that at which a
-        contact reaches the largest indentation of its law.
+        Separations [mm]. Default, if neither loads nor separations are given: 100 loads. The largest load
+        is that at which the lowest asperity is indented by 0.04 R, the plane reaches the base plane, or the
+        approach is 98 % of that at which a contact reaches the largest indentation of its law, whichever
+        comes first.
     unloading : bool
-        Whether the states are those of unloading from the largest load; default: False. For elastic contacts
-        without adhesion, loading and unloading have the same law. For plastic contacts, the law is returned
-        with the model of the flattened surface.
+        Whether the states are those on unloading from the largest load; default: False. Elastic contacts
+        without adhesion have the same law on loading and unloading. For plastic contacts, the model of the
+        returned law is that of the flattened surface.
 
     Returns
     -------
     FrictionLaw
-        Ordered by increasing load.
+        Law with the states in the order of increasing load.
 
     Raises
     ------
     InvalidInput
-        For loads that are not finite, negative on loading, or beyond pull-off on unloading; for separations
-        that are not finite, or with adhesive contacts; if both are given; for `unloading` with a model that
-        does not support it, or without contact at the largest load.
+        If both loads and separations are given. For loads that are not finite, negative on loading, or below
+        the pull-off load on unloading. For separations that are not finite, and for separations of adhesive
+        contacts. For `unloading` if the model does not support it or there is no contact at the largest load.
     NotConverged
         If a residual exceeds the model's tolerance.
 
@@ -123,7 +126,7 @@ def friction_law(
         top = surface.height.max()
         surface, solver, curve = unloading_curve(surface, solver, **values)
         distance = top - curve.approach if distance is None else distance
-    back = unloading and law.adhesive  # the flattened law of plastic contacts has one path
+    back = unloading and law.adhesive  # flattened plastic contacts load and unload along the same path
     return law_of_curve(surface, solver, curve, values.get("load", curve.load), distance, back)
 
 
@@ -133,7 +136,7 @@ def default_loads(surface: Surface, model: Model) -> FloatArray:
     described = (surface.gap + contact.largest_indentation(surface.radius)).min()
     last = np.array([min(_grid_end(surface), WITHIN * described)])
     end = model.curve(surface, approach=last).load[0]
-    if end <= 0.0:  # adhesion makes the load negative there: use the load without adhesion
+    if end <= 0.0:  # with adhesion the load may be negative there; use the load without adhesion
         end = with_contact(model, contact.without_adhesion).curve(surface, approach=last).load[0]
     return np.asarray(end * np.arange(1, GRID_POINTS + 1) / GRID_POINTS)
 
@@ -146,7 +149,7 @@ def law_of_curve(
     separation: FloatArray | None = None,
     unloading: bool = False,
 ) -> FrictionLaw:
-    """Return the law of a curve at its loads, or raise NotConverged; default separation: by the approach."""
+    """Return the friction law of a model's curve; raise NotConverged if the curve has not converged."""
     if separation is None:
         separation = surface.height.max() - curve.approach
     law = FrictionLaw(
@@ -172,7 +175,7 @@ def law_of_curve(
 
 
 def _grid_end(surface: Surface) -> float:
-    """Approach at which the default grid ends [mm]."""
+    """Return the approach [mm] at which the default grid ends."""
     gaps = surface.gap
     lowest = int(gaps.argmax())
     end = float(gaps[lowest] + GRID_INDENTATION * surface.radius[lowest])

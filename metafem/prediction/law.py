@@ -1,4 +1,4 @@
-"""The friction law of a surface: its arrays, forces, fits and tables."""
+"""Friction law of a surface: arrays, forces, fits and tables."""
 
 from __future__ import annotations
 
@@ -25,40 +25,41 @@ if TYPE_CHECKING:
 # Arrays of a law, with one entry for each load.
 ARRAYS = ("rescaled_load", "area", "separation", "approach", "rescaled_stiffness", "residual")
 
-# Quantities of laws whose surface has a Friction.
+# Additional quantities of a law whose surface has a Friction.
 FORCES = ("friction_force", "friction_coefficient")
 
-# Quantities that may be negative; loads only if adhesive contacts are pulled apart.
+# Quantities that may be negative; the load is negative only when adhesive contacts are pulled apart.
 SIGNED = ("rescaled_load", "separation", "approach")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrictionLaw(BaseLaw):
-    """Friction law ``F = sigma B A0(P)`` of one surface under one model at increasing loads; arrays (k,).
+    """Friction law ``F = sigma B A0(P)`` of one surface under one model, as arrays (k,) at increasing loads.
 
-    sigma is the shear strength and B the area ratio of `metafem.Friction`. Rescaled, the law is A0 over P/E*.
+    sigma is the shear strength and B the area ratio of `metafem.Friction`. The rescaled law is A0 over P/E*.
     Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234.
 
     Attributes
     ----------
     rescaled_load : ndarray
-        Normal load over composite modulus, P/E* [mm^2]; the given loads, not the sums over the asperities.
-        Negative where adhesive contacts are in tension on unloading.
+        Normal load over composite modulus, P/E* [mm^2]: the prescribed loads, not the computed sums over the
+        asperities. They are negative where adhesive contacts are in tension on unloading.
     area : ndarray
         Real contact area A0 [mm^2].
     separation, approach : ndarray
-        Distance of the plane from the undeformed base plane, and tallest summit minus separation [mm].
+        Distance from the undeformed base plane to the rigid plane, and tallest summit minus separation [mm].
     rescaled_stiffness : ndarray
-        Normal contact stiffness over composite modulus, dP/E* per decrease of the separation [mm].
+        Normal contact stiffness over composite modulus, the increase of P/E* per decrease of the separation
+        [mm].
     residual : ndarray
-        Relative error of the equations [-], recomputed on the returned state.
+        Relative error of the equations [-], recomputed on the returned states.
     status : Status
     model : Model
     material : Material
     friction : Friction or None
     notes : tuple of Note
-        Skipped computations with their bounds, and estimates of neglected effects, which are computed
-        when `notes` is first read.
+        Approximations with their bounds, and estimates of neglected effects, computed when `notes` is first
+        read.
     load, stiffness : ndarray
         Normal load P [N] and normal contact stiffness [N/mm].
 
@@ -129,22 +130,22 @@ class FrictionLaw(BaseLaw):
 
     @property
     def load(self) -> FloatArray:
-        """P [N]."""
+        """Normal load P [N], (k,)."""
         return self.material.composite_modulus * self.rescaled_load
 
     @property
     def stiffness(self) -> FloatArray:
-        """Normal contact stiffness [N/mm]."""
+        """Normal contact stiffness [N/mm], (k,)."""
         return self.material.composite_modulus * self.rescaled_stiffness
 
     @property
     def rescaled_friction(self) -> FloatArray:
-        """F/(sigma B) = A0 [mm^2]."""
+        """Rescaled friction F/(sigma B) = A0 [mm^2], (k,)."""
         return self.area
 
     @property
     def friction_force(self) -> FloatArray:
-        """F = sigma B A0 [N]; raises InvalidInput for a surface without a Friction."""
+        """Friction force F = sigma B A0 [N], (k,); raises InvalidInput for a surface without a Friction."""
         if self.friction is None:
             raise InvalidInput(
                 "friction_force needs the surface's friction; create the surface with "
@@ -156,7 +157,7 @@ class FrictionLaw(BaseLaw):
         return self.friction_force
 
     def quantities(self) -> dict[str, FloatArray]:
-        """Return the arrays (k,) of the law by name, in the order of its tables."""
+        """Return the arrays (k,) of the law by name, in the order of the columns of its tables."""
         names = [name for name in tables.QUANTITIES if self.friction is not None or name not in FORCES]
         return {name: getattr(self, name) for name in names}
 

@@ -49,7 +49,7 @@ def part_notes(surface: Surface, shape: CapShape) -> list[Note]:
 
 
 def _overlapping_caps(surface: Surface, shape: CapShape) -> int:
-    """Return the number of overlapping pairs of caps."""
+    """Return the number of pairs of caps that overlap."""
     height = np.clip(surface.height, 0.0, shape.tallest(surface.radius))
     foot = shape.foot_radius(height, surface.radius)
     tree = scipy.spatial.cKDTree(surface.position)

@@ -1,4 +1,4 @@
-"""Errors of the manufactured surface and of its alignment, and random samples of them."""
+"""Manufacturing and alignment errors of a surface, and random samples of such surfaces."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from metafem._validate import FloatArray
 from metafem.errors import refuse_if
 from metafem.surface import STEEPEST, Surface
 
-# Minimum distance of a radius from zero, in standard deviations. The smallest number that is drawn from
-# (0, 1) is 2^-54; the inverse normal distribution there is -8.2.
+# Smallest allowed ratio of a radius to its standard deviation. The smallest random number in (0, 1) is 2^-54,
+# where the inverse normal distribution is -8.2, so that all perturbed radii are positive.
 WIDEST_RADIUS = 10.0
 
 
 class Perturbed(NamedTuple):
-    """Random samples of a surface: heights, and radii and positions if they vary, else None.
+    """Random samples of a surface: heights, and also radii and positions unless these are constant (None).
 
     Attributes
     ----------
@@ -40,24 +40,24 @@ class Perturbed(NamedTuple):
 
 @dataclass(frozen=True)
 class Tolerances:
-    """Errors of a manufactured surface and of its alignment; all are independent of each other.
+    """Independent random errors of a manufactured surface and of its alignment.
 
-    The heights, the radii and both coordinates of each site have Gaussian errors. The tilts about both axes
-    are uniform in ``[-angle, angle]`` and change the heights by ``x tan(angle_x) + y tan(angle_y)``, about
-    the origin of the coordinates. Source of the errors: Aymard et al., Science 383, 200 (2024),
-    doi:10.1126/science.adk4234, supplementary text, Figs. S2 and S3.
+    The heights, the radii and both coordinates of each site have Gaussian errors. The tilt angles along x and
+    y are uniformly distributed in ``[-angle, angle]``. They tilt the surface about the origin, which changes
+    the heights by ``x tan(angle_x) + y tan(angle_y)``. Source of the errors: Aymard et al., Science 383, 200
+    (2024), doi:10.1126/science.adk4234, supplementary text, Figs. S2 and S3.
 
     Parameters
     ----------
     height_sd : float
         Standard deviation of the heights [mm], not negative; default: 0.
     angle : float
-        Largest tilt about either axis [rad], from 0 to pi/4; default: 0.
+        Largest tilt angle along x and y [rad], from 0 to pi/4; default: 0.
     radius_sd : float
         Standard deviation of the radii [mm], not negative, at most a tenth of the smallest radius of the
         surface; default: 0.
     position_sd : float
-        Standard deviation of x and of y of each site [mm], not negative; default: 0.
+        Standard deviation of the x and y coordinates of each site [mm], not negative; default: 0.
 
     Raises
     ------
@@ -86,32 +86,33 @@ class Tolerances:
             check.member(self, name, at_least=0.0)
 
     def scaled(self, factor: float) -> Tolerances:
-        """Return the tolerances with all four values multiplied by a factor that is not negative."""
+        """Return the tolerances with all four values multiplied by a non-negative factor."""
         return replace(self, **{name: factor * value for name, value in vars(self).items()})
 
     def dimensions(self, surface: Surface) -> int:
         """Return the number of independent random numbers for one sample of a surface.
 
-        One for each height, two for the tilt, one for each radius and two for each position; none for errors
-        whose deviation is 0.
+        There is one number for each height, two for the tilt, one for each radius and two for each position.
+        An error whose standard deviation or angle is 0 needs none.
         """
         return sum(self._counts(surface))
 
     def _counts(self, surface: Surface) -> list[int]:
-        """Numbers of random numbers for the heights, the tilts, the radii and the positions."""
+        """Return how many random numbers the heights, the tilts, the radii and the positions need."""
         n = surface.count
         sizes = {"height_sd": n, "angle": 2, "radius_sd": n, "position_sd": 2 * n}
         return [size if getattr(self, name) > 0.0 else 0 for name, size in sizes.items()]
 
     def perturbed(self, surface: Surface, unit: FloatArray) -> Perturbed:
-        """Return samples of the surface from points uniformly distributed in the unit cube.
+        """Return samples of the surface from points that are uniformly distributed in the unit cube.
 
         Parameters
         ----------
         surface : Surface
             The nominal surface.
         unit : ndarray, (m, dimensions)
-            Points in (0, 1), random or of a Sobol sequence, in the order heights, tilts, radii, positions.
+            Random or Sobol points; the coordinates, in (0, 1), have the order heights, tilts, radii,
+            positions.
 
         Returns
         -------
@@ -143,18 +144,18 @@ class Tolerances:
         return Perturbed(height, radius, position)
 
     def linear_covariance(self, surface: Surface, gradient: FloatArray) -> FloatArray:
-        """Return the covariance of linear functions of the heights under random errors.
+        """Return the covariance (k, k) of linear functions of the heights, due to errors of heights and tilt.
 
-        ``g C g'`` with the covariance C of the heights: height_sd^2 on the diagonal plus ``t x_i.x_j`` from
-        the tilt, where ``t = tan(angle)/angle - 1`` is the variance of the tangent of a tilt. The mean change
-        of every linear function is zero.
+        The covariance is ``g C g'`` with the gradients g and the covariance C of the heights. C has
+        height_sd^2 on its diagonal; the tilt adds ``t x_i.x_j``, where ``t = tan(angle)/angle - 1`` is the
+        variance of the tangent of a tilt angle. The mean change of every linear function is zero.
 
         Parameters
         ----------
         surface : Surface
             The nominal surface.
         gradient : ndarray, (k, n)
-            Derivatives of k functions by the heights, such as those of A0 at k loads [mm].
+            Derivatives of k functions with respect to the heights, such as those of A0 at k loads [mm].
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""A friction law as a table: its quantities with their units, for CSV, pandas and xarray."""
+"""Quantities of a friction law with their units, for tables in CSV, pandas and xarray."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from metafem._validate import FloatArray
 
-# Quantities of a law, in the order of their columns, with unit and meaning.
+# Unit and meaning of each quantity of a law, in the order of the columns.
 QUANTITIES = {
     "load": ("N", "normal load P"),
     "area": ("mm2", "real contact area A0"),
@@ -20,10 +20,10 @@ QUANTITIES = {
     "residual": ("1", "relative error of the equations"),
 }
 
-# Quantities that are not in the table of a result folder.
+# Quantities that are omitted from the table in a result folder.
 UNWRITTEN = ("friction_coefficient", "approach", "stiffness", "residual")
 
-# Suffix of the names of standard deviations.
+# Suffix that marks the name of a standard deviation.
 DEVIATION = "_sd"
 
 
@@ -34,7 +34,7 @@ def described(name: str) -> tuple[str, str]:
 
 
 def columns(quantities: Mapping[str, FloatArray], without: tuple[str, ...] = ()) -> dict[str, FloatArray]:
-    """Return arrays (k,) by name and unit: ``load_N``, ``stiffness_N_per_mm``."""
+    """Return arrays (k,) by column name, which includes the unit: ``load_N``, ``stiffness_N_per_mm``."""
     found = {}
     for name, values in quantities.items():
         unit = described(name)[0].replace("/", "_per_")

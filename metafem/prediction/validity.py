@@ -1,12 +1,13 @@
-"""Effects that a model neglects for a surface at given loads: estimates, and the notes that state them.
+"""Estimates of the effects that a model neglects, and the notes that report them.
 
-Every model is compared in A0 at given load with asperities of its contact law that interact by the highest
-order of the law, on the bonded layer if the surface has a block. A uniform sinking does not change
-A0(P), and the remaining change has either sign. Sums over the neighbours are wrong by factors of ten if
-contacts are crowded. Order 3 at a few loads costs less than a design and agrees with resolved contacts within
-a factor of two, even if contacts overlap or are as wide as a layer. `truncation` estimates its error.
-The true block differs from the layer by less than 0.4 % in A0, but its influence takes a minute, so the
-layer is used.
+The A0 of every model at given load is compared with that of a reference model. The reference has the same
+contact law, the highest interaction order of this law, and a bonded layer if the surface has a block. A sum
+over the neighbours is not accurate enough: uniform sinking does not change A0(P), the remaining change may
+have either sign, and the sum is wrong by a factor of ten if contacts are crowded. Order 3 at a few loads
+costs less than a design. It estimates the change by resolved contacts within a factor of two, even if
+contacts overlap or are as wide as the layer is thick. `truncation` estimates the error of the reference. The
+true block differs from the layer by less than 0.4 % in A0, but its influence takes a minute to compute, so
+the layer is used.
 """
 
 from __future__ import annotations
@@ -33,31 +34,34 @@ from metafem.prediction.part_notes import part_notes
 from metafem.substrate import BondedLayer, HalfSpace
 from metafem.surface import Surface
 
-# Relative error of A0 at given load, rms over the loads, above which a note is a warning. For the surfaces of
-# the source paper the error by interaction is 0.4 to 3.3 % for any assignment of their heights, and the paper
-# counts them as achieved; at 5 % every design needs a warning. The rms over the probed loads differs from
-# that over a hundred loads by less than the fifth between these limits.
+# Relative error of A0 at given load, rms over the loads, above which a note is a warning. The interaction
+# error of the surfaces of the source paper is 0.4 to 3.3 % for any assignment of heights to sites, and the
+# paper regards these surfaces as successful. With an error of 5 % every design needs a warning. The rms over
+# the probed loads differs from that over a hundred loads by less than a fifth, which is less than the margin
+# between BOUND and these two values.
 BOUND = 0.04
 
-# Smallest error that an information note states.
+# Smallest error for which there is an information note.
 STATED = 0.01
 
-# Number of loads of a law at which the error is estimated, and the same for scenes beyond the dense solver.
+# Number of loads at which the error is estimated: for most surfaces, and for surfaces too large for the dense
+# solver.
 PROBES, FEW_PROBES = 8, 3
 
-# Contact radius over radius of curvature up to which Hertz's law with a fitted modulus is accurate for a soft
-# cap at large strain: 2 % in the load at 0.5; a tenth is added. An error of BOUND in A0 corresponds to 6 % in
-# the load, which is reached at 1.3 times that ratio even if the error grows as (a/R)^4.
+# Bounds of the contact radius over the radius of curvature: above WIDEST there is an information note, above
+# TOO_WIDE a warning. For a soft cap at large strain, the load of Hertz's law with a fitted modulus has an
+# error of 2 % at a/R = 0.5; WIDEST is 10 % higher. An error of BOUND in A0 corresponds to 6 % in the load. If
+# the error grows as (a/R)^4, it reaches 6 % at 1.3 times 0.5.
 WIDEST, TOO_WIDE = 0.55, 0.65
 
-# Following all jumps of adhesive contacts in larger scenes takes too long for a note: above this size the
-# interaction is estimated without adhesion.
+# Largest number of adhesive asperities whose jumps are followed to estimate the interaction. For larger
+# surfaces this takes too long, and the interaction is estimated without adhesion.
 MOST_ADHESIVE = 100
 
-# The second moment of a uniform pressure over that of Hertz's, 1/2 over 2/5.
+# Second moment of a uniform pressure over that of Hertz's pressure, 1/2 over 2/5.
 UNIFORM = 1.25
 
-# Relative tolerance of the approach at which paraboloids have the area of other contacts.
+# Relative tolerance of the approach at which paraboloids have the same area as the contacts of another law.
 SIZE_TOLERANCE = 1e-6
 
 # Remedy if a model finds no equilibrium.
@@ -68,8 +72,8 @@ UNKNOWN = "the effect of elastic interaction cannot be estimated over all loads"
 # Tolerance of the base gap at the load of base contact, relative to the largest height.
 BASE_TOLERANCE = 1e-9
 
-# Largest number of steps to an approach at which the plane reaches the base; each step at least doubles the
-# part of the approach in excess of the largest height.
+# Largest number of steps in the search for an approach at which the plane reaches the base. Each step at
+# least doubles the excess of the approach over the largest height.
 MOST_STEPS = 60
 
 
@@ -78,7 +82,7 @@ def left_out_notes(
 ) -> tuple[Note, ...]:
     """Return `notes`, followed by estimates of the effects that the model neglects along a curve.
 
-    unloading: whether the curve is that of unloading from its largest load.
+    `unloading` says whether the states of the curve are those on unloading from its largest load.
     """
     return (
         *notes,
@@ -91,7 +95,7 @@ def left_out_notes(
 
 
 def reference_of(surface: Surface, model: Model) -> Interacting:
-    """Return the reference model for a model on a surface, including the block if the surface has one."""
+    """Return the reference model for a model and a surface; on a bonded layer if the surface has a block."""
     reference = model.reference
     if surface.block is not None and reference.substrate == HalfSpace():
         return replace(reference, substrate=BondedLayer())
@@ -99,7 +103,7 @@ def reference_of(surface: Surface, model: Model) -> Interacting:
 
 
 def _interaction_notes(surface: Surface, model: Model, curve: Curve, unloading: bool) -> Iterator[Note]:
-    """Yield notes on the change by neighbours and block, and on the validity of the interaction order."""
+    """Yield notes on the change of A0 by neighbours and block, and on the validity of the reference model."""
     rows = _probed(curve.load, surface.count)
     if not rows.size:
         return
@@ -112,7 +116,7 @@ def _interaction_notes(surface: Surface, model: Model, curve: Curve, unloading: 
     try:
         if reference != gradient_model:
             full = _on_path(reference, surface, load, unloading)
-            if model.couples:  # the difference of resolved contacts from order 3 is not due to the block
+            if model.couples:  # excludes the difference between resolved contacts and order 3
                 area = _on_path(gradient_model, surface, load, unloading).checked().area
             if full.solved.any():
                 change = full.area[full.solved] / area[full.solved] - 1.0
@@ -136,19 +140,19 @@ def _on_path(model: Model, surface: Surface, load: FloatArray, unloading: bool) 
 
 
 def _resolved_or(law: Contact) -> str:
-    """Return the resolved model as a remedy before another one, for laws whose contacts can be resolved."""
+    """Return the start of a remedy, "the model resolved, or ", if the contacts of the law can be resolved."""
     return "the model resolved, or " if resolvable(law) else ""
 
 
 def _size_note(surface: Surface, reference: Interacting, area: float) -> Note:
-    """Return a note on the errors of point loads for laws without a profile, by paraboloids of equal area."""
+    """Return a note on the error of point loads for laws without a profile; paraboloids replace the caps."""
     point = Interacting(1, reference.substrate)
 
     def excess(approach: float) -> float:
         return float(point.curve(surface, approach=np.array([approach])).checked().area[0]) - area
 
     try:
-        high = area / (math.pi * float(surface.radius.max()))  # the approach of one summit
+        high = area / (math.pi * float(surface.radius.max()))  # the approach for one summit
         for _ in range(MOST_STEPS):
             if excess(high) > 0.0:
                 break
@@ -166,7 +170,7 @@ def _size_note(surface: Surface, reference: Interacting, area: float) -> Note:
 
 
 def _probed(load: FloatArray, count: int) -> IntArray:
-    """Return the rows of a few positive loads, the last among them."""
+    """Return the indices of at most a few positive loads, including the last one."""
     rows: IntArray = np.flatnonzero(load > 0.0)
     some = PROBES if count <= DENSE_LIMIT else FEW_PROBES
     if rows.size <= some:
@@ -178,7 +182,7 @@ def _probed(load: FloatArray, count: int) -> IntArray:
 def _change_notes(
     surface: Surface, model: Model, reference: Interacting, load: FloatArray, change: FloatArray
 ) -> Iterator[Note]:
-    """Yield a note on the change of A0 at given load by effects that the model neglects."""
+    """Yield a note on the change of A0 at given load due to effects that the model neglects."""
     rms = math.sqrt(float((change**2).mean()))
     if rms < STATED:
         return
@@ -201,7 +205,7 @@ def _change_notes(
 
 
 def _width_notes(surface: Surface, model: Model, reference: Interacting, curve: Curve) -> Iterator[Note]:
-    """Yield notes on contacts that overlap, or are too wide for their distances and their layer."""
+    """Yield notes on contacts that overlap, or that are wide relative to their distances or their layer."""
     law, area, newtons = contact_of(model), curve.last.area, _last_force(surface, curve)
     overlaps, ratio = crowding(surface, area, law)
     if overlaps:
@@ -240,8 +244,8 @@ def _last_force(surface: Surface, curve: Curve) -> float:
 def base_contact_load(surface: Surface, model: Model) -> float:
     """Return the rescaled load [mm^2] at which the plane reaches the sunken base near a summit.
 
-    The base gap of `ContactState` is then zero. For resolved contacts order 3 is used. Raises NotConverged or
-    InvalidInput if the model has no solution under such a load.
+    The base gap of `ContactState` is zero at this load. For the resolved model, order 3 is solved instead.
+    Raise NotConverged or InvalidInput if the model has no solution at such a load.
     """
     top = float(surface.height.max())
     if top <= 0.0:
@@ -252,12 +256,13 @@ def base_contact_load(surface: Surface, model: Model) -> float:
         curve = model.gradient_model.curve(surface, approach=np.array([approach])).checked()
         return curve.last.base_gap, float(curve.load[0])
 
-    # base contact of independent asperities; sinking delays it, and a rising layer may advance it
+    # start from the base contact of independent asperities; it comes later if the base sinks, and it may come
+    # earlier if the layer rises
     high, gap = top, state_at(top)[0]
     for _ in range(MOST_STEPS):
         if gap <= BASE_TOLERANCE * top:
             break
-        high += max(2.0 * gap, high - top)  # the steps double if nearly all of each step is sinking
+        high += max(2.0 * gap, high - top)  # doubles the step if the base sinks almost as far
         gap = state_at(high)[0]
     if abs(gap) > BASE_TOLERANCE * top:
         high = scipy.optimize.brentq(lambda x: state_at(x)[0], 0.0, high, xtol=BASE_TOLERANCE * top)
@@ -271,7 +276,7 @@ def _base_notes(surface: Surface, model: Model, curve: Curve) -> Iterator[Note]:
         return
     try:
         onset = min(surface.material.composite_modulus * base_contact_load(surface, model), newtons)
-    except MetafemError:  # no solution at lighter loads: the plane reaches the base by this load
+    except MetafemError:  # no solution at lighter loads: state the last load
         onset = newtons
     yield Note(
         f"the base plane would touch from a load of {onset:.4g} N on: at {newtons:.4g} N the plane would be "

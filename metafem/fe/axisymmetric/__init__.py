@@ -1,1 +1,1 @@
-"""One axisymmetric contact at small strain, used to check the contact laws of the models."""
+"""One axisymmetric contact at small strain, to check the contact laws of the models."""

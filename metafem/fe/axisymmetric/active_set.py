@@ -1,4 +1,4 @@
-"""A contact computed by an active-set method, on a uniform mesh of quadratic elements of scikit-fem."""
+"""One contact by an active-set method, on a uniform mesh of quadratic scikit-fem elements."""
 
 from __future__ import annotations
 
@@ -18,27 +18,27 @@ from metafem.fe.axisymmetric.geometry import Cap, checked_cap
 from metafem.fe.axisymmetric.mesh import named, uniform_mesh
 from metafem.fe.linear_solve import THRESHOLD, LinearStatus, solve
 
-# Radius of the region of equal cells, and radius of the half-space, in contact radii.
+# Radius of the region with equal cells, and radius of the mesh of the half-space, in contact radii.
 REACH, EXTENT = 1.1, 1e5
 
-# Ratio of neighbouring cells of a cap on a block beyond the contact.
+# Size ratio of neighbouring cells beyond the contact, for a cap on a block.
 GROWTH = 1.4
 
-# Maximum number of changes of the active set; a few are enough.
+# Maximum number of changes of the active set; a few are usually enough.
 STEPS = 50
 
 
 @dataclass(frozen=True, eq=False)
 class ActiveSetContact:
-    """Contact under a plane at a given indentation, computed by an active set.
+    """Contact under a rigid plane at a given indentation, from an active-set method.
 
     Attributes
     ----------
     rescaled_load : float
         P/E* [mm^2].
     contact_radius : float
-        a [mm], from the second moment of the pressure: ``sqrt(5/2 <r^2>)``, exact for Hertz's pressure but
-        not for that of a cap.
+        a [mm], from the second moment of the pressure: ``sqrt(5/2 <r^2>)``. This is exact for Hertz's
+        pressure, but not for the pressure on a spherical cap.
     last_radius : float
         Radius of the last closed node [mm].
     steps : int
@@ -66,11 +66,11 @@ def search_contact(
     thickness: float | None = None,
     block_radius: float | None = None,
 ) -> ActiveSetContact:
-    """Find the contact of a paraboloid on a half-space, or of a cap on a block, by an active set.
+    """Return the contact of a paraboloid on a half-space, or of a cap on a block, by an active-set method.
 
-    Nodal forces and nodal gaps are not negative, and one of the two is zero. The elements and the treatment
-    of the edge differ from those of `press`, so that the two computations are independent. The error is at
-    most of first order in the cell size.
+    At each node, force and gap are not negative and at least one of them is zero. The elements and the
+    treatment of the edge differ from those of `press`, so that the two computations are independent. The
+    error is at most of first order in the cell size.
 
     Parameters
     ----------
@@ -83,8 +83,8 @@ def search_contact(
     cell : float
         Size of the elements along the surface [mm], at most a quarter of the contact radius.
     height, thickness, block_radius : float, optional
-        Height of a spherical cap, and thickness and radius of the block below it [mm], which has a bonded
-        base and a free side; all or none.
+        Height of a spherical cap, and thickness and radius of the block below it [mm]. The block has a bonded
+        base and a free side. Give all three or none.
 
     Returns
     -------
@@ -93,10 +93,10 @@ def search_contact(
     Raises
     ------
     InvalidInput
-        If a value is outside its range, the cell does not resolve the contact, or only some of the lengths
-        of a cap on a block are given.
+        If a value is outside its range, the cell is too large for the contact, or only some of height,
+        thickness and block_radius are given.
     NotConverged
-        If the active set does not settle.
+        If the active set still changes after the largest number of steps.
 
     Examples
     --------
@@ -125,7 +125,7 @@ def search_contact(
 
 
 def _of_forces(force: FloatArray, r: FloatArray, steps: int) -> ActiveSetContact:
-    """Return the contact of the forces on the nodes at r."""
+    """Return the contact that has these nodal forces at the radii r."""
     return ActiveSetContact(
         rescaled_load=math.fsum(force),
         contact_radius=math.sqrt(2.5 * math.fsum(force * r**2) / math.fsum(force)),
@@ -135,7 +135,7 @@ def _of_forces(force: FloatArray, r: FloatArray, steps: int) -> ActiveSetContact
 
 
 def _cap_mesh(cap: Cap, cell: float, reach: float) -> MeshQuad:
-    """Return a cap on a block: equal cells up to a radius, then growing cells to the foot and the side."""
+    """Return a mesh of a cap on a block: equal cells up to `reach`, then growing cells to foot and side."""
     near = cell * np.arange(round(reach / cell) + 1)
     slope = _growing(near[-1], cap.foot, cell)
     flat = _growing(cap.foot, cap.outer, slope[-1] - slope[-2])
@@ -146,20 +146,20 @@ def _cap_mesh(cap: Cap, cell: float, reach: float) -> MeshQuad:
 
 
 def _growing(start: float, end: float, first: float) -> FloatArray:
-    """Return positions from start to end with spacings that grow from the first by at most `GROWTH`."""
+    """Return positions from start to end; spacings begin with `first` and grow by at most `GROWTH`."""
     count = max(1, math.ceil(math.log1p((end - start) / first * (GROWTH - 1.0)) / math.log(GROWTH)))
     sums = np.cumsum(GROWTH ** np.arange(count))
     return np.concatenate([[start], start + (end - start) * sums[:-1] / sums[-1], [end]])
 
 
 def _active_set(flexibility: FloatArray, depth: FloatArray) -> tuple[FloatArray, int]:
-    """Return forces >= 0 with ``flexibility force >= depth``, equal where force > 0, and the steps."""
+    """Return forces >= 0 with ``flexibility force >= depth``, equal where force > 0, and the step count."""
     active = depth > 0.0
     for step in range(1, STEPS + 1):
         force = np.zeros(len(depth))
         force[active] = np.linalg.solve(flexibility[np.ix_(active, active)], depth[active])
         overlap = depth - flexibility @ force
-        # The overlap of active nodes is a rounding error: they stay closed while their force is positive.
+        # Active nodes overlap by rounding errors only, so they stay closed while their force is positive.
         following = np.where(active, force > 0.0, overlap > 0.0)
         if (following == active).all():
             return force, step
@@ -168,7 +168,7 @@ def _active_set(flexibility: FloatArray, depth: FloatArray) -> tuple[FloatArray,
 
 
 def _flexibility(mesh: MeshQuad, nu: float) -> tuple[FloatArray, FloatArray]:
-    """Return radii of the nodes near the contact, and their displacements per unit force on each ring."""
+    """Return the radii of nodes near the contact, and their displacements per unit force on each ring."""
     displacement = Basis(mesh, ElementVector(ElementQuad2()), intorder=5)
     pressure = displacement.with_element(ElementQuad1())
     matrix = _matrix(displacement, pressure, nu)
@@ -176,7 +176,7 @@ def _flexibility(mesh: MeshQuad, nu: float) -> tuple[FloatArray, FloatArray]:
     free = np.setdiff1d(np.arange(matrix.shape[0]), np.concatenate(names))
     touch: IntArray = displacement.get_dofs("contact").all(["u^2"])
     unit = np.zeros((matrix.shape[0], len(touch)))
-    # Positive forces point down, along depth; the force on a ring is 2 pi times that per radian.
+    # Positive forces point down, along depth. The force on a ring is 2 pi times the force per radian.
     unit[touch, np.arange(len(touch))] = 1.0 / (2.0 * math.pi)
     solved = solve(matrix[free][:, free].tocsc(), unit[free], THRESHOLD)
     if solved.status is LinearStatus.NOT_CONVERGED:

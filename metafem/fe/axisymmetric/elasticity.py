@@ -1,4 +1,4 @@
-"""Axisymmetric small-strain elasticity with displacements of degree p and pressures of degree p - 1."""
+"""Axisymmetric small-strain elasticity: displacements of polynomial degree p, pressures of degree p - 1."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from metafem._validate import FloatArray, IntArray
 from metafem.fe.axisymmetric.geometry import Flat
 from metafem.fe.linear_solve import Solved, solve
 
-# Gauss points per direction in addition to the degree: the polynomials of the elements need one; the others
-# resolve the analytic maps and 1/r.
+# Number of Gauss points per direction minus the polynomial degree. One point is needed for the polynomials;
+# the others resolve the analytic maps and 1/r.
 EXTRA_POINTS = 3
 
-# Numbers in the largest array of a group of elements: 2 MiB, so that a few such arrays fit into the cache.
+# Length of the largest array of a group of elements: 2 MiB, so that a few such arrays fit into the cache.
 GROUP = 250_000
 
 
 def hierarchical(kind: Any, degree: int) -> Any:
-    """Return an element of a hierarchical family, without the logged advice to use nodal elements."""
+    """Return a hierarchical element; suppress scikit-fem's logged advice to use nodal elements."""
     logger = logging.getLogger(kind.__module__)
     level = logger.level
     logger.setLevel(logging.ERROR)
@@ -36,14 +36,14 @@ def hierarchical(kind: Any, degree: int) -> Any:
 
 
 def assembled(number: IntArray, block: FloatArray, size: int) -> csc_matrix:
-    """Assemble element matrices (elements, local, local) with global unknown numbers (elements, local)."""
+    """Return the sum of element matrices (elements, local, local) for unknowns (elements, local)."""
     width = number.shape[1]
     rows, columns = np.repeat(number, width, axis=1).ravel(), np.tile(number, (1, width)).ravel()
     return coo_matrix((block.ravel(), (rows, columns)), shape=(size, size)).tocsc()
 
 
 class Polynomials:
-    """Scalar polynomials of one degree on a mesh: numbering and reference shapes."""
+    """Numbering and shape functions of the scalar polynomials of one degree on a mesh."""
 
     def __init__(self, mesh: MeshQuad, degree: int) -> None:
         self.element = hierarchical(ElementQuadP, degree)
@@ -54,18 +54,18 @@ class Polynomials:
         self.skeleton = int(self.dofs.N) - self.inner * mesh.nelements
 
     def shapes(self, point: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Values (local, n) and derivatives (local, 2, n) at points (2, n) of the reference square."""
+        """Return shape functions (local, n) and derivatives (local, 2, n) at reference points (2, n)."""
         pairs = [self.element.lbasis(point, i) for i in range(self.local)]
         return np.array([value for value, _ in pairs]), np.array([slope for _, slope in pairs])
 
 
 class Body:
-    """An axisymmetric elastic body of composite modulus 1 on a mesh of its reference plane.
+    """An axisymmetric elastic body with E* = 1, on a mesh of its reference plane.
 
-    ``div(2 mu dev eps - p I) = 0``, ``div u + p/K = 0`` with ``mu = (1 - nu)/2`` and
-    ``1/K = 3 (1 - 2 nu)/(1 - nu^2)``: exact for every nu in [0, 0.5], including incompressible bodies.
-    The bubbles of displacement and pressure are eliminated element by element. The degree is at
-    least 4.
+    ``div(2 mu dev eps - p I) = 0``, ``div u + p/K = 0`` with ``mu = (1 - nu)/2`` and ``1/K = 3 (1 - 2 nu)/(1
+    - nu^2)``. This mixed form holds for every nu in [0, 0.5], including incompressible bodies. The bubble
+    functions of displacement and pressure are eliminated element by element; the remaining unknowns are the
+    skeleton. The degree is at least 4.
     """
 
     def __init__(self, mesh: MeshQuad, geometry: Flat, degree: int, poisson_ratio: float) -> None:
@@ -75,17 +75,17 @@ class Body:
 
     @property
     def shear_modulus(self) -> float:
-        """Mu, in units of the composite modulus."""
+        """Shear modulus mu over E* [-]."""
         return 0.5 * (1.0 - self.poisson_ratio)
 
     @property
     def compliance(self) -> float:
-        """1/K, in units of 1/E*."""
+        """Compliance E*/K [-]."""
         return 3.0 * (1.0 - 2.0 * self.poisson_ratio) / (1.0 - self.poisson_ratio**2)
 
     @cached_property
     def _local(self) -> tuple[IntArray, IntArray]:
-        """Local numbers of the skeleton and the bubbles for (radial, downward, pressure)."""
+        """Local numbers of the skeleton and of the bubbles, ordered radial, downward, pressure."""
         u, p = self.displacement, self.pressure
         kept, inner = [], []
         for start, field in ((0, u), (u.local, u), (2 * u.local, p)):
@@ -96,7 +96,7 @@ class Body:
 
     @cached_property
     def numbering(self) -> IntArray:
-        """Global skeleton numbers of the remaining unknowns of each element, (elements, kept)."""
+        """Global numbers of the skeleton unknowns of each element, (elements, local)."""
         u, p = self.displacement, self.pressure
         mine = u.dofs.element_dofs[: u.local - u.inner]
         other = p.dofs.element_dofs[: p.local - p.inner]
@@ -104,7 +104,7 @@ class Body:
 
     @cached_property
     def _condensed(self) -> tuple[csc_matrix, FloatArray]:
-        """Matrix of the skeleton, and for each element the matrix from skeleton to bubbles."""
+        """Matrix of the skeleton, and for each element the matrix that gives bubbles from the skeleton."""
         kept, inner = self._local
         count = self.mesh.nelements
         points = (self.degree + EXTRA_POINTS) ** 2
@@ -121,11 +121,11 @@ class Body:
 
     @property
     def matrix(self) -> csc_matrix:
-        """Matrix of the skeleton, without the bubbles."""
+        """Matrix of the skeleton, after elimination of the bubbles."""
         return self._condensed[0]
 
     def _element_matrices(self, elements: IntArray) -> FloatArray:
-        """Matrices [[K, G'], [G, -C]] of some elements."""
+        """Return the matrices [[K, G'], [G, -C]] of some elements."""
         along_r, along_z, hoop, other, weight = self.shapes_at_points(elements)
         dilation = along_r + hoop
         mu, weighted = self.shear_modulus, weight[..., None]
@@ -148,10 +148,10 @@ class Body:
         )
 
     def shapes_at_points(self, elements: IntArray) -> tuple[FloatArray, ...]:
-        """Shapes at the Gauss points of elements, with the weight r of the solid of revolution.
+        """Return shape functions and weights at the Gauss points of elements.
 
-        d/dr, d/dz and 1/r of the displacements (elements, points, local), the pressures (points, local) and
-        the weights (elements, points).
+        For the displacements d/dr, d/dz and the shape functions over r (elements, points, local), for the
+        pressures the shape functions (points, local), and the weights (elements, points), which include r.
         """
         x, w = np.polynomial.legendre.leggauss(self.degree + EXTRA_POINTS)
         x, w = 0.5 * (x + 1.0), 0.5 * w
@@ -170,16 +170,16 @@ class Body:
         return along_r, along_z, value.T / radius[..., None], other.T, weight * np.abs(determinant) * radius
 
     def boundary(self, *names: str) -> IntArray:
-        """Scalar displacement numbers on named boundaries."""
+        """Return the numbers of one displacement component on named boundaries."""
         facets = np.unique(np.concatenate([self.mesh.boundaries[name] for name in names]))
         corners = np.unique(self.mesh.facets[:, facets])
         dofs = self.displacement.dofs
         return np.concatenate([dofs.nodal_dofs[:, corners].ravel(), dofs.facet_dofs[:, facets].ravel()])
 
     def solve(self, fixed: IntArray, value: FloatArray) -> Solved:
-        """Solve with some skeleton unknowns fixed at `value`, (n, k), and no load on the others.
+        """Return the solution with the `fixed` skeleton unknowns set to `value`, (n, k), and no other load.
 
-        The skeleton holds the coefficients shared by elements: radial, downward, pressure.
+        The skeleton holds the coefficients that elements share, in the order radial, downward, pressure.
         """
         free = np.setdiff1d(np.arange(self.matrix.shape[0]), fixed)
         rows = self.matrix[free]
@@ -190,7 +190,7 @@ class Body:
         return replace(solved, value=skeleton)
 
     def located(self, name: str, plane: FloatArray) -> tuple[IntArray, FloatArray]:
-        """Return the elements that hold points (2, n) of a named boundary, and the local coordinates."""
+        """Return the elements of points (2, n) on a named boundary, and the points' reference coordinates."""
         facets = self.mesh.boundaries[name]
         ends = self.mesh.p[:, self.mesh.facets[:, facets]]
         along = int(np.argmax(np.ptp(ends.reshape(2, -1), axis=1)))
@@ -198,7 +198,7 @@ class Body:
         order = np.argsort(start)
         which = np.searchsorted(start[order], plane[along], side="right") - 1
         element = self.mesh.f2t[0, facets[order[np.maximum(which, 0)]]]
-        # Elements are parallelograms in the plane: one Newton step from the middle is exact.
+        # Elements are parallelograms in the plane, so one Newton step from the middle is exact.
         straight, middle = self.mesh.mapping(), np.full((2, len(element), 1), 0.5)
         step = plane - straight.F(middle, element)[..., 0]
         slope = straight.invDF(middle, element)[..., 0]
@@ -207,10 +207,10 @@ class Body:
     def fields_at(
         self, skeleton: FloatArray, element: IntArray, point: FloatArray, *, by_plane: bool = False
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Displacement (2, n), its gradient (2, 2, n) by (r, z), and pressure (n,) inside elements.
+        """Return displacement (2, n), its gradient (2, 2, n) in (r, z), and pressure (n,) inside elements.
 
         `skeleton` is one column of a solution, `point` (2, n) are coordinates in the reference square. With
-        `by_plane` the gradient is by the plane's coordinates, and finite where the Jacobian vanishes.
+        `by_plane` the gradient is in the plane's coordinates, which is finite where the Jacobian vanishes.
         """
         local = self.displacement.local
         full = self._coefficients(skeleton, element)
@@ -231,7 +231,7 @@ class Body:
         )
 
     def _coefficients(self, skeleton: FloatArray, element: IntArray) -> FloatArray:
-        """All coefficients of elements (n, local), bubbles included: radial, downward, pressure."""
+        """Return all coefficients of elements (n, local), including bubbles: radial, downward, pressure."""
         kept, inner = self._local
         shared = skeleton[self.numbering[element]]
         full = np.empty((len(element), len(kept) + len(inner)))

@@ -1,4 +1,4 @@
-"""Meshes of the reference planes: rectangles with named boundaries.
+"""Meshes of the reference planes, which are rectangles with named boundaries.
 
 The boundaries are `contact`, `free`, `axis`, `base` and, if the body has a side, `wall`.
 """
@@ -12,19 +12,20 @@ from skfem import MeshQuad
 
 from metafem._validate import FloatArray
 
-# Elements of the oblate-spheroidal plane. The fields of a contact are low harmonics of phi: two intervals are
-# enough. They decay as exp(-mu): elements of length 2 to 4 resolve this. The far end is fixed, 5e12 contact
-# radii away.
+# Vertices of the mesh of the oblate-spheroidal plane. In phi the fields of a contact are low harmonics, so
+# two intervals are enough. In mu they decay as exp(-mu), which elements of length 2 to 4 resolve far away.
+# The end at mu = 30 is 5e12 contact radii away and is fixed.
 HALF_SPACE_PHI = (0.0, 0.25 * math.pi, 0.5 * math.pi)
 HALF_SPACE_MU = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0, 12.0, 15.0, 18.0, 22.0, 26.0, 30.0)
 
-# Ratios of the distances of neighbouring lines from an edge: up to a tenth of the radius, and beyond it. A
-# square root is smooth in the logarithm of the distance, and its contribution decreases with the distance.
-# Beyond a tenth, the fields have an error of at most 1e-4 with degree 6.
+# Ratios of the distances of neighbouring lines from an edge: EDGE_RATIO up to a tenth of the radius, and
+# RATIO farther away. Steep grading is possible at the edge, because a square root is smooth in the logarithm
+# of the distance and the innermost elements contribute little. Beyond a tenth of the radius, the fields have
+# an error of at most 1e-4 with degree 6.
 EDGE_RATIO, RATIO, EDGE_REACH = 6.0, 2.0, 0.1
 
-# Size of the last elements at the contact's edge and at the cap's foot, in units of their radii. The
-# bracket of the indentation is proportional to the first.
+# Sizes of the smallest elements at the contact's edge and at the cap's foot, over the radii of contact and
+# foot. The bracket of the indentation is proportional to the size at the edge.
 CONTACT_EDGE = 1e-5
 FOOT_EDGE = 1e-3
 
@@ -51,11 +52,11 @@ def graded_mesh(
     contact_edge: float = CONTACT_EDGE,
     foot_edge: float = FOOT_EDGE,
 ) -> MeshQuad:
-    """Return a mesh of a body's plane (s, depth), graded to the contact's edge and the cap's foot.
+    """Return a mesh of a body's plane (s, depth), graded towards the contact's edge and the cap's foot.
 
-    The plane coordinates of the contact's edge, the side and the foot, and the thickness, are in mm. The last
-    elements have the sizes `contact_edge` and `foot_edge`, relative to the radii of the contact and of the
-    foot.
+    `contact`, `outer` and `foot` are the plane coordinates of the contact's edge, the side and the foot [mm];
+    the thickness is also in mm. `contact_edge` and `foot_edge` are the sizes of the smallest elements, over
+    the radii of contact and foot.
     """
     fine, reach = contact_edge * contact, EDGE_REACH * contact
     across = [_graded(contact, 0.0, fine, reach)[::-1]]
@@ -74,7 +75,7 @@ def graded_mesh(
 
 
 def uniform_mesh(cell: float, reach: float, outer: float, growth: float = 1.3) -> MeshQuad:
-    """Return a plane with equal cells up to r = reach; beyond and below, cells grow."""
+    """Return a mesh with equal cells up to r = reach; outside and below this region the cells grow."""
     count = round(reach / cell)
     near = cell * np.arange(count + 1)
     size = cell * growth ** np.arange(1, 1 + math.ceil(math.log(1.0 + outer / cell) / math.log(growth)))
@@ -99,9 +100,10 @@ def named(mesh: MeshQuad, contact: float, outer: float, thickness: float) -> Mes
 def _graded(
     fine_end: float, coarse_end: float, smallest: float, edge: float, largest: float = math.inf
 ) -> FloatArray:
-    """Return points from the fine end to the coarse end, with a first interval of at most `smallest`.
+    """Return points from the fine end to the coarse end; the first interval is at most `smallest`.
 
-    Distances grow by EDGE_RATIO up to `edge`, and beyond it by RATIO or by `largest`.
+    The distances of the points from the fine end grow by EDGE_RATIO up to `edge`. Beyond it they grow by
+    RATIO, but by no more than `largest`.
     """
     distance = [smallest]
     while distance[-1] < abs(coarse_end - fine_end):

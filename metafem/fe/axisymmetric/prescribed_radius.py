@@ -1,4 +1,4 @@
-"""Contact of a given radius: two linear problems, and the indentation for which the pressure is finite."""
+"""Contact of prescribed radius: two linear problems, and the indentation with a finite edge pressure."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ class PressedContact:
     rescaled_load : float
         P/E* [mm^2].
     indentation : float
-        Approach of the plane to the far body from first touch [mm].
+        Approach of the plane to the far body since first touch [mm].
     error_estimate : float
-        Bound of the relative errors of load and indentation [-].
+        Upper bound of the relative errors of load and indentation [-].
     residual : float
         Scaled residual of the linear system, recomputed [-].
     status : LinearStatus
@@ -59,12 +59,12 @@ class PressedContact:
     extent: float = field(repr=False)  # largest radius of the body [mm]
 
     def displacement(self, r: ArrayLike) -> FloatArray:
-        """Downward displacement [mm] of the surface at the undeformed radii r [mm], any shape.
+        """Return the downward displacement [mm] of the surface at the undeformed radii r [mm], of any shape.
 
         Raises
         ------
         InvalidInput
-            For radii that are negative or outside the body.
+            If a radius is negative or outside the body.
         """
         radius = check.array("r", np.atleast_1d(r), shape=(None,))
         refuse_if(
@@ -80,25 +80,25 @@ class PressedContact:
         return result.reshape(np.shape(r))
 
     def pressure(self, r: ArrayLike) -> FloatArray:
-        """Contact pressure over E* [-], per horizontal area, at the radii r [mm], any shape; 0 outside."""
+        """Return the contact pressure per horizontal area over E* [-] at the radii r [mm]; 0 outside."""
         radius = check.array("r", np.atleast_1d(r), shape=(None,))
         result = np.zeros(radius.shape)
         inside = np.abs(radius) < self.contact_radius
-        # The hoop strain u/r needs r > 0: a millionth of the contact radius changes the result by 1e-12.
+        # The hoop strain u/r needs r > 0; the lower bound 1e-6 a changes the result by a relative 1e-12.
         near = np.maximum(np.abs(radius[inside]), 1e-6 * self.contact_radius)
         if inside.any():
             result[inside] = self._traction(near)
         return result.reshape(np.shape(r))
 
     def _traction(self, r: FloatArray) -> FloatArray:
-        """Downward traction per horizontal area inside the contact, ``-(sigma_zz + sigma_rz n_r/n_z)``."""
+        """Return the downward traction per horizontal area in contact, ``-(sigma_zz + sigma_rz n_r/n_z)``."""
         body = self.body
         plane = body.geometry.surface(r)
         displacement, gradient, pressure = body.fields_at(self.skeleton, *body.located("contact", plane))
         mean = (gradient[0, 0] + gradient[1, 1] + displacement[0] / r) / 3.0
         down = 2.0 * body.shear_modulus * (gradient[1, 1] - mean) - pressure
         across = body.shear_modulus * (gradient[0, 1] + gradient[1, 0])
-        # The boundary runs along the first coordinate of the plane.
+        # The boundary runs along the first plane coordinate.
         tangent = body.geometry.jacobian(plane)[:, 0]
         return np.asarray(across * tangent[1] / tangent[0] - down)
 
@@ -106,10 +106,10 @@ class PressedContact:
 def spectral(
     mesh: MeshQuad, geometry: Oblate, degree: int, poisson_ratio: float, profile: Profile, extent: float
 ) -> PressedContact:
-    """Solve on a half-space in oblate-spheroidal coordinates.
+    """Return the contact on a half-space, solved in oblate-spheroidal coordinates.
 
-    Near the edge the depth of the surface below the contact is ``K mu + O(mu^2)``, where K is the strength of
-    the pressure singularity. At the indentation found, K vanishes.
+    Near the edge, the depth of the surface below the contact is ``K mu + O(mu^2)``, where K is the strength
+    of the pressure singularity. The indentation is that for which K vanishes.
     """
     body = Body(mesh, geometry, degree, poisson_ratio)
     solved = _solve(body, profile, walled=False)
@@ -129,9 +129,10 @@ def graded(
     extent: float,
     walled: bool,
 ) -> PressedContact:
-    """Solve on a mesh graded to the edge; the indentation is the mean of the results of two criteria.
+    """Return the contact on a mesh graded towards the edge; two criteria give the indentation.
 
-    The error estimate is half of the relative difference of their loads or indentations.
+    The result is the mean of the results of the two criteria. The error estimate is half of the relative
+    difference of their loads or indentations, whichever is larger.
     """
     body = Body(mesh, geometry, degree, poisson_ratio)
     solved = _solve(body, profile, walled)
@@ -151,9 +152,9 @@ def graded(
 
 
 def contact_data(body: Body, value: Callable[[FloatArray], FloatArray]) -> FloatArray:
-    """Coefficients (n,) of the polynomials that interpolate `value` of the radius along the contact.
+    """Return the coefficients (n,) of polynomials that approximate `value`(r) along the contact.
 
-    Exact at the nodes, and the least-squares fit between them.
+    They are exact at the nodes and least-squares fits between the nodes.
     """
     mesh, field = body.mesh, body.displacement
     facets = mesh.boundaries["contact"]
@@ -161,7 +162,7 @@ def contact_data(body: Body, value: Callable[[FloatArray], FloatArray]) -> Float
     x, w = 0.5 * (x + 1.0), 0.5 * w
     line = hierarchical(ElementLinePp, body.degree)
     bubbles = np.array([line.lbasis(x[None], i)[0] for i in range(2, body.degree + 1)])
-    # The degrees on a facet run from its smaller coordinate to its larger one.
+    # The degrees of freedom of a facet run from its smaller to its larger coordinate.
     nodes = mesh.facets[:, facets]
     nodes = np.where(mesh.p[:, nodes[0]].sum(axis=0) <= mesh.p[:, nodes[1]].sum(axis=0), nodes, nodes[::-1])
     first, last = mesh.p[:, nodes[0], None], mesh.p[:, nodes[1], None]
@@ -177,7 +178,7 @@ def contact_data(body: Body, value: Callable[[FloatArray], FloatArray]) -> Float
 
 
 def _solve(body: Body, profile: Profile, walled: bool) -> Solved:
-    """Solve for a unit displacement of the contact, and for the profile pressed flat."""
+    """Return the solutions for a unit displacement of the contact and for the flattened profile."""
     start = body.displacement.skeleton
     radial = body.boundary("axis", "base", *(["wall"] if walled else []))
     fixed = np.unique(np.concatenate([radial, start + body.boundary("base", "contact")]))
@@ -188,7 +189,7 @@ def _solve(body: Body, profile: Profile, walled: bool) -> Solved:
 
 
 def _nodal_forces(body: Body, solved: Solved) -> FloatArray:
-    """Downward forces P/E* on the skeleton of each right-hand side, (n, 2) [mm^2]."""
+    """Return the downward nodal forces P/E* on the skeleton for each right-hand side, (n, 2) [mm^2]."""
     start = body.displacement.skeleton
     return np.asarray(2.0 * math.pi * (body.matrix[start : 2 * start] @ solved.value))
 

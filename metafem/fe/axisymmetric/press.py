@@ -1,4 +1,4 @@
-"""A rigid frictionless plane pressed on one body until the contact has a given radius."""
+"""Rigid, frictionless plane pressed on one body until the contact has a given radius."""
 
 from __future__ import annotations
 
@@ -17,20 +17,22 @@ from metafem.fe.axisymmetric.mesh import graded_mesh, half_space_mesh
 from metafem.fe.axisymmetric.prescribed_radius import PressedContact, Profile, graded, spectral
 from metafem.fe.linear_solve import LinearStatus
 
-# A layer without a side ends at this many thicknesses. Its field decays as exp(-0.739 r/t) at nu = 0.5 (the
-# root of cos y = y) and faster for smaller nu: the side changes the field at the contact by less than 1e-7.
+# Radius at which the mesh of an unbounded layer ends, in thicknesses. The field decays as exp(-0.739 r/t) for
+# nu = 0.5 (0.739 is the root of cos y = y) and faster for smaller nu, so the end changes the field at the
+# contact by less than 1e-7.
 LAYER_EXTENT = 12.0
 
-# Degrees of the returned solution, and of the one from which its error is estimated.
+# Degree of the returned solution, and degree of the second solution for the error estimate.
 HALF_SPACE_DEGREES = (12, 10)
 GRADED_DEGREES = (6, 5)
 
-# Thickness and radius of the block below a pedestal, in summit radii; and the deficit of its compliance from
-# that of a half-space, in units of 1/(pi PEDESTAL_EXTENT), computed without a cap (test_press.py).
+# Thickness and radius of the block below a pedestal, in summit radii; and how much less compliant this block
+# is than a half-space, in units of 1/(pi PEDESTAL_EXTENT), computed without a cap (test_press.py).
 PEDESTAL_EXTENT, SHORTFALL = 1e3, 1.366
 
-# The compliance of a pedestal is a small difference of indentations, so the mesh is finer at the edge than in
-# `press`. One degree more changes the compliance by 3e-5 of its value.
+# Degree, and size of the elements at the edge. The compliance of a pedestal is a small difference of two
+# indentations, so the mesh is finer at the edge than in `press`. With degree 6, the compliance changes by
+# 3e-5.
 PEDESTAL_DEGREE, PEDESTAL_EDGE = 5, 1e-6
 
 
@@ -45,27 +47,27 @@ def press(
     cell_radius: float | None = None,
     profile: Profile | None = None,
 ) -> PressedContact:
-    """Press a rigid, frictionless plane on a body until the contact's radius is `contact_radius`.
+    """Return the contact between a rigid, frictionless plane and a body, with radius `contact_radius`.
 
-    Small strain, axisymmetric, E* = 1. Two linear problems have the same matrix: a unit displacement of the
-    contact, and the profile pressed flat. The indentation is that for which the pressure of their
-    combination is finite at the edge of the contact. The body is one of:
+    The problem is axisymmetric with small strain and E* = 1. Two linear problems with the same matrix are
+    solved: a unit displacement of the contact, and the profile pressed flat. The indentation is that for
+    which the combined pressure is finite at the edge of the contact. The body is one of:
 
     - a half-space with a paraboloid of `radius`, or with any `profile`: high-order elements in
       oblate-spheroidal coordinates;
-    - a layer bonded to a rigid base, with `thickness`, and a side at `block_radius` (free) or at
-      `cell_radius` (no radial displacement and no shear: one cell of an infinite lattice);
-    - with a `height`, the true spherical cap on that layer or block.
+    - a layer of given `thickness`, bonded to a rigid base. It has a free side at `block_radius`, or a side
+      without radial displacement and shear at `cell_radius` (one cell of an infinite lattice), or no side;
+    - a spherical cap of given `height` on this layer or block.
 
-    For the last two, the mesh is graded to the edge, and two criteria bracket the indentation: no reaction at
-    the edge, and no gap at the next node. Half-space: Hertz (1882), doi:10.1515/crll.1882.92.156.
+    For the last two, the mesh is graded towards the edge, and two criteria bracket the indentation: no
+    reaction at the edge, and no gap at the next node. Half-space: Hertz (1882), doi:10.1515/crll.1882.92.156.
 
     Parameters
     ----------
     contact_radius : float
         a [mm].
     radius : float, optional
-        R of the summit [mm]; needed without a `profile`.
+        R of the summit [mm]; required unless there is a `profile`.
     poisson_ratio : float
         nu [-], from 0 to 0.5; default: 0.5.
     height, thickness : float, optional
@@ -73,8 +75,8 @@ def press(
     block_radius, cell_radius : float, optional
         Radius of the side [mm]; default: neither, an unbounded layer.
     profile : callable, optional
-        Depth f(r) [mm] below the summit at the radii r [mm], instead of r^2/(2 R): vectorised and smooth,
-        f(0) = 0.
+        Depth f(r) [mm] below the summit at the radii r [mm], which replaces r^2/(2 R). f is vectorised and
+        smooth, and f(0) = 0.
 
     Returns
     -------
@@ -85,13 +87,13 @@ def press(
     InvalidInput
         If a size does not fit the others, nu is outside [0, 0.5], or the contact carries no load.
     NotConverged
-        If the residual of the linear system stays large with pivoting.
+        If the residual of the linear system is large even with full pivoting.
 
     Notes
     -----
-    Small strain overestimates P(a) of a soft sphere at large a/R: relative to Hertz's law it gives 1.11 at
-    a/R = 0.5, finite strain 0.974 at 0.43. Hertz's law with a fitted modulus
-    is more accurate there. `press_finite` computes finite strain.
+    Small strain overestimates P(a) of a soft sphere at large a/R. Relative to Hertz's law, P is 1.11 at
+    a/R = 0.5, whereas finite strain gives 0.974 at a/R = 0.43. Hertz's law with a fitted modulus is then more
+    accurate than small strain. `press_finite` computes finite strain.
 
     Examples
     --------
@@ -118,7 +120,7 @@ def press(
 
 
 def _result(fine: PressedContact, coarse: PressedContact) -> PressedContact:
-    """Return the finer solution, with an error estimate from the coarser one and from the bracket."""
+    """Return the finer solution; its error estimate includes the coarser solution and the bracket."""
     refuse_if(
         not (fine.rescaled_load > 0.0 and fine.indentation > 0.0),
         "the profile carries no load: it must fall away from the axis",
@@ -133,7 +135,7 @@ def _result(fine: PressedContact, coarse: PressedContact) -> PressedContact:
 
 
 def _profile(radius: Any, height: Any, profile: Profile | None) -> Profile:
-    """Return f(r): the given profile, the sphere of a cap, or the paraboloid on a flat body."""
+    """Return f(r): `profile`, the sphere of a cap, or the paraboloid on a flat body."""
     if profile is not None:
         refuse_if(
             radius is not None or height is not None,
@@ -150,7 +152,7 @@ def _profile(radius: Any, height: Any, profile: Profile | None) -> Profile:
 def _body(
     a: float, radius: Any, height: Any, thickness: Any, block_radius: Any, cell_radius: Any
 ) -> tuple[Cap | Flat, float]:
-    """Check the dimensions; return the body and the radius of its side [mm]."""
+    """Return the body and the radius of its side [mm], after a check of the dimensions."""
     t = check.number("thickness", thickness, above=0.0)
     refuse_if(
         block_radius is not None and cell_radius is not None,
@@ -164,10 +166,11 @@ def _body(
 
 
 def measure_pedestal(height_ratio: float, contact_ratio: float, poisson_ratio: float = 0.5) -> float:
-    """Extra indentation of a spherical cap on a half-space over Hertz's at the same load, as a compliance.
+    """Return the compliance c_p R [-] that a spherical cap adds to a Hertz contact on a half-space.
 
-    ``c_p R`` with ``c_p = (d - d_Hertz(P)) pi E*/P``. With Hertz contacts it is the diagonal of the
-    influence between asperities in units of 1/(pi R). Small strain.
+    ``c_p = (d - d_Hertz(P)) pi E*/P`` follows from the extra indentation at the same load. In units of
+    1/(pi R), c_p R is the diagonal of the influence matrix of asperities with Hertz contacts. Small
+    strain is assumed.
 
     Parameters
     ----------
@@ -186,7 +189,7 @@ def measure_pedestal(height_ratio: float, contact_ratio: float, poisson_ratio: f
     Raises
     ------
     InvalidInput
-        If the contact does not lie within the cap, or a value is outside its range.
+        If the contact exceeds the cap, or a value is outside its range.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""A point load on the half-space, for E* = 1: the part of the block's solution in closed form."""
+"""Point load on the half-space for E* = 1: the closed-form part of the block's solution."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ Vector = tuple[FloatArray, FloatArray, FloatArray]
 
 
 def displacement(x: FloatArray, y: FloatArray, z: FloatArray, poisson_ratio: float) -> Vector:
-    """Displacement at (x, y) from a unit normal load and at depth z >= 0 [1/mm].
+    """Return the displacement per unit normal load [1/mm] at (x, y, z) from the load, with z >= 0.
 
-    Boussinesq's solution, Johnson, Contact Mechanics, equation 3.18, doi:10.1017/CBO9781139171731,
-    with ``(R - z)/r^2`` written as ``1/(R + z)``, which avoids cancellation near the axis.
+    Boussinesq's solution: Johnson, Contact Mechanics, equation 3.18, doi:10.1017/CBO9781139171731.
+    ``(R - z)/r^2`` is written as ``1/(R + z)`` to avoid cancellation near the axis.
     """
     # with E* = 1 the shear modulus is (1 - nu)/2
     scale = 1.0 / (2.0 * math.pi * (1.0 - poisson_ratio))
@@ -28,10 +28,10 @@ def displacement(x: FloatArray, y: FloatArray, z: FloatArray, poisson_ratio: flo
 
 
 def traction(x: FloatArray, y: FloatArray, z: FloatArray, normal: int, poisson_ratio: float) -> Vector:
-    """Traction at (x, y, z) on a plane whose normal is axis 0, 1 or 2 [1/mm^2].
+    """Return the traction per unit load [1/mm^2] at (x, y, z), on a plane whose normal is axis 0, 1 or 2.
 
-    Johnson, equation 3.19 in Cartesian components, again with R + z in place of r^2. It does not depend
-    on the modulus, and is finite for nu = 1/2.
+    Johnson, equation 3.19 in Cartesian components, also written with ``1/(R + z)``. The traction does not
+    depend on the modulus and is finite for nu = 1/2.
     """
     if normal == 1:
         across, along, down = traction(y, x, z, 0, poisson_ratio)
@@ -51,9 +51,9 @@ def mirrored(
     source: FloatArray,
     parity: tuple[int, int],
 ) -> FloatArray:
-    """Field at points (q, 3) of loads at sources (m, 2) with their mirror images, (3q, m).
+    """Return the field (3q, m) at points (q, 3) due to each of m loads (m, 2) and its mirror images.
 
-    `parity` is the sign of an image in the plane x = 0 and in y = 0.
+    `parity` holds the signs of the images in the planes x = 0 and y = 0.
     """
     total = np.zeros((3 * len(point), len(source)))
     x, y, z = point.T[:, :, None]

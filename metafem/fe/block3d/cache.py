@@ -1,4 +1,4 @@
-"""Influence between the sites of a block, stored on disk."""
+"""Disk cache of the influence between the sites of a block."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from metafem._caches import cache_folder, write_whole
 from metafem._validate import FloatArray
 from metafem.progress import message
 
-# Sources that compute an influence, and the libraries they rely on.
+# Source files that compute an influence, and the libraries that they use.
 SOURCES = (*sorted(Path(__file__).parent.glob("*.py")), Path(__file__).parents[1] / "linear_solve.py")
 LIBRARIES = ("numpy", "scipy")
 
 
 @dataclass(frozen=True, eq=False)
 class BlockInfluence:
-    """Influence between the sites of a block, with its errors."""
+    """Influence between the sites of a block, with error estimates."""
 
-    # (n, n), displacement at site i per load P/E* on site j [1/mm], symmetric; regular self terms
+    # (n, n), displacement at site i per load P/E* on site j [1/mm]: symmetric, with the regular self terms
     matrix: FloatArray
-    gradient_x: FloatArray  # (n, n), its derivatives in the plane at i [1/mm^2]
+    gradient_x: FloatArray  # (n, n), derivative of `matrix` by x of site i [1/mm^2]
     gradient_y: FloatArray
     laplacian: FloatArray  # (n, n) [1/mm^3]
     asymmetry: float  # largest difference between mirrored entries before averaging [1/mm]
-    error_estimate: float  # largest change of an entry against cells 1.6 times as large [1/mm]: error bound
+    error_estimate: float  # largest change of an entry with cells 1.6 times as large [1/mm]: error bound
     residual: float  # largest relative residual of the linear solutions
-    notes: tuple[str, ...] = ()  # whether it was computed or read, and disk errors
+    notes: tuple[str, ...] = ()  # whether the influence was computed or read, and disk errors
 
     def __post_init__(self) -> None:
         for value in vars(self).values():
@@ -45,10 +45,10 @@ class BlockInfluence:
 def cached(
     shape: tuple[float, ...], position: FloatArray, compute: Callable[[], BlockInfluence]
 ) -> BlockInfluence:
-    """Read the influence of a block and its sites, or compute and store it.
+    """Return the influence between the sites of a block, read from disk or computed and stored.
 
-    The file name is a hash of the numbers `shape`, the positions and the code. If the file cannot be read,
-    the influence is computed again; if it cannot be written, a note says so.
+    The file name is a hash of `shape`, the positions and the code. If the file cannot be read, the influence
+    is computed again. If the file cannot be written, a note reports this.
     """
     try:
         path = _path(shape, position)
@@ -70,10 +70,10 @@ def cached(
 
 
 def is_cached(shape: tuple[float, ...], position: FloatArray) -> bool:
-    """Return whether there is a file for a block and its sites."""
+    """Return whether the influence of a block and its sites is stored on disk."""
     try:
         return _path(shape, position).is_file()
-    except OSError:  # no home folder, or one that cannot be read
+    except OSError:  # no home folder, or an unreadable folder
         return False
 
 
@@ -84,7 +84,7 @@ def _path(shape: tuple[float, ...], position: FloatArray) -> Path:
 
 @lru_cache
 def code_version() -> bytes:
-    """Return a hash of the sources and of the versions of the libraries that the numbers depend on."""
+    """Return a hash of the source files and library versions on which the influence depends."""
     parts = [path.read_bytes() for path in SOURCES]
     parts += [f"{library} {version(library)}".encode() for library in LIBRARIES]
     return hashlib.sha256(b"".join(parts)).digest()

@@ -1,4 +1,4 @@
-"""Mixed elasticity of a quarter of the block, Q2 displacements and Q1 pressure, for unit E*."""
+"""Mixed elements for a quarter of the block: Q2 displacements, Q1 pressure, E* = 1."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ BoolArray = NDArray[np.bool_]
 
 
 class Remainder(NamedTuple):
-    """Difference between the solutions of the block and of the half-space under each of m mirrored loads."""
+    """Solution of the block minus that of the half-space, for each of m mirrored loads."""
 
     parity: tuple[int, int]
     source: FloatArray
@@ -31,7 +31,7 @@ class Remainder(NamedTuple):
 
 
 class Face(NamedTuple):
-    """Gauss points of the far face along an axis: positions (q, 3), weights, and interpolation of nodes."""
+    """Gauss points of the far face along an axis: positions (q, 3), weights, interpolation from nodes."""
 
     normal: int
     point: FloatArray
@@ -41,7 +41,7 @@ class Face(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Quarter:
-    """Elements, matrix and degrees of freedom of the quarter x, y >= 0, z from the top down."""
+    """Elements, matrix and degrees of freedom of the quarter x, y >= 0; z points down from the top."""
 
     axes: list[LineElements]
     matrix: Any
@@ -51,11 +51,11 @@ class Quarter:
 
     @classmethod
     def on(cls, lines: Sequence[FloatArray], poisson_ratio: float) -> Quarter:
-        """Assemble the matrix without boundary conditions.
+        """Return the quarter on the tensor product of `lines`, with its matrix before boundary conditions.
 
-        ``2 mu dev(eps) : eps(v) - p div v - q div u - p q / K``, with 1/K = 0 for nu = 1/2. Elements and
-        boxes are tensor products, so the matrices of Q2 and Q1 hexahedra are Kronecker products of line
-        matrices: equal to the assembled matrices, and a thousand times as fast.
+        The form is ``2 mu dev(eps) : eps(v) - p div v - q div u - p q / K``, with 1/K = 0 for nu = 1/2. The
+        mesh and the Q2 and Q1 hexahedra are tensor products, so the matrices are Kronecker products of line
+        matrices. They equal the assembled matrices and are computed a thousand times as fast.
         """
         axes = [LineElements.on(line) for line in lines]
         mu = 0.5 * (1.0 - poisson_ratio)
@@ -87,9 +87,9 @@ class Quarter:
         )
 
     def solve(self, parity: tuple[int, int], source: FloatArray) -> Remainder:
-        """Solve for the difference from the half-space under mirrored unit loads.
+        """Return the solution minus that of the half-space, under mirrored unit loads.
 
-        The parity holds the signs of a load's mirror images in x = 0 and in y = 0; `source` (m, 2) holds the
+        `parity` holds the signs of a load's mirror images in x = 0 and in y = 0. `source` (m, 2) holds the
         positions of the loads [mm].
         """
         base, nodal = self._index[..., -1].ravel(), self._index.size
@@ -106,12 +106,12 @@ class Quarter:
         return Remainder(parity, source, value[:nodal], (self.matrix @ value - load)[base], solved.residual)
 
     def influence(self, field: Remainder, position: FloatArray) -> FloatArray:
-        """Normal displacement of the top at positions (n, 2) minus that of the half-space, (n, m) [1/mm].
+        """Return the normal displacement of the top at (n, 2) minus the half-space's, (n, m) [1/mm].
 
-        By Betti's theorem for the fields of a load at the position p and of a source j. U, T are
-        displacement and traction of the half-space, w the solution of the elements and t(w) its reaction:
-        ``w_j(p) = -int_sides T_p (U_j + w_j) + int_base U_p (T_j + t(w_j))``. The result is
-        symmetric and smooth in p, and the order of its error is twice that of w.
+        The result follows from Betti's theorem for the fields of a load at the position p and of the load j.
+        U and T are displacement and traction of the half-space, w is the finite-element solution, and t(w)
+        its reaction: ``w_j(p) = -int_sides T_p (U_j + w_j) + int_base U_p (T_j + t(w_j))``. The result
+        is symmetric and smooth in p, and the order of its error is twice that of w.
         """
         parity, (*sides, base) = field.parity, self.faces
         result = self._displacement(self._base_nodes, position, parity).T @ field.reaction
@@ -125,10 +125,10 @@ class Quarter:
         return result
 
     def _known(self, parity: tuple[int, int]) -> BoolArray:
-        """Whether each unknown is prescribed by symmetry or by the base."""
+        """Return whether symmetry or the bonded base prescribes each unknown."""
         known = np.zeros(self.matrix.shape[0], dtype=bool)
         for k, sign in enumerate(parity):
-            # on the symmetry plane, an even field has no normal and an odd field no tangential displacement
+            # on a symmetry plane, an even field has no normal and an odd field no tangential displacement
             still = [k] if sign > 0 else [c for c in range(3) if c != k]
             known[np.take(self._index[still], 0, axis=k + 1)] = True
         known[self._index[..., -1]] = True
@@ -136,16 +136,16 @@ class Quarter:
 
     @property
     def _base_nodes(self) -> FloatArray:
-        """Positions of the nodes of the base, (nodes, 3) [mm]."""
+        """Return the positions of the nodes of the base, (nodes, 3) [mm]."""
         x, y, z = (axis.node for axis in self.axes)
         return _points(x, y, z[-1:])
 
     def _displacement(self, point: FloatArray, source: FloatArray, parity: tuple[int, int]) -> FloatArray:
-        """Half-space's displacement at points (q, 3), (3q, loads)."""
+        """Return the half-space's displacement (3q, loads) at points (q, 3)."""
         return mirrored(partial(displacement, poisson_ratio=self.poisson_ratio), point, source, parity)
 
     def _forces(self, face: Face, source: FloatArray, parity: tuple[int, int]) -> FloatArray:
-        """Half-space's tractions at the Gauss points of a face, times their weights, (3q, loads)."""
+        """Return the half-space's tractions at the Gauss points of a face, times the weights, (3q, loads)."""
         field = partial(traction, normal=face.normal, poisson_ratio=self.poisson_ratio)
         return face.weight * mirrored(field, face.point, source, parity)
 

@@ -1,4 +1,4 @@
-"""Lines of nodes whose tensor product meshes a quarter of the block."""
+"""Lines of vertices whose tensor product is the mesh of a quarter of the block."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.surface import Block
 
-# Each cell is at most e times its neighbour nearer to the bonded edge; beyond the loaded region cells
-# grow by 0.4 of the distance. Steeper grading costs accuracy; gentler grading only adds cells.
+# Growth of the cell size per distance from the bonded edge, and from the loaded region. With 1, each cell is
+# at most e times as large as its neighbour nearer to the edge. Steeper grading reduces the accuracy; gentler
+# grading only adds cells.
 EDGE_GROWTH = 1.0
 OUTER_GROWTH = 0.4
 
-# Largest number of cells in a quarter: with 55,000 unknowns the factorisation takes 2 GiB and a minute. If
-# more are needed, as in a wide and thin block, all cells are enlarged in steps of a tenth.
+# Largest number of cells in a quarter; the factorisation of the 55,000 unknowns takes 2 GiB and a minute. If
+# more cells are needed, as in a wide and thin block, all cells are enlarged in steps of a tenth.
 MOST_CELLS = 2000
 STRETCH = 1.1
 
@@ -23,30 +24,31 @@ STRETCH = 1.1
 def quarter_lines(
     block: Block, position: FloatArray, cell: float, edge_cell: float
 ) -> tuple[list[FloatArray], float]:
-    """Return the vertices of a mesh for loads at `position`, (n, 2) [mm], and the enlargement of its cells.
+    """Return the vertices of a mesh for loads at `position`, (n, 2) [mm], and the factor on its cell sizes.
 
     The vertices run along x and y from the symmetry planes to the sides, and along z from the top to the
-    base. `cell` and `edge_cell` are the largest cell near the loads and the last one at the base and the
-    sides, in units of the thickness; both are enlarged if needed to respect `MOST_CELLS`.
+    base. `cell` is the size of the largest cells near the loads and `edge_cell` that of the last cells at the
+    base and the sides, in units of the thickness. Both are enlarged if the mesh would exceed `MOST_CELLS`.
     """
     thickness, stretch = block.thickness, 1.0
     reach = np.abs(position).max(axis=0) + thickness
-    if block.width == block.length:  # keep the symmetry about the diagonal
+    if block.width == block.length:  # keep the mesh symmetric about the diagonal
         reach[:] = reach.max()
     spans = (0.5 * block.width, reach[0]), (0.5 * block.length, reach[1]), (thickness, thickness)
     while True:
         sizes = stretch * thickness * cell, stretch * thickness * edge_cell
-        # before they are made: a thin block has millions of cells until they are enlarged
+        # count before making the cells: a thin block has millions of cells until they are enlarged
         if math.prod(math.ceil(_counts(length, far, *sizes)[-1]) for length, far in spans) <= MOST_CELLS:
             return [graded_line(length, far, *sizes) for length, far in spans], stretch
         stretch *= STRETCH
 
 
 def graded_line(length: float, reach: float, cell: float, edge_cell: float) -> FloatArray:
-    """Return ascending ends of cells from 0 to `length`, whose size is `cell` up to `reach`.
+    """Return the ascending ends of cells from 0 to `length`; the cells have the size `cell` up to `reach`.
 
-    The size is ``min(cell + OUTER_GROWTH (s - reach)+, start + EDGE_GROWTH (length - s))``, where the last
-    cell is `edge_cell`. The number of cells up to s is the integral of its reciprocal, in closed form.
+    The size at s is ``min(cell + OUTER_GROWTH (s - reach)+, start + EDGE_GROWTH (length - s))``, where
+    `start` makes the last cell equal `edge_cell`. The number of cells up to s is the integral of 1/size, in
+    closed form.
     """
     start, uniform, outer, total = _counts(length, reach, cell, edge_cell)
     number = np.linspace(0.0, total, math.ceil(total) + 1)
@@ -59,7 +61,7 @@ def graded_line(length: float, reach: float, cell: float, edge_cell: float) -> F
 
 
 def _counts(length: float, reach: float, cell: float, edge_cell: float) -> tuple[float, float, float, float]:
-    """Return `start`, and the number of cells up to `reach`, to where the sizes are equal, and in all."""
+    """Return `start` and the numbers of cells up to `reach`, to the point of equal sizes, and in total."""
     start = min(edge_cell, cell) * EDGE_GROWTH / math.expm1(EDGE_GROWTH)
     top = start + EDGE_GROWTH * length - cell
     meeting = top / EDGE_GROWTH

@@ -1,4 +1,4 @@
-"""Influence between sites on the whole block, from solutions on its quarter."""
+"""Influence between the sites of a block, from solutions on a quarter of the block."""
 
 from __future__ import annotations
 
@@ -13,27 +13,28 @@ from metafem.fe.block3d.grading import quarter_lines
 from metafem.progress import each
 from metafem.surface import Block
 
-# Cell size of the second mesh, for the error estimate, over that of the first.
+# Cell size of the second mesh, which serves the error estimate, over that of the first mesh.
 COARSER = 1.6
 
-# Step of the differences, over the distance from the site to the nearest face of the block. The field
-# is analytic with that radius: 2e-5 of truncation, and 1e-11 of rounding in the Laplacian.
+# Step of the finite differences, over the distance from the site to the nearest face of the block. The field
+# is analytic within this distance. The relative errors in the Laplacian are 2e-5 by truncation and 1e-11 by
+# rounding.
 STEP = 0.02
 
-# Sign of a load's mirror image in x = 0 and in y = 0.
+# Signs of a load's mirror images in x = 0 and in y = 0.
 PARITIES = ((1, 1), (1, -1), (-1, 1), (-1, -1))
 
-# Positions evaluated at once: fields on the faces of the largest mesh then take 100 MB.
+# Number of positions evaluated at once; the fields on the faces of the largest mesh then take 100 MB.
 MOST_PLACES = 256
 
-# Positions closer than this fraction of the thickness are treated as one.
+# Positions closer than this fraction of the thickness are treated as one position.
 SAME = 1e-12
 
 
 def site_influence(
     block: Block, poisson_ratio: float, position: FloatArray, cell: float, edge_cell: float
 ) -> BlockInfluence:
-    """Compute the influence between sites, (n, 2) [mm], on two meshes; see `Block3D`."""
+    """Return the influence between sites (n, 2) [mm], computed on two meshes; see `Block3D`."""
     lines, stretch = quarter_lines(block, position, cell, edge_cell)
     coarser = COARSER * stretch
     fewer, _ = quarter_lines(block, position, coarser * cell, coarser * edge_cell)
@@ -61,22 +62,22 @@ def site_influence(
 def _remainder(
     block: Block, poisson_ratio: float, position: FloatArray, lines: list[FloatArray]
 ) -> tuple[FloatArray, float]:
-    """Value, gradient and Laplacian of w between sites, (4, n, n), and the residual.
+    """Return value, gradient and Laplacian of w between sites, (4, n, n), and the residual.
 
-    A load is a quarter of the sum over the four parities of the load and its three mirror images with the
-    signs of the parity.
+    For each of the four parities, the load and its three mirror images with the signs of the parity are
+    applied together. A single load is a quarter of the sum over the parities.
     """
     quarter = Quarter.on(lines, poisson_ratio)
     folded = np.abs(position)
     square = block.width == block.length
-    if square:  # the mirror image in the diagonal comes last
+    if square:  # append the sites mirrored in the diagonal
         folded = np.concatenate([folded, folded[:, ::-1]])
     site, orbit = _distinct(folded, SAME * block.thickness)
     step = STEP * np.minimum(0.5 * np.array([block.width, block.length]) - site, block.thickness).min(axis=1)
     own, turned = orbit[: len(position)], orbit[-len(position) :]
     side = np.where(position < 0.0, -1.0, 1.0)
     total, worst = np.zeros((4, len(position), len(position))), 0.0
-    # in a square block the problem with x and y exchanged is the same
+    # in a square block, the parity (-1, 1) is (1, -1) with x and y exchanged
     solved = [parity for parity in PARITIES if not (square and parity == (-1, 1))]
     for parity in each("load case", solved):
         result, residual = _parity_remainder(quarter, parity, site, step)
@@ -97,7 +98,7 @@ def _distinct(site: FloatArray, same: float) -> tuple[FloatArray, IntArray]:
 def _parity_remainder(
     quarter: Quarter, parity: tuple[int, int], site: FloatArray, step: FloatArray
 ) -> tuple[FloatArray, float]:
-    """Value, gradient and Laplacian of w under mirrored loads, (4, m, m), and the residual."""
+    """Return value, gradient and Laplacian of w under mirrored loads, (4, m, m), and the residual."""
     offset = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
     points = (site + offset[:, None] * step[:, None]).reshape(-1, 2)
     field = quarter.solve(parity, site)
@@ -110,7 +111,7 @@ def _parity_remainder(
 
 
 def _unfolded(result: FloatArray, orbit: IntArray, side: FloatArray, parity: tuple[int, int]) -> FloatArray:
-    """Contribution of one parity to the influence between sites, from its values at folded positions."""
+    """Return the contribution of one parity to the influence, from its values at folded positions."""
     sign = np.prod(np.where(np.array(parity) < 0, side, 1.0), axis=1)
     part = np.asarray(0.25 * result[:, orbit[:, None], orbit] * sign[:, None] * sign)
     part[1] *= side[:, :1]

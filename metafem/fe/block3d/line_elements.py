@@ -1,4 +1,4 @@
-"""One-dimensional elements along the edges of the block, for tensor products."""
+"""One-dimensional elements along the edges of the block, whose tensor products are hexahedra."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from numpy.polynomial import polynomial
 
 from metafem._validate import FloatArray
 
-# Gauss points of a cell: the matrices need 3; the tractions are not polynomials.
+# Number of Gauss points in a cell. The matrices need 3; the tractions, which are not polynomials, need more.
 POINTS = 5
 
-# Coefficients of the Lagrange polynomials of equidistant nodes in a cell of unit length, by their degree.
+# Coefficients of the Lagrange polynomials of equidistant nodes in a cell of unit length, by degree.
 LAGRANGE = {1: [[1, -1], [0, 1]], 2: [[1, -3, 2], [0, 4, -4], [0, -1, 2]]}
 
 
 def shapes(line: FloatArray, degree: int, position: FloatArray, derivative: int = 0) -> Any:
-    """Return the shape functions of a degree, or a derivative, at positions: sparse, (positions, nodes)."""
+    """Return the shape functions of a degree, or their derivatives, as a sparse matrix (positions, nodes)."""
     cell = np.clip(np.searchsorted(line, position, side="right") - 1, 0, len(line) - 2)
     width = np.diff(line)[cell]
     x = (position - line[cell]) / width
@@ -38,13 +38,14 @@ class LineElements:
     node: FloatArray  # ascending positions of the quadratic degrees of freedom [mm]
     point: FloatArray  # Gauss points [mm]
     weight: FloatArray  # their weights [mm]
-    # quadratic shape functions and their derivatives at the Gauss points, and linear ones; sparse
+    # values and derivatives of the quadratic shape functions at the Gauss points; then values of the linear
+    # ones
     quadratic: tuple[Any, Any]
     linear: Any
 
     @classmethod
     def on(cls, line: FloatArray) -> LineElements:
-        """Return the elements on ascending vertices."""
+        """Return the elements on a line of ascending vertices."""
         middle, half = 0.5 * (line[1:] + line[:-1]), 0.5 * np.diff(line)
         gauss, weight = np.polynomial.legendre.leggauss(POINTS)
         point = (middle[:, None] + half[:, None] * gauss).ravel()
@@ -57,5 +58,5 @@ class LineElements:
         )
 
     def integral(self, left: Any, right: Any) -> Any:
-        """Return the matrix of the integrals of the products of two sets of functions, by their values."""
+        """Return the integrals of products of two sets of functions, from their values at Gauss points."""
         return left.T @ sp.diags_array(self.weight) @ right

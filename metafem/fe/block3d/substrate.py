@@ -1,4 +1,4 @@
-"""The block with free sides as a substrate."""
+"""Block with free sides, as a substrate."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from metafem.progress import doing
 from metafem.substrate.protocol import agreed
 from metafem.surface import Block, Surface
 
-# Error estimate, in units of 1/(pi t), above which a warning is issued: 1 % of the effect of the base.
+# Error estimate, in units of 1/(pi t), above which there is a warning: 1 % of the effect of the base.
 ERROR_LIMIT = 1e-2
 
 
@@ -26,15 +26,16 @@ ERROR_LIMIT = 1e-2
 class Block3D:
     """A block of finite width and length with free sides, bonded to a rigid base.
 
-    ``G(x, x') = 1/(pi r) + w(x, x')``: the half-space's part in closed form, and the smooth remainder w by
-    hexahedra with quadratic displacements and linear pressure (Taylor-Hood), for any Poisson's ratio up to
-    and including 1/2. Symmetry reduces it to a few problems on a quarter of the block; w is evaluated by
-    Betti's theorem. The block has no asperities. Each result is stored on disk, in the folder that
-    ``metafem doctor`` prints; the environment variable ``METAFEM_CACHE_DIR`` sets another one.
+    ``G(x, x') = 1/(pi r) + w(x, x')``. The half-space term is in closed form. The smooth remainder w is
+    computed with hexahedra of quadratic displacements and linear pressure (Taylor-Hood), for any Poisson's
+    ratio up to and including 1/2. Symmetry reduces the computation to a few problems on a quarter of the
+    block; Betti's theorem then gives w. The block has no asperities. Each result is stored on disk, in the
+    folder that ``metafem doctor`` prints. The environment variable ``METAFEM_CACHE_DIR`` sets another folder.
 
-    Valid for loads within the block. Loads nearer to a side than `cell` times the thickness need smaller
-    cells; a warning says so. With the default cells, entries for the 8 x 8 lattice on the block of Aymard et
-    al., Science 383, 200 (2024), doi:10.1126/science.adk4234, have an error below 1e-5 /mm.
+    The result is valid for loads within the block. Loads nearer to a side than `cell` times the thickness
+    need smaller cells, as a warning states. With the default cells, entries for the 8 x 8 lattice on the
+    block of Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, have errors below
+    1e-5 /mm.
 
     Parameters
     ----------
@@ -43,15 +44,15 @@ class Block3D:
     poisson_ratio : float, optional
         nu [-], from 0 to 0.5; default: that of the surface's material.
     cell, edge_cell : float
-        Size of the largest cells near the loads, and of the last ones before the sides and the base (their
-        common edge is singular), in units of the thickness [-]; default: 0.25 and 0.006. In wide and
-        thin blocks the cells are enlarged to limit their number; a note states this.
+        Sizes of the largest cells near the loads and of the last cells at the sides and the base, over the
+        thickness [-]; default: 0.25 and 0.006. The edge between a side and the base is singular. In wide and
+        thin blocks the cells are enlarged to limit their number, as a note states.
 
     Raises
     ------
     InvalidInput
-        For values that are outside their range or differ from those of the surface, for a surface without
-        a block, and for asperities that are not inside it.
+        If a value is outside its range or differs from that of the surface, the surface has no block, or an
+        asperity lies outside the block.
     NotConverged
         If a factorisation fails; the result is attached.
 
@@ -79,7 +80,7 @@ class Block3D:
         check.member(self, "edge_cell", above=0.0, at_most=1.0)
 
     def for_surface(self, surface: Surface) -> Block3D:
-        """Return the substrate with the block and the Poisson ratio of a surface, checked against it."""
+        """Return the substrate with the block and the Poisson's ratio of a surface; refuse other values."""
         block = agreed("Block3D", "block", self.block, surface.block)
         if block is None:
             raise InvalidInput("Block3D() needs the surface's block, or the argument block")
@@ -95,29 +96,29 @@ class Block3D:
         return replace(self, block=block, poisson_ratio=ratio)
 
     def values(self) -> tuple[Block, float]:
-        """Return the block and its Poisson's ratio, which `for_surface` sets."""
+        """Return the block and its Poisson's ratio, as set by `for_surface`."""
         assert self.block is not None
         assert self.poisson_ratio is not None
         return self.block, self.poisson_ratio
 
     def influence_matrix(self, surface: Surface) -> FloatArray:
-        """Displacement at asperity i per load on j, (n, n) [1/mm], with w on the diagonal."""
+        """Return the displacement at asperity i per load on j, (n, n) [1/mm], with w on the diagonal."""
         return self.solution(surface).matrix.copy()
 
     def influence_derivatives(self, surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Gradient at i [1/mm^2] and Laplacian [1/mm^3] of the displacement per load on j, each (n, n)."""
+        """Return gradient [1/mm^2] and Laplacian [1/mm^3] at i of the displacement per load on j, (n, n)."""
         result = self.solution(surface)
         return result.gradient_x.copy(), result.gradient_y.copy(), result.laplacian.copy()
 
     def is_kept(self, surface: Surface) -> bool:
-        """Whether the influence is stored on disk; computing it takes half a minute for 64 sites."""
+        """Return whether the influence is stored on disk; otherwise it takes 30 s to compute for 64 sites."""
         bound = self.for_surface(surface)
         return is_cached(*_numbers(bound, surface.position))
 
     def solution(self, surface: Surface) -> BlockInfluence:
         """Return the influence with its derivatives, errors and notes.
 
-        Issues a `MetafemWarning` if the error estimate is large.
+        Issue a `MetafemWarning` if the error estimate is large.
         """
         bound = self.for_surface(surface)
         result = _solution(bound, surface.position.tobytes())
@@ -133,7 +134,7 @@ class Block3D:
 
 
 def _numbers(bound: Block3D, position: FloatArray) -> tuple[tuple[float, ...], FloatArray]:
-    """Return the data that identify a stored influence: the numbers of the block, and the sites."""
+    """Return the data that identify a stored influence: the numbers of the block and the sites [mm]."""
     block, ratio = bound.values()
     shape = (block.width, block.length, block.thickness, ratio, bound.cell, bound.edge_cell)
     return shape, position + 0.0  # no negative zeros in the key
@@ -141,7 +142,7 @@ def _numbers(bound: Block3D, position: FloatArray) -> tuple[tuple[float, ...], F
 
 @lru_cache(maxsize=16)
 def _solution(bound: Block3D, position: bytes) -> BlockInfluence:
-    """Read or compute an influence; it is also cached in memory, in case the folder cannot be written."""
+    """Return an influence; it is also cached in memory, in case the disk cache cannot be written."""
     block, ratio = bound.values()
     shape, site = _numbers(bound, np.frombuffer(position).reshape(-1, 2))
 

@@ -1,1 +1,1 @@
-"""The soft cap at large strain."""
+"""Contact of a soft cap at large strain."""

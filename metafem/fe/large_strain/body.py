@@ -1,4 +1,4 @@
-"""Mixed elements for large strain, and Newton's method for a body pressed flat up to a material point."""
+"""Mixed elements at large strain, and Newton's method for a body flattened up to a material radius."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from metafem.fe.axisymmetric.prescribed_radius import Profile, contact_data
 from metafem.fe.large_strain import neo_hookean
 from metafem.fe.linear_solve import THRESHOLD, solve
 
-# Largest number of Newton steps, which double the correct digits. Without convergence by then the load step
-# is halved.
+# Largest number of Newton steps; each step doubles the number of correct digits. If Newton's method has not
+# converged by then, the load step is halved.
 NEWTON = 12
 
-# Largest unbalanced nodal force of a converged state, relative to the load, and largest last change, relative
-# to the largest displacement: far above rounding, as the next step would square the change.
+# Bounds of a converged state: largest unbalanced nodal force over the load, and last change over the largest
+# displacement. The second bound may be far above rounding, because the next step would square the change.
 RESIDUAL, CHANGE = 1e-8, 1e-6
 
 # Smallest load step, as a fraction of the indentation.
@@ -51,8 +51,9 @@ class FiniteContact:
     indentation : float
         Displacement of the plane from first contact [mm].
     error_estimate : float
-        Bound of the relative discretisation errors of load and indentation [-]: the change on refining the
-        mesh, with stick also on halving the number of contacts, and the bracket of the edge.
+        Bound of the relative discretisation errors of load and indentation [-]. It includes the change when
+        the mesh is refined, the bracket of the contact's edge and, with stick, the change when the number of
+        earlier contacts is halved.
     residual : float
         Largest unbalanced nodal force, relative to the load [-].
     status : NewtonStatus
@@ -69,27 +70,27 @@ class FiniteContact:
     material_radius: float
     rescaled_load: float
     indentation: float
-    # of one mesh: relative change of the load at the same deformed radius, or of the indentation, if the next
-    # node outside were also in contact
+    # for a single mesh, the relative change of load (at the same deformed radius) or indentation that would
+    # result if the next node outside were also in contact
     error_estimate: float
     residual: float
     energy: float  # stored energy over E* [mm^3]
     shift: float  # amplitude of the last term of the radial displacement of sticking points
-    fraction: float  # fraction of the prescribed displacements; 1 for a complete state
+    fraction: float  # fraction of the prescribed displacements that is applied; 1 for a complete state
     unknowns: FloatArray = field(repr=False)  # radial and downward displacements, pressures
 
     @property
     def status(self) -> NewtonStatus:
-        """Whether the state is complete."""
+        """Whether the load steps reached the complete state."""
         return NewtonStatus.CONVERGED if self.fraction == 1.0 else NewtonStatus.NOT_CONVERGED
 
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """Prescribed displacements: the ``fixed`` unknowns are ``fraction way + modes amplitudes``.
+    """Prescribed displacements: the `fixed` unknowns have the values ``fraction way + modes amplitudes``.
 
-    The amplitudes (indentation; shift) make the forces at ``edge`` vanish. The next node outside is
-    `depth` below the summit.
+    The amplitudes are the indentation and, with stick, the shift; they make the forces on the unknowns `edge`
+    vanish. `depth` is the depth of the next node outside, below the summit [mm].
     """
 
     fixed: IntArray
@@ -100,7 +101,7 @@ class Plane:
 
 
 class SoftBody(Body):
-    """An axisymmetric incompressible neo-Hookean body of composite modulus 1, in its undeformed frame."""
+    """Axisymmetric, incompressible neo-Hookean body with E* = 1, in the undeformed configuration."""
 
     @cached_property
     def _shapes(self) -> tuple[FloatArray, ...]:
@@ -108,7 +109,7 @@ class SoftBody(Body):
 
     @cached_property
     def all_numbers(self) -> IntArray:
-        """Global numbers of the unknowns of each element, including bubbles."""
+        """Global numbers of the unknowns of each element, including bubbles, (elements, local)."""
         mine, other = self.displacement.dofs.element_dofs, self.pressure.dofs.element_dofs
         return np.vstack([mine, mine + self.count, other + 2 * self.count]).T
 
@@ -123,7 +124,7 @@ class SoftBody(Body):
         return 2 * self.count + int(self.pressure.dofs.N)
 
     def deform(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Displacement gradients (elements, points, 5) and pressures (elements, points)."""
+        """Return the displacement gradients (elements, points, 5) and pressures (elements, points)."""
         along_r, along_z, hoop, other, _ = self._shapes
         local = self.displacement.local
         mine = unknowns[self.all_numbers]
@@ -132,7 +133,7 @@ class SoftBody(Body):
         return np.concatenate(columns, axis=-1), p @ other.T
 
     def balance(self, gradient: FloatArray, pressure: FloatArray) -> tuple[csc_matrix, FloatArray]:
-        """Tangent and nodal forces per 2 pi."""
+        """Return the tangent matrix and the nodal forces, both over 2 pi."""
         along_r, along_z, hoop, other, weight = self._shapes
         count, points, local = along_r.shape
         mu = self.shear_modulus
@@ -159,12 +160,12 @@ class SoftBody(Body):
         stuck: tuple[Profile, ...] | None = None,
         start: FiniteContact | None = None,
     ) -> FiniteContact:
-        """Flatten the surface within the boundary `contact`, without force at its edge.
+        """Return the state with the boundary `contact` flat on the plane and no force at its edge.
 
-        The profile is the depth below the summit [mm] at the undeformed radii. `stuck` holds the radial
-        displacement [mm] of sticking points and its unknown term; default: the points slip. `start` is a
-        complete state on a mesh with the same numbering. Raises NotConverged, with the last state, if
-        Newton's method fails with the smallest steps.
+        `profile` is the depth below the summit [mm] at the undeformed radii. `stuck` holds the known radial
+        displacement [mm] of sticking points and a term of unknown amplitude; default: the points slip.
+        `start` is a complete state on a mesh with the same numbering. Raise NotConverged, with the last
+        state, if Newton's method fails even with the smallest load step.
         """
         plane = self._plane(profile, stuck)
         at_rest = (0.0, 0.0, 0.0, 0.0, math.inf, 0.0, 0.0, 0.0, 0.0)
@@ -177,7 +178,7 @@ class SoftBody(Body):
         step = 1.0
         while last.fraction < 1.0:
             fraction = min(1.0, last.fraction + step)
-            # initial guess: first the linear solution, later a linear extrapolation
+            # initial guess: first the undeformed state, later a linear extrapolation of the last state
             scale = fraction / last.fraction if last.fraction > 0.0 else 1.0
             amplitudes = scale * np.array([last.indentation, last.shift])[: plane.modes.shape[1]]
             state = self._newton(plane, fraction, scale * last.unknowns, amplitudes)
@@ -207,7 +208,7 @@ class SoftBody(Body):
 
     @cached_property
     def edge_nodes(self) -> tuple[int, int]:
-        """Node at the contact's edge, and the next one outside."""
+        """Node at the contact's edge, and the next node outside."""
         free = np.unique(self.mesh.facets[:, self.mesh.boundaries["free"]])
         first, second = free[np.argsort(self.mesh.p[0, free])][:2]
         return int(first), int(second)
@@ -215,11 +216,11 @@ class SoftBody(Body):
     def _newton(
         self, plane: Plane, fraction: float, start: FloatArray, amplitudes: FloatArray
     ) -> FiniteContact | None:
-        """Return the state at a fraction of the displacements, or None if Newton's method fails."""
+        """Return the state at a fraction of the prescribed displacements, or None without convergence."""
         free = np.setdiff1d(np.arange(self.size), plane.fixed)
         unknowns = start.copy()
         unknowns[plane.fixed] = fraction * plane.way[plane.fixed] + plane.modes[plane.fixed] @ amplitudes
-        # the first step moves the fixed unknowns to their values, and the others by the tangent at the start
+        # in the first step, `jump` moves the fixed unknowns to their values, and the tangent moves the others
         jump, unknowns, change = unknowns - start, start.copy(), math.inf
         way = np.zeros((self.size, 0))
         for _ in range(NEWTON):
@@ -250,7 +251,7 @@ class SoftBody(Body):
             solved = solve(matrix[free][:, free].tocsc(), right[free], THRESHOLD)
             full[free] = -solved.value
             at_edge = (right + matrix @ full)[plane.edge]
-            # a singular tangent: the guess is too far from the solution
+            # if the tangent is singular, the guess is too far from the solution
             if not math.isfinite(solved.residual) or np.linalg.det(at_edge[:, 1:]) == 0.0:
                 return None
             step = np.linalg.solve(at_edge[:, 1:], -at_edge[:, 0])
@@ -262,7 +263,7 @@ class SoftBody(Body):
         return None
 
     def _load(self, force: FloatArray) -> float:
-        """Force of the plane per 2 pi; the forces of bubbles on the sides do not contribute."""
+        """Return the force of the plane over 2 pi; the forces on bubbles of the sides do not contribute."""
         nodes = np.unique(self.mesh.facets[:, self.mesh.boundaries["contact"]])
         return float(force[self.count + nodes].sum())
 
@@ -275,7 +276,7 @@ class SoftBody(Body):
         force: FloatArray,
         way: FloatArray,
     ) -> float:
-        """Linearised relative change if the next node were in contact, without shear at the edge."""
+        """Return the linearised relative change if the next node were in contact, without edge shear."""
         edge, other = self.edge_nodes
         at_edge = (matrix @ way)[plane.edge]
         mix = np.ones(1) if way.shape[1] == 1 else np.array([1.0, -at_edge[1, 0] / at_edge[1, 1]])

@@ -1,7 +1,8 @@
 """Incompressible neo-Hookean rubber under axisymmetric deformation.
 
-The functions take the displacement gradient ``H = F - 1``, because far from the contact F would lose its
-digits. The components (..., 5) are H11, H12, H21, H22 by (r, z), and the hoop strain H33.
+The functions take the displacement gradient ``H = F - 1``, because far from the contact H is small and F
+would lose its digits. The five components (..., 5) are H11, H12, H21 and H22 in (r, z), and the hoop
+component H33.
 """
 
 from __future__ import annotations
@@ -10,10 +11,10 @@ import numpy as np
 
 from metafem._validate import FloatArray
 
-# Derivative of the determinant F11 F22 - F12 F21 by F, as a matrix on (F11, F12, F21, F22).
+# Matrix that maps (F11, F12, F21, F22) to the derivatives of the determinant F11 F22 - F12 F21.
 TURN = np.array([[0, 0, 0, 1], [0, 0, -1, 0], [0, -1, 0, 0], [1, 0, 0, 0]], dtype=np.float64)
 
-# The unit tensor.
+# Unit tensor.
 ONE = np.array([1.0, 0.0, 0.0, 1.0, 1.0])
 
 
@@ -29,7 +30,7 @@ def volume_change(h: FloatArray) -> FloatArray:
 
 
 def volume_slope(h: FloatArray) -> FloatArray:
-    """Return dJ/dF - 1, (..., 5)."""
+    """Return dJ/dF minus the unit tensor, (..., 5)."""
     turned, hoop = h[..., :4] @ TURN, h[..., 4:]
     plane = turned + hoop * (ONE[:4] + turned)
     return np.concatenate([plane, _area_change(h)[..., None]], axis=-1)
@@ -38,8 +39,8 @@ def volume_slope(h: FloatArray) -> FloatArray:
 def stress(h: FloatArray, pressure: FloatArray, shear_modulus: float) -> FloatArray:
     """Return the first Piola-Kirchhoff stress dW/dF, (..., 5).
 
-    ``W = mu/2 (F:F - 3 - 2 ln J) - p (J - 1)``. The logarithm vanishes in an incompressible body; it makes
-    the mean stress in the undeformed state equal to -p.
+    ``W = mu/2 (F:F - 3 - 2 ln J) - p (J - 1)``. The logarithm is zero in an incompressible body. With it, the
+    mean stress in the undeformed state is -p.
     """
     slope, volume = volume_slope(h), volume_change(h)[..., None]
     inverse = (slope - volume * ONE) / (1.0 + volume)
@@ -60,6 +61,6 @@ def tangent(h: FloatArray, pressure: FloatArray, shear_modulus: float) -> FloatA
 
 
 def energy(h: FloatArray, shear_modulus: float) -> FloatArray:
-    """Return ``mu/2 (F:F - 3 - 2 ln J)`` per undeformed volume."""
+    """Return the energy density ``mu/2 (F:F - 3 - 2 ln J)`` per undeformed volume, (...)."""
     square = np.sum(h**2, axis=-1) + 2.0 * (h @ ONE)
     return np.asarray(0.5 * shear_modulus * (square - 2.0 * np.log1p(volume_change(h))))

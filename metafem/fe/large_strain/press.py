@@ -1,4 +1,4 @@
-"""A spherical cap of incompressible rubber under a rigid plane at large strain, with slip or stick."""
+"""Spherical cap of incompressible rubber under a rigid plane at large strain, with slip or stick."""
 
 from __future__ import annotations
 
@@ -20,23 +20,24 @@ from metafem.fe.large_strain.body import FiniteContact, SoftBody
 from metafem.material import Material
 from metafem.substrate import BondedLayer
 
-# Size of the last elements at the edge, relative to the contact radius: the bracket of the edge is of this
-# order, which is below the error of quadratic elements.
+# Size of the smallest elements at the contact's edge, over the contact radius. The error due to the position
+# of the edge is of this order, which is below the error of the quadratic elements.
 CONTACT_EDGE = 1e-4
 
-# Size of the elements at the cap's foot, relative to its radius. The corner closes to a crease, which makes a
-# fine mesh fold; coarse elements smooth it, without effect on the contact.
+# Size of the smallest elements at the cap's foot, over the foot radius. The corner closes to a crease, in
+# which a fine mesh would fold. Coarse elements smooth the crease without an effect on the contact.
 FOOT_EDGE = 0.05
 
-# Refinements of the graded mesh: for the result, and for the coarser solution of the error estimate.
+# Number of refinements of the graded mesh: for the result, and for the coarser solution of the error
+# estimate.
 REFINEMENTS = (1, 0)
 
 # Largest relative error of the deformed radius, and largest number of secant steps for the material radius.
-# Each step gains three digits or more, as the two radii differ by a few percent.
+# Each step gains at least three digits, because the two radii differ by only a few percent.
 RADIUS_ERROR, SECANT_STEPS = 1e-7, 12
 
-# Number of increasing contacts with stick: at a/R = 0.5 half as many change the load by 1e-4, twice as many
-# by 2e-6.
+# Number of increasing contacts with stick. At a/R = 0.5 half this number changes the load by 1e-4, and twice
+# this number by 2e-6.
 HISTORY = 4
 
 
@@ -49,24 +50,25 @@ def press_finite(
     block_radius: float,
     stick: bool = False,
 ) -> FiniteContact:
-    """Press a rigid plane on a soft spherical cap until the deformed contact radius is `contact_radius`.
+    """Return the contact of prescribed radius between a rigid plane and a soft cap at large strain.
 
-    Large strain, axisymmetric, incompressible neo-Hookean: ``W = mu/2 (F:F - 3)`` with ``J = 1`` and
-    E* = 4 mu, with quadratic displacements and linear pressures in the undeformed frame. The points up to a
-    material radius are on the plane. The indentation is that at which no force acts on the last of them:
-    the pressure is finite at the edge. The deformed value of the material radius is
-    `contact_radius`. The body is the cap on a block bonded to a rigid base, with free sides, as in `press`.
+    The body is axisymmetric, incompressible and neo-Hookean: ``W = mu/2 (F:F - 3)`` with ``J = 1`` and
+    ``E* = 4 mu``. The elements have quadratic displacements and linear pressures in the undeformed
+    configuration. All points up to a material radius lie on the plane. The indentation is chosen so that no
+    force acts on the last of these points and the pressure is finite at the edge. The material radius is
+    chosen so that its deformed value is `contact_radius`. The cap is part of a block with a bonded base and
+    free sides, as in `press`.
 
-    Points slip without friction or, with `stick`, remain where they first touched the plane:
-    ``r = a(s)`` for the undeformed radius s, determined by a sequence of increasing contacts. In each of them
-    no shear force acts on the last point.
+    The points slip without friction or, with `stick`, remain where they first touched the plane. A point with
+    the undeformed radius s then remains at ``r = a(s)``. A sequence of increasing contacts determines this
+    function; in each contact, no shear force acts on the last point.
 
     Parameters
     ----------
     contact_radius : float
-        a [mm], below the radius of the cap's base.
+        a [mm] in the deformed state, below the foot radius of the cap.
     radius, height : float
-        Radius of the sphere and height of its cap [mm], the height up to the radius.
+        Radius of the sphere and height of the cap, at most the radius [mm].
     thickness, block_radius : float
         Thickness and radius of the block [mm].
     stick : bool
@@ -85,9 +87,10 @@ def press_finite(
 
     Notes
     -----
-    With h/R = 0.38, P(a) is 0.989 of Hertz's at a/R = 0.1, 0.974 at 0.4 and 0.978 at 0.5. At 0.5 small
-    strain (`press`) gives 1.11: its error is larger than that of Hertz's law and has the opposite sign. For
-    soft bodies at large a/R, Hertz's law with a fitted E* is more accurate than small strain.
+    For h/R = 0.38, the ratio of P(a) to Hertz's law is 0.989 at a/R = 0.1, 0.974 at 0.4 and 0.978
+    at 0.5. Small strain (`press`) gives 1.11 at a/R = 0.5, so its error is larger than that of Hertz's law
+    and has the opposite sign. For soft bodies at large a/R, Hertz's law with a fitted E* is more accurate
+    than small strain.
 
     Examples
     --------
@@ -105,12 +108,12 @@ def press_finite(
 def press_sequence(
     radii: FloatArray, cap: Cap, stick: bool, refinements: tuple[int, int] = REFINEMENTS
 ) -> list[FiniteContact]:
-    """Return contacts of increasing radii; with stick each one depends on the previous ones."""
+    """Return contacts of increasing radii; with stick, each contact depends on the previous ones."""
     coarse = _on_mesh(radii, cap, stick, refinements[1], [])
     fine = _on_mesh(radii, cap, stick, refinements[0], [c.material_radius for c in coarse])
     change = [_change(one, two) for one, two in zip(fine, coarse, strict=True)]
     if stick and len(radii) > 1:
-        # every second contact, including the last one
+        # every second contact, including the last
         half = _on_mesh(radii[::-2][::-1], cap, stick, refinements[1], [])
         change[-1] += _change(half[-1], coarse[-1])
     return [
@@ -126,7 +129,7 @@ def _change(one: FiniteContact, two: FiniteContact) -> float:
 def _on_mesh(
     radii: FloatArray, cap: Cap, stick: bool, refinement: int, guesses: list[float]
 ) -> list[FiniteContact]:
-    """Return contacts of increasing radii on meshes of one refinement."""
+    """Return contacts of increasing radii on meshes with the same number of refinements."""
     contacts: list[FiniteContact] = []
     for i, a in enumerate(radii):
         guess = guesses[i] if guesses else a * (contacts[-1].material_radius / radii[i - 1] if i else 1.0)
@@ -135,17 +138,18 @@ def _on_mesh(
 
 
 def stick_mode(s: FloatArray, earlier: list[FiniteContact], unit: float) -> FloatArray:
-    """Return the term of the radial displacement that vanishes where earlier contacts ended.
+    """Return the term of the radial displacement [mm] that is zero at the edges of the earlier contacts.
 
-    The displacement at first contact over the undeformed radius s is ``s^3`` times Newton's polynomial. There
-    is no term of s^2, as an incompressible surface does not move radially at small strain.
+    The radial displacement at which points first touch the plane is ``s^3`` times a Newton polynomial in the
+    undeformed radius s. There is no term s^2, because at small strain an incompressible surface does not move
+    radially.
     """
     factors = [(s - contact.material_radius) / unit for contact in earlier]
     return np.asarray(unit * (s / unit) ** 3 * np.prod([np.ones_like(s), *factors], axis=0))
 
 
 def stuck_displacement(s: FloatArray, earlier: list[FiniteContact], unit: float) -> FloatArray:
-    """Return the radial displacement of points that stick since earlier contacts."""
+    """Return the radial displacement [mm] of points that have stuck since earlier contacts."""
     terms = (contact.shift * stick_mode(s, earlier[:i], unit) for i, contact in enumerate(earlier))
     return sum(terms, start=np.zeros_like(s))
 
@@ -153,7 +157,7 @@ def stuck_displacement(s: FloatArray, earlier: list[FiniteContact], unit: float)
 def _contact(
     a: float, cap: Cap, earlier: list[FiniteContact] | None, refinement: int, guess: float
 ) -> FiniteContact:
-    """Return the contact with the deformed radius a; the material radius is found by the secant method.
+    """Return the contact with the deformed radius a; the secant method finds the material radius.
 
     With stick, `earlier` holds the smaller contacts.
     """
@@ -180,7 +184,7 @@ def _flatten(
     refinement: int,
     start: FiniteContact | None,
 ) -> FiniteContact:
-    """Flatten the cap up to a material radius, from a state with nearly the same one if given."""
+    """Return the cap flattened up to a material radius; `start` is a state with nearly the same radius."""
     mesh = graded_mesh(
         float(cap.surface(np.array(material))[0]),
         cap.outer,
@@ -211,21 +215,22 @@ def tabulated_contact(
 ) -> TabulatedContact:
     """Return the contact law of a soft spherical cap at large strain, from `press_finite`.
 
-    The plane slips on the cap. As in all contact laws, the indentation is that of the cap on a half-space: on
-    a block of this thickness it is smaller by ``-P self_influence`` of `BondedLayer`, which coupled models
-    add. The law includes the compliance of the pedestal. It takes about 6 s per contact radius; the load is
-    within 0.2 % where the mesh resolves the contact (`FiniteContact.error_estimate`).
+    The plane slips on the cap without friction. As in all contact laws, the indentation is that of a cap on a
+    half-space. It exceeds the indentation on the block by ``-P/E* self_influence`` of `BondedLayer`, which
+    coupled models add separately. The law includes the compliance of the pedestal. Each contact radius takes
+    about 6 s. The load is within 0.2 % where the mesh resolves the contact (see
+    `FiniteContact.error_estimate`).
 
     Parameters
     ----------
     contact_radius : array_like, (m,)
-        Increasing contact radii [mm] of the table, at least 3, below the radius of the cap's base.
+        Increasing contact radii [mm] of the table, at least 3, below the foot radius of the cap.
     radius, height : float
-        Radius of the sphere and height of its cap [mm], the height up to the radius.
+        Radius of the sphere and height of the cap, at most the radius [mm].
     thickness, block_radius : float
         Thickness and radius of the block [mm].
     material : Material
-        Incompressible; its E* scales the loads.
+        Incompressible material; its E* scales the loads.
 
     Returns
     -------
