@@ -1,4 +1,4 @@
-"""Sections of a specification as pydantic models: known keys, their units, their types, their meaning."""
+"""Sections of a specification as pydantic models, with the types, units and meanings of their keys."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class RadiiSection(Section):
     mixed: Whether = key("a radius for each asperity instead of one for all", True, default=False)
 
     def value(self) -> RadiusRange | tuple[float, ...]:
-        """Return the range, or the tools."""
+        """Return the range of radii, or the radii of the tools [mm]."""
         if self.range is None:
             words = "needs radii.range: tools are used as they are"
             refuse_if(self.step is not None, words, key="step")
@@ -107,7 +107,7 @@ class SitesSection(Section):
     )
 
     def heights_by_site(self, count: int, limits: Limits, part: bool) -> dict[int, float | None]:
-        """Return the height of each pinned site, None for an empty one."""
+        """Return the height of each pinned site [mm], or None for a site that stays empty."""
         for name, sites, before in (("empty", self.empty, ()), ("pinned", self.pinned, self.empty)):
             for i, site in enumerate(sites):
                 place: dict[str, Any] = {"key": f"{name}[{i}]", "value": str(site)}
