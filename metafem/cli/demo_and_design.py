@@ -40,10 +40,10 @@ if TYPE_CHECKING:
 @force_option
 @json_option
 def demo(name: str, model: str | None, contact: str | None, force: bool, as_json: bool) -> None:
-    """Write a specification of the source paper, NAME.toml, and design its surface into the folder NAME.
+    """Write NAME.toml, one of the paper's specifications, and design its surface into the folder NAME.
 
-    The JSON schema metafem.schema.json, which editors read, is written into the same folder as NAME.toml. An
-    edited NAME.toml is never replaced.
+    The schema metafem.schema.json, which editors read, is written next to NAME.toml. An edited NAME.toml is
+    never replaced.
     """
     path, folder, text = Path(f"{name}.toml"), Path(name), mf.files.demo_text(name)
     mf.files.check_free(folder, force)

@@ -24,7 +24,7 @@ CONTACTS = (
     "tabulated FILE",
 )
 
-# Options of the command by arguments of Python: errors propose the options.
+# Names in errors: the option of the command instead of the argument of a Python function.
 ARGUMENTS = Names({"force=True": "--force", "workers=2": "--workers 2"})
 
 # Key in the context of a command; its value holds the units in which quantities were written.

@@ -42,7 +42,7 @@ PLAIN = {
 
 
 def plainly(error: UnicodeError) -> tuple[str, int]:
-    """Return a text instead of characters that an encoding lacks, and the position after these characters.
+    """Return the replacement of characters that an encoding lacks, and the position after them.
 
     This function is an error handler of `codecs`.
     """

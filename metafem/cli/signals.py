@@ -65,7 +65,7 @@ def stopped_by_signals(last: bool = False) -> Iterator[None]:
 
 @contextmanager
 def report_stop(left: str) -> Iterator[None]:
-    """If a signal stops the body, print on stderr that it was stopped, and `left`: what it left behind."""
+    """If a signal stops the body, print a line on stderr; `left` states what the body left behind."""
     try:
         yield
     except Stopped as stop:

@@ -120,7 +120,10 @@ def _refuse_folder(target: Path, force: bool, contents: Mapping[str, bytes]) -> 
 
 
 def _refuse_changed(folder: Path, target: Path, contents: Mapping[str, bytes]) -> None:
-    """Raise InvalidInput, which names `target`, if metafem did not write a file in `folder` as it is now."""
+    """Raise InvalidInput if a folder contains changed files, or files that metafem did not write.
+
+    Errors call the folder `target`, because it may have a hidden name.
+    """
     known = written(folder)
     same = {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()}
     foreign = [

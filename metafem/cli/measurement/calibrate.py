@@ -237,7 +237,7 @@ def _of_strength(found: StrengthFit) -> tuple[list[Row], list[str]]:
 
 
 def _notes(fits: Fits) -> list[Note]:
-    """Return the notes on the tables and on E* and B, and a note if E* and B use the same areas."""
+    """Return the notes on the tables, on E* and on B, and one more if E* and B use the same areas."""
     pressed, sheared = fits.measured.compression, fits.measured.shear
     notes = [*fits.measured.notes]
     for found, points in ((fits.contact, pressed), (fits.shear, sheared)):

@@ -87,7 +87,7 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int, shape: Ca
         return f"asperity {i} {where}" if i < asperities else f"alignment asperity {i - asperities} {where}"
 
     def refused(words: str, remedy: str, key: str, *rows: int) -> InvalidInput:
-        """Return the error for asperities `rows`; with an alignment asperity, it names the key of these."""
+        """Return the error for asperities `rows`; for alignment asperities its key is alignment_height."""
         if max(rows) < asperities:
             return CannotBeMade(f"{words}; {remedy}", key)
         why = f"cannot be made: {words}; {LEAVE_OUT}. Or {remedy}"

@@ -50,8 +50,8 @@ class PartOptions:
     chord_error : float, optional
         Largest depth of the faces of the mesh below the true caps [mm]. It acts like an error of the height:
         at a given separation, the contact area of an asperity changes by at most ``pi R`` times the chord
-        error. Most of this change is the same shift of all caps, which does not affect A0(P). Default: 4e-4
-        of the smallest radius, or more if a solid would have over two million triangles.
+        error. Most of this change equals that of a common shift of all caps, which does not affect A0(P).
+        Default: 4e-4 of the smallest radius, or more if a solid would have over two million triangles.
     formats : sequence of str
         File formats of the solids: "stl", "3mf" and "obj"; default: ("stl",).
 
@@ -83,7 +83,7 @@ class Part:
     block: Block
     chord_error: float  # [mm]
     options: PartOptions
-    contact: Contact  # law with the shape of the caps
+    contact: Contact  # contact law, which determines the shape of the caps
 
     @cached_property
     def triangles(self) -> int:

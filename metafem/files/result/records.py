@@ -32,7 +32,8 @@ TYPES: Mapping[str, type] = {
     for name, kind in vars(module).items()
     if isinstance(kind, type) and (is_dataclass(kind) or issubclass(kind, Enum))
 }
-# Functions that build a value whose constructor does not take its fields: here the rows of a table.
+# Functions that build a value from its fields if its constructor takes other arguments, here the rows of a
+# table.
 MAKERS: Mapping[str, Callable[..., Any]] = {
     "TabulatedContact": lambda table, material: TabulatedContact(*table, material=material)
 }
@@ -128,7 +129,7 @@ def _made(kind: Any, record: dict[str, Any], name: str) -> Any:
 
 @cache
 def _members(kind: Any) -> dict[str, TypeAdapter[Any]]:
-    """Return, for each member of a class, an adapter that validates a tuple with this member."""
+    """Return for each member of a class an adapter, which validates a tuple that contains the member."""
     hints, one = get_type_hints(kind), cast(Any, tuple)
     return {field.name: TypeAdapter(one[hints[field.name]], config=STRICT) for field in fields(kind)}
 

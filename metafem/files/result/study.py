@@ -32,8 +32,8 @@ def write_study(
 ) -> None:
     """Write a study as NetCDF 4 with h5netcdf; an existing file is refused unless `force` is true.
 
-    `still` is called as by `write_file`. It raises an error if the design was replaced in the meantime, and
-    the study is then not written.
+    `write_file` calls `still` before it renames the file. If the design was replaced in the meantime, `still`
+    raises an error, and the study is not written.
     """
     write_file(
         path, lambda fresh: study.to_netcdf(fresh, engine="h5netcdf"), force=force, still=still, fixed=True

@@ -129,7 +129,10 @@ class Sections(Section):
 
 
 def _refuse_impossible(template: Surface, part: PartOptions, contact: Contact) -> None:
-    """Raise InvalidInput, with the key to change, if a part with all summits at the top cannot be made."""
+    """Raise InvalidInput if a part with all summits at the largest height cannot be made.
+
+    The error names the key of the specification to change.
+    """
     try:
         planned(template, template, part, contact)
     except CannotBeMade as error:

@@ -24,7 +24,8 @@ RESOLVED_CELL = 0.008
 AUTOMATIC_TOLERANCE = 1e-3
 
 
-# Functions, because the import of all models would delay the command, which needs only their names at first.
+# Functions that return the models. The models are not made here, because their import would delay the
+# command, which at first needs only their names.
 MODELS: Mapping[str, Callable[[], Model]] = {
     "independent": lambda: mf.Independent(),
     "mean-field": lambda: mf.MeanField(),

@@ -140,7 +140,7 @@ def _naming_copy(text: str, place: tuple[str, ...], name: str, copy: str) -> str
         line = text.rfind("\n", 0, found.start()) + 1
         value = json.dumps(copy, ensure_ascii=False)  # a JSON string is valid in TOML
         new = f"{text[:line]}{comment}{text[line : found.start(2)]}{value}{text[found.end(2) :]}"
-        with suppress(tomllib.TOMLDecodeError):  # here the match was part of a text or comment
+        with suppress(tomllib.TOMLDecodeError):  # a match within a text can make the result invalid
             if tomllib.loads(new.removeprefix("\ufeff")) == wanted:
                 return new
     words = f'cannot be renamed to its copy; write file = "{name}" on a line of its own'

@@ -67,7 +67,7 @@ def schema_text() -> str:
 
 
 def write_schema(path: Path, force: bool = False) -> None:
-    """Write the schema unless the file already contains it; with `force`, replace an older schema."""
+    """Write the schema unless the file already contains it; `force` replaces another schema of metafem."""
     if path.is_file() and path.read_bytes() == schema_text().encode("utf-8"):
         return
     write_text(path, schema_text(), force=force, kind="schema")
@@ -91,8 +91,8 @@ def place_schema(folder: Path) -> str | None:
 def section(form: SectionForm, description: str) -> Schema:
     """Return the schema of a section.
 
-    It contains each key of all kinds once, so that an editor can complete every key and mark only a wrong
-    one. Conditions state which keys a kind requires and which it excludes.
+    It contains each key of all kinds once, so that an editor can complete every key, and marks only the key
+    that is wrong. Conditions state which keys a kind requires and which it excludes.
     """
     found: dict[str, list[KeyForm]] = {}
     for keys in form.keys.values():

@@ -33,7 +33,7 @@ Site = Annotated[int, Field(strict=True, ge=0)]
 
 
 class MaterialSection(Section):
-    """``[material]``."""
+    """The section ``[material]``."""
 
     choices = (("composite_modulus",), ("young_modulus",))
 
@@ -50,7 +50,7 @@ class MaterialSection(Section):
 
 
 class FrictionSection(Section):
-    """``[friction]``."""
+    """The section ``[friction]``."""
 
     makes = Friction
     shear_strength: Stress = key("sigma: friction force per real contact area", "0.358 MPa")
@@ -58,7 +58,7 @@ class FrictionSection(Section):
 
 
 class LatticeSection(Section):
-    """``[lattice]``."""
+    """The section ``[lattice]``."""
 
     shape: tuple[Integer, Integer] = key("rows, columns", [8, 8])
     pitch: Length = key("distance between neighbours", "1.5 mm")
@@ -68,7 +68,7 @@ class LatticeSection(Section):
 
 
 class RadiiSection(Section):
-    """``[radii]``."""
+    """The section ``[radii]``."""
 
     choices = (("tools",), ("range",))
 
@@ -96,7 +96,7 @@ class RadiiSection(Section):
 
 
 class SitesSection(Section):
-    """``[sites]``."""
+    """The section ``[sites]``."""
 
     empty: tuple[Site, ...] = key(
         "sites without an asperity, from 0 along x, then row by row along y", [17], default=()
@@ -131,7 +131,7 @@ class SitesSection(Section):
 
 
 class BlockSection(Section):
-    """``[block]``."""
+    """The section ``[block]``."""
 
     makes = Block
     width: Length = key("along x", "20 mm")
@@ -140,7 +140,7 @@ class BlockSection(Section):
 
 
 class LimitsSection(Section):
-    """``[limits]``."""
+    """The section ``[limits]``."""
 
     makes = Limits
     max_height: Length = key("of the summits, above the offset", "120 um")
@@ -153,7 +153,7 @@ class LimitsSection(Section):
 
 
 class LayoutSection(Section):
-    """``[layout]``."""
+    """The section ``[layout]``."""
 
     seed: Annotated[int, Field(strict=True, ge=0)] = key(
         "of the random assignment of heights to sites", 0, default=0
@@ -176,7 +176,7 @@ class LayoutSection(Section):
 
 
 class RobustSection(Section):
-    """``[robust]``."""
+    """The section ``[robust]``."""
 
     makes = Tolerances
     fewest = 1
@@ -194,7 +194,7 @@ class RobustSection(Section):
 
 
 class ModelSection(Section):
-    """``[model]``."""
+    """The section ``[model]``."""
 
     kind: Annotated[str, one_of(MODELS)] = key(f"one of: {', '.join(MODELS)}", "layer", default="independent")
 
@@ -207,7 +207,7 @@ class ModelSection(Section):
 
 
 class PartSection(Section):
-    """``[part]``."""
+    """The section ``[part]``."""
 
     makes = PartOptions
     alignment_height: PositiveLength | None = optional(
@@ -222,6 +222,6 @@ class PartSection(Section):
 
 
 class ChecksSection(Section):
-    """``[checks]``."""
+    """The section ``[checks]``."""
 
     hardness: PositiveStress | None = optional("H, which decides on a plastic law", "10 MPa")
