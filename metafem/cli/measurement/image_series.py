@@ -45,7 +45,7 @@ OPTIONAL = ("test", "load_N", "friction_force_N", "sheared_area_mm2", "sheared_a
 
 @dataclass(frozen=True)
 class Series:
-    """Measured images, with their forces and their contacts before and after shear."""
+    """Measured images, with their forces and their contacts before and under shear."""
 
     series: Sequence[Shot]
     areas: Sequence[ContactAreas]
@@ -133,7 +133,7 @@ class Series:
 def measured_series(
     series: Sequence[Shot], pixel: float, notes: Sequence[Note], rotation: float, options: dict[str, Any]
 ) -> Series:
-    """Return the measured images with tracked contacts; images before and after shear share one threshold."""
+    """Return the measured images with tracked contacts; images before and under shear share one threshold."""
     before = [shot.image for shot in series]
     after = [i for i, shot in enumerate(series) if shot.sheared is not None]
     load = np.array([shot.load for shot in series])

@@ -87,7 +87,7 @@ class Pair:
 
 
 def pair_of(surface: Surface, given: Mapping[str, Any], deviations: Mapping[str, float]) -> Pair:
-    """Return the material pair of a part; options precede the calibration, and this precedes the design."""
+    """Return the material pair from the options, else from the calibration, else from the design."""
     found = None if given["calibration"] is None else mf.files.read_parameters(given["calibration"])
     values = {} if found is None else dict(zip(found.parameters, found.value.tolist(), strict=True))
     with named(names_of({name: given[name] for name in PAIR})):

@@ -69,7 +69,7 @@ def manufacturing(design: Design, **options: Any) -> Dataset:
 def _steps(angles: Sequence[float]) -> list[FloatArray]:
     """Return the angles [rad] of equal steps from 0 to the first angle, and from each angle to the next.
 
-    The steps are at most as large as those to a single largest angle.
+    A step is at most the largest angle divided by `STEPS`, as for a single angle.
     """
     from metafem.studies.misalignment import STEPS
 

@@ -165,7 +165,7 @@ def _tests(kind: str, found: Any, names: Sequence[str], drawn: Sequence[str]) ->
         key: getattr(alike, key) for key in ("agree", "chi_square", "freedom", "probability")
     }
     spread = None
-    if draws is not None and len(draws) > 1:  # one draw has no standard deviation
+    if draws is not None and len(draws) > 1:  # a standard deviation needs two draws
         spread = dict(zip(drawn, draws.std(axis=0, ddof=1).tolist(), strict=True))
     return {
         f"{kind}_tests": tests,

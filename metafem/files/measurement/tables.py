@@ -37,9 +37,10 @@ COLUMNS = Columns(
 
 @dataclass(frozen=True, eq=False)
 class Compression:
-    """Loads [N], (k,), areas [mm^2], (k,) or (k, n), and the test and location in the files of each point.
+    """Loads [N], (k,), and areas [mm^2], (k,) or (k, n), of compression tests.
 
-    `contacts` is the number of contacts, if a table has the areas of single contacts.
+    Each point has the label of its test, and its location in the files. `contacts` is the number of contacts,
+    if a table has the areas of single contacts.
     """
 
     load: FloatArray
@@ -51,7 +52,7 @@ class Compression:
 
 @dataclass(frozen=True, eq=False)
 class Shear:
-    """Areas before and after shear [mm^2] and friction forces [N], (k,); nan if not measured.
+    """Areas before and under shear [mm^2] and friction forces [N], (k,); nan if not measured.
 
     Each point has the label of its test, and its location in the files.
     """
@@ -67,8 +68,8 @@ class Shear:
 class CalibrationData:
     """Pooled data of several tables.
 
-    `records` holds the records of pulls by file name. `boundary` is the rms error of the contacts' boundary
-    [mm], or None unless all tables are tables of contacts in images that state errors. `position` holds the
+    `records` holds the records of pulls by file name. If all tables are tables of contacts in images with
+    errors, `boundary` is the rms error of the contacts' boundary [mm], otherwise None. `position` holds the
     centres of the contacts [mm], (n, 2), in the first table of contacts. `notes` state what is left out.
     """
 
@@ -257,7 +258,7 @@ def _of_contacts(
 
 
 def _named(notes: Iterable[Note], file: str) -> list[Note]:
-    """Return the notes with the name of their file."""
+    """Return the notes with the name of their file in front of the text."""
     return [replace(note, text=f"{file}: {note}") for note in notes]
 
 
@@ -272,7 +273,7 @@ def _boundary(contacts: ContactTable) -> float | None:
 
 @contextmanager
 def of_tables(names: Names, files: list[str]) -> Iterator[None]:
-    """Make the errors of the body name the columns of the tables instead of arguments, and the files."""
+    """Make errors of the body name the files, and the columns of the tables instead of arguments."""
     try:
         with named(names):
             yield

@@ -80,7 +80,7 @@ def shots(images: Sequence[ImageFile], forces: str | Path | None = None) -> tupl
     if without:
         are = "is" if len(without) == 1 else "are"
         notes.append(Note(f"{listed(without)} {are} not in the table of forces: the load is empty"))
-    # a sheared image belongs to the Shot of its image before shear, and is no Shot of its own
+    # a sheared image belongs to the Shot of its image before shear, and does not get its own Shot
     leading = [image for image in images if image.name in found or image.name not in used]
     return [found.get(image.name) or Shot(image) for image in leading], notes
 
