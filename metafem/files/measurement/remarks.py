@@ -29,7 +29,7 @@ def cells_of_remarks(table: ContactTable) -> dict[tuple[int, int], str]:
 
 
 def remarks_of_cells(table: ContactTable, cells: Mapping[tuple[int, int], str]) -> tuple[str, ...]:
-    """Return the remarks in order of images and contacts; each begins with the name of its image."""
+    """Return the remarks in order of images and contacts; each begins with its image and contact, if any."""
     remarks = []
     for (i, j), cell in cells.items():
         for text in cell.split(BETWEEN) if cell else ():

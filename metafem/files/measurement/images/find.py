@@ -106,7 +106,7 @@ def _grey(values: NDArray[Any]) -> tuple[NDArray[Any], bool]:
     if (colours == colours[..., :1]).all():
         return np.ascontiguousarray(colours[..., 0]), False
     grey = colours @ LUMINANCE
-    # integers remain integers, because saturated pixels are recognised by the largest integer
+    # integers remain integers, because saturated pixels are recognised by the ends of the integer scale
     return (np.rint(grey) if values.dtype.kind in "ui" else grey).astype(values.dtype), True
 
 
