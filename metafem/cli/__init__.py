@@ -1,4 +1,4 @@
-"""The metafem command: parse, call, print."""
+"""The command metafem: it parses options, calls the package and prints the results."""
 
 import os
 from typing import Any
@@ -9,13 +9,13 @@ __all__ = ["main", "run"]
 
 
 def run() -> None:
-    """Run the metafem command. Signals stop it from here on, even while its modules are imported.
+    """Run the metafem command; signals can stop it even while its modules are imported.
 
-    The dense systems of a design are small: BLAS threads only wait for each other, up to ten times as long on
-    a busy machine, and the last digit can depend on their number. The default is therefore one thread; the
-    user can choose another number.
+    BLAS uses one thread by default, because the dense systems of a design are small. More threads only wait
+    for each other, which takes up to ten times as long on a busy machine, and the last digit of a result can
+    depend on their number. OPENBLAS_NUM_THREADS sets another number.
     """
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read once, when numpy is imported
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy's import reads this variable
     with stopped_by_signals(last=True):
         with report_stop("nothing was written"):
             from metafem.cli.commands import main
@@ -23,7 +23,7 @@ def run() -> None:
 
 
 def __getattr__(name: str) -> Any:
-    """Import the group of commands, `main`, when it is first used."""
+    """Return `main`, the group of commands, which is imported only when it is used."""
     if name != "main":
         raise AttributeError(f"module {__name__} has no attribute {name}")
     from metafem.cli.commands import main

@@ -1,4 +1,4 @@
-"""All commands of the group: the import of a module adds its commands."""
+"""Import of all commands: each module adds its commands to the group when it is imported."""
 
 # ruff: noqa: F401
 from metafem.cli import demo_and_design, doctor, explore, predict, report, spec

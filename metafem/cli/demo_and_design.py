@@ -40,9 +40,10 @@ if TYPE_CHECKING:
 @force_option
 @json_option
 def demo(name: str, model: str | None, contact: str | None, force: bool, as_json: bool) -> None:
-    """Write the paper's specification NAME.toml here, and design its surface into the folder NAME.
+    """Write NAME.toml, one of the paper's specifications, and design its surface into the folder NAME.
 
-    metafem.schema.json is written beside it, for editors. An edited NAME.toml is never replaced.
+    The schema metafem.schema.json, which editors read, is written next to NAME.toml. An edited NAME.toml is
+    never replaced.
     """
     path, folder, text = Path(f"{name}.toml"), Path(name), mf.files.demo_text(name)
     mf.files.check_free(folder, force)
@@ -87,9 +88,9 @@ def design(
     model, contact, part and checks are optional. `metafem spec` prints every key with an example;
     `metafem demo` writes example files.
 
-    A measured law is a target of kind sampled with the key file: a table as `metafem compare` reads it, whose
-    error bars are used. Where a target is refused, the nearest law is written beside the result folder as
-    DIR-nearest.csv.
+    For a measured law, choose a target of kind sampled and name its table in the key file. The table has the
+    format that `metafem compare` reads, and its error bars are used. If a target is refused, the nearest law
+    is written next to the result folder DIR, as DIR-nearest.csv.
     """
     mf.files.check_free(output, force)
     with progress(), doing("designing"):
@@ -114,7 +115,7 @@ def design(
 
 
 def _refusal(error: Infeasible, folder: Path) -> Ended:
-    """Return the error of a refused target; its nearest law is written as a table next to the folder."""
+    """Return the error for a refused target, after its nearest law is written next to the result folder."""
     if error.nearest is None:
         return Ended("Infeasible", str(error))
     words, nearest = str(error), {"target": error.nearest.title}
@@ -177,7 +178,7 @@ def _print_design(result: Design, folder: Path, notes: tuple[Note, ...]) -> None
 
 
 def _fit_data(result: Design, branch: Branch, fit: BranchFit) -> dict[str, float | None]:
-    """Return the slope of a branch, and its friction coefficient if the surface has a Friction."""
+    """Return target and fitted slope of a branch, and friction coefficients if the surface has a Friction."""
     from metafem.inversion.targets.wording import Wording
 
     data: dict[str, float | None] = {

@@ -1,4 +1,4 @@
-"""`metafem doctor`: checks of an installation, and its caches."""
+"""`metafem doctor`: checks of the installation and of its caches."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from metafem.inversion import Design
 
 
-# What each cache holds.
+# Content of each cache.
 CACHES = {"kernels": "compiled kernels", "blocks": "influence of blocks", "studies": "stopped studies"}
 
 
@@ -40,7 +40,7 @@ class Finding:
 
 
 def examine() -> Iterator[Finding]:
-    """Check the versions, the caches, the compiled kernels, a known contact, a part and a report."""
+    """Yield the results of the checks: versions, cache, kernels, a part, a report and a result folder."""
     yield Finding("python", platform.python_version(), True)
     yield _tried("metafem", _package)
     for name in needed():
@@ -59,7 +59,7 @@ def examine() -> Iterator[Finding]:
 
 
 def needed() -> list[str]:
-    """Return the names of the packages that metafem requires."""
+    """Return the names of the packages that metafem requires, without those of its extras."""
     try:
         stated = requires("metafem") or []
     except PackageNotFoundError:
@@ -68,12 +68,12 @@ def needed() -> list[str]:
 
 
 def megabytes(size: int) -> str:
-    """Return a size in bytes as megabytes, with the unit."""
+    """Return the text of a size in megabytes; `size` is in bytes."""
     return f"{size / 1e6:.1f} MB"
 
 
 def _sizes(caches: Mapping[str, int]) -> str:
-    """Return the sizes of caches in words."""
+    """Return a text with the size of each cache; `caches` holds the sizes in bytes."""
     return ", ".join(f"{CACHES[name]} {megabytes(size)}" for name, size in caches.items())
 
 
@@ -86,13 +86,13 @@ def _kept() -> dict[str, list[Path]]:
 def _tried(what: str, trial: Callable[[], tuple[str, bool]]) -> Finding:
     try:
         found, well = trial()
-    except Exception as error:  # every fault of the installation is reported
+    except Exception as error:  # an exception of any type is a fault of the installation
         return Finding(what, f"{type(error).__name__}: {error}", False)
     return Finding(what, found, well)
 
 
 def _package() -> tuple[str, bool]:
-    """Compare the folder of the imported metafem with the installed one."""
+    """Return whether the imported metafem is the installed one, with a description."""
     imported = Path(mf.__file__).parent
     try:
         installed = distribution("metafem")
@@ -109,7 +109,7 @@ def _package() -> tuple[str, bool]:
 
 
 def _cache() -> tuple[str, bool]:
-    """Report the folder and the size of the caches, and try to write there."""
+    """Return the folder and size of the caches, or an error text, and whether the folder is writable."""
     folder = _caches.cache_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -9,7 +9,7 @@ import click
 from metafem.cli.group import Name, main
 from metafem.cli.signals import Stopped
 
-# Exit code after Ctrl-C: 128 + SIGINT. This command usually ends so.
+# Exit code after Ctrl-C, 128 + SIGINT. Ctrl-C is the usual end of this command.
 STOPPED_BY_CTRL_C = 130
 
 
@@ -20,10 +20,11 @@ STOPPED_BY_CTRL_C = 130
 )
 @click.option("--no-browser", is_flag=True, help="Print the address only.")
 def explore(path: Path | None, port: int | None, no_browser: bool) -> None:
-    """Open a page on which the target law is drawn and the surface follows; Ctrl-C ends it.
+    """Open a page on which you draw a target law and see its surface; Ctrl-C ends the command.
 
-    It begins with the specification SPEC.toml, with that of the result folder DIR, or with the demo
-    operating-points. The page is served to this machine alone. It needs the extra explorer.
+    The page begins with the specification SPEC.toml, with the specification of the result folder DIR, or by
+    default with the demo operating-points. Only this machine can open the page. The command needs the extra
+    explorer.
     """
     from metafem.explorer import explore as start
 

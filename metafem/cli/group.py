@@ -1,4 +1,4 @@
-"""The group of all commands, their common options and their exit codes."""
+"""The group of all commands, with their common options and exit codes."""
 
 from __future__ import annotations
 
@@ -16,25 +16,26 @@ from metafem.cli.signals import report_stop, stopped_by_signals
 from metafem.errors import InvalidInput, MetafemError, named
 from metafem.files.specification.models import MODELS
 
-# The contact laws in words, as `form` in files/specification/options.py states them.
+# How the option --contact states each contact law; `form` in files/specification/options.py returns the same
+# texts.
 CONTACTS = (
     *("hertz", "sphere", "power EXPONENT [COEFFICIENT]", "profile FILE"),
     *("jkr ADHESION_ENERGY [CAP]", "kogut-etsion HARDNESS", "jackson-green YIELD_STRENGTH"),
     "tabulated FILE",
 )
 
-# Options that errors propose for arguments.
+# Names in errors: the option of the command instead of the argument of a Python function.
 ARGUMENTS = Names({"force=True": "--force", "workers=2": "--workers 2"})
 
-# Key of the units of the quantities in the context of a command.
+# Key in the context of a command; its value holds the units in which quantities were written.
 UNITS = "metafem.units"
 
-# Exit codes: unreachable target, and invalid input.
+# Exit codes for a target that is not achieved, and for invalid input.
 NOT_ACHIEVED, BAD_INPUT = 1, 2
 
 
 class Ended(click.ClickException):
-    """An error of the package with the name of its type, for the terminal."""
+    """An error of the package as click prints it; `kind` is the name of its type, `data` is for JSON."""
 
     def __init__(self, kind: str, message: str, **data: Any) -> None:
         super().__init__(message)
@@ -42,7 +43,10 @@ class Ended(click.ClickException):
 
 
 class Name(click.Path):
-    """The name of a file or folder, as a Path; an empty one would mean the current folder."""
+    """Type of an option that names a file or folder; an empty name is refused.
+
+    Path would read an empty name as the current folder.
+    """
 
     name = "path"
 
@@ -50,16 +54,17 @@ class Name(click.Path):
         super().__init__(path_type=Path)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the path."""
+        """Return the path that a text names."""
         if value == "":
             self.fail("the name is empty; write the name of a file or folder", param, ctx)
         return super().convert(value, param, ctx)
 
 
 class Quantity(click.ParamType):  # type: ignore[type-arg]
-    """A quantity with its unit, as a number in the package's unit; a list of them if `listed`.
+    """Type of an option that is a quantity with a unit, or a list of quantities if `listed` is true.
 
-    The unit of the first one is stored in the context, for errors.
+    The value is a number in the package's unit. The unit of the first quantity is stored in the context, so
+    that errors state values in this unit.
     """
 
     name = "quantity"
@@ -76,7 +81,7 @@ class Quantity(click.ParamType):  # type: ignore[type-arg]
         self.listed = listed
 
     def convert(self, value: Any, param: Any, ctx: Any) -> Any:
-        """Return the number of a text, or the numbers of a list separated by commas."""
+        """Return the number that a text states, or the numbers in a list separated by commas."""
         if not isinstance(value, str):
             return value
         parts = value.split(",") if self.listed else [value]
@@ -89,17 +94,17 @@ class Quantity(click.ParamType):  # type: ignore[type-arg]
 
 
 def option_names() -> Names:
-    """Return the names of the running command's options, and the units in which they were written."""
+    """Return how errors name the options of the running command, and the units in which they were written."""
     ctx = click.get_current_context()
     names = {each.name: each.opts[0] for each in ctx.command.params if each.name and each.opts[0][:1] == "-"}
     return Names(names, {name: unit for name, unit in ctx.meta.get(UNITS, {}).items() if unit})
 
 
 class Commands(click.Group):
-    """A group whose commands end with a message and an exit code instead of a traceback."""
+    """A group of commands; an error ends a command with a message and an exit code, without a traceback."""
 
     def main(self, args: Any = None, *rest: Any, **extra: Any) -> Any:
-        """Parse the arguments and run the command; with --json errors are JSON too."""
+        """Parse the arguments, run the command and exit; with --json, an error is printed as JSON too."""
         given = sys.argv[1:] if args is None else args
         extra["standalone_mode"] = False  # the exit code is set here
         with stopped_by_signals(), report_stop("no unfinished file is left"), printing():
@@ -111,7 +116,7 @@ class Commands(click.Group):
             sys.exit(code if isinstance(code, int) else 0)
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the command."""
+        """Run the command, and raise errors of the package as `Ended`."""
         try:
             with named(ARGUMENTS):
                 return super().invoke(ctx)
@@ -120,14 +125,14 @@ class Commands(click.Group):
         except MetafemError as error:
             raise Ended(type(error).__name__, str(error)) from None
         except OSError as error:
-            if error.filename is None:  # an error of the output stream has no file name
+            if error.filename is None:  # an error of the output stream, not of a file
                 raise
             words = f"{error.filename!s:.300}: {error.strerror}"
             raise Ended("InvalidInput", words) from None
 
 
 def model_option(default: str, multiple: bool = False) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Return the decorator that adds --model and --contact; `default` is their default in words."""
+    """Return the decorator that adds the options --model and --contact; `default` describes their default."""
     again = " May be repeated, to compare laws." if multiple else ""
     text = f"Model of the law, from single contacts to resolved ones.{again} Default: {default}."
     model = click.option("--model", type=click.Choice(tuple(MODELS)), multiple=multiple, help=text)
@@ -141,7 +146,7 @@ def model_option(default: str, multiple: bool = False) -> Callable[[Callable[...
 
 
 def _contact_kinds(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the kinds of contact laws for shell completion."""
+    """Return the kinds of contact laws that begin with `incomplete`, for shell completion."""
     kinds = (law.partition(" ")[0] for law in CONTACTS)
     return [kind for kind in kinds if kind.startswith(incomplete)]
 
@@ -160,5 +165,5 @@ force_option = click.option("--force", is_flag=True, help="Replace the unchanged
 def main() -> None:
     """Design surfaces with a friction law of your choice.
 
-    Output is in mm, N and MPa; values in specifications and options are written with their unit.
+    Output is in mm, N and MPa. Values in specifications and options are written with their units.
     """

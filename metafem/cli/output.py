@@ -1,4 +1,4 @@
-"""Output of the command: terminals with limited characters, and output that cannot be written."""
+"""Output of the command on terminals that lack characters, and errors of the output stream."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 
 import click
 
-# Replacements of characters that the terminal cannot show; others become a question mark.
+# Replacements of characters that a terminal cannot show; all other such characters become a question mark.
 PLAIN = {
     "λ": "lambda",
     "σ": "sigma",
@@ -42,7 +42,10 @@ PLAIN = {
 
 
 def plainly(error: UnicodeError) -> tuple[str, int]:
-    """Return the replacement of characters that an encoding lacks, as an error handler of `codecs`."""
+    """Return the replacement of characters that an encoding lacks, and the position after them.
+
+    This function is an error handler of `codecs`.
+    """
     if not isinstance(error, UnicodeEncodeError):
         raise error
     return "".join(PLAIN.get(c, "?") for c in error.object[error.start : error.end]), error.end
@@ -50,7 +53,7 @@ def plainly(error: UnicodeError) -> tuple[str, int]:
 
 @contextmanager
 def printing() -> Iterator[None]:
-    """Make all text in the body printable; end with a message if the output cannot be written."""
+    """Replace characters that the terminal lacks; exit with a message if the output cannot be written."""
     codecs.register_error("metafem.plainly", plainly)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
@@ -63,7 +66,7 @@ def printing() -> Iterator[None]:
                 sys.stdout.flush()
     except OSError as error:
         _abandon_output()
-        if error.errno == errno.EPIPE:  # the reader has closed the pipe
+        if error.errno == errno.EPIPE:  # the program that reads the output has closed the pipe
             sys.exit(1)
         with suppress(OSError):
             click.echo(f"Error: the output cannot be written: {error.strerror}", err=True)
@@ -71,13 +74,13 @@ def printing() -> Iterator[None]:
 
 
 def _abandon_output() -> None:
-    """Discard the buffered output; Python would otherwise report an error at its exit."""
+    """Discard the buffered output, because Python would otherwise report an error when it exits."""
     with suppress(OSError, ValueError, AttributeError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def show_error(error: click.ClickException, as_json: bool) -> None:
-    """Print an error: as text on stderr, or as JSON on stdout in place of the data."""
+    """Print an error as text on stderr, or as JSON on stdout instead of the data."""
     if as_json:
         kind = getattr(error, "kind", "Usage")
         data = getattr(error, "data", {})

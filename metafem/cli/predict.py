@@ -32,10 +32,10 @@ if TYPE_CHECKING:
     from metafem.prediction import FrictionLaw
     from metafem.surface import Surface
 
-# Dimensions of a block, as options and as arguments, with examples.
+# Dimensions of a block, with an example of each; they are options and arguments of `Block`.
 BLOCK = {"width": "20 mm", "length": "20 mm", "thickness": "7.2 mm"}
 
-# Unit and meaning of the options for a table of heights.
+# Unit and help text of the options for a table of heights.
 SCENE = {
     "composite_modulus": ("MPa", 'E* for a table of heights, such as "1.36 MPa".'),
     "young_modulus": ("MPa", 'E for a table of heights, instead of E*, such as "1.02 MPa".'),
@@ -85,13 +85,13 @@ def predict(
     as_json: bool,
     **scene: float | None,
 ) -> None:
-    """Predict the friction law of a result folder or of a table of heights.
+    """Predict the friction law of the surface in a result folder or in a table of heights.
 
     SOURCE is a result folder of `metafem design`, or a CSV file with the columns x_mm, y_mm, height_um and
-    radius_um (or in other units). A table needs --composite-modulus or --young-modulus. For --model layer it
-    also needs --thickness, for --model block --thickness, --width and --length. With --shear-strength the
-    friction forces are printed too. Several models or contact laws are compared at the same loads: all models
-    with all contact laws.
+    radius_um (or in other units). A table needs --composite-modulus or --young-modulus. With the model layer
+    it also needs --thickness, and with the model block --thickness, --width and --length. With
+    --shear-strength, friction forces are also printed. If --model or --contact is repeated, all combinations
+    of models and contact laws are compared at the same loads.
     """
     given = {name: value for name, value in scene.items() if value is not None}
     name = printable(str(source))
@@ -137,7 +137,7 @@ def predict(
 
 
 def _surface(source: Path, given: Mapping[str, float], models: tuple[str, ...]) -> Surface:
-    """Return the surface of a table of heights, with material, friction and block from the options."""
+    """Return the surface in a table of heights; the options state its material, friction and block."""
     refuse_if(
         ("composite_modulus" in given) == ("young_modulus" in given),
         f"a table of heights such as {source} needs either --composite-modulus or --young-modulus, "
@@ -160,7 +160,10 @@ def _surface(source: Path, given: Mapping[str, float], models: tuple[str, ...]) 
 
 
 def _block(given: dict[str, float], models: tuple[str, ...]) -> mf.Block | None:
-    """Return the block of a table from its given dimensions; a layer needs only the thickness."""
+    """Return the block that the options state, or None if they do not state all of its dimensions.
+
+    Raise InvalidInput if a model lacks a dimension: a layer needs only the thickness.
+    """
     needed = BLOCK if given or "block" in models else {}
     if "layer" in models and "block" not in models:
         needed = {"thickness": BLOCK["thickness"]}
@@ -174,9 +177,9 @@ def _block(given: dict[str, float], models: tuple[str, ...]) -> mf.Block | None:
 
 
 def _print_laws(laws: list[FrictionLaw], whole: bool) -> None:
-    """Print one law, or the areas of several with their change against the first.
+    """Print one law, or the areas of several laws with their relative difference from the first law.
 
-    Of a default grid ten loads are printed, and every load that the user gave.
+    All loads are printed if `whole` is true, which means that the user stated them; otherwise about ten.
     """
     first, console = laws[0], terminal()
     step = 1 if whole else max(1, len(first.load) // 10)
@@ -204,7 +207,7 @@ def _compared(laws: list[FrictionLaw]) -> dict[str, FloatArray]:
     first, *others = laws
     shown = {"load [N]": first.load, "1: area [mm²]": first.area}
     for number, law in enumerate(others, 2):
-        zero = np.full(len(first.area), np.nan)  # there is no relative change of no area
+        zero = np.full(len(first.area), np.nan)  # an area of 0 has no relative change
         ratio = np.divide(law.area, first.area, out=zero, where=first.area > 0.0)
         shown |= {f"{number}: area [mm²]": law.area, f"{number}: change": 100.0 * (ratio - 1.0)}
     return shown
@@ -220,6 +223,6 @@ def _law_data(law: FrictionLaw) -> dict[str, Any]:
     from metafem.prediction.tables import columns
 
     about = {"model": mf.report.model_data(law.model), "status": law.status.name.lower()}
-    # JSON has no infinity: there is no coefficient at zero load
+    # the friction coefficient at zero load is not finite, and JSON has no such number
     numbers = mf.files.plain_data(columns(law.quantities()))
     return {**about, **numbers, "notes": notes_data(law.notes)}

@@ -1,4 +1,4 @@
-"""Progress of a command: step, fraction done and elapsed time."""
+"""Progress of a command: step, completed fraction and elapsed time."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ if TYPE_CHECKING:
 
     from metafem.progress import OnStep
 
-# Without a terminal: seconds before the first line, and between two lines.
+# Time before the first line and between two lines, if the output is not a terminal [s].
 FIRST_LINE, NEXT_LINE = 5.0, 10.0
 
 
 @contextmanager
 def printing_messages() -> Iterator[None]:
-    """Print the messages of the body on stderr, such as the columns of a table that are not read."""
+    """Print messages of the body on stderr, for example on columns of a table that are not read."""
     with listening(lambda step, done: None, lambda text: click.echo(text, err=True)):
         yield
 
 
 @contextmanager
 def progress() -> Iterator[None]:
-    """Show the running step and the elapsed time on stderr; print once that kernels are compiled."""
+    """Show the running step and the elapsed time on stderr, and print when kernels are first compiled."""
     from rich.console import Console
 
     from metafem._kernels.compiled import on_first_compilation
@@ -49,7 +49,7 @@ def progress() -> Iterator[None]:
 
 
 def _how_often() -> str:
-    """Return a sentence on whether compiled kernels can be stored."""
+    """Return a phrase that states whether kernels are compiled only once or for each command."""
     with suppress(OSError):
         folder = _caches.kernel_folder()
         folder.mkdir(parents=True, exist_ok=True)
@@ -60,7 +60,7 @@ def _how_often() -> str:
 
 @contextmanager
 def _status(console: Console) -> Iterator[OnStep]:
-    """Show the step, the completed fraction and the elapsed time in a line that is updated."""
+    """Show the step, the completed fraction and the elapsed time in one line, which is updated."""
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
     columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
@@ -71,7 +71,7 @@ def _status(console: Console) -> Iterator[OnStep]:
 
 @contextmanager
 def _lines(console: Console) -> Iterator[OnStep]:
-    """Print a line during long work after `FIRST_LINE` seconds, and then every `NEXT_LINE` seconds."""
+    """Print the step after `FIRST_LINE` seconds, and then every `NEXT_LINE` seconds."""
     start, ended, text = time.monotonic(), threading.Event(), ""
 
     def on_step(step: str, done: float | None) -> None:
@@ -86,7 +86,7 @@ def _lines(console: Console) -> Iterator[OnStep]:
                 console.print(f"{text} ({seconds:.0f} s)", highlight=False, markup=False, soft_wrap=True)
             wait = NEXT_LINE
 
-    # solvers report only the beginning of a step, and a step may be long: another thread prints
+    # a separate thread prints, because solvers report only the beginning of a step, and a step may be long
     thread = threading.Thread(target=report, daemon=True)
     thread.start()
     try:
@@ -97,5 +97,5 @@ def _lines(console: Console) -> Iterator[OnStep]:
 
 
 def worded(step: str, done: float | None) -> str:
-    """Return a step with the completed fraction."""
+    """Return the text of a step with its completed fraction."""
     return step if done is None else f"{step}, {100.0 * done:.0f} %"

@@ -17,7 +17,7 @@ from metafem.cli.terminal import loaded, print_json
 @click.option("--checks", is_flag=True, help="Add the finite-element checks, which take about a minute.")
 @json_option
 def report(folder: Path, checks: bool, as_json: bool) -> None:
-    """Write or replace report.html of a result folder, with the answers of the studies in the folder."""
+    """Write or replace report.html in a result folder, with the results of the studies in the folder."""
     with progress():
         path, still = folder / "report.html", mf.files.same_design(folder)
         studies = mf.files.stored_studies(folder)

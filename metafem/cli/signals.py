@@ -1,4 +1,4 @@
-"""Commands that are stopped by signals."""
+"""Stopping of commands by signals."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
 
-# Seconds after which a signal is repeated if its exception was lost; no destructor runs longer.
+# Delay before a signal is repeated if Python dropped its exception [s]; no destructor runs longer.
 AGAIN = 0.01
 
 
 class Stopped(SystemExit):
-    """The end of a command by a signal; its exit code is 128 plus the number of the signal."""
+    """Exception that ends a command after a signal; the exit code is 128 plus the number of the signal."""
 
     def __init__(self, number: int) -> None:
         super().__init__(128 + number)
@@ -24,14 +24,14 @@ class Stopped(SystemExit):
 
 @contextmanager
 def stopped_by_signals(last: bool = False) -> Iterator[None]:
-    """End the body by an exception on Ctrl-C and SIGTERM, so that it cleans up; the exit code is 130 or 143.
+    """On Ctrl-C or SIGTERM, end the body by an exception, so that it cleans up; the exit code is 130 or 143.
 
-    A signal that the parent process set to be ignored stays ignored. Python delivers signals to the main
-    thread only, so other threads do not change. Python drops an exception that is raised in a destructor or
-    in the callback of a weak reference; the signal is then repeated. When the last body of a process ends,
-    its work is complete: a later signal ends the process with the exit code of the body.
+    If the parent process ignores a signal, this process ignores it too. In other threads this context has no
+    effect, because Python delivers signals only to the main thread. Python drops an exception that is raised
+    in a destructor or in the callback of a weak reference; the signal is then repeated. `last` states that
+    the process does no more work after the body: a later signal ends it with the exit code of the body.
     """
-    code = 1  # of an exception other than SystemExit
+    code = 1  # exit code after an exception other than SystemExit
     before, hook, again = {}, sys.unraisablehook, list[threading.Timer]()
     if threading.current_thread() is threading.main_thread():
         for each in (signal.SIGINT, signal.SIGTERM):
@@ -42,7 +42,7 @@ def stopped_by_signals(last: bool = False) -> Iterator[None]:
             if not isinstance(dropped.exc_value, Stopped):
                 hook(dropped)
                 return
-            # to the main thread: a signal to another thread does not interrupt a wait of the main thread
+            # only a signal to the main thread itself interrupts a wait of the main thread
             main = threading.main_thread().ident
             again.append(threading.Timer(AGAIN, signal.pthread_kill, (main, dropped.exc_value.number)))
             again[-1].daemon = True
@@ -65,7 +65,7 @@ def stopped_by_signals(last: bool = False) -> Iterator[None]:
 
 @contextmanager
 def report_stop(left: str) -> Iterator[None]:
-    """Print a line on stderr if a signal stops the body: what it left behind."""
+    """If a signal stops the body, print a line on stderr; `left` states what the body left behind."""
     try:
         yield
     except Stopped as stop:

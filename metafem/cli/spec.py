@@ -10,7 +10,7 @@ import click
 import metafem as mf
 from metafem.cli.group import Name, force_option, json_option, main
 
-# Printed text of a key.
+# Members of a key's description that --json prints.
 SHOWN = ("section", "kind", "name", "example", "meaning", "optional", "default")
 
 

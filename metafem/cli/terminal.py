@@ -1,4 +1,4 @@
-"""The console of the command, its tables and its notes."""
+"""The console of the command, and printing of tables and notes."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ if TYPE_CHECKING:
     from metafem.inversion import Design
     from metafem.notes import Note
 
-# Key of the notes on changed folders in the context of a command.
+# Key in the context of a command; its value holds the notes on changed result folders.
 FOLDERS = "metafem.folders"
 
-# Characters per line if the output is not a terminal, so that tables are not wrapped.
+# Least number of characters per line if the output is not a terminal, so that tables are not wrapped.
 WIDE = 160
 
-# Up to this width columns are one blank apart, otherwise two.
+# Largest number of characters per line at which columns are separated by one blank; above it by two.
 NARROW = 80
 
 
 def terminal() -> Console:
-    """Return the terminal, or a wide console if the output is not a terminal."""
+    """Return the console of the output; it is at least `WIDE` characters wide if this is not a terminal."""
     from rich.console import Console
 
     console = Console()
@@ -40,7 +40,7 @@ def terminal() -> Console:
 def print_table(
     console: Console, columns: Sequence[str], rows: Sequence[Sequence[str]], title: str | None = None
 ) -> None:
-    """Print a table. Headings may wrap between words; numbers never wrap."""
+    """Print a table; headings may wrap between words, but numbers never wrap."""
     from rich.box import SIMPLE_HEAD
     from rich.markup import escape
     from rich.table import Table
@@ -71,7 +71,7 @@ def print_notes(console: Console, notes: Iterable[Note]) -> None:
 
 
 def say(console: Console, *lines: str) -> None:
-    """Print lines without changes."""
+    """Print lines unchanged, without markup, highlighting or wrapping."""
     for line in lines:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
 
@@ -84,7 +84,7 @@ def print_written(paths: Iterable[Path | None]) -> None:
 def print_study(
     dataset: Dataset, path: Path | None, answers: Iterable[str] = (), features: Sequence[Any] = ()
 ) -> None:
-    """Print the summary of a study with its answers, a second table if there is one, and its file."""
+    """Print the summary of a study: its table, a second table if any, notes, answers and the file."""
     found, console = mf.studies.summary(dataset), terminal()
     print_table(console, found.columns, found.rows, found.title)
     if features:
@@ -95,12 +95,12 @@ def print_study(
 
 
 def notes_data(notes: Iterable[Note]) -> list[dict[str, str]]:
-    """Return notes for JSON."""
+    """Return level and text of each note, for JSON."""
     return [{"level": note.level.value, "text": note.text} for note in notes]
 
 
 def loaded(folder: Path) -> Design:
-    """Return the design of a result folder; its changes are printed on stderr and stored for JSON."""
+    """Return the design in a result folder; changes in the folder are printed on stderr, stored for JSON."""
     with doing("reading the design"):
         design, notes = mf.files.load_compared(folder)
     for note in notes:
@@ -110,6 +110,6 @@ def loaded(folder: Path) -> Design:
 
 
 def print_json(data: Mapping[str, Any]) -> None:
-    """Print the data of a command, with the notes on changed folders first."""
+    """Print the data of a command as JSON; notes on changed folders come first among its notes."""
     notes = notes_data(click.get_current_context().meta.get(FOLDERS, ()))
     click.echo(json.dumps({**data, "notes": [*notes, *data.get("notes", ())]} if notes else data))

@@ -1,4 +1,4 @@
-"""Specifications, result folders and part files, with their units and formats."""
+"""Read and write specifications, measurements, result folders and part files."""
 
 import lazy_loader
 

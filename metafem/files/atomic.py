@@ -1,8 +1,8 @@
-"""Atomic writing of files and result folders: complete or not at all.
+"""Atomic writing: a file or a result folder is written completely or not at all.
 
-They are written into a hidden folder next to the destination, under a lock, and renamed. A result folder that
-is replaced is first renamed to ``NAME.old``: at worst, a killed run leaves this complete folder, and hidden
-folders that the next run removes.
+It is first written into a hidden folder next to its destination, under a lock, and then renamed. Before a
+result folder is replaced, it is renamed to ``NAME.old``. At worst, a killed run leaves this complete folder
+and hidden folders, which the next run removes.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from metafem._given import Given
 from metafem.errors import InvalidInput, refuse_if
 from metafem.progress import message
 
-# A hidden file of a result folder: lines of "sha256  name" for every file that metafem wrote there.
+# Hidden file of a result folder. It has a line "sha256  name" for every file that metafem wrote there.
 MANIFEST = ".metafem-files"
 
-# Suffixes of the hidden names of a lock and of a working folder, and of a replaced folder.
+# Suffixes of a hidden lock file, of a hidden working folder, and of an earlier result while it is replaced.
 LOCK, WORK, OLD = ".metafem-lock", ".metafem-writing", ".old"
 
-# Seconds to wait for a lock: the writing of a single file and the removal of leftovers take less.
+# Time to wait for a lock [s]; another run needs less to write one file or to remove leftovers.
 PATIENCE = 0.5
 
-# Text in the first bytes of a file of each kind, which identifies it outside a result folder.
+# A file outside a result folder is identified by one of these texts among its first bytes.
 FIRST_BYTES = 200
 MARKS: Mapping[str, bytes] = {
     "law": b"load_N,area_mm2,separation_mm,rescaled_load_mm2,rescaled_friction_mm2",
@@ -55,11 +55,11 @@ def staged(
 ) -> Iterator[Path]:
     """Yield a hidden folder that becomes `folder` if the body ends without an error.
 
-    It is locked for other runs of metafem, and removed if the body fails. An existing folder is refused
-    unless it is empty or, with `force`, contains only files that metafem wrote and files with these
-    `contents`. A link to a folder is followed.
+    Other runs of metafem cannot write to the same destination in the meantime. If the body fails, the hidden
+    folder is removed. An existing folder is refused unless it is empty or, with `force`, contains only files
+    that metafem wrote and files with these `contents`. A link to a folder is followed.
 
-    Raise InvalidInput if the folder is refused, is being written by another run, or cannot be written.
+    Raise InvalidInput if the folder is refused, if another run is writing it, or if it cannot be written.
     """
     target = _target(folder)
     with _claimed(target) as fresh:
@@ -73,25 +73,25 @@ def staged(
             if existed:
                 _replace(target, fresh, contents)
                 return
-            # a rename would replace an empty folder
+            # without this check, the rename would replace an empty folder that was made in the meantime
             words = "was made by another program in the meantime and is unchanged; choose another folder"
             refuse_if(os.path.lexists(target), f"{target} {words}")
             fresh.rename(target)
 
 
 def check_free(folder: str | Path, force: bool = False) -> None:
-    """Raise InvalidInput if `staged` would refuse the folder, before a long run."""
+    """Raise InvalidInput if `staged` would refuse the folder; call this function before a long run."""
     _refuse_folder(_target(folder), force, NOTHING)
 
 
 def earlier_result(folder: Path) -> Path | None:
-    """Return the result folder ``NAME.old`` of a missing folder, left by a killed run."""
+    """Return the result folder ``NAME.old`` that a killed run left if `folder` is missing, otherwise None."""
     old = folder.with_name(folder.name + OLD)
     return old if (old / MANIFEST).is_file() and not os.path.lexists(folder) else None
 
 
 def _target(folder: str | Path) -> Path:
-    """Return the path of a folder that can be created."""
+    """Return the absolute path of a result folder; its parent must exist, and links are resolved."""
     target = Path(folder).absolute()
     empty = 'folder = "" is an empty name; name a new folder, such as "mine"'
     refuse_if(folder == "", empty)
@@ -100,7 +100,7 @@ def _target(folder: str | Path) -> Path:
 
 
 def _refuse_folder(target: Path, force: bool, contents: Mapping[str, bytes]) -> bool:
-    """Raise InvalidInput if a folder must not be replaced; return whether it exists."""
+    """Return whether a folder exists; raise InvalidInput if it must not be replaced."""
     with _reported(target):
         try:
             kind = os.lstat(target).st_mode
@@ -120,7 +120,10 @@ def _refuse_folder(target: Path, force: bool, contents: Mapping[str, bytes]) -> 
 
 
 def _refuse_changed(folder: Path, target: Path, contents: Mapping[str, bytes]) -> None:
-    """Refuse a folder with files that metafem did not write or that were changed; errors name it `target`."""
+    """Raise InvalidInput if a folder contains changed files, or files that metafem did not write.
+
+    Errors call the folder `target`, because it may have a hidden name.
+    """
     known = written(folder)
     same = {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()}
     foreign = [
@@ -133,7 +136,7 @@ def _refuse_changed(folder: Path, target: Path, contents: Mapping[str, bytes]) -
 
 
 def _foreign(folder: Path, names: Sequence[str], known: Collection[str]) -> InvalidInput:
-    """Return the error for files that metafem did not write, or that were changed."""
+    """Return the error for files that metafem did not write or that were changed."""
     fact = "was changed since metafem wrote it" if names[0] in known else "was not written by metafem"
     more = f" (and {len(names) - 1} more)" if len(names) > 1 else ""
     return InvalidInput(
@@ -142,7 +145,7 @@ def _foreign(folder: Path, names: Sequence[str], known: Collection[str]) -> Inva
 
 
 def _replace(target: Path, fresh: Path, contents: Mapping[str, bytes]) -> None:
-    """Exchange a folder and a new one: the earlier one gets the hidden name."""
+    """Replace the folder `target` by `fresh`; the earlier folder gets the hidden name of `fresh`."""
     for path in fresh.iterdir():  # the new files are on the disk before the old ones are removed
         with path.open("rb+") as file:
             os.fsync(file.fileno())
@@ -155,7 +158,7 @@ def _replace(target: Path, fresh: Path, contents: Mapping[str, bytes]) -> None:
 
 
 def write_text(path: str | Path, text: str, **options: Any) -> None:
-    """Write a text in UTF-8 by `write_file`, with its options."""
+    """Write a text in UTF-8; the options are those of `write_file`."""
     write_file(path, lambda fresh: fresh.write_bytes(text.encode("utf-8")), **options)
 
 
@@ -168,12 +171,13 @@ def write_file(
     still: Callable[[], None] = lambda: None,
     fixed: bool = False,
 ) -> None:
-    """Write a file by the function `write` under another name, and rename it.
+    """Call `write` with a hidden path, and rename the file that it writes to `path`.
 
-    With `force` an existing file is replaced: in a result folder, an unchanged file of metafem; elsewhere, a
-    file of the same `kind` of `MARKS`, or any. `still` is called before the file is renamed and raises an
-    error if the content is no longer valid. `fixed` means that no other name can be chosen. Raise
-    InvalidInput if the file exists or cannot be written; no unfinished file is left.
+    With `force` an existing file is replaced. In a result folder, metafem must have written this file, and it
+    must be unchanged. Elsewhere, it must be of the same `kind`, a key of `MARKS`; any file is replaced if
+    `kind` is empty. `still` is called before the rename and raises an error if the content is no longer
+    valid. If `fixed` is true, errors do not propose another name. Raise InvalidInput if the file exists or
+    cannot be written. No unfinished file is left.
     """
     target = Path(path).absolute()
     refuse_existing(target, force, kind, fixed)
@@ -184,14 +188,14 @@ def write_file(
         write(fresh)
         still()
         refuse_existing(target, force, kind, fixed)
-        if in_result:  # before the file: if a run is killed in between, the old file is unchanged
+        if in_result:  # first the manifest: if the run is killed here, the old file still counts as unchanged
             with manifest.open("a", encoding="utf-8") as file:
                 file.write(_manifest_line(fresh))
         fresh.replace(target)
 
 
 def refuse_existing(path: str | Path, force: bool, kind: str = "", fixed: bool = False) -> None:
-    """Raise InvalidInput if `write_file` would refuse the file, before a long run."""
+    """Raise InvalidInput if `write_file` would refuse the file; call this function before a long run."""
     target = Path(path).absolute()
     if not os.path.lexists(target):
         return
@@ -209,15 +213,15 @@ def refuse_existing(path: str | Path, force: bool, kind: str = "", fixed: bool =
 
 @contextmanager
 def _claimed(goal: Path) -> Iterator[Path]:
-    """Yield an empty hidden folder next to a file or folder to be written, locked for other runs.
+    """Lock a file or folder to be written, and yield an empty hidden folder next to it.
 
-    It is removed at the end, and those of killed runs are removed first. Raise InvalidInput with the name of
-    the destination if another run has the lock or the folder cannot be created.
+    Hidden folders of killed runs are removed first, and the yielded folder at the end. Raise InvalidInput,
+    which names the destination, if another run has the lock or if the folder cannot be created.
     """
     lock = goal.with_name(f".{goal.name}{LOCK}")
     with _reported(goal):
         others = [path for path in goal.parent.iterdir() if path.name.endswith(LOCK) and path != lock]
-        lock.touch()  # if it is impossible, the error of the system states the reason
+        lock.touch()  # if this fails, the error of the operating system states the reason
         held = FileLock(lock)
         try:
             held.acquire(timeout=PATIENCE)
@@ -236,7 +240,7 @@ def _claimed(goal: Path) -> Iterator[Path]:
     finally:
         try:
             _remove(lock)
-        except BaseException:  # a signal during the removal, which is then repeated
+        except BaseException:  # a signal stopped the removal: repeat it
             _remove(lock)
             raise
         finally:
@@ -248,9 +252,9 @@ def _work(lock: Path) -> Path:
 
 
 def _remove(lock: Path) -> None:
-    """Remove the working folder of a lock of this process, and the lock file.
+    """Remove the working folder of a lock that this process holds, and the lock file.
 
-    A run that waits for the lock creates a new file if this one is missing.
+    Another run that waits for the lock creates the lock file again.
     """
     shutil.rmtree(_work(lock), ignore_errors=True)
     lock.unlink(missing_ok=True)
@@ -258,7 +262,7 @@ def _remove(lock: Path) -> None:
 
 @contextmanager
 def _reported(target: Path) -> Iterator[None]:
-    """Raise the errors of the system as InvalidInput."""
+    """Raise errors of the operating system as InvalidInput, which names the file or folder `target`."""
     try:
         yield
     except OSError as error:
@@ -267,19 +271,19 @@ def _reported(target: Path) -> Iterator[None]:
 
 
 def is_of_kind(path: Path, kind: str) -> bool:
-    """Whether a file is of a kind that metafem writes, by its first bytes; "" is any kind."""
+    """Return whether the first bytes of a file are those of a kind of `MARKS`; any file is of kind ""."""
     with path.open("rb") as file:
         return MARKS.get(kind, b"") in file.read(FIRST_BYTES)
 
 
 def digest(path: Path) -> str:
-    """Return the sha256 of a file, in hexadecimal digits."""
+    """Return the SHA-256 hash of a file in hexadecimal digits."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def unchanged(path: Path, hashes: Collection[str]) -> bool:
-    """Whether this is a regular file, not a link, with one of these hashes."""
+    """Return whether a path is a regular file, not a link, and its hash is one of `hashes`."""
     try:
         return stat.S_ISREG(os.lstat(path).st_mode) and bool(hashes) and digest(path) in hashes
     except FileNotFoundError:
@@ -287,7 +291,7 @@ def unchanged(path: Path, hashes: Collection[str]) -> bool:
 
 
 def written(folder: Path) -> dict[str, set[str]]:
-    """Return the hashes of the files of a folder by its manifest; a file written twice has two."""
+    """Return the hashes that a folder's manifest lists for each file; a file written twice has two."""
     try:
         text = (folder / MANIFEST).read_text(encoding="utf-8", errors="replace")
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""Reading of files that users name; type and size are checked first."""
+"""Reading of files that users name; the type and size of a file are checked first."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from typing import Any
 from metafem._given import printable, shown
 from metafem.errors import InvalidInput, refuse_if
 
-# Largest files that are read [bytes]. A specification of a thousand points has 30 kB, a summit in a table has
-# 60 bytes and a site in a record 300, so that a million summits fit.
+# Largest size of each kind of file [bytes]. A specification with a thousand points has 30 kB. A summit takes
+# 60 bytes in a table and a site 300 bytes in a record, so that a million summits fit.
 SPECIFICATION, TABLE, RECORD = 2**18, 2**26, 2**29
 
 
@@ -28,12 +28,12 @@ def read_bytes(path: str | Path, most: int, missing: str = "no such file") -> by
 
 
 def refuse_unreadable(path: str | Path) -> None:
-    """Raise InvalidInput if there is no regular file of this name that can be opened."""
+    """Raise InvalidInput unless the path is a regular file that can be opened."""
     _beginning(path, 1, "no such file")
 
 
 def _beginning(path: str | Path, most: int, missing: str) -> bytes:
-    """Return at most a number of bytes of a regular file."""
+    """Return the first bytes of a regular file, at most `most`."""
     name = file_label(path)
     try:
         _refuse_other_kinds(path, name)
@@ -46,22 +46,22 @@ def _beginning(path: str | Path, most: int, missing: str) -> bytes:
 
 
 def _refuse_other_kinds(path: str | Path, name: str) -> None:
-    """Refuse a folder, a device and a pipe."""
+    """Raise InvalidInput for a folder, a device or a pipe."""
     try:
         kind = os.stat(path).st_mode
-    except (TypeError, ValueError):  # a null character, or an invalid character
+    except (TypeError, ValueError):  # the path has a null character or another invalid character
         raise InvalidInput(f"{shown(path)} is not the name of a file") from None
     what = "a folder" if stat.S_ISDIR(kind) else "a device or a pipe"
     refuse_if(not stat.S_ISREG(kind), f"{name}: cannot be read: it is {what}, not a file")
 
 
 def file_label(path: object) -> str:
-    """Return the name of a file for an error, on one line."""
+    """Return the name of a file as errors state it, on one line."""
     return printable(str(path), 300)
 
 
 def decoded(path: str | Path, raw: bytes) -> str:
-    """Return the text of a file in UTF-8, with or without a byte-order mark."""
+    """Return the text of a UTF-8 file, without the byte-order mark that it may have."""
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -73,7 +73,7 @@ def decoded(path: str | Path, raw: bytes) -> str:
 
 @contextmanager
 def damaged(path: str | Path) -> Iterator[None]:
-    """Raise InvalidInput for a damaged file if its content cannot be used in the body."""
+    """Raise InvalidInput, which calls the file damaged, if the body cannot use the content of the file."""
     try:
         yield
     except RecursionError:
@@ -83,7 +83,7 @@ def damaged(path: str | Path) -> Iterator[None]:
 
 
 def read_record(path: str | Path, missing: str = "no such file") -> Any:
-    """Return the content of a JSON file, or raise InvalidInput for any other file."""
+    """Return the content of a JSON file; raise InvalidInput for any other file."""
     text = decoded(path, read_bytes(path, RECORD, missing))
     with damaged(path):
         return json.loads(text, parse_constant=_refused)

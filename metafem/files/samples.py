@@ -1,4 +1,4 @@
-"""Tables named in a specification: target laws, measured laws, and profiles of caps."""
+"""Tables that a specification names: target laws, measured contact laws and profiles of caps."""
 
 from __future__ import annotations
 
@@ -17,10 +17,11 @@ from metafem.surface import Material
 
 @dataclass(frozen=True)
 class SampleColumns(Columns):
-    """The columns of a table of samples, which are also keys of a specification.
+    """The columns of a table of samples; each column is also a key of a specification.
 
-    `what` describes the content of the table, `rising` are the columns with increasing entries, and
-    `from_zero` states whether the first entries are 0; None: they may be; others are above 0.
+    `what` describes the content of the table. The entries of the columns `rising` must increase. The first
+    entries must be 0 if `from_zero` is True, must be above 0 if it is False, and may be 0 if it is None. All
+    other entries must be above 0.
     """
 
     what: str = "law"
@@ -49,24 +50,27 @@ MEASURED = SampleColumns(
     from_zero=None,
 )
 
-# The columns of the tables named in a specification, by the kind of its section.
+# Columns of the table that a section of a specification names, by the kind of the section.
 COLUMNS = {"sampled": TARGET, "profile": PROFILE, "tabulated": MEASURED}
 
-# Keys of a sampled target, in order of preference for a table.
+# Keys of a sampled target; if a table has several of them, the first one is read.
 LOADS, FRICTIONS = ("rescaled_load", "load"), ("rescaled_friction", "friction_force", "area")
 
-# Columns as keys of a specification, in the package's units.
+# The columns of a table, in the package's units, by the key of the specification.
 Keys = dict[str, FloatArray]
 
 
 def columns_of(name: str, content: bytes, columns: SampleColumns) -> Keys:
-    """Return the columns of a table as keys of a specification."""
+    """Return the columns of a table, (k,) each, by the key of the specification."""
     entries = columns.of(table_of(name, content, columns.example))
     return {key: _key(entries, key, columns) for key in entries.columns}
 
 
 def _key(entries: Entries, name: str, columns: SampleColumns) -> FloatArray:
-    """Return a column; it is checked here, with the line, and again as part of the specification."""
+    """Return a column, (k,).
+
+    The entries are checked here, where their lines are known, and again as part of the specification.
+    """
     values = entries.numbers(name)
     if name in columns.plain:
         return values
@@ -87,10 +91,10 @@ def _key(entries: Entries, name: str, columns: SampleColumns) -> FloatArray:
 
 
 def samples_of(name: str, content: bytes) -> Keys:
-    """Return the keys of a sampled target from a table, also of `metafem images` or with error bars.
+    """Return the keys of a sampled target from a table, which may be one of `metafem images`.
 
-    The loads may be in any order, and samples of equal loads are averaged. Standard deviations of the loads
-    and of the frictions in the table become relative errors of the frictions.
+    The loads may be in any order, and samples at equal loads are averaged. Standard deviations of the loads
+    and friction forces are combined into relative errors of the friction.
     """
     table = table_of(name, content, TARGET.example)
     values = _of_images(table) if is_of_contacts(table) else columns_of(name, content, TARGET)
@@ -108,7 +112,10 @@ def samples_of(name: str, content: bytes) -> Keys:
 def _relative_error(
     name: str, values: Mapping[str, FloatArray], load: str, friction: str
 ) -> FloatArray | None:
-    """Return the relative errors of the frictions; those of the loads enter by the exponent of the law."""
+    """Return relative errors of the friction, (k,), or None if the table has no errors.
+
+    The relative error of a load is multiplied by the exponent of the power law that fits the samples.
+    """
     stated = [key for key in (f"{load}_sd", f"{friction}_sd") if key in values]
     if not stated:
         return values.get("relative_error")
@@ -125,15 +132,15 @@ def _relative_error(
 
 
 def _averaged(values: Mapping[str, FloatArray], load: str) -> Keys:
-    """Return samples from columns (k,), sorted by load, one for each load."""
+    """Return the columns sorted by load, with one sample for each load."""
     loads, group, counts = np.unique(values[load], return_inverse=True, return_counts=True)
     found: Keys = {}
     for key, column in values.items():
         if key == load:
-            mean = loads  # the values themselves, not rounded means
+            mean = loads  # exact: a computed mean would be rounded
         elif key == "weight":
             mean = np.bincount(group, column).astype(np.float64)
-        elif key == "relative_error":  # errors of repeated samples are independent
+        elif key == "relative_error":  # repeated samples have independent errors
             mean = np.sqrt(np.bincount(group, column**2)) / counts
         else:
             mean = np.bincount(group, column) / counts
@@ -144,9 +151,9 @@ def _averaged(values: Mapping[str, FloatArray], load: str) -> Keys:
 
 
 def _of_images(table: Table) -> Keys:
-    """Return the loads and areas of a table of the contacts in images."""
+    """Return loads [N], areas [mm^2] and errors of the areas [mm^2], (k,), of a table of `metafem images`."""
     try:
-        # only rescaled values depend on the material
+        # loads and areas do not depend on the material, so that any material serves
         law = MeasuredLaw.from_contacts(contacts_of(table), Material(1.0)).known()
     except InvalidInput as error:
         raise InvalidInput(f"{table.name}: {error}") from None

@@ -1,4 +1,4 @@
-"""Tables as CSV files: columns are declared, and their entries are read with units and line numbers."""
+"""Tables in CSV files: columns are declared, and entries are read with their units and line numbers."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from metafem.files.reading import TABLE, decoded, file_label, read_bytes
 from metafem.files.units import decimal, factor
 from metafem.progress import message
 
-# The package's unit of a unit in the name of a column.
+# Units in the declared names of columns, with the package's unit of each.
 OWN = {"mm": "mm", "um": "mm", "mm2": "mm^2", "N": "N", "mN": "N"}
 
 SEMICOLONS = "if commas are decimal, separate the columns by semicolons"
 
 
-# Number of a column and the size of its unit in the package's unit.
+# Index of a column, and the size of its unit in the package's unit.
 Column = tuple[int, Fraction]
 
 
@@ -34,8 +34,8 @@ Column = tuple[int, Fraction]
 class Table:
     """A table whose first line names its columns.
 
-    Empty lines and lines that begin with ``#`` are skipped. Columns are separated by semicolons or tabs if
-    the first line contains one, and commas are then decimal; otherwise by commas.
+    Empty lines and lines that begin with ``#`` are skipped. If the first line contains a semicolon or a tab,
+    this sign separates the columns, and a comma is the decimal sign. Otherwise commas separate the columns.
     """
 
     name: str
@@ -47,7 +47,7 @@ class Table:
         """Return an entry as an exact fraction."""
         try:
             value = decimal(self.plain(text))
-            float(value)  # a number that is too large is refused
+            float(value)  # raises an error for a number that is too large
         except (ValueError, OverflowError):
             hint = f"; {SEMICOLONS}" if "," in text and self.separator == "," else ""
             title = printable(self.header[column], 40)
@@ -57,17 +57,17 @@ class Table:
         return value
 
     def plain(self, text: str) -> str:
-        """Return an entry with a decimal point."""
+        """Return an entry whose decimal sign is a point."""
         return text.strip() if self.separator == "," else text.strip().replace(",", ".")
 
 
 def read_table(path: str | Path, example: str) -> Table:
-    """Read a table, or raise InvalidInput; `example` is a valid first line."""
+    """Return the table of a file, or raise InvalidInput; `example` is a valid first line."""
     return table_of(file_label(path), read_bytes(path, TABLE), example)
 
 
 def table_of(name: str, content: bytes, example: str) -> Table:
-    """Return the table from a file's name, as errors state it, and its content, or raise InvalidInput."""
+    """Return the table in the content of a file, or raise InvalidInput; errors state the file's `name`."""
     text = decoded(name, content)
     lines = ["\n" if line.lstrip().startswith("#") else line for line in io.StringIO(text, newline=None)]
     first = next((line for line in lines if line.strip()), None)
@@ -94,10 +94,11 @@ def table_of(name: str, content: bytes, example: str) -> Table:
 class Columns:
     """The columns of a kind of table.
 
-    `titles` names them, separated by commas: a quantity as quantity_unit, with the unit that errors propose,
-    and texts and numbers without unit by their name only. One of the lists of names `needed` must be
-    present; the column of a standard deviation, NAME_sd, is allowed only with NAME. `entry` describes a line,
-    `wanted` the required first line, and `declared` returns the declared name of a synonym.
+    `titles` lists the columns, separated by commas. A quantity is written as quantity_unit, with the unit
+    that errors propose; a text or a number without unit has only a name. `needed` holds lists of names
+    separated by commas: all columns of one list must be present. The column NAME_sd of a standard deviation
+    is allowed only with the column NAME. `entry` describes a line for errors, and `wanted` the required first
+    line. `declared` returns the name in `titles` for the name in a table, for example "area" for "area_1".
     """
 
     titles: str
@@ -108,19 +109,19 @@ class Columns:
 
     @cached_property
     def units(self) -> Mapping[str, str]:
-        """The quantities, with the unit that errors propose."""
+        """The unit of each quantity, as errors propose it."""
         parts = (title.rpartition("_") for title in self.titles.split(","))
         return {name: unit for name, _, unit in parts if unit in OWN}
 
     @cached_property
     def plain(self) -> frozenset[str]:
-        """The columns without a unit."""
+        """The names of the columns without a unit."""
         titles = self.titles.split(",")
         return frozenset(title for title in titles if title.rpartition("_")[2] not in OWN)
 
     @property
     def example(self) -> str:
-        """A valid first line."""
+        """A valid first line of the table."""
         return ",".join(map(self.title, self.needed[0].split(",")))
 
     def read(self, path: str | Path) -> Entries:
@@ -128,7 +129,7 @@ class Columns:
         return self.of(read_table(path, self.example))
 
     def of(self, table: Table) -> Entries:
-        """Return the entries of a table; the columns that are not read are reported."""
+        """Return the entries of a table, and print which columns are not read."""
         found: dict[str, Column] = {}
         for index, title in enumerate(table.header):
             column = self._column(table, title)
@@ -153,7 +154,7 @@ class Columns:
         return entries
 
     def lacking(self, entries: Entries, *names: str, hint: str = "") -> InvalidInput:
-        """Return the error of a table without a required column."""
+        """Return the error for a table that lacks the required columns `names`."""
         lacks = f"lacks {', '.join(map(self.title, names))}: it " if names else ""
         header = printable(", ".join(entries.table.header), 120)
         wanted = self.wanted or f"{self.example} (or in other units)"
@@ -162,12 +163,12 @@ class Columns:
         )
 
     def title(self, name: str) -> str:
-        """Return the name of a column with a usual unit."""
+        """Return the title of a column: its name with the unit that errors propose, if it has one."""
         kind = self.declared(name)
         return f"{name}_{self.units[kind]}" if kind in self.units else name
 
     def _column(self, table: Table, title: str) -> tuple[str, Fraction] | None:
-        """Return the quantity of a column and the size of its unit, None for a column that is not read."""
+        """Return a column's name and the size of its unit in the package's unit; None if it is not read."""
         if title in self.plain:
             return title, Fraction(1)
         column = f"{table.name}: column {printable(title, 40)}"
@@ -184,7 +185,7 @@ class Columns:
 
 @dataclass(frozen=True)
 class Entries:
-    """The entries of a table, by the names of their columns and the rows from 0 on."""
+    """The entries of a table, by column name and row; rows are counted from 0."""
 
     table: Table
     columns: Mapping[str, Column] = field(default_factory=dict)
@@ -196,25 +197,28 @@ class Entries:
         return [title for index, title in enumerate(self.table.header) if index not in read]
 
     def title(self, name: str) -> str:
-        """Return the title of a column."""
+        """Return the title of a column in the table."""
         return self.table.header[self.columns[name][0]]
 
     def places(self) -> list[str]:
-        """Return the locations of the rows: the name of the file with the number of the line."""
+        """Return the location of each row: the name of the file and the number of the line."""
         return [f"{self.table.name}, line {line}" for line, _ in self.table.rows]
 
     def cell(self, row: int, name: str) -> str:
-        """Return the location of an entry."""
+        """Return the location of an entry: file, line and title of the column."""
         return f"{self.places()[row]}: {self.title(name)}"
 
     def texts(self, name: str) -> list[str]:
-        """Return the entries of a column, empty ones if there is no such column."""
+        """Return the entries of a column; if the table lacks the column, the entries are empty."""
         if name not in self.columns:
             return [""] * len(self.table.rows)
         return [row[self.columns[name][0]].strip() for _, row in self.table.rows]
 
     def numbers(self, name: str, *, empty: bool = False) -> FloatArray:
-        """Return the numbers of a column in the package's unit, (k,); an empty entry is nan, or refused."""
+        """Return the numbers of a column in the package's unit, (k,).
+
+        With `empty`, empty entries and a missing column become nan; otherwise they are refused.
+        """
         texts = self.texts(name)
         if empty and name not in self.columns:
             return np.full(len(texts), np.nan)
@@ -227,7 +231,7 @@ class Entries:
         )
 
     def whole(self, name: str, least: int) -> list[int]:
-        """Return the whole numbers of a column."""
+        """Return the entries of a column, which must be whole numbers of at least `least`."""
         found = self.texts(name)
         for row, text in enumerate(found):
             if not re.fullmatch(r"\d{1,9}", text, re.ASCII) or int(text) < least:
@@ -236,7 +240,7 @@ class Entries:
         return [int(text) for text in found]
 
     def names(self, **names: str) -> Names:
-        """Return the names of columns and entries in errors; other arguments keep their names."""
+        """Return how errors name columns, units and rows; `names` adds the names of other arguments."""
         return Names(
             {**{name: self.title(name) for name in self.columns}, **names},
             {name: ("", float(size)) for name, (_, size) in self.columns.items()},

@@ -1,4 +1,4 @@
-"""Quantities with units, such as "120 um", as floats in mm, N, MPa and radians."""
+"""Conversion of quantities with units, such as "120 um", to floats in mm, N, MPa and radians."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from typing import Any
 from metafem._given import Names, printable, shown
 from metafem.errors import InvalidInput
 
-# A decimal number, then a product of units with exponents of one digit. Nothing else reaches pint: it would
-# read "1,5 mm" as 15 mm and would evaluate "9**9**9".
+# A decimal number, followed by a product of units whose exponents have one digit. No other text reaches pint,
+# which would read "1,5 mm" as 15 mm and evaluate "9**9**9".
 _NUMBER = r"[+-]?(?:\d{1,40}\.?\d{0,40}|\.\d{1,40})(?:[eE][+-]?\d{1,3})?"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*", re.DOTALL | re.ASCII)
 _FACTOR = r"[^\W\d_]+(?:(?:\^|\*\*)?-?\d)?|%|°"
@@ -22,11 +22,11 @@ _UNIT = re.compile(rf"(?:{_FACTOR})(?:\s*[*/·]\s*(?:{_FACTOR})| +(?:{_FACTOR}))
 _EXPONENT = re.compile(r"([^\W\d_])(-?\d)")
 _SUPERSCRIPT = str.maketrans("²³", "23")
 
-# Longest product of units: pint needs as many nested calls as there are factors.
+# Longest product of units [characters]: pint makes one nested call for each factor.
 _LONGEST = 100
 
-# The usual units and their size in the package's units; pint, used for all others, takes a third of a second
-# to load.
+# The usual units and their size in the package's units. All other units need pint, whose import takes a third
+# of a second.
 _KNOWN = {
     "um": ("mm", Fraction(1, 1000)),
     "µm": ("mm", Fraction(1, 1000)),
@@ -41,7 +41,7 @@ _KNOWN = {
     "mJ/m^2": ("N/mm", Fraction(1, 1_000_000)),
 }
 
-# The usual units by the package's unit. The parser reads every unit of the same dimension.
+# Usual units of each dimension, by the package's unit. The parser reads all other units of the dimension too.
 USUAL = {
     "mm": ("nm", "um", "µm", "μm", "mm", "cm", "m", "inch"),
     "mm^2": ("um^2", "µm^2", "μm^2", "mm^2", "cm^2", "m^2"),
@@ -51,16 +51,16 @@ USUAL = {
     "rad": ("deg", "°", "mrad", "rad"),
 }
 
-# Numbers that the parser reads and that do not overflow or vanish in any of the units.
+# Pattern of the numbers that the parser reads and that neither overflow nor underflow in any of the units.
 EXPONENT = r"([eE][+-]?[0-9]{1,2})?"
 NUMBER = rf"[+-]?([0-9]{{1,40}}\.?[0-9]{{0,40}}|\.[0-9]{{1,40}}){EXPONENT}"
 
-# Among these, numbers above 0: they contain a digit from 1 to 9.
+# Pattern of those numbers above 0: they contain a digit from 1 to 9.
 ABOVE_ZERO = (
     r"[+]?([0-9]{0,19}[1-9][0-9]{0,20}\.?[0-9]{0,40}|[0-9]{0,40}\.[0-9]{0,19}[1-9][0-9]{0,20})" + EXPONENT
 )
 
-# The ways to write a square.
+# Pattern of the four ways to write a square.
 SQUARE = r"(\^2|2|\*\*2|²)"
 
 EXAMPLES = {
@@ -76,25 +76,25 @@ EXAMPLES = {
 
 
 def quantity(key: str, given: Any, unit: str, example: str | None = None) -> float:
-    """Return a quantity as a float in a unit, rounded once.
+    """Return the value of a quantity in a unit, as a float; the result is rounded only once.
 
     Parameters
     ----------
     key : str
-        Name in errors, such as ``limits.max_height``.
+        Name of the quantity in errors, such as ``limits.max_height``.
     given : str
-        Number and unit, such as ``"120 um"``; both micro signs are read, and ``mm^2``, ``mm2``,
-        ``mm**2`` and ``mm²`` are the same.
+        Number and unit, such as ``"120 um"``. Both Unicode micro signs are read. A square is ``mm^2``,
+        ``mm2``, ``mm**2`` or ``mm²``.
     unit : str
-        "mm", "mm^2", "N", "N/mm", "MPa", "rad", "1", or "%" for a relative quantity; the fraction is
-        returned. A number without unit is neither read as percent nor as a fraction.
+        Unit of the result: "mm", "mm^2", "N", "N/mm", "MPa", "rad" or "1". With "%", a text such as
+        ``"3 %"`` is required, and the fraction 0.03 is returned.
     example : str, optional
-        A valid value for the error.
+        A valid value, which errors state; default: one for the unit.
 
     Raises
     ------
     InvalidInput
-        For a number without a unit, an unknown unit, a unit of another dimension, or any other value.
+        If the unit is missing, unknown or of another dimension, or if the value is not a quantity.
 
     Examples
     --------
@@ -112,7 +112,7 @@ def quantity(key: str, given: Any, unit: str, example: str | None = None) -> flo
 
 
 def converted(given: Any, unit: str, example: str | None = None) -> float:
-    """Return `given` in `unit`; errors have no key."""
+    """Return the value of `given` in `unit`, as `quantity` does; errors do not name a key."""
     valid = f'"{example or EXAMPLES[unit]}"'
     if not isinstance(given, str):
         cause = "needs a unit" if isinstance(given, (int, float)) else f"must be a text in {unit}"
@@ -136,7 +136,7 @@ def converted(given: Any, unit: str, example: str | None = None) -> float:
 
 
 def as_written(value: Any) -> str:
-    """Return a value of a TOML file as written there, on one line."""
+    """Return a value of a TOML file as it is written there, on one line."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, (datetime.date, datetime.time)):
@@ -145,21 +145,21 @@ def as_written(value: Any) -> str:
 
 
 def decimal(text: str) -> Fraction:
-    """Return a decimal number exactly; raises ValueError for any other text."""
+    """Return a decimal number as an exact fraction; raise ValueError for any other text."""
     if not re.fullmatch(_NUMBER, text, re.ASCII):
         raise ValueError(text)
     return Fraction(text)
 
 
 def option_names(options: Mapping[str, str | None]) -> Names:
-    """Return the names of a command's options, and the units of those in use, for errors."""
+    """Return how errors name the options of a command, and the unit in which each option was written."""
     names = {name: f"--{name.replace('_', '-')}" for name in options}
     units = {name: written_unit(text) for name, text in options.items()}
     return Names(names, {name: unit for name, unit in units.items() if unit is not None})
 
 
 def written_units(table: Mapping[str, Any]) -> dict[str, tuple[str, float]]:
-    """Return the written unit of each quantity of a file's sections, and its size in the package's unit."""
+    """Return the written unit of each quantity in a TOML file, and its size in the package's unit."""
     units = {
         f"{section}.{key}": written_unit(value)
         for section, keys in table.items()
@@ -169,7 +169,7 @@ def written_units(table: Mapping[str, Any]) -> dict[str, tuple[str, float]]:
 
 
 def written_unit(value: Any) -> tuple[str, float] | None:
-    """Return the unit of a quantity, or of the first one of a list, and its size in the package's unit."""
+    """Return the unit of a quantity or of a list's first quantity, and its size in the package's unit."""
     while isinstance(value, list) and value:
         value = value[0]
     match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
@@ -179,7 +179,7 @@ def written_unit(value: Any) -> tuple[str, float] | None:
 
 
 def pattern(units: tuple[str, ...], positive: bool = False) -> str:
-    """Return the pattern of a number with one of the usual units that measure in one of `units`.
+    """Return the regular expression for a number with a usual unit of the dimensions of `units`.
 
     Examples
     --------
@@ -194,7 +194,7 @@ def pattern(units: tuple[str, ...], positive: bool = False) -> str:
 
 @lru_cache(maxsize=256)
 def _size(name: str) -> float | None:
-    """Return the size of a unit in the package's unit of its dimension, None for an unknown unit."""
+    """Return the size of a unit in the package's unit of its dimension; None for an unknown unit."""
     for unit in EXAMPLES:
         with suppress(InvalidInput, OverflowError):
             return float(factor(name, unit))
@@ -203,7 +203,7 @@ def _size(name: str) -> float | None:
 
 @cache
 def factor(name: str, unit: str) -> Fraction:
-    """Return the number of wanted units in one unit of this name, exactly where it is rational."""
+    """Return the factor from the unit `name` to `unit`; it is exact where it is rational."""
     if name == unit or (not name and unit == "1"):
         return Fraction(1, 100 if unit == "%" else 1)
     comma = "; write decimals with a point" if name.startswith(",") else ""
@@ -226,7 +226,7 @@ def factor(name: str, unit: str) -> Fraction:
         given = registry.parse_units(plain)
     except (pint.errors.PintError, ValueError, AssertionError):
         raise unknown from None
-    # pint treats angles and shares as dimensionless; "1 %" of a ratio is ambiguous
+    # pint treats angles and percentages as dimensionless; "1 %" of a ratio is ambiguous
     if name == "%" or unit in ("1", "%"):
         raise other
     wanted = registry.parse_units(unit)

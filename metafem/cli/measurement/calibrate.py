@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 # mJ/m^2 in N/mm.
 ENERGY = 1e-6
 
-# The kinds of the written files.
+# Kind of each written file, by its extension.
 KINDS = {".toml": "sections", ".json": "calibration"}
 
 COLUMNS = ("quantity", "value", "68 % interval", "unit", "± standard deviation", "of the bootstrap")
@@ -107,12 +107,13 @@ def calibrate(
     as_json: bool,
     **options: Any,
 ) -> None:
-    """Measure composite modulus, adhesion energy, area ratio and shear strength from tables of tests.
+    """Determine composite modulus, adhesion energy, area ratio and shear strength from tables of tests.
 
-    The columns of a table say what it holds: load_mN,area_mm2 (or area_1_mm2,area_2_mm2 ... of single
-    contacts) a compression test, area_before_mm2,area_sheared_mm2,friction_force_mN a shear test, and
-    displacement_um,friction_force_mN,area_mm2 the record of one pull; or it is a table of metafem images.
-    Each table is a test, unless a column test holds labels. σ may also follow from a part in full contact.
+    The columns determine the kind of a table. A compression test has load_mN,area_mm2 (or area_1_mm2,
+    area_2_mm2 ... for single contacts). A shear test has area_before_mm2,area_sheared_mm2,friction_force_mN.
+    The record of one pull has displacement_um,friction_force_mN,area_mm2. Tables of metafem images are also
+    read. Each table is one test, unless a column test holds labels. The shear strength σ can also be
+    determined from a part in full contact.
 
     Example: metafem calibrate compression.csv shear.csv --contacts 5 --radius "526 um" --radius-sd "5 um"
     """
@@ -157,7 +158,7 @@ def calibrate(
 
 
 def _print(fits: Fits, notes: list[Note]) -> None:
-    """Print the values with their intervals, the verdicts and the tests."""
+    """Print the values with their intervals, the verdicts on the fits, the records and the notes."""
     console = terminal()
     parts: list[tuple[list[Row], list[str]]] = []
     if fits.contact is not None:
@@ -180,14 +181,14 @@ def _print(fits: Fits, notes: list[Note]) -> None:
 
 
 def _row(what: str, value: float, sd: float, ends: tuple[float, float], unit: str, drawn: Any = None) -> Row:
-    """Return the row of a parameter; `drawn` are the values of a bootstrap."""
+    """Return the row of a parameter; `drawn` holds its values in a bootstrap."""
     spread = None if drawn is None or len(drawn) < 2 else float(drawn.std(ddof=1))
     scatter = "" if spread is None else rounded(spread, spread)
     return what, rounded(value, sd), interval(ends, sd), unit, published(value, sd), scatter
 
 
 def _of_contact(found: ContactCalibration) -> tuple[list[Row], list[str]]:
-    """Return the rows and the verdicts on E* and the adhesion energy."""
+    """Return the rows of E* and the adhesion energy, and the verdicts on their fits."""
     from metafem.calibration.bounded_interval import bounded_interval
 
     sd = math.sqrt(found.root_covariance[0, 0])
@@ -211,7 +212,7 @@ def _of_contact(found: ContactCalibration) -> tuple[list[Row], list[str]]:
 
 
 def _of_shear(found: ShearCalibration) -> tuple[list[Row], list[str]]:
-    """Return the rows and the verdicts on B and the shear strength."""
+    """Return the rows of B and the shear strength, and the verdicts on their fits."""
     rows, verdicts = [], []
     sds = np.sqrt(np.diagonal(found.covariance)).tolist()
     for i, (name, what, unit, verdict) in enumerate(
@@ -229,14 +230,14 @@ def _of_shear(found: ShearCalibration) -> tuple[list[Row], list[str]]:
 
 
 def _of_strength(found: StrengthFit) -> tuple[list[Row], list[str]]:
-    """Return the row and the verdict on the shear strength of a part in full contact."""
+    """Return the row of the shear strength of a part in full contact, and the verdict on its fit."""
     sd, what = math.sqrt(found.covariance[-1, -1]), "σ, full contact"
     row = _row(what, found.shear_strength, sd, found.shear_strength_interval, "MPa")
     return [row], [f"{what}, {len(found.load)} points: {found.verdict}"]
 
 
 def _notes(fits: Fits) -> list[Note]:
-    """Return the notes of both calibrations, and one on areas that both have."""
+    """Return the notes on the tables, on E* and on B, and one more if E* and B use the same areas."""
     pressed, sheared = fits.measured.compression, fits.measured.shear
     notes = [*fits.measured.notes]
     for found, points in ((fits.contact, pressed), (fits.shear, sheared)):

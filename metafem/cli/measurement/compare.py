@@ -18,7 +18,7 @@ from metafem.cli.study.parameters import given_deviations
 from metafem.cli.terminal import loaded, print_json, print_study
 from metafem.errors import named, refuse_if
 
-# The expected errors of a part.
+# Options of the expected errors of a part: unit, example and help text.
 EXPECTED = {
     name: (unit, example, f"{meaning}, as a standard deviation; 0 leaves it out. Default: {{}}.")
     for name, unit, example, meaning in (
@@ -58,21 +58,23 @@ def compare(
     as_json: bool,
     **given: Any,
 ) -> None:
-    """Compare the law in MEASURED.csv with the design of the result folder DIR.
+    """Compare the law in MEASURED.csv with the law of the design in the result folder DIR.
 
     The first line of the table names its columns with their units: load_mN,friction_force_mN or
-    load_mN,area_mm2, optionally with load_sd_mN, friction_force_sd_mN and area_sd_mm2; without these the
-    errors are 5 mN, 1 mN + 1 % and 1.4 um of the contacts' boundary. Or it is a table of `metafem images`.
+    load_mN,area_mm2. The columns load_sd_mN, friction_force_sd_mN and area_sd_mm2 are optional. Without them,
+    the standard deviations are 5 mN for loads, 1 mN + 1 % for friction forces, and 1.4 um of the contacts'
+    boundary for areas. Tables of `metafem images` are also read.
 
-    With --explain it also states which errors of the part explain the difference: tilt, height scale, E*,
-    sigma B, and the height and radius of each asperity. It starts from the E*, sigma and B that are compared
-    with; options such as --friction-sd state how large each error is expected to be.
+    With --explain, errors of the part that explain the difference are fitted: tilt, height scale, E*, sigma
+    B, and the height and radius of each asperity. The fit starts from the E*, sigma and B of the comparison.
+    Options such as --friction-sd state how large each error is expected to be.
 
-    In its table "share of the misfit" is the part of the reduction of chi² that an error explains. The shares
-    add to 100 %; an error with a negative one takes back a part of what the others explain. "chi² without it"
-    is what chi² would be without this error, with the others fitted anew: the larger, the more it is needed.
+    In the table of these errors, "share of the misfit" is the part of the reduction of chi² that an error
+    explains. The shares add up to 100 %. An error with a negative share undoes a part of what the others
+    explain. "chi² without it" is chi² if this error is left out and the others are fitted again: the larger
+    it is, the more the error is needed.
 
-    The results are the files DIR/measured.nc and DIR/explained.nc; `metafem report DIR` adds them to the
+    The results are written to DIR/measured.nc and DIR/explained.nc, and `metafem report DIR` adds them to the
     report.
 
     Example: metafem compare linear measured.csv --calibration calibration.json --explain
@@ -91,7 +93,7 @@ def compare(
         comparisons = [mf.calibration.compare(law, design, **pair.errors(law)) for law in laws]
         dataset = measured(comparisons, design.law.model)
         why = explained(mf.calibration.explain(laws[0], design, priors)) if explain else None
-        # all results together: a stopped run leaves no file that a repeated run would refuse to replace
+        # all files are written at the end, so that a stopped run leaves none that a repeated run would refuse
         mf.files.write_study(dataset, path, force=force, still=still)
         if why is not None and explained_path is not None:
             mf.files.write_study(why, explained_path, force=force, still=still)
@@ -110,7 +112,7 @@ def compare(
 
 
 def _priors(options: Mapping[str, Any], explain: bool) -> mf.calibration.Priors | None:
-    """Return the expected errors of the options; None without any."""
+    """Return the expected errors that the options state, or None if they state none."""
     texts = {name: options[name] for name in EXPECTED}
     given = [name for name, text in texts.items() if text is not None]
     if not given:

@@ -1,4 +1,4 @@
-"""Calibrations of the measured tables with the options of `metafem calibrate`."""
+"""Calibrations from the measured tables, with the options of `metafem calibrate`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from metafem.files import CalibrationData
     from metafem.surface import Surface
 
-# The options of the standard deviations: member of MeasurementErrors.
+# Member of MeasurementErrors for each option of a standard deviation.
 MEMBERS = {
     "load_error": "load",
     "boundary_error": "boundary",
@@ -29,7 +29,7 @@ MEMBERS = {
     "friction_relative_error": "friction_relative",
 }
 
-# Those options.
+# Options of the standard deviations: unit, example and help text.
 ERRORS = {
     "load_error": ("N", "5 mN", "Standard deviation of a load. Default: {}."),
     "boundary_error": (
@@ -45,7 +45,7 @@ ERRORS = {
     ),
 }
 
-# The dimensions of a sample.
+# Options of the dimensions of a sample: unit, example and help text.
 LENGTHS = {
     "radius": ("mm", "526 um", 'Radius of the caps, such as "{}"; needed for E*.'),
     "radius_sd": ("mm", "5 um", 'Its standard deviation, such as "{}". Default: 0.'),
@@ -58,13 +58,13 @@ LENGTHS = {
     "length": ("mm", "20 mm", 'Length of that block along y, such as "{}", for --model block.'),
 }
 
-# The options of a part in full contact.
+# Names of the options of a part in full contact; all of them are needed.
 FULL = ("full_contact", "part", "load_min")
 
 
 @dataclass(frozen=True)
 class Fits:
-    """The calibrations of measured tables from some files, with the options of the command."""
+    """The calibrations from measured tables, with the options of the command; `sources` names the files."""
 
     measured: CalibrationData
     options: Mapping[str, Any]
@@ -72,12 +72,12 @@ class Fits:
 
     @cached_property
     def names(self) -> Names:
-        """The names of the options and the units of the entries, for errors."""
+        """How errors name the options, and the units in which these were written."""
         return names_of(self.options, (*LENGTHS, "contacts", "poisson_ratio", "bootstrap", "load_min"))
 
     @cached_property
     def errors(self) -> mf.calibration.MeasurementErrors:
-        """The standard deviations of the options, of the tables of images, or of the paper."""
+        """Standard deviations from the options, else from tables of images, else from the source paper."""
         given = {} if self.measured.boundary is None else {"boundary": self.measured.boundary}
         for name, value in quantities(ERRORS, self.options).items():
             if value is not None:
@@ -89,7 +89,7 @@ class Fits:
 
     @cached_property
     def contact(self) -> ContactCalibration | None:
-        """E* and the adhesion energy, None without compression tests."""
+        """The calibration of E* and the adhesion energy; None without compression tests."""
         points, options = self.measured.compression, self.options
         if points is None:
             return None
@@ -114,7 +114,7 @@ class Fits:
 
     @cached_property
     def shear(self) -> ShearCalibration | None:
-        """B and sigma, None without shear tests."""
+        """The calibration of B and sigma; None without shear tests."""
         points = self.measured.shear
         if points is None:
             return None
@@ -124,13 +124,16 @@ class Fits:
             )
 
     def _common(self, points: Any) -> dict[str, Any]:
-        """Return the arguments of both fits."""
+        """Return the arguments that the fits of compression and shear share."""
         count, seed = self.options["bootstrap"], self.options["seed"]
         bootstrap = None if count is None else mf.calibration.Bootstrap(count, seed)
         return {"errors": self.errors, "test": points.test, "bootstrap": bootstrap}
 
     def _surface(self, lengths: Mapping[str, Any]) -> Surface | None:
-        """Return the sample under a model: that of the table of caps, or the contacts of the images."""
+        """Return the surface of the sample, which a model needs; None without --model.
+
+        The positions of its caps are those of --sample or, by default, of the contacts in the images.
+        """
         options, model = self.options, self.options["model"]
         if model is None:
             for name in ("sample", "thickness", "width", "length"):
@@ -138,7 +141,7 @@ class Fits:
                 refuse_if(options[name] is not None, needs)
             return None
         ratio = 0.5 if options["poisson_ratio"] is None else options["poisson_ratio"]
-        material = mf.Material(1.0, ratio)  # the modulus is fitted
+        material = mf.Material(1.0, ratio)  # a placeholder: the modulus is fitted
         radius, _, thickness, width, length = lengths.values()
         position = self.measured.position
         if options["sample"] is not None:
@@ -151,7 +154,7 @@ class Fits:
                 "calibrate with a table of metafem images"
             )
         if thickness is not None:
-            # the layer has no sides: this block is large enough for the caps
+            # a layer has no sides: without width and length, any block that contains the caps serves
             extent = np.ptp(surface.position, axis=0) + 2.0 * radius
             sides = extent if width is None or length is None else (width, length)
             surface = surface.replaced(block=mf.Block(float(sides[0]), float(sides[1]), thickness))
@@ -163,7 +166,10 @@ class Fits:
 
     @cached_property
     def strength(self) -> StrengthFit | None:
-        """Sigma of a part in full contact, with E* and B from the other tables or from its folder."""
+        """The fit of sigma to a part in full contact; None without the options of such a part.
+
+        E* and B are those of the other calibrations or, without them, of the part's result folder.
+        """
         options, contact, shear = self.options, self.contact, self.shear
         missing = [option_name(name) for name in FULL if options[name] is None]
         if len(missing) == len(FULL):

@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from metafem.calibration import ContactAreas, DesignSites, TrackedContacts
     from metafem.files import Images, Shot
 
-# Difference of the scale of a matched lattice from 1 that is reported: areas are then wrong by 2 %.
+# Difference of a matched lattice's scale from 1 above which a warning is given: areas are then wrong by 2 %.
 SCALE = 0.01
 
 
-# Titles of the columns of the printed table. Those of the second kind are left out where they are empty.
+# Column titles of the printed table. Columns in OPTIONAL are left out if they are empty.
 TITLES = {
     "image": "image",
     "test": "test",
@@ -45,7 +45,7 @@ OPTIONAL = ("test", "load_N", "friction_force_N", "sheared_area_mm2", "sheared_a
 
 @dataclass(frozen=True)
 class Series:
-    """Images with their forces and contacts."""
+    """Measured images, with their forces and their contacts before and under shear."""
 
     series: Sequence[Shot]
     areas: Sequence[ContactAreas]
@@ -63,13 +63,16 @@ class Series:
         return [image.name for image, areas in pairs if image and areas and areas.failed]
 
     def lines(self) -> tuple[list[str], list[list[str]]]:
-        """Return the headings and the lines of the printed table."""
+        """Return the column titles and the rows of the printed table."""
         rows = self.rows()
         names = [name for name in TITLES if name not in OPTIONAL or any(row[name] for row in rows)]
         return [TITLES[name] for name in names], [[_text(name, row[name]) for name in names] for row in rows]
 
     def rows(self) -> list[dict[str, Any]]:
-        """Return the numbers of each image; areas are of the contacts that could be measured."""
+        """Return forces, numbers of contacts and areas of each image, for JSON and the printed table.
+
+        An area is the sum over the contacts that could be measured.
+        """
         table = self.tracked.table
         return [
             {
@@ -90,7 +93,7 @@ class Series:
         ]
 
     def sentences(self) -> list[str]:
-        """Return sentences on the positions of the contacts."""
+        """Return a sentence that states how the contacts were numbered or matched to sites."""
         table, match = self.tracked.table, self.tracked.match
         name = table.image[self.tracked.reference]
         count = len(table.site)
@@ -104,7 +107,7 @@ class Series:
         ]
 
     def data(self, files: Sequence[Path]) -> dict[str, Any]:
-        """Return the data for JSON."""
+        """Return the results for JSON; `files` are the files that were written."""
         table, match = self.tracked.table, self.tracked.match
         matched = match and {
             "image": table.image[self.tracked.reference],
@@ -130,7 +133,7 @@ class Series:
 def measured_series(
     series: Sequence[Shot], pixel: float, notes: Sequence[Note], rotation: float, options: dict[str, Any]
 ) -> Series:
-    """Measure the images, with one threshold before and after shear, and track the contacts."""
+    """Return the measured images with tracked contacts; images before and under shear share one threshold."""
     before = [shot.image for shot in series]
     after = [i for i, shot in enumerate(series) if shot.sheared is not None]
     load = np.array([shot.load for shot in series])
@@ -160,17 +163,18 @@ def measured_series(
                 "do, with --sites DIR, the result folder of the design, and --forces"
             )
         )
-    # warnings on the match follow the sentence on it
+    # warnings on the match come first, because the sentence on the match is printed before the notes
     first = [note for note in tracked.notes if note.warns]
     last = [note for note in tracked.notes if not note.warns]
     return Series(series, areas, others, tracked, pixel, (*first, *more, *last))
 
 
 def _measured(images: Images, pixel: float, load: Any, bright: bool) -> list[ContactAreas]:
-    """Return the contacts of the images, with notes that name other images by their files."""
+    """Return the contacts of each image; their notes name other images by their files."""
     names = Names({f"images[{i}]": file.name for i, file in enumerate(images.files)})
     known = np.isfinite(load)
-    # an image without a load does not have the largest load; without any loads the last image has it
+    # the image at the largest load determines the threshold: images without a load get the smallest load, and
+    # without any loads `stack_areas` uses the last image
     order = np.where(known, load, load[known].min() - 1.0) if known.any() else None
     try:
         found = mf.calibration.stack_areas(images, pixel, loads=order, bright_contacts=bright)
@@ -188,7 +192,7 @@ def _measured(images: Images, pixel: float, load: Any, bright: bool) -> list[Con
 def _notes(
     images: Images, areas: Sequence[ContactAreas], tracked: TrackedContacts, pixel: float
 ) -> Iterator[Note]:
-    """Return the notes on all images."""
+    """Yield the notes that concern all images."""
     if images.coloured:
         names = listed(list(images.coloured))
         yield information(f"in colour, the luminance of ITU-R BT.709 is measured: {names}")
@@ -208,7 +212,7 @@ def _notes(
 
 
 def _sites(options: dict[str, Any], load: Any, rotation: float) -> DesignSites | None:
-    """Return the sites of a design and, for a result folder, the areas that its law predicts at the loads."""
+    """Return the sites of a design; a result folder adds the area of each asperity at each load."""
     source = options["sites"]
     if source is None:
         return None
@@ -221,7 +225,7 @@ def _sites(options: dict[str, Any], load: Any, rotation: float) -> DesignSites |
         with doing("predicting the areas"):
             for i, force in enumerate(load.tolist()):
                 if force > 0.0:
-                    # independent contacts suffice: the areas are compared up to a common factor
+                    # the independent model suffices, because only ratios of the areas are compared
                     state = mf.equilibrium(design.surface, mf.Independent(), load=force)
                     expected[i] = state.asperity_area
     else:
@@ -235,9 +239,9 @@ def _known(value: float) -> float | None:
 
 
 def _numbers(areas: ContactAreas | None, area: Any, error: Any) -> dict[str, Any]:
-    """Return the numbers of contacts and the sum of their areas with its error; None if not measured.
+    """Return the numbers of contacts, and the sum of their areas with its error; None if not measured.
 
-    The errors of the areas of closed contacts are independent.
+    The errors of closed contacts are independent, so that their squares are added.
     """
     measured = areas is not None and not areas.failed
     values = {
@@ -251,7 +255,7 @@ def _numbers(areas: ContactAreas | None, area: Any, error: Any) -> dict[str, Any
 
 
 def _text(name: str, value: Any) -> str:
-    """Return a cell of the printed table."""
+    """Return the text of an entry in the printed table."""
     if value is None:
         return ""
     digits = ".2g" if "error" in name else ".4f" if "area" in name else ".5g"

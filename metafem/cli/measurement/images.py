@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from metafem.cli.measurement.image_series import Series
 
-# Largest number of printed remarks; the table has all of them.
+# Largest number of remarks that are printed; CONTACTS.csv contains all remarks.
 PRINTED = 20
 
 
@@ -86,21 +86,23 @@ def images(
 ) -> None:
     """Measure the areas of contacts in images: TIFF, also with several pages, and PNG.
 
-    The images of a folder are read in natural order, 2 before 10. The threshold is that of the image at the
-    largest load. FORCES.csv has a line for each image, which it names by its file, and a page of a stack as
-    stack.tif:3. An image of the contacts at the peak of the friction force stands in the column
-    sheared_image of the image before shear.
+    The images in a folder are read in natural order, 2 before 10. The image at the largest load determines
+    the threshold for all images. FORCES.csv has one line for each image. It names an image by its file, and a
+    page of a stack as stack.tif:3. If an image shows the contacts at the peak of the friction force, name it
+    in the column sheared_image, in the line of the image before shear.
 
-    With --sites the contacts are matched to the sites of the design by the image with most contacts; without
-    it they are numbered. CONTACTS.csv has a line for each image and contact, and is read by metafem calibrate
-    and metafem compare. Open contacts have the area 0; areas that could not be measured are empty, with a
-    remark.
+    With --sites, the image with the most contacts is used to match the contacts to the sites of the design.
+    Without --sites, the contacts are numbered. CONTACTS.csv has one line for each image and contact; metafem
+    calibrate and metafem compare read it. An open contact has the area 0. An area that could not be measured
+    is empty and has a remark.
 
-    A contact at the edge of the frame or merged with another has no area in that image, with a remark; it is
-    measured in the images that show it whole. Without --sites, the image with most contacts numbers them, and
-    with them those at its edge that another image shows whole; merged ones have no number.
+    A contact that is cut by the edge of an image, or that has merged with another contact, has no area in
+    that image, but a remark. Its area is measured in the images that show it completely. Without --sites, the
+    contacts are numbered in the image with the most contacts. A contact at the edge of this image has a
+    number if another image shows it completely; merged contacts have no number.
 
-    An image that cannot be read or measured is named, the others are measured, and the exit code is 1.
+    If an image cannot be read or measured, its name is printed, the other images are measured, and the exit
+    code is 1.
 
     Example: metafem images pictures --pixel "5.3 um" --forces forces.csv -o contacts.csv --picture found.png
     """
@@ -129,7 +131,7 @@ def images(
 
 
 def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> Series:
-    """Measure the images and track their contacts."""
+    """Return the measured images with tracked contacts."""
     given = quantities({"pixel": ("mm", "5.3 um", ""), "rotation": ("rad", "90 deg", "")}, options)
     pixel, name = given["pixel"], options["picture_of"]
     pixel = None if pixel is None else check.number("--pixel", pixel, above=0.0)
@@ -143,7 +145,7 @@ def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> Series:
 
 
 def _figure(found: Series, name: str | None) -> tuple[Figure, str]:
-    """Return the figure of an image, default: of the one with most contacts, and its title."""
+    """Return the figure of an image and its title; default: the image with the most contacts."""
     from metafem.calibration.figures import found_figure
 
     name = name or found.tracked.table.image[found.tracked.reference]
@@ -157,7 +159,7 @@ def _figure(found: Series, name: str | None) -> tuple[Figure, str]:
 
 
 def _print(found: Series, files: list[Path]) -> None:
-    """Print a line for each image, the positions of the contacts, and remarks."""
+    """Print a table of the images, sentences on the positions of the contacts, remarks and notes."""
     console = terminal()
     columns, rows = found.lines()
     print_table(console, columns, rows)

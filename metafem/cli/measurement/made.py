@@ -18,10 +18,11 @@ if TYPE_CHECKING:
     from metafem.notes import Note
     from metafem.prediction import FrictionLaw
 
-# Number of printed asperities, those with the largest height errors, and of loads of the two laws.
+# Number of asperities that are printed, which are those with the largest height errors; number of loads at
+# which the two laws are printed.
 WORST, LOADS = 5, 5
 
-# The printed terms of the systematic error: unit, and its number in one unit of the package.
+# Printed unit of each term of the systematic error, and the factor from the package's unit to it.
 TERMS = {
     "offset": ("um", 1e3),
     "scale": ("% of the height above or below the mean of {mean:.4g} um", 1e2),
@@ -32,17 +33,18 @@ TERMS = {
     "bow_yy": ("um/mm^2 along y", 1e3),
 }
 
-# Errors of the heights of this part and the next one.
+# Members of a Correction that are errors of the heights [mm], of this part or expected for the next part.
 ERRORS = ("random_sd", "error", "expected_error", "spread", "expected_spread")
 
 UM = 1e3
 
-# Digits of a mean: by the alignment, the means of the positions are 0 up to rounding.
+# Decimals to which a mean is rounded. The alignment makes the mean position errors 0 up to rounding errors,
+# which are not printed.
 DIGITS = 6
 
 
 def print_made(design: Design, made: MadeSurface, correction: Correction | None, law: FrictionLaw) -> None:
-    """Print the errors of the part, the worst asperities, the systematic errors and the two laws."""
+    """Print the errors of the part, its worst asperities, its systematic errors, and both friction laws."""
     console = terminal()
     found = f"{made.surface.count} of {made.design.count} asperities measured"
     say(console, f"{found}, roughness (s.d.) {UM * made.roughness:.2g} um")
@@ -68,7 +70,7 @@ def print_made(design: Design, made: MadeSurface, correction: Correction | None,
 
 
 def _print_errors(console: Console, made: MadeSurface) -> None:
-    """Print mean, scatter and largest error of heights, radii and positions."""
+    """Print mean, standard deviation and largest value of the errors of heights, radii and positions."""
     x, y = UM * made.position_error.T
     sd = UM * made.position_sd
     relative = 100.0 / made.design.radius[made.site]
@@ -109,7 +111,7 @@ def _print_worst(console: Console, design: Design, made: MadeSurface) -> None:
 
 
 def _sentences(correction: Correction, mean: float) -> Iterator[str]:
-    """Return the height errors; `mean` is the mean designed height [um], the reference of the scale."""
+    """Yield sentences on the height errors; the scale refers to the mean designed height, `mean` [um]."""
     for name, value, sd in zip(correction.terms, correction.value, correction.value_sd, strict=True):
         unit, size = TERMS[name]
         what = (
@@ -136,7 +138,7 @@ def _notes(made: MadeSurface, correction: Correction | None) -> tuple[Note, ...]
 def made_data(
     design: Design, made: MadeSurface, correction: Correction | None, law: FrictionLaw
 ) -> dict[str, Any]:
-    """Return the made surface, its correction and its law for JSON."""
+    """Return the made surface, its friction law and its correction, for JSON."""
     level = made.levelling
     data: dict[str, Any] = {
         "site": design.sites[made.site].tolist(),

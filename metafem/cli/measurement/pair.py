@@ -1,4 +1,4 @@
-"""The material pair of a measured part: from options, a calibration, or the design."""
+"""The material pair of a measured part, from options, a calibration or the design."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     from metafem.calibration import MeasuredLaw
     from metafem.surface import Friction, Material, Surface
 
-# Parameters of the part with errors that shift all points together: unit and example of each.
+# Parameters of the part whose errors shift all points together: unit and example of each.
 PARAMETERS = {
     "composite_modulus": ("MPa", "0.04MPa"),
     "shear_strength": ("MPa", "0.006MPa"),
     "area_ratio": ("1", "0.01"),
 }
 
-# The options of the material pair, with their meaning and default.
+# Meaning and default of the options of the material pair.
 DESIGNED = "that of the calibration or of the design"
 PAIR = {
     "composite_modulus": ('E* of the part, such as "1.36 MPa"', DESIGNED),
@@ -62,7 +62,7 @@ pair_options = with_options(
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """The material pair of a part, and the errors of its parameters."""
+    """The material pair of a part, and the covariance of its parameters."""
 
     material: Material
     static: Friction | None
@@ -71,7 +71,10 @@ class Pair:
     covariance: FloatArray
 
     def errors(self, law: MeasuredLaw) -> dict[str, Any]:
-        """Return the arguments of `compare` for a law: without a Friction its areas depend only on E*."""
+        """Return the arguments of `compare` for the errors of the parameters.
+
+        A law without a Friction consists of areas, which depend only on E*.
+        """
         kept = [
             i
             for i, name in enumerate(self.parameters)
@@ -84,7 +87,7 @@ class Pair:
 
 
 def pair_of(surface: Surface, given: Mapping[str, Any], deviations: Mapping[str, float]) -> Pair:
-    """Return the material pair of the options, of the calibration, or of a design's surface."""
+    """Return the material pair from the options, else from the calibration, else from the design."""
     found = None if given["calibration"] is None else mf.files.read_parameters(given["calibration"])
     values = {} if found is None else dict(zip(found.parameters, found.value.tolist(), strict=True))
     with named(names_of({name: given[name] for name in PAIR})):
@@ -102,7 +105,7 @@ def pair_of(surface: Surface, given: Mapping[str, Any], deviations: Mapping[str,
         for name in found.parameters:
             must = f"--sd {name} and --calibration both give the error of {name}; keep one"
             refuse_if(name in deviations, must)
-        # a value from an option does not have the error of the calibration
+        # the calibration's error does not apply to a value that an option states
         used = [i for i, name in enumerate(found.parameters) if name in PARAMETERS and given[name] is None]
         apart = np.zeros((len(used), len(names)))
         known = found.covariance[np.ix_(used, used)]
@@ -112,7 +115,10 @@ def pair_of(surface: Surface, given: Mapping[str, Any], deviations: Mapping[str,
 
 
 def measured_laws(pair: Pair, table: Path, sliding: Path | None, sites: IntArray) -> list[MeasuredLaw]:
-    """Return the static law of a table, and the sliding law of another one; `sites` are the design's."""
+    """Return the static law in `table` and, if `sliding` names a table, the sliding law in it.
+
+    `sites` are the sites of the design's asperities.
+    """
     return [
         mf.files.read_measured_law(path, pair.material, friction, label=label, sites=sites)
         for label, path, friction in (("static", table, pair.static), ("sliding", sliding, pair.sliding))
@@ -121,7 +127,10 @@ def measured_laws(pair: Pair, table: Path, sliding: Path | None, sites: IntArray
 
 
 def _friction(given: Mapping[str, Any], kind: str, default: mf.Friction | None) -> mf.Friction | None:
-    """Return the friction of the options for static or sliding friction."""
+    """Return the Friction that the options of a kind state; `default` supplies what they do not state.
+
+    `kind` is "" for static and "sliding_" for sliding friction.
+    """
     stress, ratio = given[f"{kind}shear_strength"], given[f"{kind}area_ratio"]
     names = {name: option_name(kind + name) for name in ("shear_strength", "area_ratio")}
     if stress is None and ratio is None:

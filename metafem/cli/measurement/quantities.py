@@ -1,4 +1,4 @@
-"""Options that are quantities, declared by name: unit, example and help."""
+"""Options that are quantities; each is declared by its name, unit, example and help text."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from metafem.cli.study.options import Options, option_name, with_options
 
 Declared = Mapping[str, tuple[str, str, str]]
 
-# The placeholders of quantities in `--help`, by their unit.
+# Placeholder of a quantity in `--help`, by its unit.
 PLACEHOLDERS = {"mm": "LENGTH", "N": "FORCE", "rad": "ANGLE", "%": "PERCENT"}
 
 
 def quantity_options(declared: Declared) -> Options:
-    """Return the options of quantities; `{}` in a help text is the example."""
+    """Return a decorator that adds options of quantities; the example is inserted at `{}` in a help text."""
     return with_options(
         *(
             click.option(option_name(name), metavar=PLACEHOLDERS[unit], help=text.format(example))
@@ -29,7 +29,7 @@ def quantity_options(declared: Declared) -> Options:
 
 
 def quantities(declared: Declared, options: Mapping[str, Any]) -> dict[str, float | None]:
-    """Return the quantities of options in the package's units, None where an option is not given."""
+    """Return the values of the declared options in the package's units; None for an option that is absent."""
     return {
         name: None
         if options[name] is None
@@ -39,8 +39,11 @@ def quantities(declared: Declared, options: Mapping[str, Any]) -> dict[str, floa
 
 
 def names_of(options: Mapping[str, Any], arguments: Iterable[str] = ()) -> Names:
-    """Return the names of options and the written units, for errors; `arguments` are other options."""
+    """Return how errors name options, and the units in which these were written.
+
+    `options` holds the values of options. `arguments` are the names of further options.
+    """
     names = mf.files.option_names({name: value for name, value in options.items() if isinstance(value, str)})
     others = {name: option_name(name) for name in arguments}
-    # with a unit in the list, numbers of options in other units are printed with theirs
+    # a list with at least one unit makes errors print all numbers with their units
     return replace(names, units={**names.units, "": ("", 1.0)}, names={**names.names, **others})

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from metafem.inversion import Design
 
 
-# The options of arguments in error messages.
+# How error messages name arguments: by the options of this command.
 ARGUMENTS = Names(
     {
         "pixel_size": "--pixel",
@@ -74,12 +74,13 @@ def topography(
     as_json: bool,
     **options: bool,
 ) -> None:
-    """Measure heights, radii and positions of the asperities on MAP and compare them with the design.
+    """Measure heights, radii and positions of the asperities in MAP, and compare them with the design.
 
-    MAP is a file .x3p, .sur, .plux, .npy, .xyz or in another format of a microscope, seen from the side of
-    the asperities. Tilt and bow are subtracted, and a sphere is fitted to each cap. Systematic errors of the
-    heights (offset, in proportion to the height, tilt and bow across the part) are separated from random
-    ones, and --corrected writes the heights with which the next part comes out as designed.
+    MAP is a height map in the format .x3p, .sur, .plux, .npy, .xyz or in another format of a microscope. It
+    is seen from the side of the asperities. Tilt and bow are subtracted, and a sphere is fitted to each cap.
+    Systematic errors of the heights (offset, error proportional to the height, tilt and bow across the part)
+    are separated from random errors. --corrected writes heights that compensate the systematic errors, for
+    the next part.
 
     Example: metafem topography part.x3p --design linear -o made.csv --corrected next.csv --picture made.svg
     """
@@ -119,7 +120,7 @@ def topography(
 
 
 def _measured(file: Path, stored: Any, design: Design, options: dict[str, bool]) -> MadeSurface:
-    """Return the made surface of a height map; errors name its file."""
+    """Return the made surface that a height map shows; errors name the file of the map."""
     try:
         with named(ARGUMENTS):
             return mf.calibration.measured_surface(stored.values, stored.pixel, design.surface, **options)
@@ -128,7 +129,10 @@ def _measured(file: Path, stored: Any, design: Design, options: dict[str, bool])
 
 
 def _correction(design: Design, made: MadeSurface, wanted: Path | None) -> Correction | None:
-    """Return the correction; None if there are too few asperities and it is not requested."""
+    """Return the correction of the heights, or None if there are too few asperities to determine it.
+
+    If --corrected requests the correction, too few asperities are an error.
+    """
     try:
         return mf.calibration.corrected_heights(design, made)
     except InvalidInput:

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 @seed_option
 @of_design
 def interaction(design: Design, placements: int, seed: int) -> Dataset:
-    """Compare the law of coupled asperities with that of independent ones.
+    """Compare the law of interacting asperities with the law of independent asperities.
 
-    The comparison is made for the design and for random assignments of its heights to sites, on a half-space
+    The laws are compared for the design and for random assignments of its heights to sites, on a half-space
     and on the bonded layer. The result is the file DIR/interaction.nc.
 
     Example: metafem study interaction linear --placements 200
@@ -46,9 +46,9 @@ def interaction(design: Design, placements: int, seed: int) -> Dataset:
 )
 @of_design
 def fidelity(design: Design, elements: bool) -> Dataset:
-    """Compare the law under every model, from independent asperities to the true block and finite elements.
+    """Compare the laws under all models, from independent asperities to the true block and finite elements.
 
-    This takes a minute or two the first time. The result is the file DIR/fidelity.nc.
+    The first run takes a minute or two. The result is the file DIR/fidelity.nc.
 
     Example: metafem study fidelity linear --no-elements
     """

@@ -1,4 +1,4 @@
-"""The group of all studies, and the common parts of their commands."""
+"""The group of all studies, and the parts that their commands share."""
 
 from __future__ import annotations
 
@@ -23,23 +23,24 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
-# Options without effect on the results.
+# Options that do not affect the results.
 PLACES = ("workers", "scheduler")
 
 
 @main.group(short_help="Study the design of a result folder.")
 def study() -> None:
-    """Study the design of the result folder DIR and write the dataset NAME.nc (NetCDF) into it.
+    """Study the design in the result folder DIR, and write the dataset NAME.nc (NetCDF) into the folder.
 
-    `metafem study NAME --help` lists the options of a study. `metafem report DIR` adds what the studies of
-    the folder answer to its report.
+    `metafem study NAME --help` lists the options of a study. `metafem report DIR` adds the results of the
+    studies to the report.
     """
 
 
 def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
-    """Return the command of a study, from the function that computes it for a design and the options.
+    """Return the command of a study; `compute` returns the dataset for a design and the options.
 
-    The command has the name of the study. It writes the dataset into the folder and prints its summary.
+    The study has the name of this function. The command writes the dataset into the folder and prints its
+    summary.
     """
     name = compute.__name__
 
@@ -48,14 +49,14 @@ def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
     @json_option
     @functools.wraps(compute)
     def command(folder: Path, force: bool, as_json: bool, **options: Any) -> None:
-        if options.get("calibration") is not None:  # a wrong file is reported before the study runs
+        if options.get("calibration") is not None:  # report a wrong file before the study runs
             mf.files.read_parameters(options["calibration"])
         path = mf.files.study_path(folder, name, force)
         still = mf.files.same_design(folder)
         with progress():
             design = loaded(folder)
         with progress(), named(option_names()), ExitStack() as stack:
-            if "workers" in options:  # a study in batches
+            if "workers" in options:  # the study runs in batches
                 options["kept"] = stack.enter_context(kept_batches(name, folder, options))
             dataset = compute(design, **options)
             mf.files.write_study(dataset, path, force=force, still=still)
@@ -69,10 +70,10 @@ def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
 
 @contextmanager
 def kept_batches(name: str, folder: Path, options: Mapping[str, Any]) -> Iterator[Path | None]:
-    """Yield the folder for the batches of a study, None without a cache; remove it at the end.
+    """Yield the folder for the batches of a study, and remove it at the end; yield None without a cache.
 
-    The folder is the same for every run with the same design and options. It stays if the body is stopped or
-    fails after the first batch.
+    The folder depends only on the design and the options. If the body is stopped or fails after the first
+    batch, the folder is not removed, and the next run continues from its batches.
     """
     kept = _folder(name, folder, options)
     left = "nothing was written" if kept is None else "the same command continues from the finished batches"
@@ -87,7 +88,7 @@ def kept_batches(name: str, folder: Path, options: Mapping[str, Any]) -> Iterato
 
 
 def _folder(name: str, folder: Path, options: Mapping[str, Any]) -> Path | None:
-    """Return the folder for the batches of a study of a design with these options."""
+    """Return the folder for the batches of a study with these options, or None if it cannot be created."""
     from metafem.files.atomic import digest
     from metafem.studies.sampling.store import inputs_hash, own_version
 

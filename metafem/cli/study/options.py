@@ -1,4 +1,4 @@
-"""Common options of several studies, and their arguments."""
+"""Options that several studies share, and the arguments that they state."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 Options = Callable[[Callable[..., Any]], Callable[..., Any]]
 
-# The errors of a made surface: unit, example and meaning of each.
+# Errors of a made surface, with the unit, example and meaning of each.
 ERRORS: Mapping[str, tuple[str, str, str]] = {
     "height_sd": ("mm", "3um", "Standard deviation of the heights"),
     "angle": ("rad", "0.05deg", "Largest tilt about either axis"),
@@ -26,7 +26,7 @@ ERRORS: Mapping[str, tuple[str, str, str]] = {
 
 
 def with_options(*options: Options) -> Options:
-    """Return a decorator that adds several options, which `--help` lists in this order."""
+    """Return a decorator that adds several options to a command; `--help` lists them in this order."""
 
     def add(command: Callable[..., Any]) -> Callable[..., Any]:
         for option in reversed(options):
@@ -37,7 +37,7 @@ def with_options(*options: Options) -> Options:
 
 
 def error_option(name: str) -> Options:
-    """Return the option of an error of the made surface."""
+    """Return the option that states an error of the made surface."""
     unit, example, meaning = ERRORS[name]
     return click.option(
         option_name(name),
@@ -49,7 +49,7 @@ def error_option(name: str) -> Options:
 
 
 def option_name(name: str) -> str:
-    """Return the option of an argument."""
+    """Return the name of the option for an argument, such as "--height-sd" for "height_sd"."""
     return f"--{name.replace('_', '-')}"
 
 
@@ -71,7 +71,7 @@ law_options = with_options(
 
 
 def draw_options(drawn: str, error: str) -> Options:
-    """Return the options of the number of draws and of the wanted error."""
+    """Return the options --draws and --error; `drawn` and `error` describe their values in `--help`."""
     return with_options(
         click.option("--draws", type=click.IntRange(min=2), help=f"Number of {drawn}. Default: 10000."),
         click.option(
@@ -101,9 +101,9 @@ run_options = with_options(
 
 
 def study_arguments(design: Design, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of the options of the law, of draws and of the run.
+    """Return the arguments of a study that the options of the law, of the draws and of the run state.
 
-    The option `kept` is the folder of the batches.
+    The value of `kept` in `options` is the folder of the batches.
     """
     model = mf.files.chosen_model(design.law.model, options["model"], options["contact"])
     mf.files.refuse_missing_block(model, design.surface, "design the folder again with a section [block]")

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from metafem.material import Material
     from metafem.surface import Surface
 
-# Unit and example of each input.
+# Unit and example of the standard deviation of each input.
 INPUTS = {
     "radius": ("mm", "2um"),
     "composite_modulus": ("MPa", "0.04MPa"),
@@ -46,15 +46,16 @@ INPUTS = {
     "friction_force": ("N", "2mN"),
 }
 
-# Difference of a design value from the calibrated one, in standard deviations, above which both are printed.
+# If a value of the design and the calibrated value differ by more than this, both are printed [standard
+# deviations].
 APART = 2.0
 
-# Those of a made surface.
+# Inputs that are parameters of a made surface.
 MADE = {name: INPUTS[name] for name in INPUTS if name not in ("load", "friction_force")}
 
 
 def deviation_option(inputs: Mapping[str, tuple[str, str]]) -> Options:
-    """Return the option of the standard deviations of inputs."""
+    """Return the option --sd, which states the standard deviations of inputs."""
     return click.option(
         "--sd",
         multiple=True,
@@ -85,11 +86,11 @@ def deviation_option(inputs: Mapping[str, tuple[str, str]]) -> Options:
 @run_options
 @of_design
 def uncertainty(design: Design, **options: Any) -> Dataset:
-    """Study the error bars of the law from Gaussian errors of its inputs, and the share of each input.
+    """Study the error bars of the law for Gaussian errors of its inputs, and the share of each input.
 
-    The shares are Sobol indices: of the variance that an input causes alone, and together with others. With
-    measured pairs, the quantity is their difference from the predicted law. The result is the file
-    DIR/uncertainty.nc.
+    The shares are Sobol indices: the fraction of the variance that an input causes on its own, and the
+    fraction that it causes together with other inputs. With measured loads and friction forces, the study
+    concerns their difference from the predicted law. The result is the file DIR/uncertainty.nc.
 
     Example: metafem study uncertainty linear --sd composite_modulus=0.04MPa --sd radius=2um
     """
@@ -132,11 +133,11 @@ def uncertainty(design: Design, **options: Any) -> Dataset:
 @run_options
 @of_design
 def combined(design: Design, **options: Any) -> Dataset:
-    """Study all errors together: how likely a made surface meets the target, and how small they must be.
+    """Study all errors of the part together: the probability that a made surface meets the target.
 
-    The errors of heights, radii and positions are Gaussian, the tilt is uniform. Their largest multiples with
-    the wanted probability are found for all together and for each alone. The result is the file
-    DIR/combined.nc.
+    The errors of heights, radii and positions are Gaussian, and the tilt is uniform. The study also
+    determines the largest multiples of the errors with which the required probability is reached, for all
+    errors together and for each error on its own. The result is the file DIR/combined.nc.
 
     Example: metafem study combined linear --height-sd 3um --angle 0.05deg --misfit 5%
     """
@@ -154,9 +155,10 @@ def combined(design: Design, **options: Any) -> Dataset:
 def given_deviations(
     given: tuple[str, ...], inputs: Mapping[str, tuple[str, str]], material: Material | None = None
 ) -> Iterator[dict[str, float]]:
-    """Yield the standard deviations by name; errors in the body name the option and the written unit.
+    """Yield the standard deviations by the name of the input.
 
-    That of Young's modulus is yielded as that of E*, with the Poisson's ratio of the material.
+    Errors in the body name the option and use the unit in which it was written. A standard deviation of
+    Young's modulus is converted to one of E* with the Poisson's ratio of the material.
     """
     found: dict[str, float] = {}
     units: dict[str, tuple[str, float]] = {}
@@ -178,7 +180,7 @@ def given_deviations(
 def _of_composite_modulus(
     found: dict[str, float], names: Names, material: Material
 ) -> tuple[dict[str, float], Names]:
-    """Return the deviations with E* in place of E; errors still name E."""
+    """Return the standard deviations, with that of E converted to E*, and names by which errors state E."""
     words = "--sd young_modulus and --sd composite_modulus give one error twice; keep one"
     refuse_if("composite_modulus" in found, words)
     ratio = material.composite_modulus / material.young_modulus
@@ -193,7 +195,7 @@ def _of_composite_modulus(
 def with_calibration(
     path: Path, deviations: Mapping[str, float], surface: Surface
 ) -> tuple[tuple[str, ...], FloatArray]:
-    """Return the names and the covariance of the inputs of a calibration and of ``--sd``."""
+    """Return the names of the inputs from a calibration and from ``--sd``, and their covariance."""
     found = mf.files.read_parameters(path)
     twice = [name for name in found.parameters if name in deviations]
     names = ", ".join(twice)

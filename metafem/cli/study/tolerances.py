@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from metafem._validate import FloatArray
     from metafem.inversion import Design
 
-# The levels of Fig. S3: 0 to 3 um in steps of 0.1 um [mm].
+# Default standard deviations of the heights, as in Fig. S3: 0 to 3 um in steps of 0.1 um [mm].
 LEVELS = [i * 1e-4 for i in range(31)]
 
-# The largest angle of Fig. S2.
+# Default largest angle, as in Fig. S2.
 ANGLE = "0.1deg"
 
 
@@ -52,9 +52,9 @@ ANGLE = "0.1deg"
 def manufacturing(design: Design, **options: Any) -> Dataset:
     """Study the law of surfaces whose heights have random errors.
 
-    Each height has an independent Gaussian error. A line is fitted to the law over a range of loads; the mean
-    and the scatter (standard deviation) of its slope over the random surfaces are printed. The result is the
-    file DIR/manufacturing.nc.
+    Each height has an independent Gaussian error. A line is fitted to each law over a range of loads. The
+    mean and the scatter (standard deviation) of its slope over the random surfaces are printed. The result is
+    the file DIR/manufacturing.nc.
 
     Example: metafem study manufacturing linear --height-sd 0.9um,3um
     """
@@ -67,10 +67,13 @@ def manufacturing(design: Design, **options: Any) -> Dataset:
 
 
 def _steps(angles: Sequence[float]) -> list[FloatArray]:
-    """Return equal steps from each angle to the next, as small as those of a single angle."""
+    """Return the angles [rad] of equal steps from 0 to the first angle, and from each angle to the next.
+
+    A step is at most the largest angle divided by `STEPS`, as for a single angle.
+    """
     from metafem.studies.misalignment import STEPS
 
-    step = angles[-1] / STEPS * (1.0 + 1e-9)  # the rounding of a quotient
+    step = angles[-1] / STEPS * (1.0 + 1e-9)  # tolerates the rounding error of a quotient
     ends = itertools.pairwise([0.0, *angles])
     return [np.linspace(low, high, math.ceil((high - low) / step) + 1)[1:] for low, high in ends]
 
@@ -103,17 +106,17 @@ def _steps(angles: Sequence[float]) -> list[FloatArray]:
 @run_options
 @of_design
 def misalignment(design: Design, **options: Any) -> Dataset:
-    """Study the law of a surface that is tilted against the plane.
+    """Study the law of a surface that is tilted relative to the plane.
 
-    The scatter (standard deviation) of the slope is that over all angles between minus and plus the largest.
-    It depends on the assignment of the heights to sites, so random assignments are studied too. The result is
-    the file DIR/misalignment.nc.
+    The scatter (standard deviation) of the slope is taken over all angles from minus to plus the largest
+    angle. It depends on the assignment of the heights to sites, so that random assignments are also studied.
+    The result is the file DIR/misalignment.nc.
 
     Example: metafem study misalignment linear --angle 0.05deg --shuffles 100
     """
     angles = [*itertools.chain(*options["angle"])]
     increasing = all(low < high for low, high in itertools.pairwise([0.0, *angles]))
-    parts = _steps(angles) if increasing else [np.array(angles)]  # the study refuses it
+    parts = _steps(angles) if increasing else [np.array(angles)]  # the study refuses such angles
     found = mf.studies.misalignment(
         design.surface,
         np.concatenate(parts) if len(angles) > 1 else angles[0],
@@ -121,5 +124,5 @@ def misalignment(design: Design, **options: Any) -> Dataset:
         shuffles=options["shuffles"],
         **study_arguments(design, options),
     )
-    # for one angle, the figure needs all steps
+    # for a single angle all steps are returned, because the figure needs them
     return found if len(angles) == 1 else found.isel(angle=np.cumsum([len(part) for part in parts]) - 1)

@@ -1,1 +1,1 @@
-"""Measured tables, images and height maps, read with their units."""
+"""Reading of measured tables, images and height maps with their units."""

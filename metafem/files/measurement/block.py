@@ -1,4 +1,4 @@
-"""The sections ``[material]``, ``[friction]`` and ``[contact]`` of a specification, from a calibration."""
+"""Writing of the sections ``[material]``, ``[contact]`` and ``[friction]`` from a calibration."""
 
 from __future__ import annotations
 
@@ -25,9 +25,10 @@ def block_text(
     cap: str | None = None,
     strength: StrengthFit | None = None,
 ) -> str:
-    """Return the sections as TOML; `cap` is the law of ``--contact`` in words, ``hertz`` by default.
+    """Return the sections as TOML.
 
-    The shear strength is that of `strength`, if it is given.
+    `cap` is the contact law as the option ``--contact`` states it; default: "hertz". The shear strength is
+    taken from `strength` if it is present, otherwise from `shear`.
     """
     lines = [FIRST, *(f"# Measured: {source}" for source in sources)]
     if contact is not None:
@@ -72,7 +73,7 @@ def _contact(found: ContactCalibration, cap: Mapping[str, Any]) -> list[str]:
 
 
 def _friction(shear: ShearCalibration | None, full: StrengthFit | None) -> list[str]:
-    """Return the section of the friction; the shear strength is that of full contact, if there is one."""
+    """Return the lines of ``[friction]``; the shear strength is that of full contact, if it was measured."""
     lines = ["[friction]"]
     if full is not None:
         lines.append(_parameter("shear_strength", full, -1, full.verdict, ", of a surface in full contact"))
@@ -86,7 +87,7 @@ def _friction(shear: ShearCalibration | None, full: StrengthFit | None) -> list[
 
 
 def _parameter(name: str, found: Any, index: int, verdict: Verdict, remark: str = "") -> str:
-    """Return the key of a parameter with its interval; `index` is its place in the covariance."""
+    """Return the line of a parameter, with its interval; `index` is its row in the covariance."""
     unit = "MPa" if name == "shear_strength" else ""
     sd = math.sqrt(found.covariance[index, index])
     value = f"{rounded(getattr(found, name), sd, 3)} {unit}".rstrip()
@@ -96,5 +97,5 @@ def _parameter(name: str, found: Any, index: int, verdict: Verdict, remark: str 
 
 
 def _keys(section: Mapping[str, Any]) -> list[str]:
-    """Return the keys of a section; texts and numbers of JSON are valid in TOML."""
+    """Return the lines of a section's keys; JSON strings and numbers are valid in TOML."""
     return [f"{name} = {json.dumps(value, ensure_ascii=False)}" for name, value in section.items()]

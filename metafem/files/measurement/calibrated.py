@@ -1,4 +1,4 @@
-"""Calibrations as JSON, and the covariance in it that `metafem study uncertainty` reads."""
+"""Writing of calibrations as JSON, and reading of their parameters and covariance."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ from metafem.calibration import (
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.reading import RECORD, file_label, read_bytes, read_record
 
-# Name of the kind of file.
+# Value of the key "kind" in the file of a calibration.
 KIND = "metafem calibration"
 
-# White space before the first object of JSON, and the bytes of a byte-order mark.
+# Bytes that may precede the first brace of a JSON file: white space and a byte-order mark.
 BLANK = b" \t\r\n\xef\xbb\xbf"
 
-# Parameters that a calibration determines, with their units in the names of keys.
+# Parameters that a calibration can determine, with the units that the names of keys contain.
 UNITS = {"radius": "mm", "composite_modulus": "MPa", "area_ratio": "1", "shear_strength": "MPa"}
 
 
-# Quantities written of the record of a pull, with the units in the names of keys.
+# Quantities that are written for each record of a pull, with the units that the names of keys contain.
 OF_RECORD = {
     "static_force": "N",
     "sliding_force": "N",
@@ -45,7 +45,7 @@ OF_RECORD = {
 
 @dataclass(frozen=True, eq=False)
 class CalibratedParameters:
-    """Parameters of a calibration with their values and their covariance, in mm, MPa and 1."""
+    """Names of a calibration's parameters, with their values (n,) and covariance (n, n), in mm, MPa and 1."""
 
     parameters: tuple[str, ...]
     value: FloatArray
@@ -53,7 +53,7 @@ class CalibratedParameters:
 
     @property
     def sd(self) -> FloatArray:
-        """Standard deviations."""
+        """Standard deviations of the parameters, (n,)."""
         return np.sqrt(np.diagonal(self.covariance))
 
 
@@ -66,7 +66,8 @@ def calibration_data(
 ) -> dict[str, Any]:
     """Return the results for JSON, with names, values and covariance of the parameters.
 
-    `strength` includes the parameters of the others; its shear strength is stated.
+    If `strength` is present, its covariance is used, which includes the parameters of `contact` and `shear`,
+    and the shear strength is that of `strength`.
     """
     found = [each for each in (contact, shear) if each is not None] if strength is None else [strength]
     names, covariance = joint_covariance(*found)
@@ -74,7 +75,7 @@ def calibration_data(
     data: dict[str, Any] = {"kind": KIND, "files": list(sources)}
     if contact is not None:
         modulus, without_sd = contact.modulus_without_adhesion
-        # E* of the sections of a specification: they have no adhesion if the best w is 0
+        # the same E* as in the written sections, which have no adhesion if the best w is 0
         used = modulus if contact.adhesion_energy <= 0.0 else contact.composite_modulus
         values |= {"radius": contact.radius, "composite_modulus": used}
         sd = math.sqrt(contact.root_covariance[0, 0])
@@ -117,9 +118,9 @@ def calibration_data(
 
 
 def read_parameters(path: str | Path) -> CalibratedParameters:
-    """Return parameters, values and covariance of a file that ``metafem calibrate`` wrote as JSON."""
+    """Return the parameters in a JSON file of ``metafem calibrate``, with their values and covariance."""
     label = file_label(path)
-    # a file that is not JSON is not a damaged calibration
+    # the error for a file other than JSON should not call it a damaged calibration
     data = read_record(path) if read_bytes(path, RECORD).lstrip(BLANK).startswith(b"{") else None
     if not isinstance(data, dict) or data.get("kind") != KIND:
         raise InvalidInput(
@@ -138,18 +139,18 @@ def read_parameters(path: str | Path) -> CalibratedParameters:
 
 
 def _key(name: str, what: str = "") -> str:
-    """Return the key of a parameter, or of its `what`, with its unit."""
+    """Return the JSON key of a parameter, with its unit; `what` is a suffix such as "_sd"."""
     return f"{name}{what}" + ("" if UNITS[name] == "1" else f"_{UNITS[name]}")
 
 
 def _stated(name: str, found: Any, sd: float) -> dict[str, Any]:
-    """Return the value of a parameter, its standard deviation and its interval."""
+    """Return the value, standard deviation and interval of a parameter, by their JSON keys."""
     interval = list(getattr(found, f"{name}_interval"))
     return {_key(name): getattr(found, name), _key(name, "_sd"): sd, _key(name, "_interval"): interval}
 
 
 def _tests(kind: str, found: Any, names: Sequence[str], drawn: Sequence[str]) -> dict[str, Any]:
-    """Return the parameters of each test, their agreement, and the standard deviations of a bootstrap."""
+    """Return the parameters of each test, the agreement of the tests, and bootstrap standard deviations."""
     tests = [
         {"test": test.name, "points": test.points}
         | {
@@ -164,7 +165,7 @@ def _tests(kind: str, found: Any, names: Sequence[str], drawn: Sequence[str]) ->
         key: getattr(alike, key) for key in ("agree", "chi_square", "freedom", "probability")
     }
     spread = None
-    if draws is not None and len(draws) > 1:  # fewer have no spread
+    if draws is not None and len(draws) > 1:  # a standard deviation needs two draws
         spread = dict(zip(drawn, draws.std(axis=0, ddof=1).tolist(), strict=True))
     return {
         f"{kind}_tests": tests,

@@ -1,4 +1,4 @@
-"""The table contacts.csv: one line for each image and contact, written and read bit for bit."""
+"""Writing and reading of contacts.csv, bit for bit; the table has one line for each image and contact."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ HEADER = (
 
 COLUMNS = Columns(HEADER, ("image,load,contact,x,y,area,area_error",), "contact")
 
-# Largest number of characters of a text.
+# Largest number of characters of a text in the table.
 MOST = 10**4
 
-# Columns of areas, and those of their errors.
+# Column of the errors of each column of areas.
 ERROR_OF = {"area": "area_error", "sheared_area": "sheared_area_error"}
 
 
 def contacts_table(table: ContactTable) -> str:
-    """Return contact areas as CSV, one line for each image and contact; empty where not measured."""
+    """Return the CSV text of contact areas; numbers that were not measured are empty."""
     images = list(zip(table.test, table.image, strict=True))
     for i, (test, image) in enumerate(images):
         must = f"image {printable(image)} of test {printable(test)!r} is in the table twice"
@@ -53,26 +53,26 @@ def contacts_table(table: ContactTable) -> str:
 
 
 def read_contacts(path: str | Path) -> ContactTable:
-    """Return the contact areas of a table that `contacts_table` wrote, or of one with the same columns.
+    """Return the contact areas in a table that `contacts_table` wrote, or in a table with the same columns.
 
-    Each image has the same contacts. The columns of the test, of the friction force, of the sites, of the
-    sheared areas and of the remarks may be absent, and lengths, areas and forces may be in other units.
+    All images must have the same contacts. The columns of tests, friction forces, sites, sheared areas and
+    remarks may be absent. Lengths, areas and forces may be in other units.
     """
     return contacts_of(read_table(path, HEADER))
 
 
 def is_of_contacts(table: Table) -> bool:
-    """Whether a table is one of the contacts in images, by its columns."""
+    """Return whether the columns of a table are those of contacts in images."""
     return {"image", "contact"} <= set(table.header)
 
 
 def contacts_of(table: Table) -> ContactTable:
-    """Return the contact areas of a table whose columns are those of `read_contacts`."""
+    """Return the contact areas in a table with the columns that `read_contacts` reads."""
     return _Rows(COLUMNS.of(table)).contacts()
 
 
 class _Rows:
-    """The entries of a table, in order of images and contacts."""
+    """The entries of a table, arranged by image and contact."""
 
     def __init__(self, entries: Entries) -> None:
         self.entries = entries
@@ -97,11 +97,11 @@ class _Rows:
                     f"{entries.table.name}: image {printable(image[1], 60)} lacks contact {number}, which "
                     "others have; add its line, with the area 0 if it is open"
                 )
-        # the index of the entry of each image and contact, (k, n)
+        # row of the table for each image and contact, (k, n)
         self.place = np.array([[found[image, number] for number in every] for image in self.images])
 
     def contacts(self) -> ContactTable:
-        """Return the table."""
+        """Return the contact areas; raise InvalidInput for inconsistent entries."""
         values: dict[str, Any] = {
             name: self.entries.numbers(name, empty=True)[self.place] for name in COLUMNS.units
         }
@@ -136,7 +136,7 @@ class _Rows:
         return replace(found, remarks=remarks_of_cells(found, cells))
 
     def _sites(self) -> NDArray[np.intp] | None:
-        """Return the site of each contact, (n,), or None if no contact has one."""
+        """Return the site of each contact, (n,), or None if no contact has a site."""
         if not any(self.entries.texts("site")):
             return None
         whole = np.array(self.entries.whole("site", 0), dtype=float)
@@ -148,7 +148,7 @@ class _Rows:
         return sites
 
     def _common(self, name: str, values: FloatArray, axis: int) -> FloatArray:
-        """Return the values of a column that is the same for all images (axis 0) or contacts (axis 1)."""
+        """Return the values of a column that must be equal for all images (axis 0) or contacts (axis 1)."""
         first = values.take([0], axis)
         differs = (values != first) & ~(np.isnan(values) & np.isnan(first))
         before = np.broadcast_to(self.place.take([0], axis), differs.shape)
@@ -161,7 +161,7 @@ class _Rows:
         return self.entries.table.rows[index][0]
 
     def _refuse(self, wrong: NDArray[np.bool_], name: str, must: str) -> None:
-        """Refuse the first of the `wrong` entries (k, n) of a column."""
+        """Raise InvalidInput for the first entry of a column for which `wrong`, (k, n), is True."""
         for index in self.place[wrong][:1].tolist():
             text = self.entries.texts(name)[index]
             raise InvalidInput(
@@ -170,10 +170,10 @@ class _Rows:
 
 
 def _cell(value: object) -> str:
-    """Return an entry: numbers in the shortest form that is read bit for bit, texts quoted if needed."""
+    """Return the text of an entry: the shortest form of a number that keeps all bits, or a quoted text."""
     if isinstance(value, float):
-        return "" if np.isnan(value) else repr(float(value) + 0.0)  # no -0.0
+        return "" if np.isnan(value) else repr(float(value) + 0.0)  # + 0.0 avoids -0.0
     text = printable(str(value).strip(), MOST)
-    # a line that begins with # is a comment
+    # without quotes, a line that begins with # would be a comment
     quoted = any(sign in text for sign in ',"') or text.startswith("#")
     return '"' + text.replace('"', '""') + '"' if quoted else text

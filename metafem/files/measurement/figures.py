@@ -1,4 +1,4 @@
-"""Figures as SVG or PNG files."""
+"""Writing of figures as SVG or PNG files."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ FORMATS = (".svg", ".png")
 
 
 def refuse_figure(path: Path, force: bool) -> None:
-    """Raise InvalidInput for another format, or if `write_figure` would refuse the file."""
+    """Raise InvalidInput if `write_figure` would refuse the file; only .svg and .png are written."""
     if path.suffix.lower() not in FORMATS:
         raise InvalidInput(f"{printable(str(path))} must end with .svg or .png, the formats of figures")
     refuse_existing(path, force, "figure")
 
 
 def write_figure(path: Path, figure: Figure, title: str, *, force: bool = False) -> None:
-    """Write a figure in the format of the file's extension."""
+    """Write a figure; the extension of the file determines its format."""
     refuse_figure(path, force)
     mark = MARKS["figure"].decode()
     if path.suffix.lower() == ".svg":

@@ -1,4 +1,4 @@
-"""Tables of measured friction laws: loads, friction forces or contact areas, and their errors."""
+"""Reading of measured friction laws: tables of loads, friction forces or contact areas, and their errors."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ COLUMNS = Columns(
     "friction_force_sd_mN and area_sd_mm2",
 )
 
-# The paper's error bars.
+# Standard deviations of the source paper's measurements.
 PAPER = MeasurementErrors()
 
 
@@ -33,27 +33,26 @@ def read_measured_law(
     label: str = "static",
     sites: IntArray | None = None,
 ) -> MeasuredLaw:
-    """Return the measured law of a table.
+    """Return the measured friction law in a table.
 
     Parameters
     ----------
     source : str, Path or Table
-        CSV file, or its content. Its first line names its columns as quantity_unit: ``load`` and
-        ``friction_force`` or ``area``, and optionally their standard deviations ``load_sd``,
-        ``friction_force_sd`` and ``area_sd``, in any order and unit, as ``load_mN,friction_force_mN``.
-        Other columns are not read, which `metafem.progress` reports; lines that begin with ``#`` are skipped.
-        Or a table of the contacts in images, as
-        ``metafem images`` writes it.
+        CSV file, or a table that was already read. The first line names the columns as quantity_unit, such as
+        ``load_mN,friction_force_mN``, in any order and unit. ``load`` is required, and ``friction_force`` or
+        ``area``. The standard deviations ``load_sd``, ``friction_force_sd`` and ``area_sd`` are optional.
+        Other columns are not read, and `metafem.progress` reports them. Lines that begin with ``#`` are
+        skipped. A table of ``metafem images`` is also accepted.
     material : Material
     friction : Friction, optional
-        Needed for friction forces without areas.
+        Needed if the table has friction forces but no areas.
     errors : MeasurementErrors
-        Standard deviations if the table has none; default: those of the paper.
+        Standard deviations for a table without such columns; default: those of the source paper.
     label : str
         Name of the law; default: "static".
     sites : ndarray of int, (n,), optional
-        Sites of the asperities of the design, ``Design.sites``; default: asperities have the numbers of the
-        sites in a table of contacts.
+        Site of each asperity of the design, ``Design.sites``, for a table of contacts. Default: the sites in
+        the table are the numbers of the asperities.
 
     Returns
     -------
@@ -62,8 +61,8 @@ def read_measured_law(
     Raises
     ------
     InvalidInput
-        For a missing column, a column without a unit or with one of another dimension, an entry that is not a
-        number, and for points that are not a friction law; the error states line and column.
+        If a column is missing, or its unit is missing or of another dimension, if an entry is not a number,
+        or if the points are not a friction law. The error states line and column.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Height maps of microscopes, read with their units."""
+"""Reading of height maps of microscopes with their units."""
 
 from __future__ import annotations
 
@@ -17,43 +17,43 @@ from metafem.errors import InvalidInput, refuse_if
 from metafem.files.reading import file_label, refuse_unreadable
 from metafem.files.units import factor, quantity
 
-# Formats that are read: the map of an instrument, an array of numpy, and a list of points.
+# Formats that are read: files of instruments, arrays of numpy and lists of points.
 FORMATS = ".x3p, .sur, .plux, .npy, .xyz and others that SurfaceTopography reads"
 
-# Units of heights that an option names; both micro signs are read.
+# Units of heights that the option --height-unit accepts; both Unicode micro signs are read.
 UNITS = ("m", "mm", "um", "µm", "μm", "micron", "nm")
 
-# Number of rows of a large map that are converted at once.
+# Number of rows of a map that are converted at a time, to limit the memory.
 AT_ONCE = 256
 
-# Points of a list must lie on a grid to this fraction of a pixel: the rounding of their coordinates.
+# Points of a list may deviate from a grid by this fraction of a pixel, because coordinates are rounded.
 ON_GRID = 0.1
 
-# Largest number of pixels per point of a list; pixels without a point are holes.
+# Largest ratio of the number of pixels to the number of points in a list; pixels without a point are holes.
 SPARSE = 10
 
-# The warning of SurfaceTopography's import where no mpi4py is installed.
+# Warning of SurfaceTopography's import if mpi4py is not installed.
 NO_MPI = "Could not import mpi4py"
 
 
 def read_height_map(path: str | Path, pixel: str | None = None, height_unit: str | None = None) -> HeightMap:
-    """Return the map of a file, with heights in single precision relative to their median.
+    """Return the height map in a file; the heights are relative to their median, in single precision.
 
     Parameters
     ----------
     path : str or Path
-        In one of the formats .x3p, .sur, .plux, .npy (rows as in an image), .xyz (lines x y z), or another
-        one that SurfaceTopography reads.
+        File in one of the formats .x3p, .sur, .plux, .npy (rows as in an image) and .xyz (lines x y z), or in
+        another format that SurfaceTopography reads.
     pixel : str, optional
-        Distance of neighbouring pixels, such as ``"2 um"``, for a file that does not state it.
+        Distance between neighbouring pixels, such as ``"2 um"``, for a file that does not state it.
     height_unit : str, optional
         Unit of the heights, such as ``"um"``, for a file that does not state it.
 
     Raises
     ------
     InvalidInput
-        For a file that cannot be read or holds no map; if the pixel or the unit is missing, or is given
-        although the file states it.
+        If the file cannot be read or holds no map, if the pixel or the unit is stated nowhere, or if an
+        argument states what the file already states.
     """
     name, kind = file_label(path), Path(path).suffix.lower()
     refuse_unreadable(path)
@@ -81,12 +81,13 @@ def read_height_map(path: str | Path, pixel: str | None = None, height_unit: str
     return HeightMap(_millimetres(heights, size), sides)
 
 
-# Heights; width and height of a pixel in their unit or, if they are not stated, their ratio; and the unit.
+# Heights (rows, columns); width and height of a pixel or, if the file does not state these, their ratio
+# height / width; and the unit of all lengths, or None.
 _Read = tuple[NDArray[Any], Any, str | None]
 
 
 def _array(path: str | Path, name: str) -> _Read:
-    """Read an array of an .npy file; its heights are read when they are used."""
+    """Return the array in an .npy file, which is mapped into memory, so that heights are read on use."""
     try:
         values = np.load(path, mmap_mode="r", allow_pickle=False)
     except (ValueError, OSError, EOFError) as error:
@@ -98,7 +99,7 @@ def _array(path: str | Path, name: str) -> _Read:
 
 
 def _points(path: str | Path, name: str) -> _Read:
-    """Read a list of points x y z on a grid."""
+    """Return the map in a list of points x y z, which must lie on a grid."""
     import pandas
 
     with open(path, encoding="utf-8", errors="replace") as file:
@@ -128,9 +129,9 @@ def _points(path: str | Path, name: str) -> _Read:
 
 
 def _grid(values: NDArray[Any], axis: str, name: str) -> tuple[NDArray[np.intp], float]:
-    """Return the places of coordinates on an equidistant grid, and its step."""
+    """Return the index of each coordinate on an equidistant grid, and the step of the grid."""
     steps = np.diff(np.unique(values))
-    steps = steps[steps > 1e-6 * np.ptp(values)]  # coordinates may differ in their last digits
+    steps = steps[steps > 1e-6 * np.ptp(values)]  # equal coordinates may differ in their last digits
     refuse_if(not steps.size, f"{name}: all points have the same {axis}; a map has rows and columns")
     step = float(np.ptp(values) / np.rint(np.ptp(values) / np.median(steps)))
     place = (values - values.min()) / step
@@ -142,7 +143,7 @@ def _grid(values: NDArray[Any], axis: str, name: str) -> tuple[NDArray[np.intp],
 
 
 def _instrument(path: str | Path, name: str) -> _Read:
-    """Read a file of an instrument."""
+    """Return the map in a file of an instrument, which SurfaceTopography reads."""
     refuse_missing("SurfaceTopography", "metrology", f"reading {name}")
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", NO_MPI, ImportWarning)
@@ -156,19 +157,19 @@ def _instrument(path: str | Path, name: str) -> _Read:
             heights = channel.topography(**({} if sizes else {"physical_sizes": points})).heights()
     except (InvalidInput, MemoryError):
         raise
-    except Exception as error:  # for damaged files the readers raise any exception
+    except Exception as error:  # the readers raise exceptions of all types for damaged files
         kind = type(error).__name__
         raise InvalidInput(
             f"{name} cannot be read as a height map ({FORMATS}): {kind}: {printable(str(error), 200)}"
         ) from None
     unit = channel.unit if isinstance(channel.unit, str) and channel.unit else None
     pixels = (sizes[0] / points[0], sizes[1] / points[1]) if sizes and unit else 1.0
-    # the first index runs along x, the second upwards along y
+    # in SurfaceTopography the first index runs along x, and the second upwards along y
     return heights.T[::-1], pixels, unit
 
 
 def _millimetres(heights: NDArray[Any], unit: float) -> NDArray[np.float32]:
-    """Return heights in mm relative to their median, in single precision; masked ones are nan."""
+    """Return heights relative to their median [mm], in single precision; masked heights are nan."""
     rows, columns = heights.shape
     sample = np.ma.filled(
         heights[:: max(1, rows // 500), :: max(1, columns // 500)].astype(np.float64), np.nan

@@ -1,4 +1,4 @@
-"""Measured values with their errors, in the form of publications."""
+"""Texts of measured values with their errors, rounded as in publications."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 
 def rounded(value: float, sd: float, digits: int = 2) -> str:
-    """Return a value with the digits for which its standard deviation has `digits` of them.
+    """Return a value as text, with the decimals that show `digits` digits of its standard deviation.
 
     Examples
     --------
@@ -19,7 +19,7 @@ def rounded(value: float, sd: float, digits: int = 2) -> str:
 
 
 def published(value: float, sd: float, unit: str = "") -> str:
-    """Return value ± standard deviation: one digit of the deviation, or two if the first is 1.
+    """Return "value ± standard deviation"; the deviation has one digit, or two if its first digit is 1.
 
     Examples
     --------
@@ -33,7 +33,7 @@ def published(value: float, sd: float, unit: str = "") -> str:
 
 
 def interval(ends: tuple[float, float], sd: float, unit: str = "") -> str:
-    """Return an interval with two digits of the standard deviation.
+    """Return an interval as text, with the decimals that show two digits of the standard deviation.
 
     Examples
     --------
@@ -45,5 +45,5 @@ def interval(ends: tuple[float, float], sd: float, unit: str = "") -> str:
 
 
 def _places(sd: float, digits: int) -> int:
-    """Return the number of decimals."""
+    """Return the number of decimals that show `digits` digits of a standard deviation."""
     return max(0, digits - 1 - math.floor(math.log10(float(f"{sd:.{digits - 1}e}"))))

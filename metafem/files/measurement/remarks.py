@@ -1,4 +1,4 @@
-"""Remarks of a table of contacts, in the line of their image and contact."""
+"""Remarks of a table of contacts; each is written in the line of its image and contact."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from collections.abc import Mapping
 
 from metafem.calibration import ContactTable
 
-# Separator of the remarks in one line. Remarks on an image are in its first line, those on the table in the
-# first line of all.
+# Separator of several remarks in one line, and prefixes of remarks on an image and on the table. A remark on
+# an image is written in the first line of the image, and a remark on the table in the table's first line.
 BETWEEN, OF_IMAGE, OF_TABLE = " | ", "image: ", "table: "
 
 
 def cells_of_remarks(table: ContactTable) -> dict[tuple[int, int], str]:
-    """Return the text of each image and contact that has remarks."""
+    """Return the texts of the remarks by the indices (i, j) of image and contact."""
     k, n = table.area.shape
     places = {
         **{_label(table, i): (i, 0, OF_IMAGE) for i in range(k)},
@@ -29,7 +29,7 @@ def cells_of_remarks(table: ContactTable) -> dict[tuple[int, int], str]:
 
 
 def remarks_of_cells(table: ContactTable, cells: Mapping[tuple[int, int], str]) -> tuple[str, ...]:
-    """Return the remarks in order of images and contacts, with their names."""
+    """Return the remarks in order of images and contacts; each begins with its image and contact, if any."""
     remarks = []
     for (i, j), cell in cells.items():
         for text in cell.split(BETWEEN) if cell else ():
@@ -43,7 +43,10 @@ def remarks_of_cells(table: ContactTable, cells: Mapping[tuple[int, int], str]) 
 
 
 def _label(table: ContactTable, i: int, contact: int | None = None) -> str:
-    """Return the beginning of a remark: the image, with its test if two have this name, and a contact."""
+    """Return the beginning of a remark: the name of its image and, if any, of its contact.
+
+    If several images have the same name, the test is named too.
+    """
     name = table.image[i]
     name = name if table.image.count(name) == 1 else f"{name} of test {table.test[i]}"
     return f"{name}: " if contact is None else f"{name}, {table.name_of(contact)}: "

@@ -1,4 +1,4 @@
-"""Sites of a design from its table of heights."""
+"""Reading of the sites of a design from its table of heights."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ COLUMNS = Columns("site,x_mm,y_mm", ("x,y",), "site")
 
 
 def read_sites(path: str | Path) -> tuple[FloatArray, IntArray]:
-    """Return positions (n, 2) [mm] and numbers (n,) of the sites of a design, from above the asperities.
+    """Return the positions [mm], (n, 2), and numbers, (n,), of the sites of a design, seen from above.
 
-    The table has the columns x and y with their units, and optionally site; without it the sites are numbered
-    from 0. The table of a mould is refused: it is mirrored.
+    The table has the columns x and y, with their units, and optionally the column site. Without the column
+    site, the sites are numbered from 0. The table of a mould is refused because it is mirrored.
     """
     table = read_table(path, COLUMNS.example)
     mould = any(title.startswith("depth_") for title in table.header)

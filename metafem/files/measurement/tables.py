@@ -1,4 +1,4 @@
-"""Tables of calibration tests: compression, shear, records of single pulls, and contacts in images."""
+"""Reading of tables of calibration tests: compression, shear, records of single pulls, contacts in images."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from metafem.files.reading import file_label
 from metafem.files.tables import Columns, Entries, read_table
 from metafem.notes import Note, information
 
-# Areas of single contacts: area_1, area_2 and so on.
+# Names of the columns with areas of single contacts: area_1, area_2 and so on.
 SINGLE = re.compile(r"area_\d{1,4}", re.ASCII)
 
 COLUMNS = Columns(
@@ -37,9 +37,10 @@ COLUMNS = Columns(
 
 @dataclass(frozen=True, eq=False)
 class Compression:
-    """Loads (k,) [N], areas (k,) or (k, n) [mm^2], labels of the tests, and the place of each point.
+    """Loads [N], (k,), and areas [mm^2], (k,) or (k, n), of compression tests.
 
-    `contacts` is the number of contacts, if a table has single ones.
+    Each point has the label of its test, and its location in the files. `contacts` is the number of contacts,
+    if a table has the areas of single contacts.
     """
 
     load: FloatArray
@@ -51,7 +52,10 @@ class Compression:
 
 @dataclass(frozen=True, eq=False)
 class Shear:
-    """Areas before shear and sheared [mm^2] and friction forces [N], (k,); nan where not measured."""
+    """Areas before and under shear [mm^2] and friction forces [N], (k,); nan if not measured.
+
+    Each point has the label of its test, and its location in the files.
+    """
 
     area_before: FloatArray
     area_sheared: FloatArray
@@ -62,11 +66,11 @@ class Shear:
 
 @dataclass(eq=False)
 class CalibrationData:
-    """Pooled data of tables.
+    """Pooled data of several tables.
 
-    `records` holds the records of pulls by the name of their file, `boundary` the error of the contacts'
-    boundary [mm] from the tables of images (for all areas or not at all), and `position` the centres of the
-    contacts (n, 2) [mm] of the first of these tables. `notes` state what is left out.
+    `records` holds the records of pulls by file name. If all tables are tables of contacts in images with
+    errors, `boundary` is the rms error of the contacts' boundary [mm], otherwise None. `position` holds the
+    centres of the contacts [mm], (n, 2), in the first table of contacts. `notes` state what is left out.
     """
 
     compression: Compression | None = None
@@ -83,21 +87,22 @@ def read_calibration(
     sliding: bool = False,
     sliding_range: tuple[float, float] | None = None,
 ) -> CalibrationData:
-    """Read tables of calibration tests, each recognised by its columns, and pool them.
+    """Return the pooled data of tables of calibration tests; the columns determine the kind of a table.
 
     Parameters
     ----------
     paths : iterable of str or Path
-        CSV files whose first line names the columns as quantity_unit. A compression test has ``load`` and
-        ``area`` (the total) or ``area_1``, ``area_2`` ... of single contacts. A shear test has
-        ``area_before`` (or ``area``), ``area_sheared`` and ``friction_force``; entries may be empty, and a
-        column ``load`` may be present. A record of one pull has ``displacement``, ``friction_force`` and
-        ``area``, which is empty between the frames. Tables of ``metafem images`` are read too. A column
-        ``test`` holds labels of tests; without it each table is a test, and all records together are one.
+        CSV files whose first line names the columns as quantity_unit. A compression test has the columns
+        ``load`` and either ``area`` (the total) or ``area_1``, ``area_2`` ... (single contacts). A shear test
+        has ``area_before`` (or ``area``), ``area_sheared`` and ``friction_force``; its entries may be empty,
+        and it may have a column ``load``. A record of one pull has ``displacement``, ``friction_force`` and
+        ``area``; the area is empty between the frames of the camera. Tables of ``metafem images`` are also
+        read. A column ``test`` holds the labels of tests. Without this column, each table is one test, and
+        all records together are one test.
     sliding : bool
-        Whether records yield sliding instead of static friction.
+        Whether the records yield sliding friction instead of static friction.
     sliding_range : (float, float), optional
-        Of `metafem.calibration.shear_record`.
+        Argument of `metafem.calibration.shear_record`, for records.
     """
     data = CalibrationData()
     parts: list[Compression | Shear] = []
@@ -108,7 +113,7 @@ def read_calibration(
     stems = [path.stem for path in files]
     for path in files:
         table = read_table(path, "load_mN,area_mm2")
-        # files with the same name in several folders are several tests
+        # files of the same name in different folders are different tests
         label = path.stem if stems.count(path.stem) == 1 else str(path.with_suffix(""))
         if is_of_contacts(table):
             contacts = contacts_of(table)
@@ -140,7 +145,7 @@ def read_calibration(
 
 
 def _pooled_compression(parts: list[Compression], notes: list[Note]) -> Compression | None:
-    """Return all points of compression tests, as totals if a table has no single contacts."""
+    """Return all points of compression tests; if a table has only total areas, all areas are totals."""
     numbers = {part.area.shape[1]: part.place[0] for part in parts if part.area.ndim == 2}
     found = " and ".join(f"{number} ({place})" for number, place in numbers.items())
     refuse_if(
@@ -160,7 +165,7 @@ def _pooled_compression(parts: list[Compression], notes: list[Note]) -> Compress
 
 
 def _pooled(parts: Sequence[Compression | Shear]) -> Any:
-    """Return all points of one kind, None if there are none."""
+    """Return all points of one kind of test, or None if there are no such tests."""
     if not parts:
         return None
     members = {name: [getattr(part, name) for part in parts] for name in vars(parts[0]) if name != "contacts"}
@@ -172,14 +177,14 @@ def _pooled(parts: Sequence[Compression | Shear]) -> Any:
 
 
 def _total(area: FloatArray) -> FloatArray:
-    """Return the total areas of contacts."""
+    """Return the total area of all contacts at each point, (k,)."""
     return area if area.ndim == 1 else np.asarray(area.sum(axis=1))
 
 
 def _points(entries: Entries, label: str) -> list[Compression | Shear]:
     """Return the points of a compression test, of a shear test, or of both."""
     file, columns = entries.table.name, entries.columns.keys() - {"test"}
-    sheared = "area_sheared" in columns  # with it, an entry may be empty
+    sheared = "area_sheared" in columns  # entries of a shear test may be empty
     values = {name: entries.numbers(name, empty=sheared) for name in columns}
     single = sorted((name for name in values if SINGLE.fullmatch(name)), key=lambda name: int(name[5:]))
     both = f"{file} has a column of the total area and {' '.join(single[:1])}; keep one"
@@ -204,14 +209,14 @@ def _points(entries: Entries, label: str) -> list[Compression | Shear]:
 
 
 def _tests(entries: Entries, default: str) -> list[str]:
-    """Return the test of each line."""
+    """Return the label of the test of each line."""
     if "test" not in entries.columns:
         return [default] * len(entries.table.rows)
     return [printable(text, 60) for text in entries.texts("test")]
 
 
 def _record(entries: Entries, sliding_range: tuple[float, float] | None) -> ShearRecord:
-    """Return the record of one pull."""
+    """Return the record of one pull in a table."""
     missing = [name for name in ("friction_force", "area") if name not in entries.columns]
     if missing:
         raise COLUMNS.lacking(entries, *missing)
@@ -222,7 +227,7 @@ def _record(entries: Entries, sliding_range: tuple[float, float] | None) -> Shea
 
 
 def _pull(entries: Entries, record: ShearRecord, sliding: bool) -> Shear:
-    """Return the point of the record of one pull."""
+    """Return the single point of static or sliding friction that a record of one pull yields."""
     kind = "sliding" if sliding else "static"
     area, force = getattr(record, f"{kind}_area"), getattr(record, f"{kind}_force")
     before, sheared, peak = np.array([[record.area_before], [area], [force]])
@@ -232,7 +237,7 @@ def _pull(entries: Entries, record: ShearRecord, sliding: bool) -> Shear:
 def _of_contacts(
     contacts: ContactTable, name: str, label: str, notes: list[Note]
 ) -> list[Compression | Shear]:
-    """Return the points of the images, and append notes on those that are left out."""
+    """Return the points of a table of contacts, and append notes on images that are left out."""
     place = np.array([f"{name}, image {image}" for image in contacts.image])
     test = np.array([each or label for each in contacts.test])
     used, left_out = pressed_images(contacts)
@@ -253,12 +258,12 @@ def _of_contacts(
 
 
 def _named(notes: Iterable[Note], file: str) -> list[Note]:
-    """Return notes that name a file."""
+    """Return the notes with the name of their file in front of the text."""
     return [replace(note, text=f"{file}: {note}") for note in notes]
 
 
 def _boundary(contacts: ContactTable) -> float | None:
-    """Return the rms error of the boundary [mm] that causes the errors of the areas."""
+    """Return the rms error of the contacts' boundary [mm] that explains the errors of the areas, or None."""
     known = np.isfinite(contacts.area) & (contacts.area > 0.0)
     if not known.any():
         return None
@@ -268,13 +273,13 @@ def _boundary(contacts: ContactTable) -> float | None:
 
 @contextmanager
 def of_tables(names: Names, files: list[str]) -> Iterator[None]:
-    """Make errors of the body name arguments as the tables do, and the files that they belong to."""
+    """Make errors of the body name the files, and the columns of the tables instead of arguments."""
     try:
         with named(names):
             yield
     except InvalidInput as error:
         text = str(error)
-        # an option is not part of a file, and a place already names its file
+        # an error about an option has no file, and a location already names its file
         if text.startswith("--") or any(name in text for name in files):
             raise
         raise InvalidInput(f"{', '.join(files)}: {text}") from None

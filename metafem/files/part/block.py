@@ -1,4 +1,4 @@
-"""The part and its mould as closed meshes: caps on a block, or cavities in a plate."""
+"""Closed meshes of the part, which is a block with caps, and of its mould, which is a plate with cavities."""
 
 from __future__ import annotations
 
@@ -14,17 +14,18 @@ from metafem.contact.cap_geometry import SPHERES, CapShape
 from metafem.errors import MetafemError
 from metafem.surface import Block, Surface
 
-# Sides and bottom of the block: its corners 0 to 3 at the top, 4 to 7 below them, counterclockwise.
+# Triangles of the sides and the bottom of the block. Corners 0 to 3 are those of the top face,
+# counterclockwise, and corners 4 to 7 lie below them.
 _BOX = np.array(
     [face for i, j in ((0, 1), (1, 2), (2, 3), (3, 0)) for face in ((i, 4 + i, j), (j, 4 + i, 4 + j))]
     + [(4, 6, 5), (4, 7, 6)]
 )
 _CORNERS = 8
 
-# One ring would make a pyramid of the flattest caps.
+# Least number of rings: with one ring a cap would be a pyramid.
 _FEWEST = 2
 
-# Number of faces that are processed at a time: about ten megabytes.
+# Number of faces that are processed at a time; they take about ten megabytes.
 _AT_A_TIME = 1 << 16
 
 
@@ -36,13 +37,13 @@ class Mesh:
     faces: IntArray  # (m, 3), counterclockwise, seen from outside
 
     def corners(self) -> Iterator[FloatArray]:
-        """Yield the corners of faces, (k, 3 corners, 3) [mm], some at a time."""
+        """Yield the corners of all faces [mm], in arrays (k, 3, 3) of k faces with 3 corners each."""
         for start in range(0, len(self.faces), _AT_A_TIME):
             yield self.vertices[self.faces[start : start + _AT_A_TIME]]
 
     @property
     def closed(self) -> bool:
-        """Whether each edge belongs to two faces that traverse it in opposite directions."""
+        """Whether two faces share each edge and traverse it in opposite directions."""
         start, end = self.faces.ravel(), np.roll(self.faces, -1, axis=1).ravel()
         forth = np.sort(start * len(self.vertices) + end)
         back = np.sort(end * len(self.vertices) + start)
@@ -50,20 +51,20 @@ class Mesh:
 
 
 def mirrored(points: FloatArray) -> FloatArray:
-    """Return points of the part (n, 2) or (n, 3) as seen from the open face of the mould: x -> -x [mm].
+    """Return points of the part as seen from the open face of the mould, x -> -x [mm], (n, 2) or (n, 3).
 
-    The part lies face down on the mould, as on a page that is turned over.
+    The part lies face down on the mould, so that its left and right are exchanged.
     """
     result = np.array(points)
-    result[:, 0] = 0.0 - result[:, 0]  # -x is -0.0 on the axis
+    result[:, 0] = 0.0 - result[:, 0]  # not -x, which would be -0.0 on the axis
     return result
 
 
 def block_mesh(surface: Surface, block: Block, chord_error: float, shape: CapShape = SPHERES) -> Mesh:
-    """Mesh the part: caps of a shape on the block, the base plane at z = 0.
+    """Return the mesh of the part: a block with caps of a shape, and its base plane at z = 0.
 
-    The base circles of the caps must not overlap or leave the block. The chord error is the largest depth of
-    a face below its cap [mm].
+    The base circles of the caps must not overlap and must lie within the block. The chord error is the
+    largest depth of a face below its cap [mm].
 
     Examples
     --------
@@ -80,23 +81,23 @@ def block_mesh(surface: Surface, block: Block, chord_error: float, shape: CapSha
 
 
 def mould_mesh(part: Mesh, surface: Surface, block: Block) -> Mesh:
-    """Return the negative of a part's mesh: a plate with the block's outline and a cavity for each cap.
+    """Return the mesh of the mould: a plate with the block's outline and a cavity for each cap.
 
-    It is seen from its open face, z = 0, as the mirror image of the part. Below the deepest cavity the
-    plate is as thick as the block.
+    Its open face is z = 0; seen from there, the mould is the mirror image of the part. The plate is as thick
+    as the block plus the deepest cavity.
     """
     vertices = part.vertices.copy()
     vertices[4:_CORNERS, 2] = block.thickness + float(surface.height.max())
-    # summits point down, and inside and outside are exchanged
+    # the caps point down, and the order of corners is reversed because inside and outside are exchanged
     return Mesh(mirrored(vertices) * (1.0, 1.0, -1.0), part.faces[:, ::-1])
 
 
 def triangle_count(
     height: FloatArray, radius: FloatArray, chord_error: float, shape: CapShape = SPHERES
 ) -> int:
-    """Return the number of faces of a part or its mould, without computing them.
+    """Return the number of triangles of a part, which is also that of its mould, without meshing it.
 
-    A plane of V vertices with n holes has ``V + 2 n - 2`` triangles.
+    A triangulated plane with V vertices and n holes has ``V + 2 n - 2`` triangles.
     """
     rings = ring_count(height, radius, chord_error, shape)
     plane = 4 + 6 * rings.sum() + 2 * len(rings) - 2
@@ -104,7 +105,7 @@ def triangle_count(
 
 
 def _welded(surface: Surface, block: Block, chord_error: float, shape: CapShape) -> Mesh:
-    """Return the caps on a base plane that is triangulated between their rims, and the block below."""
+    """Return one mesh of the caps, the base plane between their rims, and the block below."""
     x, y = 0.5 * block.width, 0.5 * block.length
     corners = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
     vertices = [np.column_stack([corners, np.full(4, z)]) for z in (0.0, -block.thickness)]
@@ -128,10 +129,11 @@ def _welded(surface: Surface, block: Block, chord_error: float, shape: CapShape)
 
 
 def _plane(points: FloatArray, owner: IntArray) -> IntArray:
-    """Triangulate a plane between rims; `owner` (n,) is the number of the rim of each point.
+    """Return the triangles (m, 3) of the plane between the rims of the caps and the block's outline.
 
-    It is the Delaunay triangulation without the triangles that have all corners on one rim. There are no
-    other points within the circle of a rim, so that its polygon is a union of Delaunay triangles.
+    `owner` (n,) is the number of the rim on which each point lies; each corner of the outline has a number of
+    its own. The result is the Delaunay triangulation without the triangles that have all corners on one rim.
+    No other points lie within the circle of a rim, so that its polygon is a union of Delaunay triangles.
     """
     from scipy.spatial import Delaunay
 
@@ -148,15 +150,15 @@ def _plane(points: FloatArray, owner: IntArray) -> IntArray:
 def ring_count(
     height: FloatArray, radius: FloatArray, chord_error: float, shape: CapShape = SPHERES
 ) -> IntArray:
-    """Return numbers of rings (n,) that keep triangles within the chord error [mm] of the caps."""
+    """Return the number of rings of each cap, (n,), with which its faces keep the chord error [mm]."""
     return np.maximum(_FEWEST, np.ceil(shape.ring_count(height, radius, chord_error))).astype(np.int64)
 
 
 def cap_vertices(height: FloatArray, radius: FloatArray, rings: int, shape: CapShape = SPHERES) -> FloatArray:
-    """Return vertices (n, m, 3) [mm] of caps with their summits above the origin.
+    """Return the vertices of caps with their summits above the origin [mm], (n, m, 3).
 
-    The summit and rings of 6, 12, 18, ... points lie on the cap, at equal distances along the meridian down
-    to the base plane z = 0. The last ring is the rim: the last ``6 rings`` points, counterclockwise.
+    The vertices are the summit and rings of 6, 12, 18, ... points, at equal distances along the meridian from
+    the summit to the base plane z = 0. The last ``6 rings`` vertices are the rim, counterclockwise.
     """
     size = np.arange(rings + 1) * 6
     size[0] = 1
@@ -169,7 +171,7 @@ def cap_vertices(height: FloatArray, radius: FloatArray, rings: int, shape: CapS
 
 @cache
 def cap_faces(rings: int) -> IntArray:
-    """Return outward faces (6 rings^2, 3): six sectors of triangles between neighbouring rings."""
+    """Return the outward faces of a cap, (6 rings^2, 3); neighbouring rings are joined in six sectors."""
     faces: list[tuple[int, int, int]] = []
 
     def point(ring: int, place: int) -> int:

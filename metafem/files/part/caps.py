@@ -12,7 +12,7 @@ from metafem.contact.cap_geometry import SPHERES, CapShape
 from metafem.errors import InvalidInput, refuse_if
 from metafem.surface import Block, Surface
 
-# Digits of a length proposed in a message.
+# Number of digits of a length that a message proposes.
 DIGITS = 3
 
 # Advice on alignment asperities that cannot be made.
@@ -20,7 +20,7 @@ LEAVE_OUT = "leave out part.alignment_height: the part then has no alignment asp
 
 
 class CannotBeMade(InvalidInput):
-    """Caps that cannot be made; `remedy` is the key of the specification to change."""
+    """Error for caps that cannot be made; `remedy` is the key of the specification to change."""
 
     def __init__(self, message: str, remedy: str) -> None:
         super().__init__(message)
@@ -30,8 +30,8 @@ class CannotBeMade(InvalidInput):
 def alignment_positions(template: Surface) -> FloatArray:
     """Return the positions of four alignment asperities, (4, 2) [mm].
 
-    One lattice pitch outside the corners of the template, along x and along y; the pitch is the
-    smallest distance between two of its sites.
+    They lie one pitch outside the corners of the template, along x and along y. The pitch is the smallest
+    distance between two sites of the template.
     """
     from scipy.spatial import KDTree
 
@@ -49,11 +49,12 @@ def alignment_positions(template: Surface) -> FloatArray:
 def with_alignment(
     surface: Surface, template: Surface, height: float | None, shape: CapShape = SPHERES
 ) -> Surface:
-    """Return the asperities of a part and, after them, four alignment asperities of a height [mm], if any.
+    """Return the asperities of a part, followed by four alignment asperities of `height` [mm].
 
-    Their radius is the smallest one in use with which a cap can have this height (for spheres, at least the
-    height): the part needs no further tool, and none of its tools makes narrower caps of that height. Raise
-    InvalidInput if the height does not exceed the tallest summit, or exceeds that of all caps.
+    If `height` is None, the part has no alignment asperities. Otherwise these have the smallest radius in use
+    with which a cap can have this height (a sphere needs a radius of at least the height). The part then
+    needs no further tool, and its alignment asperities are as narrow as its tools allow. Raise InvalidInput
+    if the height does not exceed the tallest summit, or if no cap can have this height.
     """
     if height is None:
         return surface
@@ -74,9 +75,9 @@ def with_alignment(
 
 
 def refuse_impossible(surface: Surface, block: Block, asperities: int, shape: CapShape = SPHERES) -> None:
-    """Raise InvalidInput for heights that caps cannot have, and for caps that overlap or leave the block.
+    """Raise InvalidInput if a cap cannot have its height, overlaps another cap or leaves the block.
 
-    Caps after the first `asperities` are for alignment.
+    The first `asperities` caps are those of the design, and all others are for alignment.
     """
     from scipy.spatial import KDTree
 
@@ -86,7 +87,7 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int, shape: Ca
         return f"asperity {i} {where}" if i < asperities else f"alignment asperity {i - asperities} {where}"
 
     def refused(words: str, remedy: str, key: str, *rows: int) -> InvalidInput:
-        """Return the error of asperities; for alignment asperities it begins with their key."""
+        """Return the error for asperities `rows`; for alignment asperities its key is alignment_height."""
         if max(rows) < asperities:
             return CannotBeMade(f"{words}; {remedy}", key)
         why = f"cannot be made: {words}; {LEAVE_OUT}. Or {remedy}"
@@ -131,7 +132,7 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int, shape: Ca
 
 
 def _rounded(value: float, up: bool) -> float:
-    """Return a length just above or below a given one, with few digits."""
+    """Return the next length above or below `value` that has only `DIGITS` digits."""
     step = 10.0 ** (math.floor(math.log10(value)) - DIGITS + 1)
     count = math.floor(value / step) + 1 if up else math.ceil(value / step) - 1
     return float(f"{step * count:.{DIGITS}g}")

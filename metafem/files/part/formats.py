@@ -1,4 +1,4 @@
-"""Meshes as files: binary STL, 3MF and OBJ."""
+"""Writers of meshes: binary STL, 3MF and OBJ."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from metafem.files.part.block import Mesh
 
-# A triangle of a binary STL file: little-endian, not aligned.
+# Layout of a triangle in a binary STL file: little-endian, without padding.
 _STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _STL_HEADER = 80
 
@@ -33,14 +33,14 @@ xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">
 """
 _3MF_FOOT = '</triangles>\n</mesh></object></resources>\n<build><item objectid="1"/></build>\n</model>\n'
 
-# The date of all members of an archive: equal meshes have equal files.
+# Constant date of all members of an archive, so that equal meshes give equal files.
 _NO_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def write_stl(mesh: Mesh, path: Path, title: str) -> None:
-    """Write binary STL; its header states the title and the unit, for which the format has no field."""
+    """Write binary STL. Its header states the unit, for which the format has no field, and the title."""
     with path.open("wb") as file:
-        # files that begin with "solid" are read as text
+        # a file must not begin with "solid", because programs then read it as text
         file.write(f"metafem {title}; units: mm".encode("ascii").ljust(_STL_HEADER)[:_STL_HEADER])
         file.write(np.uint32(len(mesh.faces)).astype("<u4").tobytes())
         for corners in mesh.corners():
@@ -61,7 +61,7 @@ def write_obj(mesh: Mesh, path: Path, title: str) -> None:
 
 
 def write_3mf(mesh: Mesh, path: Path, title: str) -> None:
-    """Write 3MF, an archive of XML whose unit is the millimetre."""
+    """Write 3MF, a ZIP archive of XML files; its unit is the millimetre."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, text in (("[Content_Types].xml", _3MF_TYPES), ("_rels/.rels", _3MF_RELATIONS)):
             archive.writestr(_member(name), text)
@@ -79,7 +79,7 @@ def _member(name: str) -> zipfile.ZipInfo:
     return info
 
 
-# By the extension of the file's name.
+# The writer of each format, by the extension of the file's name.
 WRITERS: Mapping[str, Callable[[Mesh, Path, str], None]] = {
     "stl": write_stl,
     "3mf": write_3mf,
@@ -88,5 +88,5 @@ WRITERS: Mapping[str, Callable[[Mesh, Path, str], None]] = {
 
 
 def stl_size(triangles: int) -> int:
-    """Return the bytes of a binary STL file."""
+    """Return the size of a binary STL file [bytes]."""
     return _STL_HEADER + 4 + _STL_TRIANGLE.itemsize * triangles

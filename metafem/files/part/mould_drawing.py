@@ -1,7 +1,7 @@
-"""The mould as a dimensioned drawing, in SVG and true to scale.
+"""A dimensioned drawing of the mould in SVG, true to scale.
 
-Each hole is one short element, so that 10,000 holes stay below a megabyte; lengths are millimetres of the
-sheet.
+Each hole is one short element, so that a drawing of 10,000 holes has less than a megabyte. Coordinates in the
+drawing are millimetres on the sheet.
 """
 
 from __future__ import annotations
@@ -18,30 +18,31 @@ from metafem.files.part.block import mirrored
 from metafem.models.model import PARABOLOID
 from metafem.surface import Block, Surface
 
-# Scales of ISO 5455, largest first, and the size of the plan view on an A3 sheet [mm].
+# Scales of ISO 5455, largest first, and the largest side of the plan view, for an A3 sheet [mm].
 _SCALES = tuple(a * 10.0**k for k in range(2, -4, -1) for a in (5.0, 2.0, 1.0))
 _PLAN = 240.0
 
-# Margins around the plan view, space below it before the notes, and distance of lines of text [mm].
+# Margins left of, above and right of the plan view, space between the view and the notes, and distance
+# between lines of text [mm].
 _LEFT, _TOP, _RIGHT, _BELOW, _LINE = 32.0, 36.0, 32.0, 28.0, 5.5
 
 # Distance of dimension lines from the outline, and size of arrows and letters [mm].
 _FAR, _ARROW, _TEXT = 10.0, 2.5, 3.5
 
-# The end of a dimension line.
+# Arrow at the end of a dimension line.
 _ARROWHEAD = (
     f'<marker id="arrow" viewBox="-{_ARROW} -.4 {_ARROW} .8" refX="0" refY="0" markerWidth="{_ARROW}" '
     'markerHeight=".8" markerUnits="userSpaceOnUse" orient="auto">'
     f'<path d="M0 0L-{_ARROW} .4V-.4Z"/></marker>'
 )
 
-# Sheets are at least as wide as their notes [mm].
+# Least width of a sheet, at which the notes fit on it [mm].
 _NARROWEST = 190.0
 
 # Largest number of holes labelled with their numbers in mould.csv.
 _MOST_NUMBERED = 144
 
-# Line styles of the tools: colour and dashes. If there are more tools, all have one style.
+# Line style of each tool: colour and dashes. If there are more tools than styles, all tools have the first.
 _TOOLS = (
     ("#1b6f8a", ""),
     ("#c8553d", "1.5 .8"),
@@ -50,15 +51,15 @@ _TOOLS = (
     ("#a07d1c", "3 .8 .6 .8"),
 )
 
-# Positions that differ by less than this fraction of their range are in one column or row.
+# Holes are in the same column or row if their positions differ by less than this fraction of the range.
 _SAME = 1e-9
 
 
 def mould_drawing(surface: Surface, asperities: int, block: Block, contact: Contact = PARABOLOID) -> str:
-    """Return the drawing of the holes of a mould, seen from its open face.
+    """Return the drawing of a mould, seen from its open face, as the text of an SVG file.
 
-    The caps of the surface after the first `asperities` are for alignment. Their shape is that of the contact
-    law.
+    The first `asperities` caps of the surface are those of the design, and all others are for alignment. The
+    contact law determines the shape of the caps.
     """
     position = mirrored(surface.position)
     scale = next((s for s in _SCALES if s * max(block.width, block.length) <= _PLAN), _SCALES[-1])
@@ -117,7 +118,10 @@ def mould_drawing(surface: Surface, asperities: int, block: Block, contact: Cont
 
 
 def _tools(surface: Surface) -> list[tuple[list[int], str]]:
-    """Return the holes of each tool and their description; more tools than line styles count as one."""
+    """Return the indices of the holes of each tool, and a description of these holes.
+
+    If there are more tools than line styles, all tools are described as one.
+    """
     radii = np.unique(surface.radius)
     if len(radii) > len(_TOOLS):
         words = f"{surface.count} holes, {len(radii)} tool radii R from {radii[0]:.6g} to {radii[-1]:.6g}"
@@ -167,7 +171,7 @@ def _cross(x: float, y: float, size: float) -> str:
 
 
 def _chain(position: FloatArray, edge: float, side: float, level: float, scale: float) -> Iterator[str]:
-    """Yield the dimensions from an edge to the first column or row, and of the pitch."""
+    """Yield the dimension from an edge to the first column or row, and the dimension of the pitch."""
     first = float(position[0])
     pitch = _pitch(position)
     words = f"{abs(first - edge) / scale:.5g}"
@@ -178,7 +182,7 @@ def _chain(position: FloatArray, edge: float, side: float, level: float, scale: 
 
 
 def _pitch(position: FloatArray) -> float | None:
-    """Return the step of increasing positions that are multiples of it, or None."""
+    """Return the common step of sorted positions; None if their distances are not multiples of one step."""
     extent = float(np.ptp(position))
     steps = np.diff(position)
     steps = steps[steps > _SAME * extent]
@@ -192,11 +196,11 @@ def _pitch(position: FloatArray) -> float | None:
 def _dimension(
     start: float, end: float, edge: float, level: float, words: str, *, beside: bool = False
 ) -> Iterator[str]:
-    """Yield a dimension line, with extension lines from the edge, arrows and its text."""
+    """Yield the elements of a dimension: its line, extension lines from the edge, arrows and text."""
     over, middle = level + np.sign(level - edge), 0.5 * (start + end)
     extensions = "".join(f"M{tip:.6g} {edge:.6g}V{over:.6g}" for tip in (start, end))
     yield f'<path d="{extensions}M{start:.6g} {level:.6g}H{end:.6g}"/>'
-    # the arrows of a short line point to it from outside
+    # at a short line, the arrows are outside and point to its ends
     short = end - start <= 3.0 * _ARROW
     for tip, outside in ((start, start - 2.0 * _ARROW), (end, end + 2.0 * _ARROW)):
         tail = outside if short else middle

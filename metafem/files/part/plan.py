@@ -1,4 +1,4 @@
-"""The files of a part: caps, chord error and size."""
+"""The files of a part: options, checks and writing."""
 
 from __future__ import annotations
 
@@ -24,34 +24,34 @@ from metafem.surface import Block, Surface
 
 FORMATS = tuple(WRITERS)
 
-# Default chord error in smallest radii: 0.2 um on the source paper's summits of 526 um, a quarter of the
-# 0.9 um with which its moulds are made (doi:10.1126/science.adk4234).
+# Default chord error as a fraction of the smallest radius. For the source paper's radius of 526 um it is
+# 0.2 um, a quarter of the 0.9 um accuracy of the paper's moulds (doi:10.1126/science.adk4234).
 FINE = 4e-4
 
-# Largest number of triangles of a solid by default: 100 MB of STL, which common viewers and CAM programs
-# open. A cap has about pi h / (chord error) triangles, for any radius.
+# Largest number of triangles of a solid if no chord error is stated: 100 MB of STL, which common viewers and
+# CAM programs can open. A cap has about pi h / (chord error) triangles, for any radius.
 MOST_BY_DEFAULT = 2_000_000
 
-# Largest number of triangles: 500 MB of STL, and a gigabyte of memory.
+# Largest number of triangles of a solid in all cases: 500 MB of STL and a gigabyte of memory.
 MOST = 10_000_000
 
-# Steps in which the default chord error is increased.
+# Factor by which the default chord error is increased until the solid has few enough triangles.
 COARSER = 1.1
 
 
 @dataclass(frozen=True)
 class PartOptions:
-    """Options of the files of a part.
+    """Options of the files to make a part.
 
     Parameters
     ----------
     alignment_height : float, optional
         Height of four alignment asperities outside the corners of the template [mm].
     chord_error : float, optional
-        Largest depth of the faces of the mesh below the true caps [mm]. At a given separation it changes
-        the real contact area of an asperity by at most ``pi R`` times the chord error, like an error of
-        height; most of this is a shift of all caps, which does not change A0(P). Default: 4e-4 of the
-        smallest radius, or more if a solid would have over two million triangles.
+        Largest depth of the faces of the mesh below the true caps [mm]. It acts like an error of the height:
+        at a given separation, the contact area of an asperity changes by at most ``pi R`` times the chord
+        error. Most of this change equals that of a common shift of all caps, which does not affect A0(P).
+        Default: 4e-4 of the smallest radius, or more if a solid would have over two million triangles.
     formats : sequence of str
         File formats of the solids: "stl", "3mf" and "obj"; default: ("stl",).
 
@@ -76,14 +76,14 @@ class PartOptions:
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A part that can be made."""
+    """A part whose caps can be made, with the options of its files."""
 
     surface: Surface  # its asperities, followed by its alignment asperities
     asperities: int  # number of asperities without those for alignment
     block: Block
     chord_error: float  # [mm]
     options: PartOptions
-    contact: Contact  # law with the shape of the caps
+    contact: Contact  # contact law, which determines the shape of the caps
 
     @cached_property
     def triangles(self) -> int:
@@ -98,7 +98,7 @@ class Part:
         return "spheres" if self.contact.shape() is SPHERES else "caps"
 
     def record(self) -> dict[str, Any]:
-        """Return a description of the files for JSON."""
+        """Return chord error, number of triangles and names of the files, for JSON."""
         return {
             "chord_error_mm": self.chord_error,
             "triangles": self.triangles,
@@ -107,7 +107,7 @@ class Part:
         }
 
     def size(self) -> str:
-        """Return the size of the solids in words."""
+        """Return a text with the names of the solids, their size and their chord error."""
         names = " and ".join(f"block.{kind}, mould.{kind}" for kind in self.options.formats)
         stl = f", {stl_size(self.triangles) / 1e6:.3g} MB as STL" if "stl" in self.options.formats else ""
         return (
@@ -137,12 +137,14 @@ class Part:
 def planned(
     surface: Surface, template: Surface, options: PartOptions, contact: Contact = PARABOLOID
 ) -> Part | None:
-    """Return the part of a surface, or None without a block; its caps have the shape of a contact law.
+    """Return the part of a surface, or None if the surface has no block.
+
+    The contact law determines the shape of the caps.
 
     Raises
     ------
     InvalidInput
-        For caps that cannot be made, and for a chord error that needs too many triangles.
+        If a cap cannot be made, or if the chord error needs too many triangles.
     """
     whole = with_alignment(surface, template, options.alignment_height, contact.shape())
     if surface.block is None:
@@ -163,7 +165,7 @@ def planned(
 
 
 def part_notes(part: Part | None) -> tuple[Note, ...]:
-    """Return notes on the files of a part."""
+    """Return notes if no part was written, or if its default chord error was increased."""
     if part is None:
         words = "no part was written: the surface has no block; add a block with width, length and thickness"
         return (information(words),)

@@ -1,1 +1,1 @@
-"""The result folder of a design, written and read."""
+"""Writing and reading of the result folder of a design."""

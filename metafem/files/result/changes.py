@@ -1,4 +1,4 @@
-"""Changes in a result folder since metafem wrote it, and the law of changed heights."""
+"""Detection of changes in a result folder since metafem wrote it, and the law of changed heights."""
 
 from __future__ import annotations
 
@@ -17,24 +17,25 @@ from metafem.notes import Note
 
 RECORD = "design.json"
 
-# Largest relative difference of a law from that of its heights if they agree. Another order of summation and
-# the last step of an iteration change areas by 1e-12; rounded heights of a table by a hundredth of this.
+# Relative difference up to which a stored law agrees with the recomputed law of the stored heights. Another
+# order of summation or another last iteration changes areas by 1e-12, and rounded heights by 1e-8.
 SAME = 1e-6
 
-# Relative difference of a height from its limits that counts as rounding.
+# Relative amount by which a height may exceed its limits due to rounding.
 ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
 class FolderNote(Note):
-    """A note on a changed folder; it is not saved with the design in another folder."""
+    """A note on a changed result folder; it is not saved if the design is saved in another folder."""
 
 
 def compared(design: Design, folder: Path) -> tuple[Design, tuple[Note, ...]]:
-    """Return a loaded design, with the law of its heights if its record was changed, and notes on changes.
+    """Return a loaded design and notes on changes in its folder.
 
-    A record without a list of files, for example in a copy of a folder without hidden files, is compared with
-    the law of its heights; models without gradients are excepted, because their laws take minutes.
+    If design.json was changed and its law is not that of its heights, the returned design has the recomputed
+    law. The law is also checked if the folder has no list of files, for example because it was copied without
+    hidden files. In this case it is not checked for models without gradients, whose laws take minutes.
     """
     known = written(folder) if (folder / MANIFEST).is_file() else {}
     changed = sorted(
@@ -57,7 +58,7 @@ def compared(design: Design, folder: Path) -> tuple[Design, tuple[Note, ...]]:
 
 
 def _recomputed(design: Design, path: Path, changed: bool) -> tuple[Design, list[Note]]:
-    """Return the design with the law of its heights if it differs from the stated one, and notes on it."""
+    """Return the design, with the law of its heights if the stored law differs from it, and notes on this."""
     name = file_label(path)
     words = f"{name} was changed since metafem wrote it" if changed else f"{name} does not fit together"
     try:
@@ -92,11 +93,11 @@ def _same_law(design: Design, again: Design) -> bool:
 
 
 def _other_target(design: Design) -> str:
-    """Return a sentence if the heights were designed for other lines than those of the target, or ""."""
+    """Return a sentence if the heights were designed for other lines than those of the target, else ""."""
     target, made = design.target, [branch for branch, _ in design.fits]
     wanted: ArrayLike = [(slope, *ends) for slope, ends in target.branches]
     found: ArrayLike = [(branch.slope, *branch.load_range) for branch in made]
-    if not target.branches:  # the target states only the slopes and the loads between them
+    if not target.branches:  # the target states only slopes and crossover loads
         starts = [0.0, *(branch.load_range[1] for branch in made)]
         wanted = target.lines
         found = [(branch.slope, start) for branch, start in zip(made, starts, strict=False)]

@@ -1,4 +1,4 @@
-"""The result folder of a design, written and read."""
+"""Writing and reading of the result folder of a design."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from metafem.models.model import contact_of
 from metafem.notes import Note
 from metafem.progress import doing
 
-# First member of a design.json.
+# Value of the first member of design.json: the kind of file and its version.
 FORMAT = "metafem design 1"
 
 NO_PAGES: Mapping[str, str] = MappingProxyType({})
@@ -45,33 +45,34 @@ def save(
 ) -> None:
     """Write a design and the files to make the part into a new folder.
 
-    The files are ``design.json`` (all data for `load`, and versions), ``heights.csv``, ``law.csv``,
-    ``mould.csv`` and ``surface.vtu``; with a specification, ``spec.toml`` and the table of its target law;
-    with a block, the solids ``block.stl`` and ``mould.stl`` and the drawing ``mould.svg``. The folder appears
-    when all files are written. A hidden file ``.metafem-files`` lists them with their sha256, for `force`.
+    The files are ``design.json`` (all data that `load` reads, and versions of libraries), ``heights.csv``,
+    ``law.csv``, ``mould.csv`` and ``surface.vtu``. A specification adds ``spec.toml`` and the tables that it
+    names. A block adds the solids ``block.stl`` and ``mould.stl`` and the drawing ``mould.svg``. The folder
+    appears when all files are written. Its hidden file ``.metafem-files`` lists the files with their SHA-256
+    hashes, so that `force` can recognise changed files.
 
     Parameters
     ----------
     design : Design
     folder : str or Path
-        A new or empty folder; its parent exists.
+        A new or empty folder; its parent folder must exist.
     specification : Specification, optional
         The specification of the design; default: None.
     part : PartOptions, optional
-        Options of the files of the part. Default: those of the specification.
+        Options of the files of the part. Default: the options in the specification.
     pages : mapping of str to str, optional
         Names and texts of further files, for example ``{"report.html": metafem.report.page(design)}``;
         default: none.
     force : bool
-        Whether to replace an existing result folder. A folder with changed files or files that metafem did
-        not write is refused. Default: False.
+        Whether to replace an existing result folder. A folder is refused if it contains changed files, or
+        files that metafem did not write. Default: False.
 
     Raises
     ------
     InvalidInput
-        If the folder holds such files, is being written by another run or cannot be written, or if the part
-        cannot be made: a summit outside ``0 < h <= R``, or caps that overlap or leave the block. No
-        unfinished file is left.
+        If the folder is refused, if another run is writing it, or if it cannot be written. Also if the part
+        cannot be made, because a summit is outside ``0 < h <= R``, or because caps overlap or leave the
+        block. No unfinished file is left.
 
     Examples
     --------
@@ -93,7 +94,7 @@ def save(
 def result_folder(
     folder: str | Path, specification: Specification | None = None, *, force: bool = False
 ) -> AbstractContextManager[Path]:
-    """Return the context of `staged` for the files of a design."""
+    """Return the context manager `staged` for the folder of a design, with its specification."""
     return staged(folder, force, {} if specification is None else specification.files)
 
 
@@ -105,7 +106,7 @@ def write_all(
     pages: Mapping[str, str] = NO_PAGES,
     part: PartOptions | None = None,
 ) -> Part | None:
-    """Write all files of a design into an existing folder, and return the part, None without a block."""
+    """Write all files of a design into an existing folder; return the part, or None without a block."""
     surface = design.surface
     options = part or (PartOptions() if specification is None else specification.part)
     made = planned(surface, design.template, options, contact_of(design.law.model))
@@ -130,7 +131,7 @@ def write_all(
 
 
 def result_tables(design: Design, part: PartOptions) -> dict[str, str]:
-    """Return names and texts of the tables of a design: its summits, its law and the holes of its mould."""
+    """Return the texts of a design's tables by file name: its summits, its law and the holes of its mould."""
     shape = contact_of(design.law.model).shape()
     whole = with_alignment(design.surface, design.template, part.alignment_height, shape)
     return {
@@ -141,10 +142,10 @@ def result_tables(design: Design, part: PartOptions) -> dict[str, str]:
 
 
 def load(folder: str | Path) -> Design:
-    """Read the design of a result folder; it equals the saved one bit for bit.
+    """Return the design in a result folder; it equals the saved design bit for bit.
 
-    Notes of the design name the files that were changed since. Only ``design.json`` is read. If it was
-    changed itself, law, misfit and status are recomputed from its heights.
+    Only ``design.json`` is read. If this file was changed, law, misfit and status are recomputed from its
+    heights. The notes of the design name the files that were changed.
 
     Parameters
     ----------
@@ -174,7 +175,7 @@ def load(folder: str | Path) -> Design:
 
 
 def load_compared(folder: str | Path) -> tuple[Design, tuple[Note, ...]]:
-    """Return the design of `load`, and notes on changes in the folder since it was written."""
+    """Return the design in a result folder, and notes on changes in the folder since it was written."""
     path, record = read_result(folder)
     with damaged(path):
         design = from_record(record.get("design"), "design")
@@ -183,7 +184,7 @@ def load_compared(folder: str | Path) -> tuple[Design, tuple[Note, ...]]:
 
 
 def stored_hardness(folder: str | Path) -> float | None:
-    """Return the hardness [MPa] that the specification of a result folder states, if any."""
+    """Return the hardness [MPa] that the specification of a result folder states, or None."""
     path, record = read_result(folder)
     with damaged(path):
         specification = record["specification"] or {}
@@ -192,7 +193,7 @@ def stored_hardness(folder: str | Path) -> float | None:
 
 
 def same_design(folder: str | Path) -> Callable[[], None]:
-    """Return a function that raises InvalidInput if the design in the folder is replaced after this call."""
+    """Return a function that raises InvalidInput if the design in the folder has been replaced meanwhile."""
     path = Path(folder).absolute() / "design.json"
 
     def current() -> str:
@@ -207,7 +208,7 @@ def same_design(folder: str | Path) -> Callable[[], None]:
 
 
 def read_result(folder: str | Path) -> tuple[Path, dict[str, Any]]:
-    """Return the path and the record of a result folder's design.json."""
+    """Return the path and the content of design.json in a result folder."""
     if os.path.isfile(folder):
         instead = f", here {file_label(Path(folder).parent)}" if Path(folder).name == "design.json" else ""
         raise InvalidInput(f"{file_label(folder)} is a file; name a result folder of metafem{instead}")
@@ -247,11 +248,11 @@ def _record(
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of Python and of the libraries that the numbers of a design depend on."""
+    """Return the versions of Python and of the libraries that affect the numbers of a design."""
     found = {"python": platform.python_version()}
     for name in ("metafem", "numpy", "scipy", "numba", "meshio"):
         try:
             found[name] = version(name)
-        except PackageNotFoundError:  # metafem runs from its sources
+        except PackageNotFoundError:  # metafem itself, if it runs from its sources
             found[name] = "not installed"
     return found

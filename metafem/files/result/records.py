@@ -1,4 +1,4 @@
-"""The package's frozen values as plain dicts, for JSON, and back without loss."""
+"""Conversion of the package's frozen values to plain dicts for JSON, and back without loss."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from metafem.errors import InvalidInput, refuse_if
 from metafem.inversion import candidate, height_density
 from metafem.inversion.targets import wording
 
-# The modules whose dataclasses and enums are the types of a record.
+# Modules whose dataclasses and enums may occur in a record.
 MODULES = (
     *(surface, contact, flattened, substrate, models, prediction, notes),
     *(inversion, candidate, height_density, wording),
@@ -32,22 +32,23 @@ TYPES: Mapping[str, type] = {
     for name, kind in vars(module).items()
     if isinstance(kind, type) and (is_dataclass(kind) or issubclass(kind, Enum))
 }
-# Classes whose constructor takes the rows of a table.
+# Functions that build a value from its fields if its constructor takes other arguments, here the rows of a
+# table.
 MAKERS: Mapping[str, Callable[..., Any]] = {
     "TabulatedContact": lambda table, material: TabulatedContact(*table, material=material)
 }
-# Types with modules that are imported when a record contains the type.
+# Types whose modules are imported only when a record contains the type.
 LATE: Mapping[str, str] = {"Block3D": "metafem.fe"}
 ARRAYS = ("float64", "int64")
-# Numbers are finite and of the annotated type; other members are instances of their class.
+# A number must be finite and of the annotated type; any other member must be an instance of its class.
 STRICT = ConfigDict(strict=True, allow_inf_nan=False, arbitrary_types_allowed=True)
 
 
 def to_record(value: Any) -> Any:
-    """Return a value as dicts, lists, numbers and texts.
+    """Return the record of a value, which contains only dicts, lists, numbers and texts.
 
     A dataclass becomes ``{"type": its name, field: ...}``, an array ``{"float64": [...]}`` or
-    ``{"int64": [...]}``, an enum ``{"type": ..., "name": ..., "message": ...}``, a tuple a list.
+    ``{"int64": [...]}``, an enum ``{"type": ..., "name": ..., "message": ...}``, and a tuple becomes a list.
     """
     title = type(value).__name__
     if isinstance(value, Enum) and title in TYPES:
@@ -75,10 +76,10 @@ def to_record(value: Any) -> Any:
 
 
 def from_record(record: Any, name: str = "record") -> Any:
-    """Return the value of a record; raises InvalidInput for one that `to_record` did not write.
+    """Return the value of a record; raise InvalidInput for a record that `to_record` did not write.
 
-    Members are compared with the annotations of their class and checked by its constructor. In errors the
-    record is `name` and a member of it ``name.member``.
+    The annotations and the constructor of a class check its members. Errors call the record `name` and its
+    members ``name.member``.
     """
     if isinstance(record, list):
         return tuple(from_record(member, f"{name}[{i}]") for i, member in enumerate(record))
@@ -106,7 +107,7 @@ def from_record(record: Any, name: str = "record") -> Any:
 
 
 def _made(kind: Any, record: dict[str, Any], name: str) -> Any:
-    """Return the value of a class; its annotations and constructor check the members."""
+    """Return the instance of a class that a record describes; the class checks the members."""
     title = kind.__name__
     given, known = record.keys() - {"type"}, _members(kind).keys()
     if given != known:
@@ -128,7 +129,7 @@ def _made(kind: Any, record: dict[str, Any], name: str) -> Any:
 
 @cache
 def _members(kind: Any) -> dict[str, TypeAdapter[Any]]:
-    """Return what checks each member of a class by its annotation, in a tuple."""
+    """Return for each member of a class an adapter, which validates a tuple that contains the member."""
     hints, one = get_type_hints(kind), cast(Any, tuple)
     return {field.name: TypeAdapter(one[hints[field.name]], config=STRICT) for field in fields(kind)}
 

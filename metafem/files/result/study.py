@@ -1,4 +1,4 @@
-"""Studies as NetCDF files in the result folder, and as plain data."""
+"""Studies in a result folder, which are NetCDF files, and their conversion to plain data."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 
 def study_path(folder: str | Path, name: str, force: bool) -> Path:
-    """Return the path of a study of a result folder; raises InvalidInput if `write_study` would refuse it."""
-    read_result(folder)  # raises an error if it is not a result folder
+    """Return the path of a study in a result folder; raise InvalidInput if `write_study` would refuse it."""
+    read_result(folder)  # raises an error if this is not a result folder
     path = Path(folder) / f"{name}.nc"
     refuse_existing(path, force, fixed=True)
     return path
@@ -30,9 +30,10 @@ def study_path(folder: str | Path, name: str, force: bool) -> Path:
 def write_study(
     study: Dataset, path: Path, *, force: bool = False, still: Callable[[], None] = lambda: None
 ) -> None:
-    """Write a study as NetCDF 4, by h5netcdf; an existing file is refused unless `force` is true.
+    """Write a study as NetCDF 4 with h5netcdf; an existing file is refused unless `force` is true.
 
-    `still` is that of `write_file`: no study is written if the design was replaced in the meantime.
+    `write_file` calls `still` before it renames the file. If the design was replaced in the meantime, `still`
+    raises an error, and the study is not written.
     """
     write_file(
         path, lambda fresh: study.to_netcdf(fresh, engine="h5netcdf"), force=force, still=still, fixed=True
@@ -41,7 +42,7 @@ def write_study(
 
 @doing("reading the studies")
 def stored_studies(folder: str | Path) -> dict[str, Dataset]:
-    """Return the studies of a result folder by their names; raises InvalidInput for a damaged file."""
+    """Return the studies in a result folder by name; raise InvalidInput for a damaged file."""
     import xarray as xr
 
     found = {}
@@ -57,7 +58,7 @@ def stored_studies(folder: str | Path) -> dict[str, Dataset]:
 
 
 def study_data(study: Dataset) -> dict[str, Any]:
-    """Return a study as dicts, lists, numbers and texts; numbers that are not finite are None."""
+    """Return a study as dicts, lists, numbers and texts; nan and infinite numbers become None."""
     arrays = {
         str(name): {
             "dims": list(array.dims),
@@ -71,7 +72,7 @@ def study_data(study: Dataset) -> dict[str, Any]:
 
 
 def plain_data(value: Any) -> Any:
-    """Return arrays as lists, and numbers that are not finite as None."""
+    """Return a value in which arrays become lists, and nan and infinite numbers become None."""
     if isinstance(value, Mapping):
         return {name: plain_data(member) for name, member in value.items()}
     if hasattr(value, "tolist"):

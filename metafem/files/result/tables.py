@@ -1,4 +1,4 @@
-"""Tables of a result folder as CSV, and its summits as VTU; design.json holds the exact numbers."""
+"""The CSV tables and the VTU file of a result folder, with rounded numbers; design.json has all digits."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from metafem.inversion import Design
 from metafem.prediction import FrictionLaw, equilibrium, tables
 from metafem.surface import Block, Friction, Material, Surface
 
-# The columns of a table of summits; the site and standard deviations, as metafem writes them, are not needed.
+# Columns of a table of summits. metafem writes the site and standard deviations, but reading needs neither.
 COLUMNS = Columns(
     "site,x_mm,y_mm,height_um,radius_um,sd_position_mm,sd_height_mm,sd_radius_mm",
     ("x,y,height",),
@@ -25,40 +25,43 @@ COLUMNS = Columns(
     "x_mm,y_mm,height_um,radius_um (or in other units)",
 )
 
-# The first line of a table of heights.
+# Column titles of heights.csv.
 HEIGHTS = ("site", "x_mm", "y_mm", "height_mm", "radius_mm")
 
-# Digits of a number in a table: the rounding of sums in the sixteenth digit is not shown.
+# Number of digits in a table; the rounding errors of sums, in the sixteenth digit, do not appear.
 DIGITS = 13
 
 
 def heights_table(surface: Surface, sites: IntArray) -> str:
-    """Return the table of summits: site in the template, position, height and radius."""
+    """Return the text of heights.csv: site in the template, position, height and radius of each summit."""
     return csv(HEIGHTS, zip(sites.tolist(), *_columns(surface), strict=True))
 
 
 def made_table(made: MadeSurface, sites: IntArray) -> str:
-    """Return made positions, heights and radii with their standard deviations; `sites` are the design's."""
+    """Return the table of a made surface: sites, positions, heights, radii and their standard deviations.
+
+    `sites` are the sites of the design's asperities.
+    """
     errors = (each.tolist() for each in (made.position_sd, made.height_sd, made.radius_sd))
     rows = zip(sites[made.site].tolist(), *_columns(made.surface), *errors, strict=True)
     return csv((*HEIGHTS, "sd_position_mm", "sd_height_mm", "sd_radius_mm"), rows)
 
 
 def law_table(law: FrictionLaw) -> str:
-    """Return the friction law, with friction forces where the surface has a Friction."""
+    """Return the text of law.csv, which has friction forces only if the surface has a Friction."""
     columns = tables.columns(law.quantities(), without=tables.UNWRITTEN)
     return csv(tuple(columns), zip(*(column.tolist() for column in columns.values()), strict=True))
 
 
 def mould_table(design: Design, part: Surface | None = None) -> str:
-    """Return the table of the holes of the mould, one for each summit, of kind asperity or alignment.
+    """Return the text of mould.csv: one hole for each summit, of kind "asperity" or "alignment".
 
-    Holes are numbered as in ``mould.svg``, sites as in ``heights.csv``. The depth of a hole below the face of
-    the mould is the height of its summit, the radius of the tool that of the summit. The mould is viewed from
-    its open face, as on the milling machine: x is mirrored.
+    Holes are numbered as in ``mould.svg``, and sites as in ``heights.csv``. The depth of a hole below the
+    face of the mould is the height of its summit, and the radius of its tool is the radius of the summit. The
+    mould is viewed from its open face, as on the milling machine, so that x is mirrored.
 
-    `part` holds the asperities of the design and, after them, those for alignment; default: none for
-    alignment.
+    `part` holds the asperities of the design, followed by the alignment asperities; default: the design's
+    surface, without alignment asperities.
     """
     holes = part or design.surface
     holes = holes.replaced(position=mirrored(holes.position))
@@ -82,13 +85,13 @@ def read_surface(
     Parameters
     ----------
     path : str or Path
-        CSV whose first line names its columns as quantity_unit: x, y, height and radius in any order
-        and any unit of length, as ``x_mm,y_mm,height_um``. Other columns are not read, which
-        `metafem.progress` reports; lines that begin with ``#`` are skipped. In a table separated by
-        semicolons or tabs, commas are decimal.
+        CSV file whose first line names the columns as quantity_unit, such as ``x_mm,y_mm,height_um``. The
+        columns are x, y, height and radius, in any order and in any unit of length. Other columns are not
+        read, and `metafem.progress` reports them. Lines that begin with ``#`` are skipped. If semicolons or
+        tabs separate the columns, a comma is the decimal sign.
     material : Material
     radius : float, optional
-        Radius [mm] of all summits, for a table without such a column.
+        Radius of all summits [mm], for a table without a column radius.
     friction : Friction, optional
     block : Block, optional
 
@@ -99,8 +102,8 @@ def read_surface(
     Raises
     ------
     InvalidInput
-        If the file cannot be read, is empty or lacks a column, for an entry that is not a finite number, and
-        for an impossible surface; the error states line and column.
+        If the file cannot be read, is empty or lacks a column, if an entry is not a finite number, or if the
+        surface is impossible. The error states line and column.
 
     Examples
     --------
@@ -127,10 +130,10 @@ def read_surface(
 
 
 def write_surface(design: Design, path: str | Path) -> None:
-    """Write the summits as points with their contacts at the law's largest load, in VTU format.
+    """Write a VTU file whose points are the summits, with their contacts at the law's largest load.
 
-    Point data: site in the template, height and radius [mm], and load [N], area [mm^2] and
-    contact_radius [mm] under the law's model.
+    Each point has its site in the template, height and radius [mm], and, under the law's model, its load [N],
+    area [mm^2] and contact_radius [mm].
     """
     import meshio
 
@@ -157,11 +160,11 @@ def _columns(surface: Surface) -> list[list[float]]:
 
 
 def csv(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Return a table as text; its numbers have at most `DIGITS` digits."""
+    """Return the CSV text of a table; its numbers have at most `DIGITS` digits."""
     lines = [",".join(header), *(",".join(_entry(value) for value in row) for row in rows)]
     return "\n".join(lines) + "\n"
 
 
 def _entry(value: object) -> str:
-    """Return an entry: a number has the shortest text with at most `DIGITS` digits."""
+    """Return the text of an entry; a number is written as short as possible, with at most `DIGITS` digits."""
     return str(float(f"{value:.{DIGITS}g}")) if isinstance(value, float) else str(value)

@@ -1,1 +1,1 @@
-"""Specification files, read into the package's own types."""
+"""Reading of specification files into the package's own types."""

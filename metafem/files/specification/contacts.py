@@ -1,4 +1,4 @@
-"""``[contact]`` of each kind, as pydantic models."""
+"""The section ``[contact]``: a pydantic model for each kind of contact law."""
 
 from __future__ import annotations
 
@@ -54,9 +54,9 @@ class PowerCapSection(Section):
 
 
 class ProfileSection(Section):
-    """Elastic caps with the profile f(rho) of a table, whatever their radius.
+    """Elastic caps of any radius, all with one profile f(rho) from a table.
 
-    A `file` is replaced by its content before the section is read.
+    Before the section is read, the columns of the table replace the key `file`.
     """
 
     kind: Literal["profile"]
@@ -70,7 +70,7 @@ class ProfileSection(Section):
     file: str | None = optional("or: a table with columns such as rho_mm,f_um", "cap.csv")
 
     def value(self) -> Contact:
-        """Return the law of these keys."""
+        """Return the contact law that the keys describe."""
         profile: Any = [self.rho, self.f]
         return AxisymmetricCap(profile)
 
@@ -79,7 +79,7 @@ CapSection = HertzSection | SphereSection | PowerCapSection | ProfileSection
 
 
 class JKRSection(Section):
-    """Elastic caps with adhesion, by the theory of Johnson, Kendall and Roberts."""
+    """Elastic caps with adhesion, from the theory of Johnson, Kendall and Roberts."""
 
     kind: Literal["jkr"]
     adhesion_energy: Energy = key("w, from 0", "9 mJ/m^2")
@@ -88,12 +88,12 @@ class JKRSection(Section):
     )
 
     def value(self) -> Contact:
-        """Return the law of these keys."""
+        """Return the contact law that the keys describe."""
         return JKR(self.adhesion_energy, self.cap.value())
 
 
 class KogutEtsionSection(Section):
-    """Elastic-plastic spheres, by the formulas of Kogut and Etsion."""
+    """Elastic-plastic spheres, from the formulas of Kogut and Etsion."""
 
     makes = KogutEtsion
     kind: Literal["kogut-etsion"]
@@ -101,7 +101,7 @@ class KogutEtsionSection(Section):
 
 
 class JacksonGreenSection(Section):
-    """Elastic-plastic spheres, by the formulas of Jackson and Green."""
+    """Elastic-plastic spheres, from the formulas of Jackson and Green."""
 
     makes = JacksonGreen
     kind: Literal["jackson-green"]
@@ -109,9 +109,9 @@ class JacksonGreenSection(Section):
 
 
 class TabulatedSection(Section):
-    """A table of load and area over the indentation of one asperity, whatever its radius.
+    """Load and area of one asperity of any radius, from a table over its indentation.
 
-    A `file` is replaced by its content before the section is read.
+    Before the section is read, the columns of the table replace the key `file`.
     """
 
     makes = TabulatedContact

@@ -1,4 +1,4 @@
-"""The whole specification: all its sections, and the values that are built from them."""
+"""All sections of a specification, and the values that are built from them."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ from metafem.models._resources import require_memory
 from metafem.progress import message
 from metafem.surface import Block, Friction, Material, Surface
 
-# Per site under the independent model, measured on lattices of 10^5 and 10^6 sites: size of the record with
-# all digits [bytes], peak memory [bytes], and time of design, report and files [s].
+# Cost of one site: size of its record [bytes], peak memory [bytes], and time for the design, the report and
+# the files [s]. They were measured under the independent model on lattices of 10^5 and 10^6 sites.
 RECORDED, MEMORY, TIME = 250, 1_800, 4.5e-5
 
-# Shortest time that is reported [s].
+# Shortest expected time of a design that is reported [s].
 WORTH_A_LINE = 5.0
 
-# Sections of which each makes one value.
+# Sections that are converted into one value each.
 VALUES = ("material", "friction", "block", "limits", "layout", "radii", "robust", "contact", "part")
 
 
 class Sections(Section):
-    """The whole file."""
+    """All sections of a specification."""
 
     target: TargetSection = key("the target friction law, of one of these kinds")
     material: sections.MaterialSection = key("the elastomer")
@@ -60,7 +60,10 @@ class Sections(Section):
     checks: sections.ChecksSection = key("further checks", default=sections.ChecksSection())
 
     def build(self) -> tuple[dict[str, Any], list[InvalidInput]]:
-        """Return target, template, model, limits, layout, radii, robust, part and pinned, with problems."""
+        """Return the members of a `Specification` by name, and the problems of the sections.
+
+        The members are target, template, model, limits, layout, radii, robust, part and pinned.
+        """
         problems: list[InvalidInput] = []
 
         def made(section: str, make: Callable[..., Any], *given: Any) -> Any:
@@ -73,7 +76,7 @@ class Sections(Section):
         found = {name: getattr(self, name) and made(name, getattr(self, name).value) for name in VALUES}
         limits, block, contact = found["limits"], found.pop("block"), found.pop("contact")
         model = contact and made("model", model_named, self.model.kind, contact)
-        # placeholders, so that the other sections are checked even if one of these is wrong
+        # if one of these sections is wrong, a placeholder is used to check the other sections
         material = found.pop("material") or Material(1.0)
         friction = found.pop("friction") or (Friction(1.0) if self.friction else None)
         top = limits.offset + limits.max_height if limits else 1.0
@@ -92,7 +95,7 @@ class Sections(Section):
     def _template(
         self, top: float, material: Material, friction: Friction | None, block: Block | None
     ) -> Surface:
-        """Return the lattice with summits of a height and of the smallest radius."""
+        """Return the lattice with all summits at the height `top` [mm] and with the smallest radius."""
         refuse_too_many(*self.lattice.shape)
         _, radii = self._radii()
         others: dict[str, Any] = {"material": material, "friction": friction, "block": block}
@@ -100,7 +103,7 @@ class Sections(Section):
         return Surface.square_lattice(top, shape, pitch, radius=min(radii), **others)
 
     def _radii(self) -> tuple[str, Sequence[float]]:
-        """Return the key of the radii, and the radii or their bounds."""
+        """Return the key that states the radii, and the radii or their bounds [mm]."""
         one = self.lattice.radius
         if self.radii is None:
             example = 'radius = "526 um", or a section [radii]'
@@ -112,7 +115,7 @@ class Sections(Section):
         return "radii.range", self.radii.range
 
     def _refuse_high_caps(self, limits: Limits, contact: Contact) -> None:
-        """Refuse spheres that are higher than the largest radius."""
+        """Raise InvalidInput if spheres could be higher than the largest radius."""
         source, radii = self._radii()
         refuse_if(
             contact.shape() is SPHERES and limits.offset + limits.max_height > max(radii),
@@ -126,7 +129,10 @@ class Sections(Section):
 
 
 def _refuse_impossible(template: Surface, part: PartOptions, contact: Contact) -> None:
-    """Refuse a part with summits of the largest height that cannot be made, by the key to change."""
+    """Raise InvalidInput if a part with all summits at the largest height cannot be made.
+
+    The error names the key of the specification to change.
+    """
     try:
         planned(template, template, part, contact)
     except CannotBeMade as error:
@@ -134,7 +140,7 @@ def _refuse_impossible(template: Surface, part: PartOptions, contact: Contact) -
 
 
 def refuse_too_many(rows: int, columns: int) -> None:
-    """Refuse a lattice whose result does not fit into a file or the memory."""
+    """Raise InvalidInput for a lattice whose design is too large for a record or for the memory."""
     places, most = max(rows, 0) * max(columns, 0), RECORD // RECORDED
     shape = f"[{rows}, {columns}]"
     must = f"has {places:,} sites; at most {most:,} are allowed, so that the result can be read"
@@ -146,7 +152,7 @@ def refuse_too_many(rows: int, columns: int) -> None:
 
 
 def tell_cost(places: int) -> None:
-    """Report time and memory before many sites are designed."""
+    """Print the expected time and memory before a design of many sites."""
     if TIME * places >= WORTH_A_LINE:
         memory = f"{MEMORY * places / 2**30:.1f} GiB of memory"
         message(

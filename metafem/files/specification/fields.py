@@ -1,4 +1,4 @@
-"""Types of the keys of a specification: quantities with units, with meaning and example."""
+"""Types of the keys of a specification, which are quantities with units, numbers or texts."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from pydantic_core.core_schema import CoreSchema, no_info_before_validator_funct
 from metafem.errors import InvalidInput
 from metafem.files.units import USUAL, converted, pattern
 
-# Sets of keys; one set must be present.
+# Alternative sets of keys, of which one must be present.
 Choices = tuple[tuple[str, ...], ...]
 
 
 class Section(BaseModel):
-    """A section in which every key is known, with the class of the value that has the same keys."""
+    """A section, which refuses unknown keys; `makes` is called with its keys to build its value."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    # Keys of which exactly one set must be given, further valid sets, and the least number of keys.
+    # Alternative sets of keys, of which exactly one must be present; further valid sets; least number of keys
     choices: ClassVar[Choices] = ()
     also: ClassVar[Choices] = ()
     fewest: ClassVar[int] = 0
@@ -50,29 +50,32 @@ class Section(BaseModel):
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """Add the choices of keys to the JSON schema, and the least number of keys."""
+        """Return the JSON schema, to which the alternative sets and the least number of keys are added."""
         found = {**handler.resolve_ref_schema(handler(core)), "x-choices": cls.choices}
         return {**found, "minProperties": cls.fewest} if cls.fewest else found
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """Reads a text with a unit of one of several dimensions, and where `pairs` is true a list of two."""
+    """A validator that reads a text with a unit; with `pairs` it also reads a list of two texts.
+
+    `units` holds the package's unit of each dimension that the text may have.
+    """
 
     read: Callable[[Any], Any]
     units: tuple[str, ...]
     pairs: bool = False
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Return the validation of the number that is read."""
+        """Return the schema by which pydantic reads the text and then validates the number."""
         return no_info_before_validator_function(self._number, handler(source))
 
     def _number(self, given: Any) -> Any:
-        """Read a text; an entry of a table is a number already."""
+        """Return the number of a text; an entry of a table is already a number."""
         return float(given) if isinstance(given, np.float64) else self.read(given)
 
     def __get_pydantic_json_schema__(self, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """Return the pattern of the text, and the usual units."""
+        """Return the JSON schema of the text: its pattern and the usual units."""
         number = handler(core)
         words = pattern(self.units, positive="exclusiveMinimum" in number)
         shown = [unit for dimension in self.units for unit in USUAL[dimension] if unit[0] not in "µμ°"]
@@ -82,22 +85,25 @@ class Quantity:
 
 
 def measured(unit: str) -> Quantity:
-    """Read a text with a unit, such as "120 um"."""
+    """Return the validator of a text such as "120 um", whose result is a number in `unit`."""
     return Quantity(lambda given: converted(given, unit), (unit,))
 
 
 def key(meaning: str, example: Any = None, *, default: Any = ...) -> Any:
-    """Return a key with its meaning and a valid value for `metafem spec`; required without a default."""
+    """Return the field of a key; `metafem spec` prints its meaning and example.
+
+    A key without a default is required.
+    """
     return Field(default, description=meaning, examples=None if example is None else [example])
 
 
 def optional(meaning: str, example: Any = None) -> Any:
-    """Return a key that may be omitted, with its meaning and a valid value."""
+    """Return the field of a key that may be omitted, with its meaning and an example."""
     return key(meaning, example, default=None)
 
 
 def one_of(names: Iterable[str]) -> Any:
-    """Return the allowed values of a text, for the JSON schema."""
+    """Return a field whose JSON schema lists the allowed texts."""
     return Field(json_schema_extra={"enum": list(names)})
 
 

@@ -1,4 +1,4 @@
-"""Sections and keys of a specification as data, from the JSON schema of their definitions."""
+"""Descriptions of the sections and keys of a specification, from the JSON schema of their definitions."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from metafem.files.specification.contents import Sections
 
 Schema = dict[str, Any]
 
-# Kinds of values without a unit, by their types in a JSON schema.
+# The kind of a value without a unit, by its type in a JSON schema.
 PLAIN = {"number": "number", "integer": "integer", "boolean": "truth", "string": "text"}
 
 
 @dataclass(frozen=True)
 class KeyForm:
-    """A key of a section, and the form of its value.
+    """The description of a key and of its value.
 
     Attributes
     ----------
@@ -26,14 +26,14 @@ class KeyForm:
         The kind of section that has this key; None for a section without kinds.
     meaning : str
     example : object
-        A valid value, as TOML has it.
+        A valid value, as tomllib reads it.
     optional : bool
     default : object
-        Default of an optional key; None if there is none.
+        Default of an optional key; None for a key without a default.
     schema : dict
         JSON schema of the value; the usual units of a quantity are its "x-units".
     choice : int or None
-        Number of the choice to which the key belongs: one choice of a section must be present.
+        Number of the alternative set to which the key belongs; a section needs the keys of one set.
     """
 
     section: str
@@ -48,7 +48,7 @@ class KeyForm:
 
     @property
     def needed(self) -> bool:
-        """Whether a specification with the first choice of keys has this key."""
+        """Whether the key is required, or belongs to the first alternative set of keys."""
         return not self.optional or self.choice == 0
 
     @property
@@ -58,24 +58,24 @@ class KeyForm:
 
     @property
     def pairs(self) -> bool:
-        """Whether an entry of the list can be a list of two."""
+        """Whether an entry of the list can itself be a list of two values."""
         return "anyOf" in self._entry
 
     @property
     def value(self) -> str:
-        """Kind of the value, or of each one in a list: quantity, number, integer, truth, text or section."""
+        """Kind of the value or of a list's entries: quantity, number, integer, truth, text or section."""
         if sections_of(self.schema):
             return "section"
         return "quantity" if self.units else PLAIN[self._single["type"]]
 
     @property
     def units(self) -> tuple[str, ...]:
-        """Usual units of a quantity."""
+        """Usual units of a quantity; empty for other values."""
         return tuple(self._single.get("x-units", ()))
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The texts that are allowed; empty for any."""
+        """The allowed texts; empty if all texts are allowed."""
         return tuple(self._single.get("enum", ()))
 
     @property
@@ -89,7 +89,7 @@ class KeyForm:
 
 @dataclass(frozen=True)
 class SectionForm:
-    """A section of a specification.
+    """The description of a section.
 
     Attributes
     ----------
@@ -97,9 +97,9 @@ class SectionForm:
     meaning : str
     optional : bool
     kinds : mapping of str to str
-        Description of each kind in a sentence; empty for a section without kinds.
+        One sentence on each kind; empty for a section without kinds.
     keys : mapping of str to tuple of KeyForm
-        Keys of each kind in the order of the manual, of "" for a section without kinds.
+        Keys by kind, in the order of the manual; the kind is "" in a section without kinds.
     fewest : int
         Least number of keys.
     """
@@ -114,15 +114,15 @@ class SectionForm:
 
 @cache
 def whole_schema() -> Schema:
-    """Return the JSON schema of a specification as pydantic makes it."""
+    """Return the JSON schema of a specification that pydantic generates."""
     return Sections.model_json_schema()
 
 
 @cache
 def section_forms() -> tuple[SectionForm, ...]:
-    """Return the sections of a specification in the order of the manual.
+    """Return the descriptions of all sections, in the order of the manual.
 
-    A key whose value is a section again, ``contact.cap``, is followed by that section.
+    If the value of a key is itself a section, such as ``contact.cap``, that section follows.
 
     Examples
     --------
@@ -137,15 +137,15 @@ def section_forms() -> tuple[SectionForm, ...]:
 
 
 def all_keys() -> tuple[KeyForm, ...]:
-    """Return every key of a specification except those of nested sections."""
+    """Return the descriptions of all keys, except the keys of nested sections."""
     forms = (form for form in section_forms() if "." not in form.name)
     return tuple(key for form in forms for keys in form.keys.values() for key in keys)
 
 
 def sections_of(schema: Schema) -> dict[str, Schema]:
-    """Return the schemas of the sections that a value can be, by kind or for ""; none for other values.
+    """Return the schemas of the sections that a value can be, by kind; empty if it is not a section.
 
-    The schema of an optional value also allows null.
+    A section without kinds has the kind "". `schema` may be that of an optional value, which allows null.
     """
     schema = not_null(schema)
     kinds = {part: kind for kind, part in schema.get("discriminator", {}).get("mapping", {}).items()}
@@ -154,7 +154,7 @@ def sections_of(schema: Schema) -> dict[str, Schema]:
 
 
 def not_null(schema: Schema) -> Schema:
-    """Return the schema of an optional value without null."""
+    """Return the schema of a value, from which null is removed if it is allowed."""
     null = {"type": "null"}
     if null not in schema.get("anyOf", ()):
         return schema
@@ -163,7 +163,7 @@ def not_null(schema: Schema) -> Schema:
 
 
 def as_toml(value: Any) -> str:
-    """Return an example as it is written in a file."""
+    """Return the TOML text of an example."""
     if isinstance(value, dict):
         return f"{{{', '.join(f'{key} = {as_toml(member)}' for key, member in value.items())}}}"
     return json.dumps(value)
@@ -191,7 +191,7 @@ def _keys(section: str, kind: str, schema: Schema) -> list[KeyForm]:
         about = {"description", "examples", "default", "title", "prefixItems"}
         whole = not_null(given)
         value = {word: part for word, part in whole.items() if word not in about}
-        if "prefixItems" in whole:  # all of one type
+        if "prefixItems" in whole:  # all entries have one type
             value["items"] = whole["prefixItems"][0]
         words = given.get("description", "")
         default = None if default == [] else default

@@ -19,10 +19,10 @@ HEAD = """\
 # a note says so, above 10 % the target is missed.
 """
 
-# Column of the comments, past most examples.
+# Column in which the comments begin; most examples are shorter.
 COLUMN = 48
 
-# First words of a meaning if one key, or one pair of keys, of several is required.
+# First words of the meaning of a key in an alternative set of keys, of which one set is required.
 CHOICES = ("either: ", "or: ", "with it: ")
 
 
@@ -53,7 +53,7 @@ def manual() -> str:
 
 
 def remark(meaning: str, optional: bool, default: Any) -> str:
-    """Return the meaning of a key or section, with its default if it is optional."""
+    """Return the meaning of a key or section, preceded by "optional" and the default where these apply."""
     told = "optional: " if optional and not meaning.startswith(CHOICES) else ""
     if default is not None:
         told = f"optional, default {f'{default:g}' if isinstance(default, float) else as_toml(default)}: "

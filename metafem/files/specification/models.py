@@ -1,4 +1,4 @@
-"""The models and the demonstrations by their names in specifications and on the command line."""
+"""Models and demonstrations, by their names in specifications and on the command line."""
 
 from __future__ import annotations
 
@@ -15,16 +15,17 @@ if TYPE_CHECKING:
     from metafem.contact import Contact
     from metafem.models import Model
 
-# Cell of the named resolved model [mm]: at least eight cells per contact radius at the source paper's
-# smallest loads, fifty in its largest contact.
+# Cell size of the model "resolved" [mm]. A contact radius has at least eight cells at the source paper's
+# smallest loads, and fifty in its largest contact.
 RESOLVED_CELL = 0.008
 
-# Tolerance of A0(P) of the named automatic model: a third of the smallest effect of interaction on the source
-# paper's surfaces.
+# Relative tolerance of A0(P) of the model "automatic": a third of the smallest effect of interaction on the
+# source paper's surfaces.
 AUTOMATIC_TOLERANCE = 1e-3
 
 
-# The models are imported when they are used, so that the command knows their names without delay.
+# Functions that return the models. The models are not made here, because their import would delay the
+# command, which at first needs only their names.
 MODELS: Mapping[str, Callable[[], Model]] = {
     "independent": lambda: mf.Independent(),
     "mean-field": lambda: mf.MeanField(),
@@ -36,12 +37,14 @@ MODELS: Mapping[str, Callable[[], Model]] = {
 }
 
 
-# Specifications that come with the package.
+# Names of the specifications that come with the package.
 DEMOS = ("operating-points", "linear", "bilinear")
 
 
 def model_named(name: str, contact: Contact | None = None) -> Model:
-    """Return the model of a name with a contact law, default: Hertz(); raises InvalidInput for other names.
+    """Return the named model with a contact law; raise InvalidInput for an unknown name.
+
+    The default contact law is Hertz().
 
     Examples
     --------
@@ -57,14 +60,14 @@ def model_named(name: str, contact: Contact | None = None) -> Model:
 
 
 def suggestion(name: str, known: Mapping[str, object] | tuple[str, ...]) -> str:
-    """Return the end of an error: the nearest known name and all of them."""
+    """Return the end of an error text: the known name that is nearest to `name`, and all known names."""
     near = get_close_matches(name, list(known), 1)
     meant = f"; did you mean {near[0]}?" if near else ""
     return f"{meant} (known: {', '.join(known)})"
 
 
 def demo_text(name: str) -> str:
-    """Return the text of a specification to start from: operating-points, linear or bilinear."""
+    """Return the text of a demonstration's specification: operating-points, linear or bilinear."""
     if name not in DEMOS:
         raise InvalidInput(f'demo "{printable(name, 60)}" is unknown{suggestion(name, DEMOS)}')
     return (

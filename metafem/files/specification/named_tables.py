@@ -1,4 +1,4 @@
-"""Tables named in a specification."""
+"""Tables that a specification names: reading, and copies in the result folder."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from metafem.errors import InvalidInput, refuse_if
 from metafem.files.reading import TABLE, file_label, read_bytes
 from metafem.files.samples import COLUMNS, TARGET, columns_of, samples_of
 
-# Files of a design in its result folder, which also holds a copy of the table.
+# Names of the files of a design in its result folder, which also holds copies of the tables.
 RESULT_FILES = frozenset(
     {
         *("design.json", "heights.csv", "law.csv", "mould.csv", "surface.vtu", "spec.toml", "report.html"),
@@ -23,46 +23,46 @@ RESULT_FILES = frozenset(
     }
 )
 
-# Studies of a design, each in its file NAME.nc of the folder.
+# Names of the studies of a design; each is stored in the result folder as NAME.nc.
 STUDIES = (
     *("interaction", "fidelity", "manufacturing", "misalignment", "uncertainty", "combined"),
     "measured",  # the comparison with measured laws
     "explained",  # the errors of the part that explain the difference
 )
 
-# All files of a result folder.
+# Names in a result folder that a copy of a table must not have.
 RESERVED = RESULT_FILES | {f"{name}.nc" for name in STUDIES}
 
 
-# Sections that may name a table.
+# Sections whose key `file` may name a table.
 PLACES = (("target",), ("contact",), ("contact", "cap"))
 
-# The key of a file with its value, one of TOML's four kinds of strings.
+# The key `file` and its value, which is one of TOML's four kinds of strings.
 FILE_KEY = re.compile(
     r"""(\bfile["']?[ \t]*=[ \t]*)(\"{3}.*?\"{3}|'{3}.*?'{3}|"(?:[^"\\\n]|\\.)*"|'[^'\n]*')""", re.DOTALL
 )
 
-# Separators of folders, and of drives and files, on any system.
+# Separators in the path of a file on any operating system.
 SEPARATORS = re.compile(r"[/\\:]")
 
-# A valid line.
+# A valid line of a specification, for errors.
 EXAMPLE = 'file = "wanted.csv"'
 
-# Longest name of a table [bytes]: file systems allow 255, and the name of its copy may begin with "wanted-".
+# Longest name of a table [bytes]. File systems allow 255, and the name of the copy may begin with "wanted-".
 LONGEST = 240
 
 
-# Returns the content of the table named in a key, and its name in errors.
+# A function of a key and of the name of its table: it returns the table's name in errors, and its content.
 Source = Callable[[str, str], tuple[str, bytes]]
 
 
 def in_folder(folder: Path) -> Source:
-    """Return the source of tables that are files, with names relative to a folder."""
+    """Return a source that reads tables from files, with paths relative to a folder."""
     return lambda _, name: (file_label(folder / name), read_bytes(folder / name, TABLE))
 
 
 def among(tables: Mapping[str, bytes]) -> Source:
-    """Return the source of tables that are given by their names."""
+    """Return a source that finds tables by name in a mapping."""
 
     def content(key: str, name: str) -> tuple[str, bytes]:
         known = ", ".join(printable(other, 60) for other in tables) or "none"
@@ -76,10 +76,10 @@ def among(tables: Mapping[str, bytes]) -> Source:
 
 
 def with_tables(text: str, table: dict[str, Any], source: Source) -> dict[str, bytes]:
-    """Replace the keys `file` of a specification by the columns of their tables; return the files to store.
+    """Replace each key `file` in `table` by the columns of its table, and return the files to store.
 
-    The first line of a table names its columns as quantity_unit. The result folder contains the specification
-    as spec.toml and the tables, so that the design can be repeated.
+    The files are the specification, spec.toml, and copies of the tables. They are stored in the result
+    folder, so that the design can be repeated. The first line of a table names its columns as quantity_unit.
     """
     kept: dict[str, bytes] = {}
     for place in PLACES:
@@ -95,7 +95,7 @@ def with_tables(text: str, table: dict[str, Any], source: Source) -> dict[str, b
 
 
 def fill(label: str, section: dict[str, Any], source: Source) -> bytes:
-    """Replace the key `file` of a section by the columns of its table, and return the file's bytes."""
+    """Replace the key `file` of a section by the columns of its table, and return the content of the file."""
     key, name, columns = f"{label}.file", section.pop("file"), COLUMNS[section["kind"]]
     if not isinstance(name, str):
         raise InvalidInput("must be a text", key=key, value=shown(name), example=EXAMPLE)
@@ -116,14 +116,14 @@ def fill(label: str, section: dict[str, Any], source: Source) -> bytes:
 
 
 def _section(table: Any, place: tuple[str, ...]) -> dict[str, Any]:
-    """Return the section at a place, an empty one if there is none."""
+    """Return the section with the keys `place`; it is empty if the specification has no such section."""
     for key in place:
         table = table.get(key) if isinstance(table, dict) else None
     return table if isinstance(table, dict) else {}
 
 
 def _copy_name(name: str, taken: Collection[str]) -> str:
-    """Return the name of the copy in a result folder: not hidden, and different from all other files."""
+    """Return the name of a table's copy; it is not hidden and differs from all names in the result folder."""
     copy, used = SEPARATORS.split(name)[-1], {each.casefold() for each in taken} | RESERVED
     while copy.casefold() in used or copy.startswith("."):
         copy = f"wanted-{copy.lstrip('.')}"
@@ -131,16 +131,16 @@ def _copy_name(name: str, taken: Collection[str]) -> str:
 
 
 def _naming_copy(text: str, place: tuple[str, ...], name: str, copy: str) -> str:
-    """Return the text of a specification with the name of a table's copy, and a comment on it."""
+    """Return the text of a specification that names the copy of a table, with a comment on the original."""
     wanted = tomllib.loads(text.removeprefix("\ufeff"))
     _section(wanted, place)["file"] = copy
     newline = "\r\n" if "\r\n" in text else "\n"
     comment = f"# The design read {json.dumps(name, ensure_ascii=False)}; {copy} is a copy of it.{newline}"
     for found in FILE_KEY.finditer(text):
         line = text.rfind("\n", 0, found.start()) + 1
-        value = json.dumps(copy, ensure_ascii=False)  # a text of JSON is valid in TOML
+        value = json.dumps(copy, ensure_ascii=False)  # a JSON string is valid in TOML
         new = f"{text[:line]}{comment}{text[line : found.start(2)]}{value}{text[found.end(2) :]}"
-        with suppress(tomllib.TOMLDecodeError):  # it was in a text or a comment
+        with suppress(tomllib.TOMLDecodeError):  # a match within a text can make the result invalid
             if tomllib.loads(new.removeprefix("\ufeff")) == wanted:
                 return new
     words = f'cannot be renamed to its copy; write file = "{name}" on a line of its own'
@@ -148,7 +148,7 @@ def _naming_copy(text: str, place: tuple[str, ...], name: str, copy: str) -> str
 
 
 def measured_pairs(path: str | Path) -> tuple[list[float], list[float]]:
-    """Return the loads and friction forces [N] of a table with increasing loads."""
+    """Return loads and friction forces [N] of a measured law, sorted by load."""
     samples = samples_of(file_label(path), read_bytes(path, TABLE))
     words = f"{printable(str(path))} must hold forces; name its columns {TARGET.example}"
     refuse_if(not samples.keys() >= {"load", "friction_force"}, words)

@@ -1,4 +1,4 @@
-"""The options ``--model`` and ``--contact``: models by name, contact laws in words."""
+"""The options ``--model`` and ``--contact``: a model by its name, and a contact law such as "power 4"."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ from metafem.models.model import contact_of, with_contact
 
 
 def chosen_model(model: Model, name: str | None, contact: str | None) -> Model:
-    """Return the model of the options ``--model`` and ``--contact``; their defaults are those of `model`."""
+    """Return the model that ``--model`` and ``--contact`` state; defaults: `model` and its contact law."""
     law = contact_of(model) if contact is None else contact_named(contact)
     return with_contact(model, law) if name is None else model_named(name, law)
 
 
 @cache
 def contacts() -> dict[str, tuple[KeyForm, ...]]:
-    """Return the kinds of contact laws with the keys that can be stated in words: all but lists."""
+    """Return the keys that ``--contact`` accepts, by kind of contact law: all keys but lists."""
     form = next(form for form in section_forms() if form.name == "contact")
     return {kind: tuple(key for key in keys if not key.listed) for kind, keys in form.keys.items()}
 
 
 def contact_named(text: str) -> Contact:
-    """Return the contact law in words: its kind and the values of its keys, in their order.
+    """Return the contact law that a text states: its kind, then the values of its keys in their order.
 
     Examples
     --------
@@ -53,7 +53,7 @@ def contact_named(text: str) -> Contact:
         return law
     except ValidationError as error:
         detail = error.errors(include_url=False)[0]
-        reason = problem({**detail, "loc": ("contact", *detail["loc"])})  # as in a specification
+        reason = problem({**detail, "loc": ("contact", *detail["loc"])})  # as if it were in a specification
     except InvalidInput as error:
         reason = error
     reason = reason.at(reason.key.removeprefix("contact").removeprefix("."))
@@ -62,7 +62,7 @@ def contact_named(text: str) -> Contact:
 
 
 def form(kind: str) -> str:
-    """Return the words of a kind of law; optional values are in brackets.
+    """Return how ``--contact`` states a kind of contact law; optional values are in brackets.
 
     Examples
     --------
@@ -77,7 +77,7 @@ def form(kind: str) -> str:
 
 
 def section_named(words: list[str]) -> dict[str, Any]:
-    """Return the section of a specification from words."""
+    """Return the section ``[contact]`` that the words of the option ``--contact`` describe."""
     kind, rest = " ".join(words[:1]), words[1:]
     unknown = f'contact law "{printable(kind, 60)}" is unknown{suggestion(kind, contacts())}'
     refuse_if(kind not in contacts(), unknown)
@@ -92,7 +92,7 @@ def section_named(words: list[str]) -> dict[str, Any]:
             section[name], rest = section_named(rest), []
         elif name == "file":
             section[name], rest = " ".join(rest), []
-        else:  # a quantity; its unit may be a separate word
+        else:  # a quantity, whose unit may be a separate word
             apart = isinstance(_number(rest[0]), float)
             section[name], rest = " ".join(rest[: 1 + apart]), rest[1 + apart :]
     left = printable(" ".join(rest), 60)

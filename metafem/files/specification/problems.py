@@ -1,4 +1,4 @@
-"""Problems of a specification, from the errors of pydantic."""
+"""Translation of pydantic's errors into problems of a specification."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from metafem.files.specification.forms import as_toml, section_forms
 from metafem.files.specification.models import suggestion
 from metafem.files.units import as_written
 
-# Requirements by pydantic's name of the error; braces hold the violated bound.
+# What a value must be, by pydantic's name of the error; the violated bound is inserted at the braces.
 MUST = {
     "float_type": "must be a number, without quotes and unit",
     "finite_number": "must be a finite number",
@@ -27,7 +27,7 @@ MUST = {
 
 
 def problem(detail: Any) -> InvalidInput:
-    """Return one of pydantic's errors, with its key."""
+    """Return the problem that an error of pydantic describes, with its key, value and an example."""
     kind, given = detail["type"], detail["input"]
     keys, known, kinds = _located(detail["loc"])
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{printable(part, 60)}" for part in keys)[1:]
@@ -54,15 +54,15 @@ def problem(detail: Any) -> InvalidInput:
     must = MUST.get(kind, "cannot be used")
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         must, example = f"must be a section: write [{key}] on a line of its own", ""
-    # a float may be a quantity that was read
+    # a float may be a quantity that was already converted
     value = given if isinstance(given, float) else as_written(given)
     return InvalidInput(must.format(**detail.get("ctx", {})), key=key, value=value, example=example)
 
 
 def _located(place: tuple[Any, ...]) -> tuple[list[Any], dict[str, Any], dict[str, str]]:
-    """Return the keys of a location, the forms of its section's keys, and the kinds of its value.
+    """Return the keys in pydantic's location of an error, the known keys of that section, and its kinds.
 
-    pydantic includes the kind of a section in the location.
+    pydantic's location also contains the kind of the section, which is not among the returned keys.
     """
     forms = {form.name: form for form in section_forms()}
     keys: list[Any] = []

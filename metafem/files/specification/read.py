@@ -1,4 +1,4 @@
-"""Specification files: TOML with units in the values, read into the package's own types."""
+"""Reading of specification files, which are TOML with units in the values, into the package's own types."""
 
 from __future__ import annotations
 
@@ -38,13 +38,14 @@ from metafem.surface import Surface
 
 __all__ = ["Specification", "parsed", "read_spec", "toml_table"]
 
-# The default tables of a specification's text.
+# Default of the tables that the text of a specification names: none.
 NO_TABLES: Mapping[str, bytes] = {}
 
-# Common mistakes of beginners.
+# Hint on the most common mistakes in TOML.
 REMEDY = 'a value with a unit stands in quotes, such as "1.5 mm", and decimals have a point'
 
-# The parser's time grows with the square of the parts of a dotted key; a specification needs two parts.
+# A dotted key with at least 33 parts. The parser's time grows with the square of the number of parts, and a
+# specification needs only two.
 NESTED = re.compile(r"""(?:(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){32}""")
 
 
@@ -56,7 +57,7 @@ class Specification:
     ----------
     target : OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw or MultilinearLaw
     template : Surface
-        The lattice, with the largest allowed height at every site.
+        The lattice; every site has the largest allowed height.
     limits : Limits
     model : Model
     seed : int
@@ -66,21 +67,21 @@ class Specification:
     radii : RadiusRange, tuple of float or None
         Radii to choose from [mm]; they replace the radius of the template.
     robust : Tolerances or None
-        Errors of the made surface under which the expected misfit is minimised.
+        Errors of the made surface; the design minimises the expected misfit under these errors.
     pinned : mapping of int to float or None
-        Prescribed heights above the base plane [mm] by site, None for a site that stays empty.
+        Prescribed height above the base plane [mm] of some sites; None for a site that stays empty.
     mixed : bool
         Whether each asperity may have its own radius.
     part : PartOptions
         Alignment asperities, chord error and file formats of the part.
     hardness : float or None
-        H [MPa]; `design_for_hardness` then makes the design.
+        H [MPa]; if it is stated, `design_for_hardness` makes the design.
     text : str
         The file's text.
     sha256 : str
-        Hexadecimal hash of the file's bytes.
+        SHA-256 hash of the file, in hexadecimal digits.
     files : mapping of str to bytes
-        Files to store in the result folder: ``spec.toml``, and the table that it names.
+        Files to store in the result folder: ``spec.toml`` and the tables that it names.
     """
 
     target: Target
@@ -100,10 +101,10 @@ class Specification:
     files: Mapping[str, bytes] = field(default_factory=dict)
 
     def design(self, model: Model | None = None, *, draft: bool = False) -> Design:
-        """Design the target of the file; default model: that of the file.
+        """Return the design for the target of the file; the default model is also that of the file.
 
-        With a hardness, `design_for_hardness` keeps the contacts elastic, or a note states that they are not.
-        A draft omits the hardness, robustness and most of the search.
+        If the file states a hardness, `design_for_hardness` keeps the contacts elastic, or a note states that
+        they are not. A draft ignores the hardness and the robustness, and omits most of the search.
         """
         chosen = self.model if model is None else model
         remedy = "add [block] with width, length and thickness"
@@ -132,7 +133,7 @@ class Specification:
         Raises
         ------
         InvalidInput
-            If it is not positive, or so small that the part's files would be too large.
+            If the chord error is not positive, or so small that the files of the part would be too large.
         """
         part = replace(self.part, chord_error=chord_error)
         planned(self.template, self.template, part, contact_of(self.model))
@@ -140,7 +141,7 @@ class Specification:
 
 
 def refuse_missing_block(model: Model, surface: Surface, remedy: str) -> None:
-    """Raise an error in terms of the specification if a model needs a block and there is none."""
+    """Raise InvalidInput if a model needs a block and the surface has none; the error states `remedy`."""
     substrate = getattr(model, "substrate", None)
     if surface.block is not None or not isinstance(substrate, Substrate):
         return
@@ -168,8 +169,8 @@ def read_spec(path: str | Path) -> Specification:
     Raises
     ------
     InvalidInput
-        If the file cannot be read, or for unknown or missing sections and keys, and values of the
-        wrong kind, unit or range: one line for each problem.
+        If the file cannot be read, if a section or key is unknown or missing, or if a value has the wrong
+        type, unit or range. The error has one line for each problem.
 
     Examples
     --------
@@ -183,19 +184,19 @@ def read_spec(path: str | Path) -> Specification:
     (LinearLaw(slope=6.87, load_range=None), 0.12)
     """
     raw = read_bytes(path, SPECIFICATION, "no such file; `metafem demo linear` writes one to start from")
-    decoded(path, raw)  # other encodings are refused, with the line
+    decoded(path, raw)  # raises an error with the line if the file is not UTF-8
     return _specification(file_label(path), raw, in_folder(Path(path).parent))
 
 
 def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec.toml") -> Specification:
-    """Read the text of a specification, as `read_spec` reads a file.
+    """Return the specification in a text, which is read as `read_spec` reads a file.
 
     Parameters
     ----------
     text : str
         The text of a specification file.
     tables : mapping of str to bytes, optional
-        Content of the tables, by the names under which the text refers to them; default: none.
+        Content of the tables, by their names in the text; default: none.
     name : str, optional
         Name of the specification in errors.
 
@@ -206,7 +207,7 @@ def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec
     Raises
     ------
     InvalidInput
-        As `read_spec`; its `problems` have the keys.
+        In the same cases as `read_spec`; each of its `problems` names the key.
 
     Examples
     --------
@@ -230,7 +231,7 @@ def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec
 
 
 def _specification(name: str, raw: bytes, source: Source) -> Specification:
-    """Return the specification from the file's name in errors, its bytes in UTF-8, and its tables."""
+    """Return the specification in the UTF-8 text `raw`; errors call it `name`, `source` reads its tables."""
     text = raw.decode("utf-8")
     table = toml_table(text, name)
     try:
@@ -258,7 +259,7 @@ def _specification(name: str, raw: bytes, source: Source) -> Specification:
 
 
 def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:
-    """Return the sections of a specification's text as TOML has them.
+    """Return the sections in the text of a specification, as tomllib reads them.
 
     Examples
     --------
@@ -273,7 +274,7 @@ def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:
         table = tomllib.loads(text)
     except RecursionError:
         raise _refused(name, deep) from None
-    except ValueError as error:  # including numbers with thousands of digits
+    except ValueError as error:  # a number with thousands of digits is a ValueError too
         end = f"at line {len(text.splitlines())}, the end of the file"
         cause = printable(str(error).replace("at end of document", end))
         raise _refused(name, f"not valid TOML: {cause}; {REMEDY}") from None

@@ -1,4 +1,4 @@
-"""The JSON schema of a specification and its file, for completion and error marks in editors."""
+"""The JSON schema of a specification; editors use its file to complete keys and to mark errors."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from metafem.files.specification.forms import (
 )
 from metafem.files.specification.manual import remark
 
-# Name of the schema in the specifications of the demos, relative to their folder.
+# Name of the schema's file, to which the specifications of the demonstrations refer.
 SCHEMA_FILE = "metafem.schema.json"
 
-# Language servers of TOML read draft 7 of JSON Schema; its first keys identify the file.
+# First keys of the schema, which identify its file. Language servers for TOML read draft 7 of JSON Schema.
 FIRST = {
     "$schema": "http://json-schema.org/draft-07/schema#",
     "title": "Specification of metafem",
@@ -62,19 +62,19 @@ def schema() -> dict[str, Any]:
 
 
 def schema_text() -> str:
-    """Return the schema as the text of its file."""
+    """Return the text of the schema's file."""
     return json.dumps(schema(), indent=2, ensure_ascii=False) + "\n"
 
 
 def write_schema(path: Path, force: bool = False) -> None:
-    """Write the schema unless the file already holds it; with `force` a schema of metafem is replaced."""
+    """Write the schema unless the file already contains it; `force` replaces another schema of metafem."""
     if path.is_file() and path.read_bytes() == schema_text().encode("utf-8"):
         return
     write_text(path, schema_text(), force=force, kind="schema")
 
 
 def place_schema(folder: Path) -> str | None:
-    """Write the schema next to a specification, and return a remark if another file is in its place."""
+    """Write the schema next to a specification; return a remark if another file already has its name."""
     path = folder / SCHEMA_FILE
     try:
         write_schema(path)
@@ -91,8 +91,8 @@ def place_schema(folder: Path) -> str | None:
 def section(form: SectionForm, description: str) -> Schema:
     """Return the schema of a section.
 
-    It contains all keys of all kinds once, so that an editor completes them and marks a single wrong key;
-    conditions state which keys a kind requires and excludes.
+    It contains each key of all kinds once, so that an editor can complete every key, and marks only the key
+    that is wrong. Conditions state which keys a kind requires and which it excludes.
     """
     found: dict[str, list[KeyForm]] = {}
     for keys in form.keys.values():
@@ -120,17 +120,20 @@ def section(form: SectionForm, description: str) -> Schema:
 
 
 def given(*names: str) -> Schema:
-    """Return the schema that requires keys; it states that others are allowed, as some editors need it."""
+    """Return the schema that requires the keys `names`.
+
+    It states explicitly that other keys are allowed, because some editors need this.
+    """
     return {"required": list(names), "additionalProperties": True}
 
 
 def refused(names: Iterable[str]) -> Schema:
-    """Return the schema that refuses keys."""
+    """Return the schema that refuses the keys `names`."""
     return {"properties": dict.fromkeys(sorted(names), False), "additionalProperties": True}
 
 
 def _needed(keys: Sequence[KeyForm], kind: str = "", fewest: int = 0) -> Schema:
-    """Return which keys a section needs, and which exclude each other."""
+    """Return the schema of the keys that a section requires, and of those that exclude each other."""
     needed = [key.name for key in keys if not key.optional]
     found: Schema = {"required": needed} if needed else {}
     if fewest:
@@ -139,7 +142,10 @@ def _needed(keys: Sequence[KeyForm], kind: str = "", fewest: int = 0) -> Schema:
 
 
 def _choice(keys: Sequence[KeyForm], kind: str) -> Schema:
-    """Return the condition that one choice of a section's keys is present: the first one if no key is."""
+    """Return the condition that one alternative set of keys is present.
+
+    If no key of these sets is present, editors report the keys of the first set as missing.
+    """
     choices: dict[int, list[str]] = {}
     for key in keys:
         if key.choice is not None:
@@ -157,7 +163,7 @@ def _choice(keys: Sequence[KeyForm], kind: str) -> Schema:
 
 
 def _merged(keys: Sequence[KeyForm]) -> Schema:
-    """Return one schema of a key that several kinds have."""
+    """Return one schema for a key that belongs to several kinds; its description covers all of them."""
     texts: dict[str, list[str]] = {}
     for key in keys:
         words = remark(key.meaning, key.optional, key.default)
@@ -178,7 +184,7 @@ def _value(key: KeyForm) -> Schema:
     return key.schema
 
 
-# Radii are stated once: the radius of the lattice, or the radii to choose from.
+# Condition that radii are stated once, either by the key lattice.radius or by the section [radii].
 ONE_RADIUS = {
     "if": given("radii"),
     "then": {"properties": {"lattice": refused(["radius"])}, "additionalProperties": True},

@@ -1,4 +1,4 @@
-"""Sections of a specification as pydantic models: known keys, their units, their types, their meaning."""
+"""Sections of a specification as pydantic models, with the types, units and meanings of their keys."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ Site = Annotated[int, Field(strict=True, ge=0)]
 
 
 class MaterialSection(Section):
-    """``[material]``."""
+    """The section ``[material]``."""
 
     choices = (("composite_modulus",), ("young_modulus",))
 
@@ -50,7 +50,7 @@ class MaterialSection(Section):
 
 
 class FrictionSection(Section):
-    """``[friction]``."""
+    """The section ``[friction]``."""
 
     makes = Friction
     shear_strength: Stress = key("sigma: friction force per real contact area", "0.358 MPa")
@@ -58,7 +58,7 @@ class FrictionSection(Section):
 
 
 class LatticeSection(Section):
-    """``[lattice]``."""
+    """The section ``[lattice]``."""
 
     shape: tuple[Integer, Integer] = key("rows, columns", [8, 8])
     pitch: Length = key("distance between neighbours", "1.5 mm")
@@ -68,7 +68,7 @@ class LatticeSection(Section):
 
 
 class RadiiSection(Section):
-    """``[radii]``."""
+    """The section ``[radii]``."""
 
     choices = (("tools",), ("range",))
 
@@ -84,7 +84,7 @@ class RadiiSection(Section):
     mixed: Whether = key("a radius for each asperity instead of one for all", True, default=False)
 
     def value(self) -> RadiusRange | tuple[float, ...]:
-        """Return the range, or the tools."""
+        """Return the range of radii, or the radii of the tools [mm]."""
         if self.range is None:
             words = "needs radii.range: tools are used as they are"
             refuse_if(self.step is not None, words, key="step")
@@ -96,7 +96,7 @@ class RadiiSection(Section):
 
 
 class SitesSection(Section):
-    """``[sites]``."""
+    """The section ``[sites]``."""
 
     empty: tuple[Site, ...] = key(
         "sites without an asperity, from 0 along x, then row by row along y", [17], default=()
@@ -107,7 +107,7 @@ class SitesSection(Section):
     )
 
     def heights_by_site(self, count: int, limits: Limits, part: bool) -> dict[int, float | None]:
-        """Return the height of each pinned site, None for an empty one."""
+        """Return the height of each pinned site [mm], or None for a site that stays empty."""
         for name, sites, before in (("empty", self.empty, ()), ("pinned", self.pinned, self.empty)):
             for i, site in enumerate(sites):
                 place: dict[str, Any] = {"key": f"{name}[{i}]", "value": str(site)}
@@ -131,7 +131,7 @@ class SitesSection(Section):
 
 
 class BlockSection(Section):
-    """``[block]``."""
+    """The section ``[block]``."""
 
     makes = Block
     width: Length = key("along x", "20 mm")
@@ -140,7 +140,7 @@ class BlockSection(Section):
 
 
 class LimitsSection(Section):
-    """``[limits]``."""
+    """The section ``[limits]``."""
 
     makes = Limits
     max_height: Length = key("of the summits, above the offset", "120 um")
@@ -153,7 +153,7 @@ class LimitsSection(Section):
 
 
 class LayoutSection(Section):
-    """``[layout]``."""
+    """The section ``[layout]``."""
 
     seed: Annotated[int, Field(strict=True, ge=0)] = key(
         "of the random assignment of heights to sites", 0, default=0
@@ -176,7 +176,7 @@ class LayoutSection(Section):
 
 
 class RobustSection(Section):
-    """``[robust]``."""
+    """The section ``[robust]``."""
 
     makes = Tolerances
     fewest = 1
@@ -194,7 +194,7 @@ class RobustSection(Section):
 
 
 class ModelSection(Section):
-    """``[model]``."""
+    """The section ``[model]``."""
 
     kind: Annotated[str, one_of(MODELS)] = key(f"one of: {', '.join(MODELS)}", "layer", default="independent")
 
@@ -207,7 +207,7 @@ class ModelSection(Section):
 
 
 class PartSection(Section):
-    """``[part]``."""
+    """The section ``[part]``."""
 
     makes = PartOptions
     alignment_height: PositiveLength | None = optional(
@@ -222,6 +222,6 @@ class PartSection(Section):
 
 
 class ChecksSection(Section):
-    """``[checks]``."""
+    """The section ``[checks]``."""
 
     hardness: PositiveStress | None = optional("H, which decides on a plastic law", "10 MPa")

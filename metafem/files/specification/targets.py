@@ -1,4 +1,4 @@
-"""``[target]`` of each kind, as pydantic models."""
+"""The section ``[target]``: a pydantic model for each kind of target law."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ from metafem.inversion import (
 from metafem.inversion.targets.wording import RESCALED, Wording
 from metafem.surface import Friction, Material
 
-# Example in errors about loads that may be rescaled or in newtons.
+# Example in errors about a load, which may be a rescaled load or a force.
 LOAD = '0.144 mm^2" or "0.2 N'
 
 
 class GivenLoad(NamedTuple):
-    """A load as it was written, in mm^2 or N."""
+    """A load in the unit in which it was written: mm^2 for P/E*, or N."""
 
     value: float
     unit: str
@@ -49,7 +49,7 @@ class GivenLoad(NamedTuple):
 
 
 def given_load(given: Any) -> GivenLoad:
-    """Read a load in newtons or a rescaled one; errors have no key."""
+    """Return the load that a text states, in mm^2 or N; errors do not name a key."""
     try:
         return GivenLoad(converted(given, "mm^2", LOAD), "mm^2")
     except InvalidInput as reason:
@@ -60,7 +60,7 @@ def given_load(given: Any) -> GivenLoad:
 
 
 def rescaled_range(given: Sequence[GivenLoad], material: Material) -> tuple[float, float]:
-    """Return a range of rescaled loads; it is checked in the written units, for the errors."""
+    """Return a range of rescaled loads [mm^2]; errors state the loads in the units that were written."""
     mixed = len({load.unit for load in given}) > 1
     refuse_if(mixed, "mixes mm^2 and N; give both loads in one unit", key="load_range")
     check.interval("load_range", [load.value for load in given])
@@ -71,13 +71,13 @@ def rescaled_range(given: Sequence[GivenLoad], material: Material) -> tuple[floa
 LOADS, FRICTIONS = ["0.144 mm^2", "0.336 mm^2"], ["0.84 mm^2", "1.68 mm^2"]
 RANGE = ["0.1 mm^2", "0.4 mm^2"]
 
-# Meaning of a range of loads for linear and bilinear laws.
+# Meaning of the key load_range of linear and bilinear laws.
 LINE = "P/E* or P, smallest and largest: the target is the line through the origin"
 LINES = "P/E* or P, smallest and largest: the target is two lines, the first through the origin"
 
 
 def _crossover(given: Any) -> list[GivenLoad]:
-    """Read a load, or a pair of them."""
+    """Return the load, or the pair of loads, that a value states."""
     if given == []:
         raise InvalidInput("must be a load or a pair of loads", value="[]", example=f'"{LOAD}"')
     return [given_load(load) for load in given] if isinstance(given, list) else [given_load(given)]
@@ -85,16 +85,16 @@ def _crossover(given: Any) -> list[GivenLoad]:
 
 Load = Annotated[Any, Quantity(given_load, ("mm^2", "N"))]
 
-# Validated as a whole, so that an error names the entry instead of each alternative.
+# A single validator for one load or a pair: pydantic would report one error for each member of a union.
 Crossover = Annotated[Any, Quantity(_crossover, ("mm^2", "N"), pairs=True)]
 
 
-# Targets from points.
+# Targets that are defined by points.
 Kind = type[OperatingPoints] | type[SampledLaw]
 
 
 class CurveSection(Section):
-    """Points of a law: rescaled values, or forces."""
+    """Points of a law, as rescaled loads and rescaled friction or as forces."""
 
     choices: ClassVar[Choices] = (("rescaled_load", "rescaled_friction"), ("load", "friction_force"))
 
@@ -106,10 +106,10 @@ class CurveSection(Section):
     )
 
     def law(self, kind: Kind, material: Material, friction: Friction | None, **more: Any) -> Target:
-        """Return the target of a class of points."""
+        """Return the target of class `kind` through the points."""
         if self.load is None:
             return kind(self.rescaled_load or [], self.rescaled_friction or [], **more)
-        if self.friction_force is None:  # areas measured at loads in newtons
+        if self.friction_force is None:  # a table of areas measured at loads in N
             modulus = material.composite_modulus
             load = np.array(self.load) / modulus
             return kind(load, self.rescaled_friction or [], **more, wording=Wording(modulus))
@@ -123,14 +123,14 @@ class PointsSection(CurveSection):
     kind: Literal["operating-points"]
 
     def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target of these keys."""
+        """Return the target that the keys describe."""
         return self.law(OperatingPoints, material, friction)
 
 
 class SampledSection(CurveSection):
     """A law of any shape, met in the least-squares sense.
 
-    A `file` is replaced by its content before the section is read.
+    Before the section is read, the columns of the table replace the key `file`.
     """
 
     kind: Literal["sampled"]
@@ -146,7 +146,7 @@ class SampledSection(CurveSection):
     )
 
     def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target of these keys."""
+        """Return the target that the keys describe."""
         more = {"weight": self.weight, "relative_error": self.relative_error}
         return self.law(SampledLaw, material, friction, **more)
 
@@ -160,13 +160,13 @@ class PowerSection(Section):
     prefactor: Number | None = optional("C, for areas in mm^2; default: chosen by the design", 7.0)
 
     def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target of these keys."""
+        """Return the target that the keys describe."""
         ends = rescaled_range(self.load_range, material)
         return PowerLaw(self.exponent, ends, self.prefactor, _in_newtons(material, *self.load_range))
 
 
 class MultilinearSection(Section):
-    """Straight branches, slopes rising or falling, with a free intercept."""
+    """Straight branches with increasing or decreasing slopes and a free intercept."""
 
     kind: Literal["multilinear"]
     choices = (("slopes",), ("friction_coefficients",))
@@ -183,7 +183,7 @@ class MultilinearSection(Section):
     load_range: list[Load] = key("P/E* or P, from and to", ["0.03 mm^2", "0.26 mm^2"])
 
     def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target of these keys."""
+        """Return the target that the keys describe."""
         crossovers: list[Any] = []
         for i, given in enumerate(self.crossover_loads):
             loads = [load.rescaled(material) for load in given]
@@ -197,7 +197,7 @@ class MultilinearSection(Section):
 
 
 class LinearSection(Section):
-    """A straight law: a slope or a friction coefficient."""
+    """A straight line with a slope or a friction coefficient."""
 
     kind: Literal["linear"]
     choices = (("slope",), ("friction_coefficient",))
@@ -206,7 +206,7 @@ class LinearSection(Section):
     load_range: list[Load] | None = optional(LINE, ["0.05 mm^2", "0.2 mm^2"])
 
     def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target of these keys."""
+        """Return the target that the keys describe."""
         ends = rescaled_range(self.load_range, material) if self.load_range is not None else None
         wording = _wording(self, material, friction, *(self.load_range or ()))
         if self.friction_coefficient is None:
@@ -228,7 +228,7 @@ class BilinearSection(Section):
     load_range: list[Load] | None = optional(LINES, ["0.02 mm^2", "0.1 mm^2"])
 
     def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target of these keys."""
+        """Return the target that the keys describe."""
         wording = _wording(self, material, friction, self.crossover_load, *(self.load_range or ()))
         ends = rescaled_range(self.load_range, material) if self.load_range is not None else None
         crossover = self.crossover_load.rescaled(material)
@@ -236,7 +236,7 @@ class BilinearSection(Section):
 
 
 def _wording(section: Section, material: Material, friction: Friction | None, *loads: GivenLoad) -> Wording:
-    """Return the units of the slopes of a section and of its loads."""
+    """Return the units in which texts state the slopes and loads of a section's target."""
     name = section.choices[1][0]
     if getattr(section, name) is not None:
         return Wording.of(material, _stated(friction, name))
@@ -244,21 +244,21 @@ def _wording(section: Section, material: Material, friction: Friction | None, *l
 
 
 def _slopes(section: MultilinearSection | BilinearSection, wording: Wording, count: int | None) -> Any:
-    """Return the slopes of the branches."""
+    """Return the rescaled slopes of the branches."""
     if section.friction_coefficients is None:
         return section.slopes or []
     return wording.given_slopes(section.friction_coefficients, count)
 
 
 def _stated(friction: Friction | None, key: str) -> Friction:
-    """Return the friction that a key needs."""
+    """Return the Friction that a key needs; raise InvalidInput if the specification has none."""
     if friction is None:
         raise InvalidInput("needs [friction] with shear_strength", key=key)
     return friction
 
 
 def _in_newtons(material: Material, *loads: GivenLoad) -> Wording:
-    """Return the units of a law without frictions in newtons, over these loads."""
+    """Return the units in which texts state a law with rescaled friction: N for loads if one is in N."""
     return Wording(material.composite_modulus) if any(load.unit == "N" for load in loads) else RESCALED
 
 

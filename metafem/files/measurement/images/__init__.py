@@ -1,1 +1,1 @@
-"""Images of contacts as files: their grey values, the size of their pixels and the forces of each."""
+"""Reading of images of contacts: grey values, size of the pixels, and forces."""

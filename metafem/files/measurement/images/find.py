@@ -1,4 +1,4 @@
-"""Images of contacts as files: TIFF, also of several pages, and PNG. Grey values are read image by image."""
+"""Image files of contacts: TIFF, with one or several pages, and PNG. Grey values are read on access."""
 
 from __future__ import annotations
 
@@ -22,18 +22,19 @@ from metafem.files.measurement.images.pages import Damaged, ImageFile
 from metafem.files.reading import file_label
 from metafem.progress import message
 
-# Formats that are read, by the end of a file's name, and other image formats.
+# Readers by the extension of a file, and extensions of images and videos that are not read.
 FORMATS = {".tif": tiff, ".tiff": tiff, ".png": png}
 OTHERS = {".jpg", ".jpeg", ".bmp", ".gif", ".webp", ".avi", ".mp4", ".czi", ".nd2", ".lif", ".raw", ".jp2"}
 
-# Luminance of red, green and blue, Recommendation ITU-R BT.709.
+# Weights of red, green and blue in the luminance, from Recommendation ITU-R BT.709.
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 class Images(Sequence[NDArray[Any]]):
-    """The grey values of images (rows, columns), each read from its file on access.
+    """A sequence of the grey values of images, (rows, columns) each, which are read from a file on access.
 
-    `coloured` holds the names of images in colour: the grey values are their luminance.
+    The grey values of an image in colour are its luminance. `coloured` holds the names of such images that
+    were read.
     """
 
     def __init__(self, files: Sequence[ImageFile]) -> None:
@@ -53,10 +54,11 @@ class Images(Sequence[NDArray[Any]]):
 
 
 def find_images(sources: Iterable[str | Path]) -> list[ImageFile]:
-    """Return the images of files, of all their pages, and of folders; in each in natural order: 2 before 10.
+    """Return all images in files and folders; every page of a file is one image.
 
-    A file that cannot be opened is an image that is `broken`. Raise InvalidInput for names that do not exist,
-    files of other formats and folders without an image.
+    The files of a folder are in natural order, 2 before 10. A file that cannot be opened is returned as an
+    image that is `broken`. Raise InvalidInput for a name that does not exist, a file of another format or a
+    folder without an image.
     """
     refuse_missing("tifffile", "images", "reading images")
     paths: list[Path] = []
@@ -67,7 +69,7 @@ def find_images(sources: Iterable[str | Path]) -> list[ImageFile]:
         once.setdefault(path.absolute(), path)
     files = [image for path in once.values() for image in _pages(path)]
     count = Counter(image.name for image in files)
-    # files of one name from several folders are named with their folders
+    # images of the same name in different folders are named with their folders
     return [
         replace(image, name=str(image.path.parent / image.name)) if count[image.name] > 1 else image
         for image in files
@@ -75,9 +77,9 @@ def find_images(sources: Iterable[str | Path]) -> list[ImageFile]:
 
 
 def read_image(image: ImageFile) -> tuple[NDArray[Any], bool]:
-    """Return the grey values (rows, columns), row 0 uppermost, and whether the image is in colour.
+    """Return the grey values, (rows, columns) with row 0 at the top, and whether the image is in colour.
 
-    Raise InvalidInput, which names the image, if it cannot be read.
+    Raise InvalidInput, which names the image, if the image cannot be read.
     """
     refuse_if(image.broken, f"{printable(image.name)}: {image.broken}")
     try:
@@ -94,19 +96,22 @@ def natural(name: str) -> list[tuple[int, str]]:
 
 
 def _grey(values: NDArray[Any]) -> tuple[NDArray[Any], bool]:
-    """Return the grey values of (rows, columns) or (rows, columns, channels), and whether these differ."""
+    """Return the grey values, (rows, columns), and whether the colours of `values` differ.
+
+    The shape of `values` is (rows, columns) or (rows, columns, channels).
+    """
     if values.ndim == 2:
         return values, False
     colours = values[..., :3] if values.shape[2] > 2 else values[..., :1]
     if (colours == colours[..., :1]).all():
         return np.ascontiguousarray(colours[..., 0]), False
     grey = colours @ LUMINANCE
-    # integers remain integers, so that saturated ones are found
+    # integers remain integers, because saturated pixels are recognised by the ends of the integer scale
     return (np.rint(grey) if values.dtype.kind in "ui" else grey).astype(values.dtype), True
 
 
 def _in_folder(folder: Path) -> list[Path]:
-    """Return the images in a folder."""
+    """Return the paths of the images in a folder, in natural order; figures by metafem are left out."""
     names = [entry for entry in folder.iterdir() if not entry.name.startswith(".")]
     names.sort(key=lambda entry: (natural(entry.name), entry.name))
     found = [entry for entry in names if entry.suffix.lower() in FORMATS and not entry.is_dir()]
@@ -124,14 +129,14 @@ def _in_folder(folder: Path) -> list[Path]:
 
 
 def _is_drawing(path: Path) -> bool:
-    """Whether a file is a figure that metafem wrote, for example in an earlier measurement."""
+    """Return whether metafem wrote the file as a figure, for example in an earlier measurement."""
     with suppress(OSError):
         return is_of_kind(path, "figure")
     return False
 
 
 def _checked(path: Path) -> Path:
-    """Return a path to a file of a known format."""
+    """Return the path; raise InvalidInput if there is no such file, or if its format is not read."""
     exists = False
     with suppress(OSError, ValueError):
         exists = path.exists()
@@ -144,7 +149,7 @@ def _checked(path: Path) -> Path:
 
 
 def _pages(path: Path) -> list[ImageFile]:
-    """Return the images of a file; everything after a damaged part of a stack is one broken image."""
+    """Return the images in a file; the part of a stack after a damaged page is one broken image."""
     images: list[ImageFile]
     try:
         images, damage = FORMATS[path.suffix.lower()].pages(path)

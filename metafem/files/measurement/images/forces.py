@@ -1,4 +1,4 @@
-"""Tables of the forces at which images were taken."""
+"""Reading of the forces at which images were taken."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ COLUMNS = Columns(
 
 @dataclass(frozen=True)
 class Shot:
-    """One image, the image at the peak of the friction force if there is one, and the forces [N]."""
+    """An image with its forces [N]; `sheared` is the image at the peak of the friction force, if any."""
 
     image: ImageFile
     sheared: ImageFile | None = None
@@ -37,10 +37,11 @@ class Shot:
 def shots(images: Sequence[ImageFile], forces: str | Path | None = None) -> tuple[list[Shot], list[Note]]:
     """Return the images with their forces, in the order of the images, and warnings on what is left out.
 
-    `forces` is a table with the columns ``image`` and ``load`` with its unit, as ``load_mN``, and optionally
-    ``friction_force`` with its unit, ``sheared_image`` and ``test``. An image is named by its file, a page of
-    a stack as ``stack.tif:3``. A line whose image does not exist is left out, as is a sheared image. Raise
-    InvalidInput with line and column for entries that cannot be read, and if no line is left.
+    `forces` is a table. Its columns are ``image``, ``load`` with its unit, such as ``load_mN``, and
+    optionally ``friction_force`` with its unit, ``sheared_image`` and ``test``. An image is named by its
+    file, and a page of a stack as ``stack.tif:3``. A line is left out if its image does not exist, and a
+    sheared image is left out if it does not exist. Raise InvalidInput, with line and column, if an entry
+    cannot be read or if no line is left.
     """
     if forces is None:
         return [Shot(image) for image in images], []
@@ -79,13 +80,13 @@ def shots(images: Sequence[ImageFile], forces: str | Path | None = None) -> tupl
     if without:
         are = "is" if len(without) == 1 else "are"
         notes.append(Note(f"{listed(without)} {are} not in the table of forces: the load is empty"))
-    # sheared images stand with the others
+    # a sheared image belongs to the Shot of its image before shear, and does not get its own Shot
     leading = [image for image in images if image.name in found or image.name not in used]
     return [found.get(image.name) or Shot(image) for image in leading], notes
 
 
 def _absent(name: str, names: dict[str, ImageFile]) -> str:
-    """Return the text that a name in the table is not that of an image."""
+    """Return the error text for a name in the table that is not the name of an image."""
     pages = list(dict.fromkeys(image.name for image in names.values() if image.name.startswith(f"{name}:")))
     near = get_close_matches(name, list(names), 1)
     hint = f"; did you mean {printable(near[0], 60)}?" if near else ""
@@ -95,7 +96,7 @@ def _absent(name: str, names: dict[str, ImageFile]) -> str:
 
 
 def _misspelt(entries: Entries) -> list[Note]:
-    """Return warnings on unread columns with nearly the name of a missing one."""
+    """Return warnings on columns that are not read, but whose names resemble that of a missing column."""
     known = {*COLUMNS.units, *COLUMNS.plain}
     lacking = [COLUMNS.title(name) for name in sorted(known - entries.columns.keys())]
     near = ((title, get_close_matches(title, lacking, 1)) for title in entries.unread)

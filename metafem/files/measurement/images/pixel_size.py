@@ -1,4 +1,4 @@
-"""The size of the pixels of images, from their files and from the user."""
+"""The size of the pixels of images, as the files and the user state it."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from metafem.errors import refuse_if
 from metafem.files.measurement.images.pages import ImageFile, Resolution
 from metafem.notes import Note, information
 
-# Default resolutions of programs [per inch], and the accuracy with which PNG stores them.
+# Resolutions that programs write by default [per inch], and the accuracy with which PNG stores them.
 DEFAULTS, STORED = (72.0, 96.0, 100.0, 150.0, 200.0, 300.0, 600.0), 0.05
 MILLIMETRES_PER_INCH = 25.4
 
-# Relative differences of two stated sizes: above the first they differ; at the second, areas differ by 1 %.
+# Relative differences of two sizes of pixels. Above SAME, the sizes of two files differ. Above NEAR, areas
+# change by more than 1 %, and a warning is given.
 SAME, NEAR = 1e-3, 5e-3
 
 EXAMPLE = 'add the size of a pixel in the plane of the contacts, for example --pixel "5.3 um"'
@@ -23,9 +24,9 @@ EXAMPLE = 'add the size of a pixel in the plane of the contacts, for example --p
 def pixel_size(images: Sequence[ImageFile], given: float | None = None) -> tuple[float, list[Note]]:
     """Return the side of a pixel [mm] and notes on its source.
 
-    It is the given size, or the size that all files state. Resolutions of 72 per inch and other round default
-    values of programs do not count. Raise InvalidInput if the size is neither given nor stated, or if two
-    images or the two directions differ.
+    The size is `given` [mm] or, by default, the size that all files state. Resolutions of 72 per inch and
+    other default values of programs are ignored. Without `given`, raise InvalidInput if a file states no
+    size, or if the sizes of two images or of the two directions differ.
     """
     whole = [image for image in images if not image.broken]
     reason = "there are none" if not images else f"{printable(images[0].name)}: {images[0].broken}"
@@ -52,7 +53,7 @@ def pixel_size(images: Sequence[ImageFile], given: float | None = None) -> tuple
 
 
 def _common(stated: Mapping[str, Resolution]) -> tuple[float, list[Note]]:
-    """Return the size that all images state."""
+    """Return the size that all images state [mm], with a note; raise InvalidInput if the sizes differ."""
     first, one = next(iter(stated.items()))
     for name, other in stated.items():
         label = printable(name, 60)
@@ -64,13 +65,13 @@ def _common(stated: Mapping[str, Resolution]) -> tuple[float, list[Note]]:
 
 
 def _first(names: Sequence[str], before: str = " ", after: str = "") -> str:
-    """Return the first name and the number of the others."""
+    """Return the first name and the number of other images, as text."""
     more = "" if len(names) < 2 else f"{before}and {len(names) - 1} more images{after}"
     return printable(names[0], 60) + more if names else ""
 
 
 def _default(resolution: Resolution) -> bool:
-    """Whether a resolution is a default value of programs."""
+    """Return whether a resolution is one that programs write by default."""
     per_inch = MILLIMETRES_PER_INCH / resolution.x
     return "per inch" in resolution.source and any(abs(per_inch - value) < STORED for value in DEFAULTS)
 

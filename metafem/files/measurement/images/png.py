@@ -1,4 +1,4 @@
-"""Images in PNG files."""
+"""Reading of PNG files."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from metafem.files.measurement.images.pages import Damaged, ImageFile, Resolution, damaged, too_large
 
-# Modes of images with grey levels, and modes that are converted to colours or grey levels.
+# Modes of Pillow with grey levels, and modes that are converted to colours or grey levels.
 GREY = {"L", "I", "F", "I;16", "I;16B", "I;16L", "I;16N"}
 CONVERTED = {"P": "RGB", "PA": "RGB", "RGBA": "RGB", "RGBX": "RGB", "LA": "L", "La": "L", "RGB": "RGB"}
 
@@ -21,7 +21,7 @@ MILLIMETRES_PER_INCH = 25.4
 
 
 def pages(path: Path) -> tuple[list[ImageFile], str]:
-    """Return the image of a file, and no damage."""
+    """Return the single image of a file, and "" because no page can be damaged."""
     with opened(path) as image:
         columns, rows = image.size
         broken = _refused(image.mode) or too_large(rows, columns)
@@ -29,7 +29,7 @@ def pages(path: Path) -> tuple[list[ImageFile], str]:
 
 
 def read(file: ImageFile) -> NDArray[Any]:
-    """Return the values of an image (rows, columns), or (rows, columns, 3) in colour."""
+    """Return the values of an image, (rows, columns), or (rows, columns, 3) in colour."""
     with opened(file.path) as image:
         if file.number > 1:
             image.seek(file.number - 1)
@@ -39,7 +39,7 @@ def read(file: ImageFile) -> NDArray[Any]:
 
 
 def _refused(mode: str) -> str:
-    """Return the reason why an image of a mode is not read."""
+    """Return the reason why an image with this mode is not read, or "" if it is read."""
     if mode in GREY or mode in CONVERTED:
         return ""
     kind = "black and white" if mode == "1" else f"of the kind {mode}"
@@ -48,12 +48,12 @@ def _refused(mode: str) -> str:
 
 @contextmanager
 def opened(path: Path) -> Iterator[Any]:
-    """Open an image; raise Damaged if it is not an image, or if it or the part read is incomplete."""
+    """Yield an open image; raise Damaged if the file is not an image or is incomplete."""
     from PIL import Image
 
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # about the size, which is checked
+            warnings.simplefilter("ignore")  # a warning on large images: their size is checked elsewhere
             with Image.open(path) as image:
                 yield image
     except Damaged:
@@ -63,7 +63,7 @@ def opened(path: Path) -> Iterator[Any]:
 
 
 def _resolution(image: Any) -> Resolution | None:
-    """Return the stated size of the pixels."""
+    """Return the size of the pixels that the file states, or None."""
     given = image.info.get("dpi")
     if not given or min(given) <= 0.0:
         return None

@@ -1,4 +1,4 @@
-"""Images in TIFF files of one page or several."""
+"""Reading of TIFF files with one or several pages."""
 
 from __future__ import annotations
 
@@ -20,19 +20,20 @@ from metafem.files.measurement.images import png
 from metafem.files.measurement.images.pages import Damaged, ImageFile, Resolution, damaged, too_large
 from metafem.files.units import factor
 
-# Values of the tag PhotometricInterpretation that are read: white is 0, black is 0, colours, a palette.
+# Values of the tag PhotometricInterpretation that are read: 0 (white is 0), 1 (black is 0), 2 (colours) and
+# 3 (palette).
 WHITE_IS_ZERO, PALETTE = 0, 3
 READ = (WHITE_IS_ZERO, 1, 2, PALETTE)
 
-# Units of the tag ResolutionUnit [mm].
+# Size of the unit that each value of the tag ResolutionUnit states [mm].
 RESOLUTION_UNIT = {2: 25.4, 3: 10.0}
 
-# Exceptions of tifffile for damaged files.
+# Exceptions that tifffile raises for damaged files.
 FAULTS = (OSError, ValueError, RuntimeError, LookupError, TypeError, struct.error, zlib.error, MemoryError)
 
 
 def pages(path: Path) -> tuple[list[ImageFile], str]:
-    """Return the images of a file, and the problem after the last one that can be read."""
+    """Return the images in a file, and a text on damage after the last readable page, or ""."""
     with _opened(path) as (file, complaints):
         found = [(index, page) for index, page in enumerate(file.pages) if not page.is_reduced]
         if not found:
@@ -56,11 +57,11 @@ def pages(path: Path) -> tuple[list[ImageFile], str]:
 
 
 def read(image: ImageFile) -> NDArray[Any]:
-    """Return the values of a page (rows, columns), or (rows, columns, channels) in colour."""
+    """Return the values of a page, (rows, columns), or (rows, columns, channels) in colour."""
     with _opened(image.path) as (file, _):
-        page = file.pages[image.index]  # the tags of the others are not read again
+        page = file.pages[image.index]  # reads the tags of this page only
         if _joined(file, image.path):
-            # an image of a stack with the tags of its first page
+            # only the first page has tags: the images follow one another in the file
             start = page.dataoffsets[0] + (image.number - 1) * page.nbytes
             kind = page.dtype.newbyteorder(file.byteorder)
             return np.array(np.memmap(image.path, kind, "r", start, page.shape))
@@ -73,7 +74,7 @@ def read(image: ImageFile) -> NDArray[Any]:
         photometric, axes = int(page.photometric), page.axes
         palette = page.colormap if photometric == PALETTE else None
     if values is None:
-        return png.read(image)  # a compression that tifffile does not read by itself
+        return png.read(image)  # Pillow reads compressions for which tifffile needs imagecodecs
     if palette is not None:
         values, axes = np.moveaxis(np.asarray(palette)[:, values], 0, -1), "YXS"
     if axes == "SYX":
@@ -88,7 +89,10 @@ def read(image: ImageFile) -> NDArray[Any]:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[tuple[Any, list[str]]]:
-    """Open a file; collect what tifffile would write to the log; raise Damaged for a damaged file."""
+    """Yield an open file and the list of tifffile's warnings, which are then not logged.
+
+    Raise Damaged for a damaged file.
+    """
     import tifffile
 
     complaints: list[str] = []
@@ -114,7 +118,11 @@ def _opened(path: Path) -> Iterator[tuple[Any, list[str]]]:
 
 
 def _refused(page: Any, size: int, number: int) -> str:
-    """Return the reason why a page is not read; `number` counts consecutive images without tags."""
+    """Return the reason why a page is not read, or "" if it is read.
+
+    `size` is the size of the file [bytes]. `number` is the number of the image in a stack of which only the
+    first page has tags, otherwise 1.
+    """
     if page.axes not in ("YX", "YXS", "SYX"):
         return f"has the axes {page.axes}; save pictures of rows and columns"
     if page.dtype is None or page.dtype.kind not in "uif":
@@ -131,7 +139,7 @@ def _refused(page: Any, size: int, number: int) -> str:
 
 
 def _joined(file: Any, path: Path) -> int:
-    """Return the number of images of a stack with tags of the first image only, otherwise 0."""
+    """Return the number of images in a stack of which only the first page has tags; 0 for other files."""
     page = file.pages[0]
     if len(file.pages) > 1 or not file.series or not page.is_contiguous or page.axes != "YX":
         return 0
@@ -142,7 +150,7 @@ def _joined(file: Any, path: Path) -> int:
 
 
 def _resolution(file: Any, page: Any) -> Resolution | None:
-    """Return the stated size of the pixels: of OME, of ImageJ, or of the tags of the page."""
+    """Return the size of the pixels that OME, ImageJ or the tags of the page state, or None."""
     if file.is_ome and (stated := _of_ome(file.ome_metadata)) is not None:
         return stated
     tags = [page.tags.get(name) for name in ("XResolution", "YResolution")]
@@ -165,7 +173,7 @@ def _resolution(file: Any, page: Any) -> Resolution | None:
 
 
 def _millimetres(name: str) -> float | None:
-    """Return the size of a unit of length [mm], None for other units, such as "pixel"."""
+    """Return the size of a unit of length [mm]; None for other units, such as "pixel"."""
     plain = name.strip().strip("\x00").replace("\\u00B5", "µ")
     try:
         return float(factor({"micron": "um", "microns": "um", "inches": "inch"}.get(plain, plain), "mm"))
@@ -174,7 +182,7 @@ def _millimetres(name: str) -> float | None:
 
 
 def _of_ome(text: str | None) -> Resolution | None:
-    """Return the size of the pixels in the description of OME."""
+    """Return the size of the pixels that OME metadata state, or None."""
     try:
         root = ElementTree.fromstring(text or "")
     except ElementTree.ParseError:
