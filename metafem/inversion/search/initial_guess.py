@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import brentq
 
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact
 from metafem.contact.law import contacts
 from metafem.inversion.bounds import at_load, depth_at_pressure, relative_depth
@@ -29,11 +29,17 @@ SHALLOWEST = 1e-9
 
 
 def initial_heights(
-    law: Contact, load: FloatArray, friction: FloatArray, radius: FloatArray, count: int
+    law: Contact,
+    load: FloatArray,
+    friction: FloatArray,
+    radius: FloatArray,
+    count: int,
+    few_levels: bool = False,
 ) -> tuple[FloatArray, FloatArray]:
     """Return at most `count` heights, tallest first at 0, whose law is near the samples, and radii [mm].
 
-    Asperities added at sample k have the k-th radius.
+    Asperities added at sample k have the k-th radius. few_levels: asperities added at consecutive samples
+    have one height, as if all came into contact between two samples.
     """
     if law.power == 1.0:
         # cones have the same load over area at any depth: the largest number is given the first load
@@ -42,15 +48,18 @@ def initial_heights(
         depth = depth_at_pressure(law, load[0] / friction[0], radius[0])
     first = float(contacts(law, np.array(depth), radius[:1]).area[0])
     levels, numbers, kinds = [0.0], [friction[0] / first], [radius[0]]
-    plane, widest, single = -depth, float(radius.max()), _Single(law, radius)
-    for p, f, new in zip(load[1:], friction[1:], radius[1:], strict=True):
+    plane, widest, single, at = -depth, float(radius.max()), _Single(law, radius), [0]
+    for k, (p, f, new) in enumerate(zip(load[1:], friction[1:], radius[1:], strict=True), start=1):
         earlier = np.array([np.array(levels) - plane, kinds, numbers])
         depth, number = _entering(single, earlier, p, f, new, widest)
         if number > 0.0:
             levels.append(plane)
             numbers.append(number)
             kinds.append(new)
+            at.append(k)
         plane -= depth
+    if few_levels:
+        return _joined(np.array(levels), np.array(numbers), np.array(kinds), np.array(at), count)
     return _spread(np.array(levels), np.array(numbers), np.array(kinds), plane, count)
 
 
@@ -166,6 +175,18 @@ def slowest_law(
     height = np.repeat([0.0, -deeper], numbers)
     radius = np.repeat([radii.high, radii.low], numbers)
     return height[:count], radius[:count]
+
+
+def _joined(
+    levels: FloatArray, numbers: FloatArray, kinds: FloatArray, at: IntArray, count: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return a whole number of asperities at the mean level of each run of consecutive samples `at`."""
+    run = np.cumsum((np.diff(at, prepend=-1) > 1) | (at == 1))
+    weight = np.bincount(run, numbers)
+    mean = np.bincount(run, numbers * levels) / np.where(weight > 0.0, weight, 1.0)
+    whole = np.rint(np.minimum(weight, count)).astype(int)
+    last = np.searchsorted(run, np.arange(len(whole)), side="right") - 1
+    return np.repeat(mean, whole)[:count], np.repeat(kinds[last], whole)[:count]
 
 
 def _spread(

@@ -136,12 +136,25 @@ class LawSearch:
         model, span, starts = self.problem.independent, self.problem.limits.span, []
         for law in self.guesses:
             radii = np.full(len(law), radius)
-            height, _ = initial_heights(model.contact, self.law.load, law, radii, self.problem.count)
+            of_samples = model.contact, self.law.load, law, radii, self.problem.count
+            height, _ = initial_heights(*of_samples)
             inside = int((height >= height[0] - span).sum())
             # if heights are deeper than the span, also with fewer of the heights that are too low
             numbers = dict.fromkeys(inside + round(part * (len(height) - inside)) for part in LOW_FRACTIONS)
             starts += [height[:number] for number in numbers]
+            levels, _ = initial_heights(*of_samples, few_levels=True)
+            few = levels.size > 0 and np.ptp(levels) <= span
+            if few and self._misfit(levels, radius) < self._misfit(height, radius):
+                starts.insert(0, levels)
         return residual_of_heights(model, radius, self.law), starts
+
+    def _misfit(self, height: FloatArray, radius: float) -> float:
+        """Return the misfit of heights of one radius; infinite beyond the range of the contact law."""
+        try:
+            found = self.problem.independent.curve_of(height, np.full(len(height), radius), self.law.load)
+        except InvalidInput:
+            return math.inf
+        return self.law.misfit(found.area)
 
     def _within(self, space: Asperities, starts: list[tuple[FloatArray, FloatArray]], restarts: int) -> Found:
         """Search from heights and radii."""

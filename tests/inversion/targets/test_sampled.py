@@ -86,3 +86,15 @@ def test_no_noisy_law_is_refused_whose_best_surface_is_within_a_percent_of_the_n
         design = mf.design(target, LATTICE, limits=LIMITS)
         law = target.curve()
         assert design.misfit <= min(law.misfit(true), design.largest_misfit)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_laws_of_two_levels_are_found(seed):
+    rng = np.random.default_rng(seed)
+    number, low = int(rng.integers(1, 15)), rng.uniform(0.12, 0.19)
+    height = np.where(np.arange(16) < number, 0.2, low)
+    surface = mf.Surface.square_lattice(height, (4, 4), 1.5, radius=0.526, material=mf.Material(1.36))
+    load = np.linspace(0.003, 0.15, 14)
+    target = mf.SampledLaw(load, mf.Independent().curve(surface, load).area)
+    found = mf.design(target, surface.replaced(height=np.full(16, 0.2)), limits=mf.Limits(0.2))
+    assert found.misfit < 1e-3
