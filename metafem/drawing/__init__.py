@@ -34,7 +34,7 @@ LARGEST_DOT, LEGEND_DOT, MOST_DOTS = 0.8, 11.0, 3
 # inch].
 MANY, RESOLUTION = 1000, 200
 
-# Fixed salt of the hashes from which matplotlib names the elements of an SVG, equal in every run.
+# Fixed salt of the hashes by which matplotlib names the elements of an SVG: the names are equal in every run.
 SALT = "metafem"
 
 
@@ -64,7 +64,7 @@ def new_figure(
 
 
 def axes(ax: Axes | None, width: float = 5.0, height: float = 3.6) -> Axes:
-    """Return `ax`, or the axes of a new pyplot figure [inch] if `ax` is None."""
+    """Return `ax`, or if it is None the axes of a new pyplot figure of a width and height [inch]."""
     if ax is None:
         from matplotlib import pyplot
 
@@ -94,7 +94,7 @@ def svg(figure: Figure, title: str) -> str:
 
 
 def finished(figure: Figure) -> Figure:
-    """Return the figure without frames at the top and right, and with legends where there are labels."""
+    """Remove the frame lines at the top and right, add missing legends, and return the figure."""
     for ax in figure.axes:
         ax.spines[["top", "right"]].set_visible(False)
         if ax.get_legend() is None and ax.get_legend_handles_labels()[1]:
@@ -138,7 +138,7 @@ def summits(ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArr
 
 
 def height_scale(height: FloatArray) -> ScalarMappable:
-    """Return the colour scale in micrometres from the lowest to the tallest of the summit heights [mm]."""
+    """Return the colour scale of summit heights [mm], from the lowest to the tallest in micrometres."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 

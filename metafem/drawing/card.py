@@ -33,9 +33,9 @@ NAME = CELL + "; white-space: nowrap; opacity: .75"
 
 
 def card(title: str, facts: Mapping[str, str], draw: Callable[[Axes], object] | None = None) -> str:
-    """Return a table of facts and a picture as an HTML element, without scripts, in the colours of its page.
+    """Return a title, a table of facts and a picture as an HTML element in the colours of its page.
 
-    `draw` draws the picture on the axes that it gets; default: no picture.
+    The element has no scripts. `draw` draws the picture on given axes; default: no picture.
 
     Examples
     --------

@@ -69,7 +69,7 @@ def _axis_name(ax: Axes, along: str) -> str:
 
 
 def _by_colour(ax: Axes) -> dict[tuple[float, ...], str]:
-    """Return the label of each line colour, if only one label in the panel, or else the figure, has it."""
+    """Return the label of each line colour that has only one label in the panel, or else in the figure."""
     found: dict[tuple[float, ...], str] = {}
     for panels in (ax.figure.axes, [ax]):
         labels: dict[tuple[float, ...], set[str]] = {}
@@ -136,7 +136,7 @@ def _series(ax: Axes) -> Iterator[Series]:
 
 
 def _named(artist: Any, otherwise: str) -> str:
-    """Return the label of an artist, or another name."""
+    """Return the label of an artist, or the name `otherwise` if the artist has no label."""
     label = " ".join(str(artist.get_label() or "").split())
     return otherwise if label.startswith(NAMELESS) else label.removeprefix("_") or otherwise
 
@@ -155,7 +155,7 @@ def _lines(ax: Axes, lines: Sequence[Any]) -> Iterator[Series]:
     shown = [line for line in lines if np.size(line.get_xdata(orig=False))]
     for number, line in enumerate(shown, 1):
         points = _points(*line.get_data(orig=False))
-        # a line across the panel, such as a bound, has data along one axis only
+        # a line across the panel, such as a bound, has data coordinates along one axis only
         known = dict(zip("xy", line.get_transform().contains_branch_seperately(ax.transData), strict=True))
         name = f"line {number}"
         if all(known.values()):
@@ -207,7 +207,7 @@ def _collection(collection: Any, number: int) -> Iterator[Series]:
 
 
 def _field(name: str, x: FloatArray, y: FloatArray, value: Any) -> Series:
-    """Return values on a grid as a series; a large grid has every n-th row and column only."""
+    """Return values on a grid as a series; of a large grid, only every n-th row and column."""
     step = int(np.ceil(np.sqrt(value.size / MOST_VALUES)))
     if step > 1:
         name = f"{name} (one of {step} rows and columns)"

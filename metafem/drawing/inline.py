@@ -56,7 +56,7 @@ class Drawn:
 
     @property
     def link(self) -> str:
-        """The data as a link that contains them."""
+        """A data URL that contains the data as CSV."""
         return "data:text/csv;charset=utf-8," + quote(self.csv, SAFE).replace(" ", "%20").replace("'", "%27")
 
 

@@ -42,7 +42,7 @@ def compared(design: Design) -> tuple[tuple[Comparison, ...], tuple[Note, ...]]:
     )
     independent = predicted["independent"]
     laws = {law.model.name: law for law in predicted.values() if law.model.couples}
-    # add the law of the design, unless its model is one of these
+    # add the law of the design, unless its model is one of the compared models
     if design.law.model not in (independent.model, *(law.model for law in laws.values())):
         laws[design.law.model.name] = design.law
     comparisons = tuple(

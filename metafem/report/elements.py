@@ -33,8 +33,8 @@ CAP = "Pressure under the true cap on the bonded block, and Hertz's at the same 
 def elements_section(design: Design) -> dict[str, Any]:
     """Return the table of the finite-element checks, and the figures of a Hertz contact and the tallest cap.
 
-    The contact radius is that of the tallest cap for independent asperities at the design's largest load.
-    The computation takes about a minute.
+    Their contact radius is that of the tallest asperity at the design's largest load, for independent
+    asperities. The computation takes about a minute.
     """
     from metafem import fe, studies
 

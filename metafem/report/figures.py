@@ -58,7 +58,7 @@ def _draw_difference(design: Design, ax: Axes) -> None:
 
 
 def _draw_reach(design: Design, ax: Axes) -> None:
-    """Draw the bounds of the laws of independent asperities, if the target is a curve."""
+    """Draw the region of laws that independent asperities can reach, if the target is a curve."""
     target = design.target_law
     if design.density is not None or few(target):
         return

@@ -11,9 +11,9 @@ from metafem.prediction import BranchFit
 def fit_table(design: Design) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Return headings and rows, in rescaled values or in friction coefficients and newtons.
 
-    The target intercept is that of the target line, or that of the density's asymptote if it is known. If the
-    target is given by rescaled slopes and the surface has a Friction, two more columns contain friction
-    coefficients and intercepts in newtons.
+    The target intercept is that of the target line, or that of the asymptote of a height density if it is
+    known. If the target is given by rescaled slopes and the surface has a Friction, two more columns contain
+    friction coefficients and intercepts in newtons.
 
     Examples
     --------

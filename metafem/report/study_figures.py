@@ -30,7 +30,7 @@ LEGEND_ABOVE: dict[str, Any] = {
 # With fewer inputs than this, the bars are as wide as with this number of inputs.
 FEW_BARS = 3
 
-# Studies by their label in the figure, such as the name of the surface; "" for no label.
+# Studies by the label that they have in the figure, such as the name of the surface; "" for no label.
 Labelled = Mapping[str, "Dataset"]
 
 # Largest number of shuffled placements that are drawn; in the source paper's Fig. S2, about as many can be
@@ -109,7 +109,7 @@ def uncertainty_figure(study: Dataset) -> Figure:
 def combined_figure(study: Dataset) -> Figure | None:
     """Draw the largest multiples of the given errors at which made surfaces meet the target as required.
 
-    Return None if no such multiple is known.
+    Return None if none of the multiples is finite.
     """
     limits = study[["factor", "factor_error", "given"]].isel(
         tolerance=np.flatnonzero(np.isfinite(study["factor"].values))

@@ -47,7 +47,7 @@ class CapContact:
     height: tuple[float, float]  # range of the table in h [mm]
     ratio: tuple[float, float]  # range of the table in s [-]
     excess: FloatArray  # (., ., 2), coefficients of f and g in ascending powers of scaled h and s
-    error: float = math.nan  # relative error of load and indentation at a solution outside the table
+    error: float = math.nan  # relative error of load and indentation at a solution that the table omits
 
     def solve(self, height: FloatArray, indentation: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return contact radii [mm] and rescaled loads [mm^2] at indentations d [mm], (n, ...); 0 if open.
@@ -74,12 +74,12 @@ class CapContact:
         return np.asarray(a**2 / self.radius * self._relative(a, h)[1] - d)
 
     def _relative(self, a: FloatArray, h: FloatArray) -> FloatArray:
-        """Return load and indentation divided by Hertz's at the same contact radius, (2, n)."""
+        """Return load and indentation over Hertz's values at the same contact radius, (2, n)."""
         ratio = a / foot_radius(h, self.radius)
         return np.asarray(1.0 + ratio * self.excess_at(h, ratio))
 
     def excess_at(self, h: FloatArray, ratio: FloatArray) -> FloatArray:
-        """Return the polynomials f and g, (2, n)."""
+        """Return the values of the polynomials f and g, (2, n)."""
         x, y = _scaled(h, self.height), _scaled(ratio, self.ratio)
         return np.asarray(polyval2d(x, y, self.excess))
 
@@ -106,7 +106,7 @@ def caps_of(surface: Surface, indentation: FloatArray) -> dict[float, CapContact
     The law is that of a true spherical cap on a bonded cylinder, at small strain. The cylinder has a free
     side, the thickness and base area of the block, and the Poisson's ratio of the material. Raise
     InvalidInput if the surface has no block, if the summits in contact have more than four radii, or if one
-    of them does not satisfy 0 < h <= R.
+    of these summits does not satisfy 0 < h <= R.
     """
     touching = indentation > 0.0
     radii, height = np.unique(surface.radius[touching]).tolist(), surface.height[touching]

@@ -89,15 +89,15 @@ def combined(
 ) -> xr.Dataset:
     """Return the probability that a made surface meets the target, and the largest allowed tolerances.
 
-    Each draw has errors of its heights, radii, positions, alignment and parameters at once. Its law is
-    compared with the target in the same way as the law of the design: the misfit is defined like
-    `Design.misfit`, and free parameters of the target are fitted to each law. A draw whose law has no
+    Each draw has errors of its heights, radii, positions, alignment and parameters at once. Its law under the
+    model is compared with the target in the same way as the law of the design: the misfit has the definition
+    of `Design.misfit`, and free parameters of the target are fitted to each law. A draw whose law has no
     solution does not meet the target.
 
     The largest tolerances are multiples of the given tolerances: a common factor of all tolerances, and a
-    factor of each tolerance while the others stay as given. At this factor, the quantile of the misfit at the
-    required probability equals the largest allowed misfit. The factor is found by false position, with a
-    fifth of the draws and the same random numbers at all factors; a final step uses all draws. For 64
+    factor of each tolerance while the others stay as given. At the largest factor, the quantile of the misfit
+    at the required probability equals the largest allowed misfit. The factor is found by false position, with
+    a fifth of the draws and the same random numbers at all factors; a final step uses all draws. For 64
     asperities, 10,000 draws take seconds without interaction and minutes with interaction. Aymard et al.,
     Science 383, 200 (2024), doi:10.1126/science.adk4234, Figs. S2 and S3, show the effects of single errors.
 

@@ -18,8 +18,8 @@ from metafem.fe.axisymmetric.prescribed_radius import graded, spectral
 from metafem.fe.axisymmetric.press import press
 from metafem.reference import bonded_layer, single_contacts
 
-# The asperities, the lattice and the block of Aymard et al., Science 383, 200 (2024),
-# doi:10.1126/science.adk4234 [mm].
+# Radius of the asperities, pitch of the lattice, thickness and radius of the block [mm], after Aymard et al.,
+# Science 383, 200 (2024), doi:10.1126/science.adk4234.
 RADIUS, PITCH, THICKNESS, BLOCK_RADIUS = 0.526, 1.5, 7.2, 10.0
 
 # Heights and contact radii [mm] of the checked caps on the block, and the cell size of the active-set search

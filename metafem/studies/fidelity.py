@@ -45,8 +45,8 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     law is interpolated between axisymmetric finite-element solutions (`metafem.fe.press`) at nine pairs of
     height and contact radius. It includes the effects of the shape of the cap, its pedestal, and the base and
     the sides of the block, but not of neighbouring asperities. The difference from "independent" is
-    meaningful at small a/R. At large a/R it is an upper estimate: at a/R = 0.5 the load is 1.11 times Hertz's
-    load at small strain, and 0.978 times at finite strain.
+    meaningful at small a/R. At large a/R the difference is an upper estimate: at a/R = 0.5, the load is 1.11
+    times Hertz's load at small strain, but 0.978 times Hertz's load at finite strain.
 
     Parameters
     ----------

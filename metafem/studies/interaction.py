@@ -1,4 +1,4 @@
-"""The effect of elastic interaction on the law of a design and of its random assignments to sites."""
+"""The effect of elastic interaction on the law of a design, also for random assignments to sites."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 IndexArray = NDArray[np.intp]
 
-# Number of assignments between two reports of progress.
+# Number of assignments that are solved between two reports of progress.
 AT_ONCE = 100
 
 # Random assignments are solved at every n-th load of the design's law, at about this number of loads.

@@ -22,7 +22,7 @@ Level = Callable[[float], Estimate]
 # Function of a task: the misfits of all its draws, (m,).
 Misfits = Callable[[MadeLaws], FloatArray]
 
-# Allowed relative standard deviation of the slope; a design within the same misfit counts as reached.
+# Allowed relative standard deviation of the slope: the misfit up to which a design counts as reached.
 ALLOWED = REACHED
 
 # Name of the factor that multiplies all tolerances.
@@ -82,8 +82,8 @@ def largest(
     `wanted` at both factors 0 and 1, and infinite if the level does not exceed `wanted` at `most`. The error
     is infinite if the level does not increase beyond the factor, or if draws there have no solution.
 
-    level: function of the factor; given: the level at factor 1; whole: as `level`, with more draws, for one
-    final correction.
+    level: function of the factor; given: the level at factor 1; whole: the same function with more draws, for
+    one final correction.
     """
     low, at_low = 0.0, level(0.0)
     high, at_high = 1.0, given

@@ -29,8 +29,8 @@ class MadeLaws:
     """Batches of random made surfaces with given tolerances, and with errors of the parameters.
 
     A made surface has the friction F' = sigma' B' A0(P/E*') at a load P. Its law is rescaled with the nominal
-    values E*, sigma and B and compared with the target. An error of E* therefore changes the argument of A0,
-    and errors of sigma and B change its factor.
+    values E*, sigma and B, and then compared with the target. An error of E* therefore changes the argument
+    of A0, and errors of sigma and B change the factor of A0.
 
     The points of the unit cube depend only on the seed and the batch, so all tolerances with the same
     number of random coordinates use the same points (common random numbers). The first columns of the points

@@ -37,7 +37,7 @@ from metafem.surface import Surface
 if TYPE_CHECKING:
     import xarray as xr
 
-# No errors.
+# Tolerances without errors.
 EXACT = Tolerances()
 
 # Number of points of a batch if draws are added until an error is reached. It is small, because the first
@@ -203,7 +203,7 @@ def _largest_height_sd(compute: Run, task: SlopeDraws, error: float | None) -> E
 
 @dataclass(frozen=True, eq=False)
 class SlopeDraws:
-    """Batches of random surfaces with given tolerances, with their slopes and areas.
+    """Batches of surfaces with random errors of given tolerances, and the sums of their slopes and areas.
 
     All tolerances use the same points (common random numbers). The quantities (q,) are the slope and the
     areas at the loads of the fit, each divided by its nominal value.
@@ -245,7 +245,7 @@ class SlopeDraws:
 
 
 def linear_response(model: Model, surface: Surface, slope: Slope) -> tuple[FloatArray, FloatArray]:
-    """Return the slope and the areas (q,), and their relative derivatives by the heights (q, n) [1/mm].
+    """Return slope and areas (q,), and their relative derivatives with respect to the heights (q, n) [1/mm].
 
     Raise NotConverged if the model has no solution for the surface.
     """

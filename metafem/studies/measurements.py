@@ -114,8 +114,8 @@ def explained(found: Explanation) -> xr.Dataset:
     -------
     xarray.Dataset
         Over ``cause``: ``prior_sd``, ``mean`` and ``sd`` [rad or relative], and ``covariance`` over ``cause``
-        and ``other_cause``. Over ``group``: its ``share`` of the explained misfit, and the misfit
-        ``misfit_without`` this group. Over ``site``: the errors ``height`` and ``radius`` [mm] with
+        and ``other_cause``. Over ``group``: its ``share`` of the explained misfit, and ``misfit_without``,
+        the misfit without this group. Over ``site``: the errors ``height`` and ``radius`` [mm] with
         ``..._sd``, and ``outlier``. Over ``kind``: ``single_prior_sd`` [mm] of these errors. Over
         ``sentence``: ``sentence_text``, the explanation in words. Single numbers are ``misfit_design``,
         ``misfit``, and ``values``, the number of measured values, which is the expected ``misfit``.

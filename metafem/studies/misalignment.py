@@ -38,9 +38,9 @@ DIRECTIONS = {"both": (1.0, 1.0), "x": (1.0, 0.0), "y": (0.0, 1.0)}
 # to ten times the estimate.
 FEWEST_ANGLES = 20
 
-# Number of steps in a search for the largest angle, and largest number of searches. The last search is the
-# one that finds the angle among the last three quarters of its steps, where the error is below 1e-3. After an
-# angle among the first steps, the next search goes up to twice this angle; after none, up to twice as far.
+# Number of steps of one search for the largest angle, and largest number of searches. An angle among the last
+# three quarters of the steps is accepted: its error is below 1e-3. After an angle among the first quarter,
+# the next search goes up to twice this angle. If a search finds no angle, the next search goes twice as far.
 SEARCH_STEPS, SEARCHES = 400, 12
 
 # Number of shuffled placements in a batch. A placement of 64 independent asperities at 2,001 angles and 20
@@ -69,12 +69,12 @@ def misalignment(
 ) -> xr.Dataset:
     """Return mean and scatter of the friction law if the plane is not parallel to the surface.
 
-    A tilt changes the heights to ``h_i + x_i tan(angle_x) + y_i tan(angle_y)``, see `Surface.tilted`. At each
-    angle, the mean and the standard deviation are those of tilts that are uniformly distributed between minus
-    this angle and this angle. The law is interpolated linearly between neighbouring angles. With many equal
-    steps, the results are the mean and the standard deviation over all angles of the interval, as in Aymard
-    et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. S2 and supplementary text "Effect of a
-    misalignment on the friction law".
+    A tilt changes the heights to ``h_i + x_i tan(angle_x) + y_i tan(angle_y)``, see `Surface.tilted`. For
+    each angle, mean and standard deviation are computed for a tilt that is uniformly distributed between
+    minus this angle and this angle. The law is interpolated linearly between neighbouring angles. With many
+    equal steps, the results are the mean and the standard deviation over all angles of the interval, as in
+    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. S2 and supplementary text
+    "Effect of a misalignment on the friction law".
 
     The study also finds the largest angle at which the slope scatters by less than 1 %. This limit does not
     depend on `angle`. It takes usually three and at most twelve searches with 801 angles each.
@@ -346,7 +346,7 @@ def within(angle: FloatArray, value: FloatArray) -> tuple[Estimate, Estimate]:
 
 
 def _largest_nearby(change: FloatArray) -> FloatArray:
-    """Return the largest change at each angle and its neighbours; at a single angle it may happen to be 0."""
+    """Return the largest change among each angle and its neighbours: a single change may be 0 by chance."""
     padded = np.pad(change, [(0, 0)] * (change.ndim - 1) + [(NEIGHBOURS, NEIGHBOURS)], mode="edge")
     nearby = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEIGHBOURS + 1, axis=-1)
     return np.asarray(nearby.max(axis=-1))

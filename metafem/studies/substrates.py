@@ -60,7 +60,7 @@ def laws_on_substrates(
 
 
 def _true_block(surface: Surface, wait: bool) -> tuple[Block3D | None, str]:
-    """Return the substrate of the true block and an empty text, or None and why the block is left out."""
+    """Return the substrate of the true block and an empty text, or None and the reason for leaving it out."""
     from metafem.fe import Block3D  # imports scikit-fem; no other model needs it
 
     substrate = Block3D()

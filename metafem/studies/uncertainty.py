@@ -163,7 +163,7 @@ def uncertainty(
 def _dataset(
     task: LawDraws, found: SobolIndices, model: Model, draws: int, key: str, notes: list[Note]
 ) -> xr.Dataset:
-    """Return the dataset, from the estimates of all outputs."""
+    """Return the dataset that holds the estimates of all outputs."""
     k = len(task.load)
     variables: Variables = {}
     for i, name in enumerate(task.outputs):
@@ -174,9 +174,9 @@ def _dataset(
             own = estimate.value[..., part], estimate.error[..., part]
             variables |= with_error(f"{name}_{statistic}", axes, own)
         variables[f"nominal_{name}"] = over, task.nominal[part]
-    variables.pop("nominal_rescaled_load", None)  # it is the coordinate
+    variables.pop("nominal_rescaled_load", None)  # the coordinate holds these values
     sd, error = found.sd.value[:k], found.sd.error[:k]
-    plain = sd**2 / (2.0 * draws)  # squared error of the SD of a normal sample
+    plain = sd**2 / (2.0 * draws)  # sampling variance of the SD of normal draws
     variables["saving"] = ("rescaled_load",), np.divide(plain, error**2, np.ones(k), where=error > 0.0)
     rescaled = task.load / task.surface.material.composite_modulus
     return dataset(

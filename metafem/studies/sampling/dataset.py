@@ -105,8 +105,8 @@ def of_law(
 ) -> Variables:
     """Return the variables of mean and standard deviation of the slope and of the areas.
 
-    found: values and errors (..., 2, q) of the quantities over their nominal values (q,), minus 1; over: the
-    leading dimensions of both.
+    found: values and errors (..., 2, q) of mean and standard deviation of y/nominal - 1, for the quantities y
+    (q,); over: names of the leading dimensions.
     """
     variables: Variables = {}
     parts: list[tuple[str, Any, tuple[str, ...]]] = [("area", slice(1, None), ("rescaled_load",))]

@@ -23,7 +23,7 @@ WIDEST = 7.0
 # Allowed rounding error of the correlations.
 ROUNDING = 1e-9
 
-# What inputs need that are not available for every surface, and the remedy for a name that is no input.
+# Conditions of the inputs that are not always available, and the remedy for a name that is not an input.
 NEEDS = {
     "shear_strength": "needs a surface with a Friction",
     "area_ratio": "needs a surface with a Friction",
@@ -40,7 +40,7 @@ class Inputs:
     ----------
     names : tuple of str, (p,)
     sd : tuple of ndarray, (p,)
-        Standard deviation of each, (1,), or (k,) if the input has k values.
+        Standard deviation of each input, (1,), or (k,) if the input has k values.
     root : ndarray, (p, p)
         Symmetric square root of the correlation matrix.
     groups : tuple of tuple of int

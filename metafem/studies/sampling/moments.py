@@ -93,13 +93,13 @@ def moments(sums: Sums, *, plain: bool = False) -> Moments:
     keep = _adjustment(within, 0 if plain else count)
     shift, square = (keep @ mean[..., None])[..., 0].T
     scatter = keep @ between @ np.swapaxes(keep, -1, -2) / independent
-    # on average, the squared sample mean exceeds the squared exact mean by the sampling variance: correct it
+    # correct a bias: on average, the square of the sample mean exceeds that of the exact mean by its variance
     sd = np.sqrt(np.maximum(square - shift**2 + scatter[..., 0, 0], 0.0))
     rate = np.stack([-shift, np.full_like(shift, 0.5)], axis=-1)
     rate /= np.where(sd > 0.0, sd, np.inf)[..., None]
     found, usual = (
         np.sqrt(np.maximum([each[..., 0, 0], np.einsum("qi,qij,qj->q", rate, each, rate)], 0.0))
-        for each in (scatter, within[..., :2, :2] / count)  # usual: as many plain draws
+        for each in (scatter, within[..., :2, :2] / count)  # usual: of as many plain draws
     )
     saving = np.divide(usual**2, found**2, out=np.ones_like(found), where=found > 0.0)
     return Moments(np.array([shift, sd]), found, saving)

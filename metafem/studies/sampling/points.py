@@ -71,7 +71,7 @@ class Draws:
 
     @staticmethod
     def of(draws: int | Draws) -> Draws:
-        """Return `draws` itself, or for a number the Draws of this number."""
+        """Return `draws` as a value of this class; a number becomes ``Draws(number)``."""
         return draws if isinstance(draws, Draws) else Draws(draws)
 
 

@@ -40,10 +40,10 @@ class SobolIndices(NamedTuple):
 
 
 def plan(draws: int, groups: int) -> tuple[int, int]:
-    """Return the number of batches, and the number of points per batch, a power of two, for `draws` draws.
+    """Return the number of batches, and the number of points per batch, for at least `draws` draws.
 
-    Each point takes ``2 + 2 groups`` draws, which are evaluations of the function. The numbers give at least
-    `draws` draws.
+    The number of points is a power of two. A draw is one evaluation of the function, and each point takes
+    ``2 + 2 groups`` draws.
 
     Examples
     --------

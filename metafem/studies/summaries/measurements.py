@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 # The probability below which a law is rejected, as text.
 LIMIT = percent(REJECTED)
 
-# Text in the columns of a group's share for every error of the group after the first.
+# Text that replaces the share of a group in the rows of the group after its first row.
 WITH = "(with x)"
 
 CAUSES = ("cause", "expected", "found (68 %)", "share of the misfit", "chi² without it")
