@@ -20,7 +20,7 @@ WIDTH, HEIGHT = 4.4, 3.0
 # Largest number of points of a line; the picture is less than this number of pixels wide.
 MOST_POINTS = 1000
 
-# Smallest number of values of which a distribution is drawn, and its number of bars.
+# Smallest number of values for a histogram, and number of bars of a histogram.
 FEWEST, BARS = 10, 24
 
 # The colours of the notebook: letters and axes have its text colour, and the background is transparent.

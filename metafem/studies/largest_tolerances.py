@@ -60,7 +60,7 @@ SMALLEST = 1e-9
 
 
 def quantile(misfit: FloatArray, probability: float) -> Estimate:
-    """Return the misfit below which a fraction `probability` of the draws lies, and its error [-].
+    """Return the misfit that a fraction `probability` of the draws does not exceed, and its error [-].
 
     The error is half the difference between the misfits at the fraction plus and minus its standard error.
     """

@@ -56,7 +56,7 @@ class MadeLaws:
 
     @property
     def shown(self) -> FloatArray:
-        """Rescaled loads of the reported areas [mm^2]: those of the slope, else those of the target."""
+        """Rescaled loads of the reported areas [mm^2]: the loads of the slope, or else of the target."""
         return self.law.load if self.slope is None else self.slope.load
 
     @cached_property

@@ -217,7 +217,7 @@ class SlopeDraws:
     response: FloatArray  # (q, n), derivatives of the quantities with respect to the heights [1/mm]
     seed: int
     size: int
-    draws: int  # the last batch of plain draws may be smaller
+    draws: int  # with plain random numbers, the last batch may be smaller
     plain: bool
     dimensions: int  # coordinates of a point; those of the heights come first, unused without height errors
 

@@ -107,9 +107,9 @@ def misalignment(
         [rad], and ``area_mean`` and ``area_sd`` [mm^2], as made, over ``angle`` and ``rescaled_load`` [mm^2].
         Their ``..._error`` is the change if only half of the angles are used, the largest change at the angle
         and its neighbours. With at least two shuffled placements, ``slope_sd_quantile`` over ``quantile``
-        (0.05, 0.5 and 0.95) and ``angle`` holds the quantiles of their `slope_sd`. Its error is the sampling
-        error; at 0.05 and 0.95, fewer than about 100 placements give too small an error. ``nominal_slope``
-        and ``nominal_area`` are the values without a tilt. ``largest_angle`` [rad] is the smallest angle at
+        (0.05, 0.5 and 0.95) and ``angle`` gives the quantiles of their `slope_sd`, with sampling errors. At
+        0.05 and 0.95, fewer than about 100 placements give too small an error. ``nominal_slope`` and
+        ``nominal_area`` are the values without a tilt. ``largest_angle`` [rad] is the smallest angle at
         which `slope_sd` as made equals ``allowed_scatter``, 1 % of the nominal slope. It is infinite if there
         is no such angle up to pi/4, and nan if the searches do not find it. ``failed`` is the number of laws
         without a solution; these laws are interpolated between the neighbouring angles.

@@ -80,7 +80,7 @@ def added(total: Sums, batch: Sums) -> Sums:
 def moments(sums: Sums, *, plain: bool = False) -> Moments:
     """Return mean and standard deviation with their errors; without control variates if `plain`.
 
-    The errors of plain draws follow from the scatter of single draws.
+    If `plain`, the errors follow from the scatter of single draws instead of batches.
     """
     count = max(int(sums["count"]), 1)
     mean, within = _centred(sums["first"], sums["second"], count)
