@@ -23,22 +23,23 @@ FloatArray = NDArray[np.float64]
 TARGET, ACHIEVED, QUIET = "#c8553d", "#1b6f8a", "#8a8f98"
 MEASURED, MEASURED_BESIDE = "#2b2d33", "#b07a1e"
 
-# Colours of words on coloured cells; unlike black and white, they do not change on a dark page.
+# Colours of text on coloured cells; unlike black and white, these colours stay the same on a dark page.
 DARK, BRIGHT = "#010101", "#fefefe"
 
-# Diameter of the largest marker over the mean distance of summits; its diameter in a legend [points]; largest
-# number of radii in a legend.
+# Diameter of the largest marker over the mean distance between summits; diameter of this marker in a legend
+# [points]; largest number of radii in a legend.
 LARGEST_DOT, LEGEND_DOT, MOST_DOTS = 0.8, 11.0, 3
 
-# Number of marks above which they are drawn as pixels; resolution of the pixels [per inch].
+# Largest number of marks that are drawn as vectors; more marks are drawn as pixels. Resolution [pixels per
+# inch].
 MANY, RESOLUTION = 1000, 200
 
-# Fixed salt, so that the names of an SVG's elements are the same in every run.
+# Fixed salt of the hashes by which matplotlib names the elements of an SVG: the names are equal in every run.
 SALT = "metafem"
 
 
 def rgba(colour: Any) -> tuple[float, ...]:
-    """Return red, green, blue and opacity of a colour by any of its names."""
+    """Return red, green, blue and opacity of a colour that matplotlib accepts."""
     from matplotlib.colors import to_rgba
 
     return to_rgba(colour)
@@ -49,8 +50,8 @@ def new_figure(
 ) -> Figure:
     """Return an empty figure of a given size [inch], independent of pyplot's state.
 
-    The margins on the left, on the right, below and above [inch] hold the labels of the axes. Without them
-    matplotlib measures the labels, and that takes as long as drawing the figure.
+    The margins on the left, on the right, below and above [inch] leave room for the labels of the axes.
+    Without margins, matplotlib measures the labels, which takes as long as drawing the figure.
     """
     from matplotlib.figure import Figure
 
@@ -63,7 +64,7 @@ def new_figure(
 
 
 def axes(ax: Axes | None, width: float = 5.0, height: float = 3.6) -> Axes:
-    """Return the given axes or, for None, those of a new pyplot figure."""
+    """Return `ax`, or if it is None the axes of a new pyplot figure of a width and height [inch]."""
     if ax is None:
         from matplotlib import pyplot
 
@@ -74,7 +75,7 @@ def axes(ax: Axes | None, width: float = 5.0, height: float = 3.6) -> Axes:
 def svg(figure: Figure, title: str) -> str:
     """Return a figure as an inline SVG element, with a title for screen readers.
 
-    Equal data give the same text, byte for byte.
+    Figures of equal data give the same text, byte for byte.
     """
     from matplotlib import rc_context
 
@@ -93,7 +94,7 @@ def svg(figure: Figure, title: str) -> str:
 
 
 def finished(figure: Figure) -> Figure:
-    """Remove the frames; add a legend where there are labels and none yet."""
+    """Remove the frame lines at the top and right, add missing legends, and return the figure."""
     for ax in figure.axes:
         ax.spines[["top", "right"]].set_visible(False)
         if ax.get_legend() is None and ax.get_legend_handles_labels()[1]:
@@ -108,7 +109,7 @@ def law(ax: Axes, load: FloatArray, friction: FloatArray, *, forces: bool, **sty
 
 
 def name_law(ax: Axes, *, forces: bool) -> None:
-    """Label the axes of a friction law; they begin at zero."""
+    """Label the axes of a friction law, and let them begin at zero."""
     ax.set_xlabel("load  P [N]" if forces else "rescaled load  P/E* [mm²]")
     ax.set_ylabel("friction force  F [N]" if forces else "rescaled friction  F/(σB) [mm²]")
     ax.set_xlim(left=0.0)
@@ -129,7 +130,7 @@ def summits(ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArr
         for each in shown:
             size = LEGEND_DOT * each / radius.max()
             ax.plot([], [], "o", color=QUIET, ms=size, label=f"R = {each * MICROMETRES:.4g} µm")
-        # below the label of the axis, which is about three lines high
+        # below the axis label, about three lines further down
         ax.legend(
             loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=3.5,
             ncols=MOST_DOTS, columnspacing=1.0, handletextpad=0.0, frameon=False,
@@ -137,7 +138,7 @@ def summits(ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArr
 
 
 def height_scale(height: FloatArray) -> ScalarMappable:
-    """Return the colour scale of summit heights [mm], in micrometres, from the lowest to the tallest."""
+    """Return the colour scale of summit heights [mm], from the lowest to the tallest in micrometres."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
@@ -145,7 +146,7 @@ def height_scale(height: FloatArray) -> ScalarMappable:
 
 
 def empty_sites(ax: Axes, position: FloatArray) -> None:
-    """Draw sites (m, 2) [mm] without an asperity as rings."""
+    """Draw rings at the sites (m, 2) [mm] without an asperity."""
     x, y = position.T
     ax.scatter(x, y, s=60, facecolors="none", edgecolors=QUIET, lw=0.8, rasterized=len(position) > MANY)
 
@@ -189,10 +190,10 @@ def circles(
 
 
 def grids(ax: Axes, corner: FloatArray, cell: float, values: list[FloatArray], label: str) -> None:
-    """Draw the non-zero values on rectangles of square cells.
+    """Draw the non-zero values on the square cells of rectangles.
 
-    `corner` (m, 2) holds the centres of the first cells [mm], `cell` is the side of a cell [mm], and `values`
-    has one array for each rectangle, with x along its first axis.
+    `corner` (m, 2) holds the centre of the first cell of each rectangle [mm], and `cell` is the side of a
+    cell [mm]. `values` has one array for each rectangle, with x along the first axis of the array.
     """
     highest = max((float(value.max()) for value in values), default=0.0)
     for (x, y), value in zip(corner - 0.5 * cell, values, strict=True):
@@ -206,7 +207,7 @@ def grids(ax: Axes, corner: FloatArray, cell: float, values: list[FloatArray], l
 
 
 def outline(ax: Axes, width: float, length: float) -> None:
-    """Draw the edges of a block of a width and a length [mm], centred on the origin."""
+    """Draw the edges of a block, centred on the origin, from its width and length [mm]."""
     from matplotlib.patches import Rectangle
 
     corner = (-0.5 * width, -0.5 * length)
@@ -214,7 +215,7 @@ def outline(ax: Axes, width: float, length: float) -> None:
 
 
 def plan(ax: Axes) -> None:
-    """Make the axes a plan view: x and y [mm] on the same scale."""
+    """Make the axes a plan view, with x and y [mm] on the same scale."""
     ax.set_aspect("equal")
     ax.autoscale_view()
     ax.margins(0.08)

@@ -1,4 +1,4 @@
-"""Drawing of measured points with error bars, of fits to them and of residuals."""
+"""Drawing of measured points with error bars, of fitted laws and of residuals."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def fitted(ax: Axes, x: FloatArray, y: FloatArray, label: str | None = None) -> 
 def proportional(
     ax: Axes, x: FloatArray, y: FloatArray, x_sd: FloatArray, y_sd: FloatArray, factor: float
 ) -> None:
-    """Draw measured points and the fitted line of this slope through the origin."""
+    """Draw measured points, and the fitted line through the origin with the slope `factor`."""
     measured(ax, x, y, x_sd, y_sd)
     ends = np.array([0.0, 1.05 * float(np.nanmax(x))])
     fitted(ax, ends, factor * ends)
@@ -43,7 +43,7 @@ def proportional(
 
 
 def residuals(ax: Axes, x: FloatArray, residual: FloatArray, colour: str = ACHIEVED) -> None:
-    """Draw residuals over their standard deviations, with lines at plus and minus one."""
+    """Draw residuals in units of their standard deviations, with a band from -1 to 1."""
     ax.axhspan(-1.0, 1.0, color=QUIET, alpha=0.2, lw=0.0)
     ax.axhline(0.0, color=TARGET, lw=1.2)
     ax.plot(x, residual, "o", ms=3.5, color=colour)
@@ -51,7 +51,7 @@ def residuals(ax: Axes, x: FloatArray, residual: FloatArray, colour: str = ACHIE
 
 
 def with_residuals(columns: int = 1) -> tuple[Figure, list[tuple[Axes, Axes]]]:
-    """Return a figure of fits side by side, each with axes for its residuals below."""
+    """Return a figure for fits side by side, and for each fit its axes and, below, those of its residuals."""
     figure = new_figure(4.6 * columns, 4.6)
     grid = figure.subplots(2, columns, squeeze=False, sharex="col", gridspec_kw={"height_ratios": [3.0, 1.0]})
     return figure, [(grid[0, i], grid[1, i]) for i in range(columns)]

@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 # Width and height of the picture [inch].
 WIDTH, HEIGHT = 4.4, 3.0
 
-# Largest number of points of a line, at least one for each pixel.
+# Largest number of points of a line; the picture is less than this number of pixels wide.
 MOST_POINTS = 1000
 
-# Smallest number of values for a distribution, and its number of bars.
+# Smallest number of values for a histogram, and number of bars of a histogram.
 FEWEST, BARS = 10, 24
 
-# The colours of the notebook: letters and axes have those of its text, on its background.
+# The colours of the notebook: letters and axes have its text colour, and the background is transparent.
 COLOURS = (
     "fill: currentColor; --ink: currentColor; --measured: currentColor; --paper: none; --line: #8a8f9880"
 )
@@ -33,9 +33,9 @@ NAME = CELL + "; white-space: nowrap; opacity: .75"
 
 
 def card(title: str, facts: Mapping[str, str], draw: Callable[[Axes], object] | None = None) -> str:
-    """Return an HTML element without scripts, in the colours of its page.
+    """Return a title, a table of facts and a picture as an HTML element in the colours of its page.
 
-    `draw` draws the picture on axes; default: no picture.
+    The element has no scripts. `draw` draws the picture on given axes; default: no picture.
 
     Examples
     --------
@@ -63,14 +63,14 @@ def _picture(title: str, draw: Callable[[Axes], object]) -> str:
 
 
 def thinned(*arrays: FloatArray) -> tuple[FloatArray, ...]:
-    """Return every n-th entry of long arrays of one length, and the last one."""
+    """Return at most 1,000 evenly spaced entries of arrays of equal length, the last entry included."""
     count = len(arrays[0])
     kept = np.unique(np.linspace(0, count - 1, min(count, MOST_POINTS)).astype(np.int64))
     return tuple(array[kept] for array in arrays)
 
 
 def distribution(ax: Axes, values: FloatArray, label: str) -> None:
-    """Draw the distribution of values of asperities."""
+    """Draw the histogram of a quantity over the asperities, (n,)."""
     ax.hist(values, BARS, color=ACHIEVED)
     ax.set_xlabel(label)
     ax.set_ylabel("asperities")

@@ -14,24 +14,25 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Colours of measured contacts, of contacts without a measured area, of regions without a site, of open sites.
+# Colours of measured contacts, of contacts without a measured area, of regions without a site, and of open
+# sites.
 MEASURED, FLAGGED, STRAY, OPEN = "#00b4d8", "#e63946", "#ffb703", "#7b2cbf"
 
-# Largest number of drawn pixels along a side of an image.
+# Largest number of pixels that are drawn along a side of an image.
 MOST_DRAWN = 1600
 
-# Width and height of the largest figure [inch], and height of its heading.
+# Largest width or height of the picture, and height of the heading [inch].
 SIDE, HEADING = 8.0, 0.7
 
 
 def picture_figure(width: float, height: float) -> Figure:
-    """Return a figure for an image of this width and height, in any unit, and its heading."""
+    """Return a figure for an image and its heading; width and height of the image may have any unit."""
     scale = SIDE / max(width, height)
     return new_figure(max(scale * width, 0.6 * SIDE), scale * height + HEADING)
 
 
 def picture(ax: Axes, image: NDArray[Any], pixel_size: float) -> None:
-    """Draw the grey values of an image in the plane of the contacts, its lower left corner at the origin."""
+    """Draw the grey values of an image on axes in mm, with its lower left corner at the origin."""
     rows, columns = image.shape
     step = -(-max(rows, columns) // MOST_DRAWN)
     means = image
@@ -50,7 +51,7 @@ def picture(ax: Axes, image: NDArray[Any], pixel_size: float) -> None:
 def outlines(
     ax: Axes, centre: FloatArray, axes: FloatArray, angle: FloatArray, colour: str, label: str
 ) -> None:
-    """Draw ellipses of centres (n, 2), semi-axes (n, 2) [mm] and directions (n,) [rad]."""
+    """Draw ellipses with centres (n, 2) [mm], semi-axes (n, 2) [mm] and directions (n,) [rad]."""
     if not len(centre):
         return
     drawn = circles(ax, centre, 2.0 * axes[:, 0])
@@ -61,7 +62,7 @@ def outlines(
 
 
 def crosses(ax: Axes, position: FloatArray, label: str) -> None:
-    """Draw open sites (n, 2) [mm]."""
+    """Draw crosses at open sites (n, 2) [mm]."""
     if len(position):
         ax.plot(*position.T, "x", color=OPEN, ms=5.0, mew=1.0, label=f"{len(position)} {label}", ls="none")
 
@@ -77,7 +78,7 @@ def numbers(ax: Axes, position: FloatArray, names: Sequence[str], colour: str) -
 
 
 def heading(ax: Axes, text: str) -> None:
-    """Write the name of an image and the meaning of the colours above it."""
+    """Write the name of an image above it, with a legend of the colours."""
     if ax.get_legend_handles_labels()[0]:
         ax.legend(
             loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, frameon=False, fontsize=8,

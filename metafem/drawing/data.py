@@ -17,25 +17,25 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
-# Largest numbers of points of a series and of values of an image in the table.
+# Largest number of points of a series, and largest number of values of an image, in the table.
 MOST_POINTS, MOST_VALUES = 2000, 5000
 
-# Columns of every table, and columns that are present if a series fills them.
+# Columns of every table, and columns that a table has only if a series fills them.
 ALWAYS = ("panel", "series", "x", "y")
 OPTIONAL = ("value", "x_low", "x_high", "y_low", "y_high", "name")
 
-# The name of points and their data: columns of equal length.
+# The name of a series, and its data: columns of equal length.
 Series = tuple[str, dict[str, FloatArray]]
 
-# Beginnings of the labels that matplotlib gives; any other label is a name, shown in a legend or not.
+# Prefixes of the labels that matplotlib itself sets. Any other label is a name, even if no legend shows it.
 NAMELESS = ("_child", "_container", "_nolegend")
 
 
 def figure_table(figure: Figure) -> str:
     """Return the data of a figure as a CSV table in long form: panel, series, x, y, and a value or errors.
 
-    Lines that begin with # state the axes of each panel with their units, and which data were reduced: long
-    series to 2,000 points, images to 5,000 values.
+    Lines that begin with # state the axes of each panel with their units, and which series were reduced. A
+    series has at most 2,000 points, and an image about 5,000 values.
     """
     rows: list[dict[str, str]] = []
     heads = []
@@ -61,7 +61,7 @@ def figure_table(figure: Figure) -> str:
 
 
 def _axis_name(ax: Axes, along: str) -> str:
-    """Return the label of an axis, or that of the panel with which it shares this axis."""
+    """Return the label of an axis, or the label on another panel that shares this axis."""
     sharing = (ax.get_shared_x_axes() if along == "x" else ax.get_shared_y_axes()).get_siblings(ax)
     others = [each for each in ax.figure.axes if each in sharing and each is not ax]
     labels = (getattr(each, f"{along}axis").get_label_text() for each in (ax, *others))
@@ -69,7 +69,7 @@ def _axis_name(ax: Axes, along: str) -> str:
 
 
 def _by_colour(ax: Axes) -> dict[tuple[float, ...], str]:
-    """Return the label of the lines of each colour, of the panel or otherwise of the figure, if unique."""
+    """Return the label of each line colour that has only one label in the panel, or else in the figure."""
     found: dict[tuple[float, ...], str] = {}
     for panels in (ax.figure.axes, [ax]):
         labels: dict[tuple[float, ...], set[str]] = {}
@@ -81,7 +81,7 @@ def _by_colour(ax: Axes) -> dict[tuple[float, ...], str]:
 
 
 def _rows(ax: Axes, columns: dict[str, FloatArray]) -> Iterator[dict[str, str]]:
-    """Return the rows of a series, with the words at their places on the axes."""
+    """Yield the rows of a series, with the tick names at the positions of the points."""
     names = [(key, _tick_names(axis)) for key, axis in (("x", ax.xaxis), ("y", ax.yaxis))]
     for values in zip(*columns.values(), strict=True):
         row = {key: _number(value) for key, value in zip(columns, values, strict=True)}
@@ -90,12 +90,12 @@ def _rows(ax: Axes, columns: dict[str, FloatArray]) -> Iterator[dict[str, str]]:
 
 
 def _number(value: float) -> str:
-    """Return six digits, or "" for a number that is not known."""
+    """Return a number with six digits, or "" if it is nan or infinite."""
     return f"{value:.6g}" if np.isfinite(value) else ""
 
 
 def _tick_names(axis: Axis) -> dict[int, str]:
-    """Return the words at whole positions of an axis that has words in place of numbers."""
+    """Return the tick names of an axis with words instead of numbers, by their rounded positions."""
     formatter = type(axis.get_major_formatter()).__name__
     if formatter not in ("FixedFormatter", "FuncFormatter", "StrCategoryFormatter"):
         return {}
@@ -109,7 +109,7 @@ def _tick_names(axis: Axis) -> dict[int, str]:
 
 
 def _series(ax: Axes) -> Iterator[Series]:
-    """Return the series of one panel."""
+    """Yield the series of one panel."""
     taken: set[int] = set()
     readers = {"ErrorbarContainer": _error_bars, "BarContainer": _bars}
     for container in ax.containers:
@@ -128,7 +128,7 @@ def _series(ax: Axes) -> Iterator[Series]:
             yield _named(patch, "shape"), _points(*np.where(known, corners, np.nan).T)
     for number, image in enumerate(ax.images, 1):
         value: Any = np.ma.asarray(image.get_array())
-        if value.ndim == 2:  # a colour image has no values
+        if value.ndim == 2:  # a colour image has no single value at a pixel
             left, right, bottom, top = image.get_extent()
             across, up = ((np.arange(size) + 0.5) / size for size in value.shape[::-1])
             y = bottom + (up if image.origin == "lower" else up[::-1]) * (top - bottom)
@@ -136,13 +136,13 @@ def _series(ax: Axes) -> Iterator[Series]:
 
 
 def _named(artist: Any, otherwise: str) -> str:
-    """Return the label of an artist, or another name."""
+    """Return the label of an artist, or the name `otherwise` if the artist has no label."""
     label = " ".join(str(artist.get_label() or "").split())
     return otherwise if label.startswith(NAMELESS) else label.removeprefix("_") or otherwise
 
 
 def _points(x: ArrayLike, y: ArrayLike, **more: ArrayLike) -> dict[str, FloatArray]:
-    """Return columns as flat arrays in which masked numbers are unknown."""
+    """Return columns as flat arrays, with nan for masked numbers."""
     given = {"x": x, "y": y, **more}
     return {
         key: np.ma.filled(np.ma.asarray(each).astype(float), np.nan).ravel() for key, each in given.items()
@@ -150,12 +150,12 @@ def _points(x: ArrayLike, y: ArrayLike, **more: ArrayLike) -> dict[str, FloatArr
 
 
 def _lines(ax: Axes, lines: Sequence[Any]) -> Iterator[Series]:
-    """Return lines and markers."""
+    """Yield the series of lines and markers."""
     labels = _by_colour(ax)
     shown = [line for line in lines if np.size(line.get_xdata(orig=False))]
     for number, line in enumerate(shown, 1):
         points = _points(*line.get_data(orig=False))
-        # a line across the axes, such as a bound, has a position along one of them only
+        # a line across the panel, such as a bound, has data coordinates along one axis only
         known = dict(zip("xy", line.get_transform().contains_branch_seperately(ax.transData), strict=True))
         name = f"line {number}"
         if all(known.values()):
@@ -166,7 +166,7 @@ def _lines(ax: Axes, lines: Sequence[Any]) -> Iterator[Series]:
 
 
 def _error_bars(container: Any) -> Series:
-    """Return points with the ends of their error bars."""
+    """Return the series of points with the ends of their error bars."""
     line, _, bars = container.lines
     segments = [np.array(each.get_segments(), float) for each in bars]
     x, y = segments[0].mean(axis=1).T if line is None else line.get_data(orig=False)
@@ -180,7 +180,7 @@ def _error_bars(container: Any) -> Series:
 
 
 def _bars(container: Any) -> Series:
-    """Return the middles and the lengths of bars."""
+    """Return the series of the centres and the lengths of bars."""
     boxes = np.array([[*bar.get_xy(), bar.get_width(), bar.get_height()] for bar in container.patches])
     x, y, width, height = boxes.reshape(-1, 4).T
     across = container.orientation == "horizontal"
@@ -189,7 +189,7 @@ def _bars(container: Any) -> Series:
 
 
 def _collection(collection: Any, number: int) -> Iterator[Series]:
-    """Return the points of a scatter, the corners of a filled area, a mesh or lines."""
+    """Yield the points of a scatter plot, the cells of a mesh, or the corners of filled areas or lines."""
     kind, value = type(collection).__name__, collection.get_array()
     if kind == "QuadMesh":
         corners = np.asarray(collection.get_coordinates(), float)
@@ -207,7 +207,7 @@ def _collection(collection: Any, number: int) -> Iterator[Series]:
 
 
 def _field(name: str, x: FloatArray, y: FloatArray, value: Any) -> Series:
-    """Return values on a grid; of a large one, every n-th row and column, as stated in the name."""
+    """Return values on a grid as a series; of a large grid, only every n-th row and column."""
     step = int(np.ceil(np.sqrt(value.size / MOST_VALUES)))
     if step > 1:
         name = f"{name} (one of {step} rows and columns)"

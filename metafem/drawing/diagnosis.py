@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def posteriors(ax: Axes, labels: Sequence[str], mean: FloatArray, sd: FloatArray) -> None:
-    """Draw means and 68 % intervals over the prior standard deviations; these are the grey band."""
+    """Draw means and 68 % intervals of errors, in units of their prior standard deviations (grey band)."""
     rows = range(len(labels))
     ax.axvspan(-1.0, 1.0, color=QUIET, alpha=0.25, lw=0.0, label="expected, 68 %")
     ax.axvline(0.0, color=QUIET, lw=0.8)
@@ -26,7 +26,7 @@ def posteriors(ax: Axes, labels: Sequence[str], mean: FloatArray, sd: FloatArray
 
 
 def heights(ax: Axes, mean: FloatArray, sd: FloatArray, prior_sd: float) -> None:
-    """Draw the errors of single heights [um] with 68 % intervals over the numbers of the asperities."""
+    """Draw the errors of single heights [um] with 68 % intervals against the indices of the asperities."""
     ax.axhspan(-prior_sd, prior_sd, color=QUIET, alpha=0.25, lw=0.0)
     ax.axhline(0.0, color=QUIET, lw=0.8)
     ax.errorbar(range(len(mean)), mean, sd, fmt="o", ms=2.5, lw=1.0, color=ACHIEVED)

@@ -14,7 +14,7 @@ from metafem.drawing.data import figure_table
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Variables of the page for the colours of a figure; without them the colours themselves are shown.
+# CSS variables of a page for the colours of a figure; a page without the variables shows these colours.
 VARIABLES = {
     "#000000": "--ink",
     "#ffffff": "--paper",
@@ -32,16 +32,16 @@ FONT = re.compile(r"font-family: ([^;\"]*sans-serif);? ?")
 IDENTIFIER = re.compile(r' id="([^"]*)"')
 COORDINATES = re.compile(r' (?:d|x|y|x1|x2|y1|y2)="[^"]*"')
 
-# Digits of a coordinate behind the decimal point, in points of 1/72 inch.
+# Coordinates, in points of 1/72 inch, with more than two decimals; the further decimals are removed.
 LONG_NUMBER = re.compile(r"(\.\d\d)\d+")
 
-# Characters that a link with data may contain unescaped.
+# Characters that stay unescaped in a data link.
 SAFE = "/,:;()[]=+-*!?@$'~ "
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """A figure of a page: its title, an explanatory caption, its picture and its data."""
+    """A figure of a page: its title, an explanatory caption, its picture as SVG and its data as CSV."""
 
     title: str
     caption: str
@@ -56,7 +56,7 @@ class Drawn:
 
     @property
     def link(self) -> str:
-        """The data as a link that the page itself contains."""
+        """A data URL that contains the data as CSV."""
         return "data:text/csv;charset=utf-8," + quote(self.csv, SAFE).replace(" ", "%20").replace("'", "%27")
 
 
@@ -66,9 +66,9 @@ def drawn(figure: Figure, title: str, caption: str = "") -> Drawn:
 
 
 def themed(text: str) -> str:
-    """Return an SVG element whose colours are variables of the page, in fewer bytes.
+    """Return an SVG element whose colours are CSS variables of the page, in fewer bytes.
 
-    Identifiers without references, repeated names of fonts and invisible digits are left out.
+    Unused identifiers, repeated font names and invisible digits are left out.
     """
     used = set(re.findall(r'#([^")]+)["\)]', text))
     text = IDENTIFIER.sub(lambda found: found[0] if found[1] in used else "", text)

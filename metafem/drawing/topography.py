@@ -1,4 +1,4 @@
-"""Drawing of made surfaces: height errors at their sites, over the heights, and residuals of the map."""
+"""Drawing of made surfaces: maps of height errors, errors against height, residuals and laws."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from metafem.drawing import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Errors of either sign, and the share of the residuals that the colours resolve.
+# Colour map of errors with both signs, and the percentage of residuals within the range of the colours.
 SIGNS, SHOWN = "coolwarm", 99.0
 
 
@@ -44,7 +44,7 @@ def height_errors(ax: Axes, position: FloatArray, error: FloatArray, missing: Fl
 def errors_over_height(
     ax: Axes, height: FloatArray, error: FloatArray, sd: FloatArray, fit: FloatArray | None
 ) -> None:
-    """Draw height errors (n,) over designed heights, and the systematic part of each, if known [mm]."""
+    """Draw height errors (n,) against designed heights, and their systematic parts if known [mm]."""
     scale = MICROMETRES
     ax.axhline(0.0, color=QUIET, lw=0.8)
     ax.errorbar(
@@ -57,7 +57,7 @@ def errors_over_height(
 
 
 def residual_map(ax: Axes, values: FloatArray, width: float, height: float) -> None:
-    """Draw the residuals of a map of a width and a height [mm]; larger residuals have the last colours."""
+    """Draw the residuals of a map with a width and a height [mm]; the largest 1 % have the end colours."""
     shown = np.ma.masked_invalid(values * MICROMETRES)
     known = np.abs(shown.compressed())
     largest = float(np.percentile(known, SHOWN)) if known.size else 1.0

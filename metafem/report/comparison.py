@@ -12,13 +12,14 @@ from metafem.prediction import FrictionLaw
 from metafem.report.names import model_words
 from metafem.studies.substrates import laws_on_substrates
 
-# Largest number of asperities for which interacting laws are compared: a report then takes a second or two.
+# Largest number of asperities for which interacting laws are compared. Up to this number, a report takes a
+# second or two.
 MOST_COMPARED = 1500
 
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """A law and its difference from that of independent asperities at the same loads."""
+    """A law, and its differences from the law of independent asperities at the same loads."""
 
     name: str
     law: FrictionLaw
@@ -27,12 +28,12 @@ class Comparison:
 
 
 def compared(design: Design) -> tuple[tuple[Comparison, ...], tuple[Note, ...]]:
-    """Predict a design's law under the common models, at the loads of the design's law.
+    """Return the laws of a design under the common models, at the loads of the design's law, and notes.
 
-    The models are the half-space, with a block also the bonded layer and the true block, and the model of the
-    design's law if it is a different one. Surfaces of more than 1,500 asperities are not compared. The true
-    block is included only if its influence has been computed before. The notes state which models are left
-    out.
+    The common models are asperities on the half-space and, with a block, on the bonded layer and the true
+    block. The design's own law is added if its model is a different one. The true block is included only if
+    its influence has been computed before. The notes state which models are left out. Surfaces of more than
+    1,500 asperities are not compared.
     """
     if design.surface.count > MOST_COMPARED:
         return (), ()
@@ -41,7 +42,7 @@ def compared(design: Design) -> tuple[tuple[Comparison, ...], tuple[Note, ...]]:
     )
     independent = predicted["independent"]
     laws = {law.model.name: law for law in predicted.values() if law.model.couples}
-    # the law of the design may be under one of these models
+    # add the law of the design, unless its model is one of the compared models
     if design.law.model not in (independent.model, *(law.model for law in laws.values())):
         laws[design.law.model.name] = design.law
     comparisons = tuple(

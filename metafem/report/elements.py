@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from metafem.fe import PressedContact
     from metafem.fe.axisymmetric.geometry import Cap
 
-# Half-width of the view of the contact's edge, in contact radii.
+# Half-width of the view of the contact edge, in contact radii.
 EDGE_VIEW = 0.3
 
 HERTZ = "Pressure and displacement of a half-space against Hertz's closed forms."
@@ -31,10 +31,10 @@ CAP = "Pressure under the true cap on the bonded block, and Hertz's at the same 
 
 @doing("checking the finite elements")
 def elements_section(design: Design) -> dict[str, Any]:
-    """Return tables and figures of the finite elements: the checks, and this design's tallest cap.
+    """Return the table of the finite-element checks, and the figures of a Hertz contact and the tallest cap.
 
-    The contact radius of the cap is that of independent asperities at the design's largest load. The
-    computation takes about a minute.
+    Their contact radius is that of the tallest asperity at the design's largest load, for independent
+    asperities. The computation takes about a minute.
     """
     from metafem import fe, studies
 
@@ -84,7 +84,7 @@ def _cap_figures(design: Design, a: float, tallest: int) -> list[Drawn]:
 
 
 def mesh_figure(mesh: Any, cap: Cap, contact_radius: float) -> Figure:
-    """Mesh of a cap with its curved edges: the whole mesh, and a view of the contact's edge."""
+    """Draw the mesh of a cap with its curved edges: the whole mesh, and a view of the contact edge."""
     figure, fraction = new_figure(8.0, 3.6), np.linspace(0.0, 1.0, 9)
     i, j = mesh.facets
     r, z = cap.point(mesh.p[:, i, None] * (1.0 - fraction) + mesh.p[:, j, None] * fraction)
@@ -104,7 +104,7 @@ def mesh_figure(mesh: Any, cap: Cap, contact_radius: float) -> Figure:
 
 
 def hertz_figure(contact: PressedContact, radius: float) -> Figure:
-    """Pressure and displacement of a half-space's contact against Hertz's closed forms."""
+    """Draw the pressure and displacement of a contact on a half-space, with Hertz's closed forms."""
     a = contact.contact_radius
     inside, outside = np.linspace(0.0, a, 60), a * np.linspace(1.0, 5.0, 80)[1:]
     figure = new_figure(8.0, 3.2)
@@ -120,7 +120,7 @@ def hertz_figure(contact: PressedContact, radius: float) -> Figure:
 
 
 def cap_pressure_figure(contacts: list[tuple[PressedContact, float]], radius: float) -> Figure:
-    """Pressure under true caps of given heights [mm], and Hertz's at the same contact radius."""
+    """Draw the pressure under true caps of given heights [mm], and Hertz's at the same contact radius."""
     figure = new_figure(4.0 * len(contacts), 3.2)
     axes = figure.subplots(1, len(contacts), squeeze=False)[0]
     for ax, (contact, height) in zip(axes, contacts, strict=True):

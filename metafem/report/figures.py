@@ -21,15 +21,16 @@ if TYPE_CHECKING:
 
     from metafem.surface import Friction
 
-# Number of loads at which sensitivities are drawn; a law has a hundred loads.
+# Approximate number of loads at which sensitivities are drawn; a law usually has a hundred loads.
 SENSITIVITY_LOADS = 33
 
-# Margins for labels on the left and below, with numbers of at most seven characters [inch].
+# Margins on the left, on the right, below and above [inch]. On the left and below there are labels, and
+# numbers of at most seven characters.
 MARGINS = (0.9, 0.2, 0.6, 0.2)
 
 
 def law_figure(design: Design) -> Figure:
-    """Target and achieved law, and below it the relative difference that defines the misfit."""
+    """Draw target and achieved law, and below them the relative difference that defines the misfit."""
     figure = new_figure(7.0, 5.6, (0.9, 0.8, 0.6, 0.6))
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1], gridspec_kw={"hspace": 0.08})
     _draw_reach(design, ax)
@@ -44,7 +45,7 @@ def law_figure(design: Design) -> Figure:
 
 
 def _draw_difference(design: Design, ax: Axes) -> None:
-    """Draw the relative difference of the law that defines `design.misfit`."""
+    """Draw the relative difference between law and target, which defines `design.misfit`."""
     target = design.target_law
     difference = target.difference(design.target_area)
     ax.axhline(0.0, color=QUIET, lw=0.8)
@@ -57,7 +58,7 @@ def _draw_difference(design: Design, ax: Axes) -> None:
 
 
 def _draw_reach(design: Design, ax: Axes) -> None:
-    """Draw the bounds of all independent surfaces, if the target is a curve."""
+    """Draw the region of laws that independent asperities can reach, if the target is a curve."""
     target = design.target_law
     if design.density is not None or few(target):
         return
@@ -70,7 +71,7 @@ def _draw_reach(design: Design, ax: Axes) -> None:
 
 
 def force_figure(design: Design, friction: Friction) -> Figure:
-    """Friction force, and friction coefficient F/P, over the load in newtons, with the target."""
+    """Draw the friction force and the friction coefficient F/P against the load [N], with the target."""
     law, target = design.law, design.target_law
     modulus, strength = law.material.composite_modulus, friction.shear_strength * friction.area_ratio
     figure = new_figure(9.0, 3.2, MARGINS)
@@ -94,7 +95,7 @@ def force_figure(design: Design, friction: Friction) -> Figure:
 
 
 def comparison_figure(comparisons: tuple[Comparison, ...]) -> Figure:
-    """Change of A0 by elastic interaction, in percent of the independent law, over the load."""
+    """Draw the change of A0 by elastic interaction, in percent of the independent law, against the load."""
     figure = new_figure(7.0, 3.0, MARGINS)
     ax = figure.add_subplot()
     ax.axhline(0.0, color=QUIET, lw=0.8)
@@ -107,7 +108,7 @@ def comparison_figure(comparisons: tuple[Comparison, ...]) -> Figure:
 
 
 def sensitivity_figure(design: Design) -> Figure:
-    """Change of A0 per height of each asperity, tallest first, over the load."""
+    """Draw the derivative dA0/dh of each asperity, the tallest first, against the load."""
     model = design.law.model.gradient_model
     load = design.law.rescaled_load[:: max(1, len(design.law.load) // SENSITIVITY_LOADS)]
     gradient = model.sensitivity(design.surface, load).gradient[:, np.argsort(-design.surface.height)]
@@ -124,7 +125,7 @@ def sensitivity_figure(design: Design) -> Figure:
 
 
 def _force_axes(design: Design, ax: Axes) -> None:
-    """Add the forces of the material pair on the top and right axes."""
+    """Add axes with the load [N] at the top and, with a Friction, the friction force [N] on the right."""
     friction, modulus = design.surface.friction, design.surface.material.composite_modulus
     top = ax.secondary_xaxis("top", functions=_scaling(modulus))
     top.set_xlabel("load P [N]")
@@ -135,5 +136,5 @@ def _force_axes(design: Design, ax: Axes) -> None:
 
 
 def _scaling(factor: float) -> tuple[Callable[[ArrayLike], ArrayLike], Callable[[ArrayLike], ArrayLike]]:
-    """Return the multiplication by a factor and its inverse function."""
+    """Return the functions that multiply and divide by a factor."""
     return (lambda value: np.asarray(value) * factor), (lambda value: np.asarray(value) / factor)

@@ -1,4 +1,4 @@
-"""Table of target and fitted branches in the units of the target."""
+"""Table of the target branches and the fitted branches, in the units of the target."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from metafem.prediction import BranchFit
 
 
 def fit_table(design: Design) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Return headings and rows, with slopes of rescaled values or friction coefficients and newtons.
+    """Return headings and rows, in rescaled values or in friction coefficients and newtons.
 
-    The target's intercept is that of the line, or of the asymptote of the density if it is known. If the
-    target is given by slopes and the surface has a Friction, two more columns hold friction coefficients and
-    intercepts in newtons.
+    The target intercept is that of the target line, or that of the asymptote of a height density if it is
+    known. If the target is given by rescaled slopes and the surface has a Friction, two more columns contain
+    friction coefficients and intercepts in newtons.
 
     Examples
     --------

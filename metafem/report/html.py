@@ -1,4 +1,4 @@
-"""The templates of the pages: one environment that other packages may extend by their own folders."""
+"""The templates of the pages, which other packages can extend with folders of their own templates."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from jinja2 import Environment
 
-# The sections in the contents of a page: second-order headings with an anchor.
+# Headings that the contents of a page list: second-level headings with an anchor.
 HEADING = re.compile(r'<h2 id="([^"]+)">(.*?)</h2>', re.DOTALL)
 
 
 def render(template: str, folder: Path | None = None, **values: Any) -> str:
-    """Return a template filled with values, from this package or a folder of templates that extend it."""
+    """Return a filled template from this package, or from a folder of templates that extend its templates."""
     return _environment(folder).get_template(template).render(**values)
 
 

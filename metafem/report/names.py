@@ -21,7 +21,7 @@ MJ_PER_M2 = 1e6
 
 
 def in_python(value: Any) -> str:
-    """Return a model as Python code, without default arguments; a table is stated by its size only."""
+    """Return a model as Python code, without default arguments; of a table, the code states only the size."""
     members = {field: getattr(value, field.name) for field in fields(value)} if is_dataclass(value) else {}
     if not members or any(isinstance(member, np.ndarray) or callable(member) for member in members.values()):
         return repr(value)
@@ -73,7 +73,7 @@ def model_data(model: Model) -> dict[str, str]:
 
 
 def misfit_words(design: Design) -> tuple[str, str]:
-    """Return the meaning of a design's misfit, and its value.
+    """Return what the misfit of a design means, and the value of the misfit.
 
     Examples
     --------
@@ -92,10 +92,10 @@ def all_notes(design: Design, hardness: float | None = None) -> tuple[Note, ...]
     ----------
     design : Design
     hardness : float, optional
-        H of the softer material [MPa]; default: None, the plasticity index is not evaluated.
+        Hardness H of the softer material [MPa]; default: None, without the plasticity index.
     """
     found = [*design.notes]
-    # a design for a hardness already states the index
+    # a design that was made with a hardness already has notes on the index
     if hardness is not None and "plasticity_index" not in design.parameters:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", MetafemWarning)

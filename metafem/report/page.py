@@ -36,7 +36,7 @@ Row = tuple[str, str, str]
 
 NO_STUDIES: Mapping[str, Dataset] = MappingProxyType({})
 
-# Largest number of different radii that are listed individually.
+# Largest number of different radii that are listed; of more radii, only the range is stated.
 MOST_NAMED = 5
 
 # Largest number of summits in the table; heights.csv lists all.
@@ -45,13 +45,14 @@ MOST_LISTED = 200
 # Significant digits of a parameter, and of a misfit.
 DIGITS, MISFIT_DIGITS = 6, 3
 
-# Parameters below this fraction of the largest area, of the largest height or of 100 % are printed as 0.
+# Areas below this fraction of the largest area are printed as 0; so are heights below this fraction of the
+# largest height, and percentages below this fraction of 100 %.
 ZERO = 1e-9
 
 # Largest number of printed values of one parameter.
 MOST_PRINTED = 24
 
-# Labels, units and factors of the parameters that inversions report.
+# Labels, printed units, and factors to these units of the parameters that inversions report.
 PARAMETERS = {
     "scale": ("scale λ of the height density", "µm", MICROMETRES),
     "weight": ("weight u of the upper branch", "", 1.0),
@@ -106,11 +107,11 @@ def page(
     ----------
     design : Design
     hardness : float, optional
-        H [MPa], for the plasticity index; default: None, it is not evaluated.
+        Hardness H of the softer material [MPa]; default: None, without the plasticity index.
     checks : bool
         Whether to add the finite-element checks, which take about a minute; default: False.
     studies : mapping of str to xarray.Dataset
-        Studies of this design by their names, to be shown with answers and figures; default: none.
+        Studies of this design by name; the report shows their answers and figures. Default: none.
 
     Returns
     -------
@@ -180,7 +181,7 @@ def _tiles(design: Design) -> list[tuple[str, str]]:
 
 
 def parameter_rows(design: Design) -> list[Row]:
-    """Return the parameters of the inversion as labels, values and units."""
+    """Return the labels, values and units of the parameters that the inversion determined."""
     rows = []
     heights = MICROMETRES * float(np.abs(design.surface.height).max())
     scales = {"%": 100.0, "mm²": float(design.law.area[-1]), "µm": heights}
@@ -199,7 +200,7 @@ def parameter_rows(design: Design) -> list[Row]:
 
 
 def _summits(design: Design) -> dict[str, Any]:
-    """Return the table of the summits, or of the first ones if there are many."""
+    """Return the table of the summits, or of the first 200 summits if there are more."""
     surface = design.surface
     differ = bool(np.ptp(surface.radius) > 0.0)
     columns = ("site", "x [mm]", "y [mm]", "height [µm]", "radius [µm]")[: 4 + differ]

@@ -10,27 +10,28 @@ from numpy.typing import NDArray
 from metafem.contact.cap_geometry import SPHERES, CapShape
 from metafem.drawing import FloatArray, spacing
 
-# Single precision is enough for the pixels of a picture.
+# The pixels of a picture need single precision only.
 Single = NDArray[np.float32]
 
 # Direction of view: rotation about the normal, and elevation above the base plane.
 TURN, RISE = math.radians(30.0), math.radians(38.0)
 
-# Direction of light: from the left, the front and above; fraction of ambient light.
+# Direction towards the light, which comes from the left, the front and above; fraction of ambient light.
 LIGHT, AMBIENT = np.array([-0.5, -0.35, 0.8]), 0.4
 
 # Number of pixels across; number of samples per pixel along each direction.
 PIXELS, SAMPLES = 700, 2
 
-# Drawn height of the tallest summit over the distance of summits; allowed exaggeration of heights.
+# Largest drawn height of exaggerated summits, over the distance between summits; possible factors of the
+# exaggeration.
 TALL, FACTORS = 0.45, (1, 2, 3, 5, 10, 20, 50, 100, 200, 500, 1000)
 
-# Drawn thickness of the block over its extent; brightness of its faces.
+# Drawn thickness of the block over its drawn width; brightness of its top, left and right faces.
 SIDE, BASE_TONE, LEFT_TONE, RIGHT_TONE = 0.03, 0.97, 0.72, 0.6
 
 
 def turned(position: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the distances of points (..., 2) [mm] to the right and away from the viewer."""
+    """Return the coordinates of points (..., 2) [mm] to the right and away from the viewer, (...) each."""
     x, y = position[..., 0], position[..., 1]
     return x * math.cos(TURN) + y * math.sin(TURN), y * math.cos(TURN) - x * math.sin(TURN)
 
@@ -51,8 +52,9 @@ def relief(
 ) -> tuple[FloatArray, tuple[float, float, float, float], int]:
     """Draw caps of a shape and of colours (n, 4) on the rectangle between two corners (2, 2) [mm].
 
-    Return the image (rows, columns, 4), the lowest row first and transparent outside the block; its left,
-    right, lower and upper edge in the plane of projection [mm]; and the exaggeration of the heights.
+    Return three values: the image (rows, columns, 4), with the lowest row first and transparent outside the
+    block; the left, right, lower and upper edges of the image in the plane of projection [mm]; and the
+    factor by which the heights are exaggerated.
     """
     ideal = TALL * spacing(position) / max(float(height.max()), 1e-300)
     factor = max(each for each in FACTORS if each <= max(1.0, ideal))
@@ -93,7 +95,7 @@ def _field(
     factor: int,
     shape: CapShape,
 ) -> tuple[Single, NDArray[np.int32]]:
-    """Return the drawn height on the grid (v, u), and the index of the cap there; -1 for the base."""
+    """Return the drawn heights on the grid (v, u) [mm], and the index of the cap at each point, or -1."""
     z, owner = np.zeros((len(v), len(u)), np.float32), np.full((len(v), len(u)), -1, np.int32)
     right, away = turned(position)
     most = shape.tallest(radius)
@@ -111,7 +113,7 @@ def _field(
 
 
 def _shade(z: Single, step: float) -> FloatArray:
-    """Return the brightness of each point; 1 for the base plane."""
+    """Return the brightness of each point, relative to that of the base plane."""
     along, across = np.gradient(z, step)
     light = [float(part) for part in LIGHT / np.linalg.norm(LIGHT)]
     lit = np.maximum(light[2] - across * light[0] - along * light[1], 0.0)

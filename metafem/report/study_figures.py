@@ -17,32 +17,34 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from xarray import Dataset
 
-# Margins for labels on the left and below, with numbers of at most seven characters [inch].
+# Margins on the left, on the right, below and above [inch]. On the left and below there are labels, and
+# numbers of at most seven characters.
 MARGINS = (1.0, 0.2, 0.65, 0.2)
 
-# The same with a legend above the axes, away from the bars.
+# Margins with room for a legend above the axes, where it covers no bars.
 ABOVE = (1.0, 0.2, 0.65, 0.4)
 LEGEND_ABOVE: dict[str, Any] = {
     "loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 2, "frameon": False,
 }  # fmt: skip
 
-# Bars are at most as wide as for this number of inputs.
+# With fewer inputs than this, the bars are as wide as with this number of inputs.
 FEW_BARS = 3
 
-# Studies by their label in the figure, such as the name of the surface; "" for no label.
+# Studies by the label that they have in the figure, such as the name of the surface; "" for no label.
 Labelled = Mapping[str, "Dataset"]
 
-# Number of shuffled placements that are drawn, as many as can be distinguished in Fig. S2.
+# Largest number of shuffled placements that are drawn; in the source paper's Fig. S2, about as many can be
+# distinguished.
 MOST_SHUFFLES = 20
 
-# Error bars of a law.
+# Approximate number of error bars on a law.
 BARS = 12
 
 COLOURS = (ACHIEVED, TARGET)
 
 
 def manufacturing_figure(studies: Labelled) -> Figure:
-    """Mean slope over the nominal one against the SD of the heights, with bars of ± SD, as Fig. S3."""
+    """Draw mean slope over nominal slope against the SD of the heights, with bars of ± SD, as in Fig. S3."""
     figure = new_figure(7.0, 3.2, MARGINS)
     ax = figure.add_subplot()
     ax.axhline(1.0, color=QUIET, lw=0.8)
@@ -59,7 +61,7 @@ def manufacturing_figure(studies: Labelled) -> Figure:
 
 
 def misalignment_figure(studies: Labelled) -> Figure:
-    """SD of the slope over the nominal one against the largest angle, as made and shuffled, as Fig. S2."""
+    """Draw the SD of the slope over the nominal slope against the largest angle, as in Fig. S2."""
     figure = new_figure(7.0, 3.2, MARGINS)
     ax = figure.add_subplot()
     for (label, study), colour in zip(studies.items(), cycle(COLOURS), strict=False):
@@ -77,7 +79,7 @@ def misalignment_figure(studies: Labelled) -> Figure:
 
 
 def uncertainty_figure(study: Dataset) -> Figure:
-    """Error bars of the law, and the share of each input in their variance."""
+    """Draw the law with its error bars, and the share of each input in the variance."""
     figure = new_figure(9.0, 3.3, ABOVE)
     left, right = figure.subplots(1, 2, gridspec_kw={"wspace": 0.55})
     name = main_quantity(study)
@@ -105,9 +107,9 @@ def uncertainty_figure(study: Dataset) -> Figure:
 
 
 def combined_figure(study: Dataset) -> Figure | None:
-    """Largest multiples of the given errors at which made surfaces meet the target as required.
+    """Draw the largest multiples of the given errors at which made surfaces meet the target as required.
 
-    None if there is no such multiple.
+    Return None if none of the multiples is finite.
     """
     limits = study[["factor", "factor_error", "given"]].isel(
         tolerance=np.flatnonzero(np.isfinite(study["factor"].values))

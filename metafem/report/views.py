@@ -26,16 +26,16 @@ if TYPE_CHECKING:
 # The three loads of the contact views, as fractions of the largest load of the law.
 VIEWED_LOADS = (0.1, 0.4, 1.0)
 
-# Diameter of the rings of open summits, and smallest drawn diameter of contacts, over the distance of
-# summits: smaller circles would be invisible.
+# Diameter of the rings that mark open summits, and smallest drawn diameter of contacts, over the distance
+# between summits. Smaller circles would be invisible.
 RING, LEAST_DOT = 0.3, 0.1
 
-# Largest number of sites in the view of the shape; for more, the part around the tallest summit is shown.
+# Largest number of summits in the view of the shape; of more summits, those around the tallest are shown.
 MOST_SHAPED = 400
 
 
 def height_figure(design: Design) -> Figure:
-    """Heights at their sites, with diameters proportional to different radii; empty sites as rings."""
+    """Draw the heights at their sites, with diameters proportional to the radii; empty sites as rings."""
     figure = new_figure(5.0, 4.2, (0.7, 0.4, 0.8, 0.3))
     ax = figure.add_subplot()
     empty = np.setdiff1d(np.arange(design.template.count), design.sites)
@@ -47,9 +47,9 @@ def height_figure(design: Design) -> Figure:
 
 
 def contact_figure(design: Design) -> Figure:
-    """Top views at three loads: contacts as discs to scale, summits that are not in contact as rings.
+    """Draw top views at three loads: contacts as discs to scale, summits that are not in contact as rings.
 
-    If there are many summits, those around the tallest are shown.
+    Of many summits, only those around the tallest are shown.
     """
     figure = new_figure(9.6, 4.0, (0.7, 0.1, 0.6, 0.6))
     axes = figure.subplots(1, len(VIEWED_LOADS), sharex=True, sharey=True, gridspec_kw={"wspace": 0.05})
@@ -73,7 +73,7 @@ def contact_figure(design: Design) -> Figure:
 
 
 def shape_figure(design: Design) -> Figure:
-    """The surface viewed at an angle, coloured by height; of many summits only those around the tallest."""
+    """Draw the surface at an angle, coloured by height; of many summits, only those around the tallest."""
     surface = design.surface
     corners, shown = _shown(surface)
     if surface.block is not None and shown.all():
@@ -96,9 +96,9 @@ def shape_figure(design: Design) -> Figure:
 
 
 def _shown(surface: Surface) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Return two corners [mm] of the shown part, and which summits (n,) are in it.
+    """Return two opposite corners (2, 2) [mm] of the part that is shown, and a mask (n,) of its summits.
 
-    The part extends beyond the outer summits by half the distance of summits, within the block.
+    The part extends beyond the outer summits by half the distance between summits, but not beyond the block.
     """
     position = surface.position
     distance = drawing.spacing(position)
@@ -114,7 +114,7 @@ def _shown(surface: Surface) -> tuple[FloatArray, NDArray[np.bool_]]:
 
 
 def _corners(block: Block) -> FloatArray:
-    """Return the left front and the right back corner of a block [mm]."""
+    """Return the left front and the right back corner of a block, (2, 2) [mm]."""
     edge = 0.5 * np.array([block.width, block.length])
     return np.array([-edge, edge])
 

@@ -2,5 +2,5 @@
 
 import lazy_loader
 
-# As in metafem: each study imports what it needs when it is first used.
+# As in metafem, each study is imported when it is first used.
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

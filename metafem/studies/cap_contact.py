@@ -1,4 +1,4 @@
-"""The contact law of true caps by finite elements, tabulated for the caps of a surface."""
+"""Contact laws of true caps, computed by finite elements and tabulated for the caps of a surface."""
 
 from __future__ import annotations
 
@@ -19,15 +19,16 @@ from metafem.errors import NotConverged, refuse_if
 from metafem.progress import each
 from metafem.surface import Surface
 
-# Chebyshev nodes in the cap's height and in the ratio of contact radius to foot radius. The deviations of
-# load and indentation from Hertz's law are smooth in both and vanish for small contacts. With 3 x 3 nodes the
-# error is 6e-5 on the source paper's red bilinear surface; `CapContact.error` estimates it.
+# Numbers of Chebyshev nodes in the cap's height and in the ratio of contact radius to foot radius. The
+# deviations of load and indentation from Hertz's law are smooth functions of height and ratio, and vanish for
+# small contacts. With 3 x 3 nodes the error is 6e-5 on the bilinear surface that the source paper draws in
+# red; `CapContact.error` estimates the error.
 HEIGHT_NODES, RATIO_NODES = 3, 3
 
-# Largest number of radii: each needs a table, which takes half a minute.
+# Largest number of different radii. Each radius needs its own table, which takes half a minute to compute.
 MOST_RADII = 4
 
-# The contact radius is at most this multiple of Hertz's.
+# Upper bound of the contact radius in the root search, as a multiple of Hertz's contact radius.
 WIDEST = 2.0
 
 HERTZ = Hertz()
@@ -37,15 +38,16 @@ HERTZ = Hertz()
 class CapContact:
     """Load and indentation of a cap's contact, relative to Hertz's law at the same contact radius.
 
-    ``P = P_Hertz (1 + s f(h, s))`` and ``d = d_Hertz (1 + s g(h, s))`` with s = a/foot, the foot
-    radius ``sqrt(h (2 R - h))`` of the cap, and polynomials f, g through finite-element solutions.
+    ``P = P_Hertz (1 + s f(h, s))`` and ``d = d_Hertz (1 + s g(h, s))``, where s is the ratio of the contact
+    radius a to the foot radius ``sqrt(h (2 R - h))`` of the cap. The polynomials f and g interpolate
+    finite-element solutions.
     """
 
     radius: float  # R [mm]
     height: tuple[float, float]  # range of the table in h [mm]
     ratio: tuple[float, float]  # range of the table in s [-]
-    excess: FloatArray  # (., ., 2), coefficients of f and g in scaled h and s, in ascending order
-    error: float = math.nan  # largest relative error of both at a test solution that is not in the table
+    excess: FloatArray  # (., ., 2), coefficients of f and g in ascending powers of scaled h and s
+    error: float = math.nan  # relative error of load and indentation at a solution that the table omits
 
     def solve(self, height: FloatArray, indentation: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return contact radii [mm] and rescaled loads [mm^2] at indentations d [mm], (n, ...); 0 if open.
@@ -68,16 +70,16 @@ class CapContact:
         return a, load
 
     def _beyond(self, a: FloatArray, d: FloatArray, h: FloatArray) -> FloatArray:
-        """Return the indentation at a contact radius less a given one."""
+        """Return the indentation at contact radii a minus the indentations d, (n,) [mm]."""
         return np.asarray(a**2 / self.radius * self._relative(a, h)[1] - d)
 
     def _relative(self, a: FloatArray, h: FloatArray) -> FloatArray:
-        """Return load and indentation over Hertz's, (2, n)."""
+        """Return load and indentation over Hertz's values at the same contact radius, (2, n)."""
         ratio = a / foot_radius(h, self.radius)
         return np.asarray(1.0 + ratio * self.excess_at(h, ratio))
 
     def excess_at(self, h: FloatArray, ratio: FloatArray) -> FloatArray:
-        """Return the polynomials f and g, (2, n)."""
+        """Return the values of the polynomials f and g, (2, n)."""
         x, y = _scaled(h, self.height), _scaled(ratio, self.ratio)
         return np.asarray(polyval2d(x, y, self.excess))
 
@@ -87,7 +89,7 @@ def solve_caps(
 ) -> tuple[FloatArray, FloatArray]:
     """Return contact radii [mm] and rescaled loads [mm^2] of all caps at indentations (n, k) [mm]; 0 if open.
 
-    Asperities of a radius without a table follow Hertz's law.
+    Asperities whose radius has no table follow Hertz's law.
     """
     depth, radius = np.maximum(indentation, 0.0), surface.radius[:, None]
     a = HERTZ.contact_radius(depth, radius)
@@ -99,11 +101,12 @@ def solve_caps(
 
 
 def caps_of(surface: Surface, indentation: FloatArray) -> dict[float, CapContact]:
-    """Compute the caps of each radius by finite elements, up to given indentations (n,) [mm].
+    """Return the contact law of each radius [mm] by finite elements, up to the indentations (n,) [mm].
 
-    Each is a true spherical cap on a bonded cylinder with a free side and the block's thickness and base
-    area, at small strain, with the Poisson's ratio of the material. Raise InvalidInput if the surface has no
-    block, or if the summits in contact have more than four radii or not 0 < h <= R.
+    The law is that of a true spherical cap on a bonded cylinder, at small strain. The cylinder has a free
+    side, the thickness and base area of the block, and the Poisson's ratio of the material. Raise
+    InvalidInput if the surface has no block, if the summits in contact have more than four radii, or if one
+    of these summits does not satisfy 0 < h <= R.
     """
     touching = indentation > 0.0
     radii, height = np.unique(surface.radius[touching]).tolist(), surface.height[touching]
@@ -124,7 +127,7 @@ def caps_of(surface: Surface, indentation: FloatArray) -> dict[float, CapContact
 def cap_contact(
     surface: Surface, radius: float, which: NDArray[np.bool_], indentation: FloatArray
 ) -> CapContact:
-    """Compute the caps of one radius by finite elements, up to the indentations of some of them."""
+    """Return the contact law of the caps `which`, all of one radius, up to their indentations (n,) [mm]."""
     from metafem.fe import press
 
     block, nu = surface.block, surface.material.poisson_ratio
@@ -133,11 +136,11 @@ def cap_contact(
     heights = surface.height[which]
     ratio = float((HERTZ.contact_radius(indentation[which], radius) / foot_radius(heights, radius)).max())
     low, high = float(heights.min()), float(heights.max())
-    # small contacts obey Hertz's law; starting at a tenth of the range keeps the smallest contact meshable
+    # the table starts at a tenth of the range: smaller contacts obey Hertz's law and are hard to mesh
     ranges = (low, high), (0.1 * ratio, min(ratio, 0.9))
 
     def excess(h: float, s: float) -> FloatArray:
-        """Return f and g."""
+        """Return f and g at height h [mm] and ratio s, (2,)."""
         a = s * float(foot_radius(h, radius))
         contact = press(a, radius, nu, height=h, thickness=block.thickness, block_radius=side)
         load = contact.rescaled_load / float(HERTZ.load(a, radius))
@@ -154,7 +157,7 @@ def cap_contact(
     by_height, by_ratio = (np.linalg.inv(np.vander(x, increasing=True)) for x in scaled)
     table = np.einsum("ih,hsk,js->ijk", by_height, np.reshape(pressed, (*counts, 2)), by_ratio)
     bare = CapContact(radius, *ranges, table)
-    # between the nodes, where the errors of both polynomials are nearly largest
+    # a test point between the nodes, where the errors of both polynomials are close to their maximum
     h, s = 0.75 * low + 0.25 * high, 0.6 * ranges[1][1]
     error = np.abs(excess(h, s) - bare.excess_at(np.array(h), np.array(s))).max() * s
     return replace(bare, error=float(error))

@@ -1,4 +1,4 @@
-"""All errors at once: probability that the made surface meets the target, and largest tolerances."""
+"""Probability that a surface with all errors at once meets the target, and the largest tolerances."""
 
 from __future__ import annotations
 
@@ -33,24 +33,24 @@ from metafem.studies.sampling.store import inputs_hash
 if TYPE_CHECKING:
     import xarray as xr
 
-# Largest batch: half a second on a bonded layer.
+# Largest number of points of a batch; such a batch takes half a second on a bonded layer.
 MOST_POINTS = 256
 
-# Initial number of draws if an error is wanted.
+# Initial number of draws if draws are added until an error is reached.
 FIRST_DRAWS = 4_096
 
 
 @dataclass(frozen=True)
 class Requirement:
-    """Requirement that made surfaces meet the target within a misfit, with a probability.
+    """Largest misfit of a made surface, and the required probability that the misfit is not exceeded.
 
     Parameters
     ----------
     misfit : float
-        Largest misfit with which a made surface meets the target [-], positive; default: 0.1, the largest
-        difference that the source counts as a success.
+        Largest misfit [-] at which a made surface meets the target, positive; default: 0.1, the largest
+        difference that the source paper counts as a success.
     probability : float
-        Wanted probability [-], above 0 and below 1; default: 0.9.
+        Required probability [-], above 0 and below 1; default: 0.9.
 
     Raises
     ------
@@ -87,19 +87,19 @@ def combined(
     rng: Any = 0,
     execution: Execution | None = None,
 ) -> xr.Dataset:
-    """Probability that the made surface meets the target, and the largest tolerances for a required one.
+    """Return the probability that a made surface meets the target, and the largest allowed tolerances.
 
-    Each draw has errors of its heights, radii, positions and alignment, all at once, and of the parameters.
-    Its law under the model is compared with the target in the same way as the law of the design: the misfit
-    is defined as `Design.misfit`, and free parameters of the target are fitted to each law. A draw whose law
-    has no solution does not meet the target.
+    Each draw has errors of its heights, radii, positions, alignment and parameters at once. Its law under the
+    model is compared with the target in the same way as the law of the design: the misfit has the definition
+    of `Design.misfit`, and free parameters of the target are fitted to each law. A draw whose law has no
+    solution does not meet the target.
 
-    The largest tolerances are multiples of the given ones: a common factor of all, and a factor of each one
-    with the others as given. With this factor, the quantile of the misfit at the wanted probability equals
-    the largest allowed misfit. The factor is found by the method of false position, with the same random
-    numbers at all factors and a fifth of the draws; the last step uses all draws. 10,000 draws of 64
-    asperities take seconds without interaction, and minutes with it. Aymard et al., Science 383, 200 (2024),
-    doi:10.1126/science.adk4234, Figs. S2 and S3, state the effects of single errors.
+    The largest tolerances are multiples of the given tolerances: a common factor of all tolerances, and a
+    factor of each tolerance while the others stay as given. At the largest factor, the quantile of the misfit
+    at the required probability equals the largest allowed misfit. The factor is found by false position, with
+    a fifth of the draws and the same random numbers at all factors; a final step uses all draws. For 64
+    asperities, 10,000 draws take seconds without interaction and minutes with interaction. Aymard et al.,
+    Science 383, 200 (2024), doi:10.1126/science.adk4234, Figs. S2 and S3, show the effects of single errors.
 
     Parameters
     ----------
@@ -107,15 +107,15 @@ def combined(
     tolerances : Tolerances
         Errors of the made surface and of its alignment.
     requirement : metafem.studies.Requirement, optional
-        Largest misfit and wanted probability; default: ``Requirement(misfit=0.1, probability=0.9)``.
+        Largest misfit and required probability; default: ``Requirement(misfit=0.1, probability=0.9)``.
     parameters : mapping of str to float, optional
         Standard deviations of ``composite_modulus`` [MPa], ``radius`` [mm] (of the mean radius; all radii
         change by the same factor), ``shear_strength`` [MPa] and ``area_ratio`` [-], as for `uncertainty`.
-        They change the law at given forces, which is compared with the target at nominal values. The factors
-        do not apply to them. Default: none.
+        These errors change the friction force at a load; the forces are rescaled with the nominal values and
+        compared with the target. The factors do not multiply these errors. Default: none.
     draws : int or metafem.studies.Draws
-        Number of draws, at least 2; default: 10,000. With an error, draws are added until the probability has
-        this error.
+        Number of draws, at least 2; default: 10,000. With ``Draws(error=...)``, draws are added until the
+        probability has this error.
     model : Model, optional
         Default: the model of the design's law.
     load_range : (float, float), optional
@@ -131,13 +131,13 @@ def combined(
     xarray.Dataset
         ``probability`` [-] that the misfit is at most the allowed one; ``misfit_quantile`` [-] over
         ``quantile`` (0.05, 0.5, 0.95), and ``nominal_misfit`` without errors. ``factor`` [-] over
-        ``tolerance`` ("all" and the names of those that are not 0): the largest multiple of the given
-        tolerance, ``given`` [mm or rad; 1 for all]. It is nan if the probability is too small even without
-        this error, and infinite if it is large enough at the largest multiple tried; notes say so.
-        ``slope_mean``, ``slope_sd`` [-], ``area_mean`` and ``area_sd`` [mm^2] over ``rescaled_load``, and
-        ``nominal_slope`` and ``nominal_area``. Each has its standard sampling error ``NAME_error``. If all
-        summits have one height and no load range is given, there is no slope. ``failed`` is the number of
-        draws without a solution.
+        ``tolerance`` ("all" and the names of the tolerances that are not 0) is the largest multiple of the
+        tolerance ``given`` [mm or rad; 1 for "all"]. It is nan if the probability is too small even without
+        this error, and infinite if the probability is large enough at the largest multiple tried; notes say
+        so. ``slope_mean``, ``slope_sd`` [-], ``area_mean`` and ``area_sd`` [mm^2] over ``rescaled_load``
+        describe the laws; ``nominal_slope`` and ``nominal_area`` are the values without errors. Each estimate
+        has its standard sampling error ``NAME_error``. There is no slope if all summits have the same height
+        and no load range is given. ``failed`` is the number of draws without a solution.
 
     Raises
     ------
@@ -221,7 +221,7 @@ def combined(
 
 
 def _notes(found: Mapping[str, Estimate], wanted: float, allowed: float) -> Iterator[Note]:
-    """Yield a note for each tolerance without a largest value."""
+    """Yield a note for each tolerance whose largest value was not found."""
     meets = f"a probability of {percent(wanted, '.3g')} of a misfit of at most {percent(allowed, '.3g')}"
     for name, value in found.items():
         if math.isnan(value.value):

@@ -1,4 +1,4 @@
-"""Checks of the finite elements against the closed forms that the models use, and observed orders."""
+"""Checks of the finite elements against the closed forms that the models use, and convergence rates."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from metafem.fe.axisymmetric.prescribed_radius import graded, spectral
 from metafem.fe.axisymmetric.press import press
 from metafem.reference import bonded_layer, single_contacts
 
-# The asperities, the lattice and the block of Aymard et al., Science 383, 200 (2024),
-# doi:10.1126/science.adk4234 [mm].
+# Radius of the asperities, pitch of the lattice, thickness and radius of the block [mm], after Aymard et al.,
+# Science 383, 200 (2024), doi:10.1126/science.adk4234.
 RADIUS, PITCH, THICKNESS, BLOCK_RADIUS = 0.526, 1.5, 7.2, 10.0
 
-# Heights and contact radii [mm] of the caps on the block that are checked, and cells of the active set over
-# the contact radius; with these its loads are accurate to 3e-4.
+# Heights and contact radii [mm] of the checked caps on the block, and the cell size of the active-set search
+# over the contact radius. With this cell size, the loads of the search are accurate to 3e-4.
 CAP_ROWS = ((0.12, 0.10), (0.20, 0.26))
 CAP_CELLS = 1.0 / 20.3
 
@@ -44,7 +44,7 @@ SEARCHED = "active set of ordinary quadratic elements on a mesh of its own, sear
 
 @dataclass(frozen=True)
 class Check:
-    """A computed number, and the interval in which it must lie.
+    """A computed number, the number that is expected, and whether they agree.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class Convergence:
     Attributes
     ----------
     value, error : ndarray, (k,)
-        Cell or degree of the elements, and the relative errors.
+        Cell sizes or degrees of the elements, and the relative errors.
     rate : float
         Slope of log(error) over log(cell), or of log10(error) over the degree.
 
@@ -96,7 +96,7 @@ def hertz_check(poisson_ratio: float = 0.5) -> list[Check]:
     """Check a contact on a half-space: `metafem.fe.press` and `metafem.fe.search_contact`.
 
     Load, indentation and displacement of a paraboloid are compared with Hertz's closed forms, and the load of
-    a quartic punch with Sneddon's. It takes about 15 s.
+    a quartic punch is compared with Sneddon's. The check takes about 15 s.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def hertz_check(poisson_ratio: float = 0.5) -> list[Check]:
         _near("outer displacement over Hertz's, worst", worst, 1.0, 1e-8, HERTZ),
         _near("load of a quartic punch", quartic.rescaled_load, power, 1e-8, SNEDDON),
         _below("error estimate", contact.error_estimate, 1e-6, DEGREES),
-        # Each degree adds a third of a digit or more while rounding is negligible.
+        # Each degree adds at least a third of a decimal digit, as long as rounding is negligible.
         _above("digits gained per degree", -spectrum.rate, 1.0 / 3.0, EXPONENTIAL),
         _below("load by active set, relative error", float(search[0].error[-1]), 1e-4, HERTZ),
         _below("radius by active set, relative error", float(search[1].error[-1]), 1e-4, HERTZ),
@@ -138,10 +138,10 @@ def hertz_check(poisson_ratio: float = 0.5) -> list[Check]:
 
 
 def cap_check() -> list[Check]:
-    """Check the true cap on the bonded block, a sphere, and the order of convergence of the contact's edge.
+    """Check the true cap on the bonded block, a sphere on a half-space, and the convergence at the edge.
 
-    The load of the cap is compared with an active set at the same indentation, that of the sphere on a
-    half-space with Sneddon's closed form. It takes about 10 s.
+    The load of the cap is compared with an active-set search at the same indentation, and the load of the
+    sphere is compared with Sneddon's closed form. The check takes about 10 s.
 
     Returns
     -------
@@ -162,7 +162,7 @@ def cap_check() -> list[Check]:
         over = contact.rescaled_load / load, searched.rescaled_load / load
         checks += [
             _near(f"{name}: load over Hertz", *over, 1e-3, SEARCHED),
-            # the position of the last closed node is known to one cell
+            # the last closed node locates the edge to within one cell
             _near(f"{name}: contact radius", a, searched.last_radius, CAP_CELLS, SEARCHED),
             _below(f"{name}: error estimate", contact.error_estimate, 1e-4, BRACKET),
         ]
@@ -174,13 +174,13 @@ def cap_check() -> list[Check]:
         _near(f"{name}: load", sphere.rescaled_load, load, 1e-7, SPHERE),
         _near(f"{name}: indentation", sphere.indentation, indentation, 1e-7, SPHERE),
     ]
-    # The bracket spans one element at the edge: order one, and a fit over three sizes finds it to 0.1.
+    # The bracket spans one element at the edge, so its order is 1; a fit over three sizes recovers it to 0.1.
     checks.append(_above("order of the edge's bracket", cap_convergence().rate, 0.9, BRACKET_ORDER))
     return checks
 
 
 def layer_check(poisson_ratio: float = 0.5) -> list[Check]:
-    """Check the influence of the bonded layer against its Hankel integral, in units of the half-space's.
+    """Check the influence of the bonded layer, over that of the half-space, against its Hankel integral.
 
     Parameters
     ----------
@@ -229,7 +229,7 @@ def cell_check() -> list[Check]:
     checks = []
     for a in (0.12, 0.20, 0.28):
         contact = press(a, RADIUS, thickness=THICKNESS, cell_radius=side)
-        # 1/R_i = 1/R + P S/2 with P = 4 a^3/(3 R_i), the curvature S of the field of the neighbours
+        # effective radius R_i: 1/R_i = 1/R + P S/2, P = 4 a^3/(3 R_i), S = curvature due to the neighbours
         sharpened = RADIUS * (1.0 - 2.0 / 3.0 * a**3 * curvature)
         load, single = single_contacts.hertz(a, sharpened)
         lattice = single + load * (total + 0.1 * a**2 * curvature)
@@ -237,7 +237,7 @@ def cell_check() -> list[Check]:
         checks += [
             _near(f"a = {a} mm: load", contact.rescaled_load, load, 5e-4, CURVATURE),
             _near(f"a = {a} mm: indentation, lattice sum", contact.indentation, lattice, 5e-3, LATTICE),
-            # Error of the series: its pressure is Hertz's, up to terms of a^5.
+            # The tolerance covers the series' pressure, which is Hertz's only up to terms of order a^5.
             _near(f"a = {a} mm: indentation, series", contact.indentation, series, 5e-4, DINI),
         ]
     return checks
@@ -245,7 +245,7 @@ def cell_check() -> list[Check]:
 
 @cache
 def spectral_convergence(poisson_ratio: float = 0.5) -> Convergence:
-    """Error of Hertz's load on the half-space as a function of the degree of the elements."""
+    """Return the error of the load of a Hertz contact on a half-space against the degree of the elements."""
     degree = np.array([4, 5, 6, 7, 8])
     mesh = half_space_mesh()
 
@@ -259,12 +259,13 @@ def spectral_convergence(poisson_ratio: float = 0.5) -> Convergence:
 
 @cache
 def search_convergence(poisson_ratio: float = 0.5) -> tuple[Convergence, Convergence]:
-    """Errors of the active set's load and radius as functions of the cell, in contact radii.
+    """Return the errors of load and radius by active set against the cell size, in contact radii.
 
-    The growing cells far away cause an error of 3e-5 of the load, opposite in sign to the error of the
-    contact: it makes the fitted order of the load too high, but not that of the radius.
+    The coarse cells far from the contact cause an error of 3e-5 of the load. Its sign is opposite to that of
+    the error at the contact, so the fitted order of the load is too high. The fitted order of the radius is
+    not affected.
     """
-    # The edge of the contact has the same position within its cell for all sizes.
+    # With these sizes, the contact edge always has the same position within its cell.
     cell = 1.0 / np.array([10.3, 20.3, 40.3])
     contacts = [search_contact(1.0, 1.0, poisson_ratio, cell=float(size)) for size in cell]
     load = np.abs([0.75 * contact.rescaled_load - 1.0 for contact in contacts])
@@ -273,7 +274,7 @@ def search_convergence(poisson_ratio: float = 0.5) -> tuple[Convergence, Converg
 
 
 def cap_convergence() -> Convergence:
-    """Half-width of the edge's bracket as a function of the size of the last elements, for the first cap."""
+    """Return the half-width of the bracket against the element size at the edge, for the first cap."""
     height, a = CAP_ROWS[0]
     cap = Cap(RADIUS, height, BLOCK_RADIUS, THICKNESS)
     edge = float(cap.surface(np.array(a))[0])
@@ -293,7 +294,7 @@ def _order(value: FloatArray, error: FloatArray) -> Convergence:
 
 
 def _near(name: str, computed: float, expected: float, tolerance: float, source: str) -> Check:
-    """Check a number within a relative tolerance."""
+    """Return the check that a number equals the expected one within a relative tolerance."""
     passed = abs(computed / expected - 1.0) <= tolerance
     return Check(name, computed, f"{expected:.6g} ± {tolerance:.1g} relative", passed, source)
 

@@ -23,7 +23,7 @@ from metafem.surface import Surface
 if TYPE_CHECKING:
     import xarray as xr
 
-# Meaning of the row of finite elements, stored with the numbers.
+# Explanation of the model "fe", stored in the notes of the dataset.
 ELEMENTS = (
     "fe: each contact has the law of its true cap on the bonded block by small-strain finite elements, "
     "without interaction; compare it with independent. At large a/R small strain overestimates P(a), while "
@@ -34,34 +34,35 @@ ELEMENTS = (
 
 @doing("comparing the models")
 def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
-    """Predict A0(P) and delta(P) of a design under all models.
+    """Return A0(P) and delta(P) of a design under all models.
 
     The models are "independent", order 3 on the "half-space", the bonded "layer" and the true "block",
     and "fe". The influence of the true block is computed once (half a minute for 64 asperities) and stored
     on disk.
 
     "fe" denotes independent asperities with the contact law of the true spherical cap on the bonded block
-    instead of Hertz's: ``sum_i P_fe(a_i, h_i) = P`` with ``d_fe(a_i, h_i) = h_i - delta``. The law is
-    interpolated between axisymmetric finite elements (`metafem.fe.press`) at nine pairs of height and contact
-    radius. It includes the shape of the cap, its pedestal, and the base and the sides of the block, but no
-    neighbours. The difference from "independent" is meaningful at small a/R. At large a/R it is an upper
-    estimate: at a/R = 0.5 the load is 1.11 of Hertz's at small strain, and 0.978 at finite strain.
+    instead of Hertz's law: ``sum_i P_fe(a_i, h_i) = P`` with ``d_fe(a_i, h_i) = h_i - delta``. The contact
+    law is interpolated between axisymmetric finite-element solutions (`metafem.fe.press`) at nine pairs of
+    height and contact radius. It includes the effects of the shape of the cap, its pedestal, and the base and
+    the sides of the block, but not of neighbouring asperities. The difference from "independent" is
+    meaningful at small a/R. At large a/R the difference is an upper estimate: at a/R = 0.5, the load is 1.11
+    times Hertz's load at small strain, but 0.978 times Hertz's load at finite strain.
 
     Parameters
     ----------
     design : Design
     elements : bool
-        Whether to compute "fe", about half a minute for each radius of the summits; more than four radii are
-        not computed. Default: True.
+        Whether to compute "fe", which takes about half a minute for each radius of the summits. With more
+        than four radii, "fe" is left out. Default: True.
 
     Returns
     -------
     xarray.Dataset
         ``area`` [mm^2], ``separation`` [mm], ``area_change`` [-] (relative to independent asperities) and
         ``sinking`` [mm] (the decrease of the separation), over ``model`` and ``rescaled_load`` [mm^2], with
-        the coordinate ``load`` [N]. ``elements_error`` is the relative error of load and indentation in the
-        table of caps [-]. The attribute ``notes`` has one line for each model that was left out, with the
-        reason.
+        the coordinate ``load`` [N]. ``elements_error`` [-] is the largest relative error of load and
+        indentation in the table of caps. The attribute ``notes`` has one line for each model that was left
+        out, with the reason.
 
     Examples
     --------
@@ -81,7 +82,7 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
         notes.append(information("fe is left out: its caps are spherical, to be compared with paraboloids"))
     elif elements:
         try:
-            # a fifth more than Hertz's indentation: pedestals add this much on the source paper's surfaces
+            # 1.2 times Hertz's indentation: on the source paper's surfaces, pedestals add up to a fifth
             caps = caps_of(surface, 1.2 * (surface.height - separation["independent"][-1]))
             area["fe"], separation["fe"] = _law_of_caps(surface, caps, design.law.rescaled_load)
             error = max(table.error for table in caps.values())
@@ -108,7 +109,7 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
 def _law_of_caps(
     surface: Surface, caps: Mapping[float, CapContact], rescaled_load: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return areas and separations (k,) of independent asperities with tabulated laws."""
+    """Return areas [mm^2] and separations [mm] (k,) of independent asperities with tabulated laws."""
     top = float(surface.height.max())
 
     def missing(separation: FloatArray, load: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""The effect of elastic interaction on the law of a design, for random assignments of heights to sites."""
+"""The effect of elastic interaction on the law of a design, also for random assignments to sites."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ if TYPE_CHECKING:
 
 IndexArray = NDArray[np.intp]
 
-# Number of assignments between two reports of progress.
+# Number of assignments that are solved between two reports of progress.
 AT_ONCE = 100
 
-# Number of loads of the random assignments: every n-th load of the design's law.
+# Random assignments are solved at every n-th load of the design's law, at about this number of loads.
 RANDOM_LOADS = 20
 
-# Compared orders of the interaction, up to the largest order of the contact law.
+# Orders of interaction that are compared, as far as the contact law supports them.
 ORDERS = (1, 3)
 
 
@@ -39,9 +39,9 @@ ORDERS = (1, 3)
 def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.Dataset:
     """Compare A0(P) and delta(P) of coupled asperities with those of independent ones.
 
-    The change depends on the assignment of asperities to sites, which does not affect the law of
-    independent asperities. The design is compared with random assignments of its asperities to its sites,
-    and with one that has the tallest asperities in the centre.
+    The assignment of asperities to sites affects the law of coupled asperities, but not the law of
+    independent ones. The study therefore also computes the change for random assignments of the design's
+    asperities to its sites, and for an assignment with the tallest asperities in the centre.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     -------
     xarray.Dataset
         ``area_change`` [-] and ``sinking`` [mm], the decrease of the separation, over ``substrate``
-        ("half-space", and "layer" if there is a block), ``order`` (1, and 3 if the contact law has it) and
+        ("half-space", and "layer" if there is a block), ``order`` (1, and 3 if the contact law allows it) and
         the ``rescaled_load`` [mm^2] of the design's law, with the coordinate ``load`` [N]. The contact law is
         that of the design. ``centred_change`` [-] is the change with the tallest asperities in the centre, at
         the largest order. ``placement_rms`` [-] is the root mean square change of each random assignment
@@ -71,8 +71,8 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     """
     count = check.integer("placements", placements, at_least=1)
     seed = entropy(rng)
-    # not the random stream of the assignment in `design`: its first permutation would undo that of a design
-    # with the same seed, and the heights would be sorted
+    # a random stream other than that of `design`: with the same seed, the first permutation of that stream
+    # would undo the assignment of the design, and the heights would be sorted
     random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(0,)))
     surface = design.surface
     rescaled = design.law.rescaled_load
@@ -121,7 +121,7 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
 def _areas(
     model: Interacting, surface: Surface, orders: list[IndexArray], rescaled: FloatArray
 ) -> FloatArray:
-    """Return A0 (m, k) of m assignments of the asperities to the sites, at k loads."""
+    """Return A0 (m, k) [mm^2] of m assignments of the asperities to the sites, at k rescaled loads."""
     varied = np.ptp(surface.radius) > 0.0
     parts = [np.array(orders[k : k + AT_ONCE]) for k in range(0, len(orders), AT_ONCE)]
     areas = [

@@ -15,54 +15,54 @@ from metafem.studies.made_laws import MadeLaws
 from metafem.studies.sampling.moments import Estimate
 from metafem.surface import STEEPEST
 
-# The quantile of the misfit at the wanted probability, or a scatter, at a factor, with its error [-].
+# Function of a factor of the tolerances: the quantile of the misfit at the required probability, or the
+# scatter of the slope, with its error [-].
 Level = Callable[[float], Estimate]
 
-# The misfits of all draws.
+# Function of a task: the misfits of all its draws, (m,).
 Misfits = Callable[[MadeLaws], FloatArray]
 
-# Allowed relative scatter of the slope of a part: a law within it counts as reached.
+# Allowed relative standard deviation of the slope: the misfit up to which a design counts as reached.
 ALLOWED = REACHED
 
-# Name of the common factor of all tolerances.
+# Name of the factor that multiplies all tolerances.
 ALL = "all"
 
-# The tolerances, and the largest value of each for a surface, if there is one.
+# Largest value of each tolerance for a surface; infinite if there is none.
 BOUNDS: Mapping[str, Any] = {
     "height_sd": lambda surface: math.inf,
     "angle": lambda surface: STEEPEST,
-    # ten standard deviations away from zero
+    # all radii stay ten standard deviations above zero
     "radius_sd": lambda surface: 0.1 * float(surface.radius.min()),
     "position_sd": lambda surface: math.inf,
 }
 
-# A tolerance that is left out is multiplied by this fraction: its points are still drawn.
+# Replaces a factor of 0: a tolerance of exactly 0 would have no random points, and all draws would change.
 NOTHING = 1e-9
 
-# The search for the largest tolerances evaluates this fraction of the draws about five times for each, and
-# all of them once.
+# For each tolerance, the search evaluates this fraction of the draws about five times, and all draws once.
 SHARE = 0.2
 
-# Largest multiple of the given tolerance that is tried.
+# Largest multiple of a tolerance that the search tries.
 MOST = 100.0
 
-# Relative distance from the extrapolated factor to one that is too large. The rate of the quantile is
-# computed between the factor found and one that is larger by about as much: at a smaller distance, it would
-# depend on a single draw.
+# To find a factor that is too large, the search exceeds the extrapolated factor by the fraction BEYOND. The
+# derivative of the level is the difference quotient between the factor found and a factor that is larger by a
+# fraction from NEAREST to FARTHEST. At a smaller distance, the quotient would depend on a single draw.
 BEYOND, NEAREST, FARTHEST = 0.1, 0.05, 0.3
 
-# The search ends where the quantile of the misfit is within this fraction of its sampling error, or after
-# this number of steps; each step evaluates all draws.
+# The search ends if the level differs from the allowed one by at most this fraction of its sampling error, or
+# after this number of steps.
 FRACTION, STEPS = 0.2, 12
 
-# A smaller increase of the level, relative to the wanted one, counts as zero.
+# Differences between levels that are smaller than this fraction of the allowed level count as zero.
 SMALLEST = 1e-9
 
 
 def quantile(misfit: FloatArray, probability: float) -> Estimate:
-    """Return the smallest misfit that is not exceeded by at least a fraction of the draws.
+    """Return the misfit that a fraction `probability` of the draws does not exceed, and its error [-].
 
-    Its error is half the distance of the misfits at one standard error of the fraction on both sides.
+    The error is half the difference between the misfits at the fraction plus and minus its standard error.
     """
     ordered, count = np.sort(misfit), len(misfit)
     half = math.sqrt(probability * (1.0 - probability) * count)
@@ -75,14 +75,15 @@ def quantile(misfit: FloatArray, probability: float) -> Estimate:
 def largest(
     level: Level, given: Estimate, wanted: float, most: float, whole: Level | None = None
 ) -> Estimate:
-    """Return the largest factor, up to `most`, at which a level equals the wanted one, and its error.
+    """Return the largest factor up to `most` at which the level equals `wanted`, and the factor's error.
 
-    The level of each draw is a continuous function of the factor, and so is the level of all draws with
-    common random numbers: the root is bracketed and found by the method of false position in its Illinois
-    form. The factor is nan if the level exceeds the wanted one even without this error, and infinite if it
-    does not at the largest multiple. Its error is infinite if it depends on draws without a solution.
+    All factors use the same random numbers, so the level is a continuous function of the factor. The root is
+    bracketed and then found by false position in the Illinois form. The factor is nan if the level exceeds
+    `wanted` at both factors 0 and 1, and infinite if the level does not exceed `wanted` at `most`. The error
+    is infinite if the level does not increase beyond the factor, or if draws there have no solution.
 
-    level: the level at a factor; given: the level at 1; whole: the level of more draws, for one last step.
+    level: function of the factor; given: the level at factor 1; whole: the same function with more draws, for
+    one final correction.
     """
     low, at_low = 0.0, level(0.0)
     high, at_high = 1.0, given
@@ -98,14 +99,14 @@ def largest(
     above = {high: at_high.value}
     ends, unmoved = [at_low.value - wanted, at_high.value - wanted], 0
     for _ in range(STEPS):
-        # an infinite level has no line through it
+        # no line passes through an infinite level: bisect
         share = ends[0] / (ends[0] - ends[1]) if math.isfinite(ends[1]) else 0.5
         factor = low + (high - low) * share
         found = level(factor)
         over = found.value - wanted
         if math.isfinite(found.error) and abs(over) <= max(FRACTION * found.error, SMALLEST * wanted):
             break
-        # the level of an end that stays twice is halved
+        # Illinois: halve the value of an end that stays twice in a row
         if over > 0.0:
             high, above[factor] = factor, found.value
             ends = [ends[0] * (0.5 if unmoved < 0 else 1.0), over]
@@ -129,16 +130,16 @@ def largest(
 def factors(
     misfits: Misfits, task: MadeLaws, drawn: FloatArray, allowed: float, wanted: float
 ) -> dict[str, Estimate]:
-    """Return the largest factor of all tolerances and of each that is not 0.
+    """Return the largest factor of all tolerances together, and of each tolerance that is not 0.
 
-    drawn: misfits under the given tolerances; misfits: computes those of other tolerances.
+    misfits: computes the misfits of a task; drawn: the misfits (m,) under the tolerances of `task`.
     """
     given = {name: getattr(task.tolerances, name) for name in BOUNDS if getattr(task.tolerances, name) > 0.0}
     count = min(len(drawn), task.size * math.ceil(SHARE * len(drawn) / task.size))
     at_given = quantile(drawn[:count], wanted)
 
     def factor(names: list[str]) -> Estimate:
-        # a little less than the bound, for rounding
+        # stay slightly below the bound, because of rounding
         most = min(MOST, *(0.999 * BOUNDS[name](task.surface) / given[name] for name in names))
 
         def level(times: float, draws: int = count) -> Estimate:
@@ -148,11 +149,11 @@ def factors(
             changed = replace(task.tolerances, **scaled)
             return quantile(misfits(replace(task, tolerances=changed, draws=draws, described=False)), wanted)
 
-        # one step with all draws, as the level of a part of them already equals the wanted one
+        # a fifth of the draws already reaches the allowed level: one correction with all draws is enough
         return largest(level, at_given, allowed, most, lambda times: level(times, len(drawn)))
 
     if not given:
         return {}
     found = {ALL: factor(list(given))}
-    # a single one is all
+    # a single tolerance has the same factor as all tolerances together
     return found | {name: factor([name]) if len(given) > 1 else found[ALL] for name in given}

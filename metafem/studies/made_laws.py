@@ -1,4 +1,4 @@
-"""Laws of made surfaces, drawn in batches, and their misfits from the target of a design."""
+"""Random laws of made surfaces in batches, and their misfits from the target of a design."""
 
 from __future__ import annotations
 
@@ -26,14 +26,15 @@ from metafem.surface import Surface
 
 @dataclass(frozen=True, eq=False)
 class MadeLaws:
-    """The batches of made surfaces under given tolerances, with errors of the parameters.
+    """Batches of random made surfaces with given tolerances, and with errors of the parameters.
 
-    A made surface has the friction F' = sigma' B' A0(P/E*') at a load P. It is compared with the target at
-    P/E* and F'/(sigma B), with the nominal values, so an error of E* changes the rescaled load and errors of
-    sigma and B the rescaled friction.
+    A made surface has the friction F' = sigma' B' A0(P/E*') at a load P. Its law is rescaled with the nominal
+    values E*, sigma and B, and then compared with the target. An error of E* therefore changes the argument
+    of A0, and errors of sigma and B change the factor of A0.
 
-    The points of the unit cube depend only on the seed and the batch: they are the same for other tolerances
-    of the same dimensions (common random numbers). Columns of the tolerances come first.
+    The points of the unit cube depend only on the seed and the batch, so all tolerances with the same
+    number of random coordinates use the same points (common random numbers). The first columns of the points
+    belong to the tolerances.
     """
 
     surface: Surface
@@ -46,21 +47,21 @@ class MadeLaws:
     seed: int
     size: int
     draws: int  # the last batch may be smaller
-    described: bool = True  # whether slopes and areas are also computed
+    described: bool = True  # whether slopes and areas are computed in addition to the misfits
 
     @property
     def batches(self) -> range:
-        """Numbers of the batches."""
+        """Indices of the batches."""
         return range(-(-self.draws // self.size))
 
     @property
     def shown(self) -> FloatArray:
-        """Loads of the described areas [mm^2]: those of the slope, otherwise those of the target."""
+        """Rescaled loads of the reported areas [mm^2]: the loads of the slope, or else of the target."""
         return self.law.load if self.slope is None else self.slope.load
 
     @cached_property
     def load(self) -> FloatArray:
-        """All loads at which laws are computed, increasing, (k,)."""
+        """All rescaled loads at which laws are computed, increasing, (k,) [mm^2]."""
         lists = [self.law.load, *(branch.load for branch in self.branches)]
         return np.unique(np.concatenate([*lists, self.shown] if self.described else lists))
 
@@ -85,7 +86,7 @@ class MadeLaws:
         return result
 
     def _areas(self, unit: FloatArray, errors: dict[str, FloatArray]) -> FloatArray:
-        """Return F'/(sigma B) of made surfaces at P/E* = load, with the nominal values, (m, k)."""
+        """Return F'/(sigma B) [mm^2] of made surfaces at P/E* = load, (m, k); E*, sigma and B are nominal."""
         surface, load = self.surface, self.load
         height, radius, position = self.tolerances.perturbed(surface, unit)
         material, factor = surface.material, np.ones((len(unit), 1))
@@ -101,20 +102,20 @@ class MadeLaws:
         parts = []
         for row, times in enumerate(1.0 + errors["composite_modulus"][:, 0] / material.composite_modulus):
             radii, places = (None if each is None else each[row : row + 1] for each in (radius, position))
-            # the effect of an energy or stress of a law depends on the modulus of each draw
+            # the effect of the contact law's energy or stress depends on the modulus of the draw
             other = replace(material, composite_modulus=times * material.composite_modulus)
             drawn = surface.replaced(material=other) if varies else surface
             parts.append(self.model.areas(drawn, load / times, height[row : row + 1], radii, places))
         return factor * np.concatenate(parts)
 
     def _misfits(self, area: FloatArray) -> FloatArray:
-        """Return the misfits (m,) of laws at all loads (m, k); infinite where there is no solution."""
+        """Return the misfits (m,) of laws (m, k) at all loads; infinite for a law without a solution."""
         solved = np.isfinite(area).all(axis=1)
         found = area[solved]
         slopes = np.empty((len(found), len(self.branches)))
         for column, branch in enumerate(self.branches):
             off = branch.load - branch.load.mean()
-            # no products of matrices: their last bits depend on the number of threads
+            # no matrix product: its last bits would depend on the number of threads
             slopes[:, column] = np.einsum("mk,k->m", self._at(branch.load, found), off / (off @ off))
         result = np.full(len(area), np.inf)
         if len(found):
@@ -124,25 +125,26 @@ class MadeLaws:
         return result
 
     def _quantities(self, area: FloatArray) -> FloatArray:
-        """Return the slope, 1 without one, and the areas at the described loads, (m, q)."""
+        """Return the slope (1 if there is none) and the areas at the loads `shown`, (m, q)."""
         shown = self._at(self.shown, area)
         slope = np.ones(len(area)) if self.slope is None else np.einsum("mk,k->m", shown, self.slope.weight)
         return np.column_stack([slope, shown])
 
     def _at(self, load: FloatArray, area: FloatArray) -> FloatArray:
-        """Return the areas at some of the loads."""
+        """Return the areas (m, l) at the loads (l,), from the areas (m, k) at all loads."""
         return area[:, np.searchsorted(self.load, load)]
 
 
 def share_error(share: float, count: int) -> float:
-    """Return the standard error of a share of draws: half of Wilson's interval, which is never empty."""
+    """Return the standard error of a share of draws: half the width of Wilson's interval, never 0."""
     return math.sqrt(share * (1.0 - share) / count + 0.25 / count**2) / (1.0 + 1.0 / count)
 
 
 def described(compute: Run, task: MadeLaws, allowed: float, error: float | None) -> tuple[FloatArray, Sums]:
     """Return the misfits of all draws (m,), and the sums of their slopes and areas.
 
-    With `error` the number of draws is doubled until the probability has this error.
+    If `error` is given, the number of draws is doubled until the share of draws with a misfit of at most
+    `allowed` has this error.
     """
     parts: list[FloatArray] = []
     total: Sums = {}

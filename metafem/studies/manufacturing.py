@@ -1,4 +1,4 @@
-"""The effect of errors of the made surface on its friction law."""
+"""The effect of manufacturing errors on the friction law of a surface."""
 
 from __future__ import annotations
 
@@ -37,13 +37,14 @@ from metafem.surface import Surface
 if TYPE_CHECKING:
     import xarray as xr
 
-# No errors.
+# Tolerances without errors.
 EXACT = Tolerances()
 
-# Points of a batch if the number of draws follows from the wanted error: 16 batches are then few draws.
+# Number of points of a batch if draws are added until an error is reached. It is small, because the first
+# round already has 16 batches.
 ROUND_POINTS = 16
 
-# Number of batches added before the errors are computed again.
+# Number of batches that are added before the errors are computed again.
 ROUND_BATCHES = 8
 
 
@@ -59,35 +60,36 @@ def manufacturing(
     rng: Any = 0,
     execution: Execution | None = None,
 ) -> xr.Dataset:
-    """Mean and scatter of the friction law of surfaces whose heights, radii and positions have errors.
+    """Return mean and scatter of the friction law of surfaces with random manufacturing errors.
 
-    Each draw adds independent Gaussian errors to the surface, and the model solves for its law. The slope
-    m is that of the straight line fitted to A0(P) over 20 equally spaced loads of a range. Aymard et al.,
-    Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. S3.
+    Each draw adds independent Gaussian errors to the heights, radii and positions, and the model computes the
+    law of this surface. The slope m belongs to the straight line fitted to A0(P) at 20 equally spaced loads.
+    Source: Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. S3.
 
-    The draws are Sobol points, in batches that are scrambled independently. The linear response
+    The draws are Sobol points in independently scrambled batches. The linear response
     ``dm = sum_i dm/dh_i dh_i`` has known moments and serves as control variate for the mean and the second
-    moment. Both reduce the number of draws for the same sampling error; `saving` states the factor.
+    moment. Sobol points and control variates reduce the number of draws that a sampling error requires;
+    `saving` states by which factor.
 
-    The largest standard deviation of the heights at which the slope scatters by less than 1 % is computed
-    with the same random numbers, for any `height_sd`. This takes as long as about 4 further values of
-    `height_sd`, and at most 21.
+    The study also computes the largest standard deviation of the heights at which the slope scatters by less
+    than 1 %. This limit does not depend on `height_sd`. Its computation takes as long as about 4, and at most
+    21, further values of `height_sd`.
 
     Parameters
     ----------
     surface : Surface
     height_sd : float or array_like
-        Standard deviations of the heights [mm], one or many, not negative. All use the same random numbers.
+        One or more standard deviations of the heights [mm], not negative. All use the same random numbers.
     draws : int or metafem.studies.Draws
-        Number of draws at each value, at least 2, rounded up to whole batches; default: 10,000. With an
-        error, draws are added until `slope_sd` has this relative error at each value of `height_sd`.
+        Number of draws at each `height_sd`, at least 2, rounded up to full batches; default: 10,000. With
+        ``Draws(error=...)``, draws are added until `slope_sd` has this relative error at each `height_sd`.
     model : Model, optional
         Default: independent asperities.
     load_range : (float, float), optional
-        Range of the rescaled load of the fit [mm^2]. Default: 25 to 100 % of the load at which the plane
-        reaches the lowest summit, under independent asperities. The paper does not print its range.
+        Rescaled loads P/E* between which the line is fitted [mm^2]. Default: 25 to 100 % of the load at which
+        the plane reaches the lowest summit, with independent asperities. The source does not state its range.
     others : Tolerances
-        Errors besides those of the heights, such as ``Tolerances(radius_sd=0.001)``; default: none.
+        Errors in addition to those of the heights, such as ``Tolerances(radius_sd=0.001)``; default: none.
     rng : int or numpy.random.Generator
         Seed or generator; default: 0.
     execution : metafem.studies.Execution, optional
@@ -99,20 +101,20 @@ def manufacturing(
         ``slope_mean`` and ``slope_sd`` [-] over ``height_sd`` [mm]; ``area_mean`` and ``area_sd`` [mm^2] over
         ``height_sd`` and ``rescaled_load`` [mm^2]; ``slope_quantile`` at ``quantile`` .05, .5 and .95; each
         with its standard sampling error ``NAME_error``. ``nominal_slope`` and ``nominal_area`` are the values
-        without errors, ``draws`` the draws with a solution, ``failed`` those without. ``saving`` is the
-        number of plain draws of equal error over the draws used, for the ``moment`` "mean" and "sd" of the
-        slope. ``slope_quantile_error`` is the error of plain draws. ``largest_height_sd`` [mm] is the value
-        at which `slope_sd` equals ``allowed_scatter``, 1 % of the nominal slope: nan if the other errors
-        already cause more, and infinite if no such value is found. Its error is infinite with fewer than 16
-        draws.
+        without errors. ``draws`` and ``failed`` are the numbers of draws with and without a solution.
+        ``saving`` is the number of plain random draws that give the same error, divided by the number of
+        draws used, for the ``moment`` "mean" and "sd" of the slope. ``slope_quantile_error`` is the error
+        that plain random draws would have. ``largest_height_sd`` [mm] is the value at which `slope_sd` equals
+        ``allowed_scatter``, 1 % of the nominal slope. It is nan if the other errors already cause a larger
+        scatter, and infinite if no such value is found. With fewer than 16 draws its error is infinite.
 
     Raises
     ------
     InvalidInput
-        For negative deviations, fewer than two draws, and a surface whose summits have one height without a
-        load range.
+        For negative standard deviations and fewer than two draws, and if all summits have the same height and
+        no load range is given.
     NotConverged
-        If the model has no solution for the surface itself, or for nearly all draws of a deviation.
+        If the model has no solution for the surface itself, or for nearly all draws at a `height_sd`.
 
     Examples
     --------
@@ -176,13 +178,13 @@ def manufacturing(
 
 
 def _largest_height_sd(compute: Run, task: SlopeDraws, error: float | None) -> Estimate:
-    """Return the deviation of the heights at which the slope scatters by `ALLOWED`, and its error [mm].
+    """Return the standard deviation of the heights at which the slope scatters by `ALLOWED`, and its error.
 
-    error: as for `summed`.
+    Both are in mm. error: as for `summed`.
     """
 
     def scatter(height_sd: float) -> Estimate:
-        """Return the relative deviation of the slope; infinite without enough solutions for its error."""
+        """Return the relative standard deviation of the slope; infinite if too few batches are solved."""
         sums = summed(compute, replace(task, tolerances=replace(task.tolerances, height_sd=height_sd)), error)
         if sums["batches"] < FEWEST_BATCHES:
             return Estimate(math.inf, math.inf)
@@ -191,7 +193,7 @@ def _largest_height_sd(compute: Run, task: SlopeDraws, error: float | None) -> E
 
     if error is None and task.draws < FEWEST_BATCHES:
         return Estimate(0.0, math.inf)
-    # half the value by linear response, and not more than the same fraction of the radius
+    # start at half the value from the linear response, but at most at the fraction ALLOWED of the mean radius
     response = float(np.linalg.norm(task.response[0]))
     most = ALLOWED * float(task.surface.radius.mean())
     start = min(0.5 * ALLOWED / response, most) if response > 0.0 else most
@@ -201,10 +203,10 @@ def _largest_height_sd(compute: Run, task: SlopeDraws, error: float | None) -> E
 
 @dataclass(frozen=True, eq=False)
 class SlopeDraws:
-    """The batches of a study of one surface with given tolerances.
+    """Batches of surfaces with random errors of given tolerances, and the sums of their slopes and areas.
 
-    The points are the same for all tolerances (common random numbers). The quantities (q,) are the slope and
-    the areas at its loads, each over its nominal value.
+    All tolerances use the same points (common random numbers). The quantities (q,) are the slope and the
+    areas at the loads of the fit, each divided by its nominal value.
     """
 
     surface: Surface
@@ -212,12 +214,12 @@ class SlopeDraws:
     slope: Slope
     tolerances: Tolerances
     nominal: FloatArray  # (q,)
-    response: FloatArray  # (q, n), derivatives of the quantities by the heights, over the nominal values
+    response: FloatArray  # (q, n), derivatives of the quantities with respect to the heights [1/mm]
     seed: int
     size: int
-    draws: int  # the last batch of plain draws may be smaller
+    draws: int  # with plain random numbers, the last batch may be smaller
     plain: bool
-    dimensions: int  # of the points; heights come first and are left out if they have no errors
+    dimensions: int  # coordinates of a point; those of the heights come first, unused without height errors
 
     @cached_property
     def scale(self) -> FloatArray:
@@ -234,7 +236,7 @@ class SlopeDraws:
         unit = points[:, self.dimensions - own :]
         height, radius, position = self.tolerances.perturbed(self.surface, unit)
         areas = self.model.areas(self.surface, self.slope.load, height, radius, position)
-        # no products of matrices: their last bits depend on the number of threads
+        # no matrix product: its last bits would depend on the number of threads
         slopes = np.einsum("mk,k->m", areas, self.slope.weight)
         difference = np.column_stack([slopes, areas]) / self.nominal - 1.0
         response = np.einsum("mn,qn->mq", height - self.surface.height, self.response)
@@ -243,9 +245,9 @@ class SlopeDraws:
 
 
 def linear_response(model: Model, surface: Surface, slope: Slope) -> tuple[FloatArray, FloatArray]:
-    """Return the slope and the areas (q,), and their derivatives by the heights over these (q, n).
+    """Return slope and areas (q,), and their relative derivatives with respect to the heights (q, n) [1/mm].
 
-    NotConverged is raised if the model has no solution for the surface.
+    Raise NotConverged if the model has no solution for the surface.
     """
     curve = model.curve(surface, slope.load).checked()
     nominal = np.concatenate([[slope.weight @ curve.area], curve.area])
@@ -254,10 +256,10 @@ def linear_response(model: Model, surface: Surface, slope: Slope) -> tuple[Float
 
 
 def _gradient(model: Model, surface: Surface, load: FloatArray) -> FloatArray:
-    """Return dA0/dh (k, n) [mm]; any finite one is a control variate, zero has no effect."""
+    """Return dA0/dh (k, n) [mm], with 0 where it is unknown: a control variate of 0 has no effect."""
     try:
         found = model.gradient_model.sensitivity(surface, load).gradient
-    except (MetafemError, np.linalg.LinAlgError):  # resolved contacts may have a solution if order 3 has none
+    except (MetafemError, np.linalg.LinAlgError):  # order 3 may have no solution where resolved contacts do
         return np.zeros((len(load), surface.count))
     return np.where(np.isfinite(found).all(axis=1, keepdims=True), found, 0.0)
 
@@ -265,8 +267,8 @@ def _gradient(model: Model, surface: Surface, load: FloatArray) -> FloatArray:
 def summed(compute: Run, task: SlopeDraws, error: float | None = None) -> Sums:
     """Return the sums over all batches.
 
-    With `error` batches are added in fixed rounds until the slope's standard deviation has this relative
-    error.
+    If `error` is given, rounds of `ROUND_BATCHES` batches are added until the standard deviation of the slope
+    has this relative error.
     """
     total: Sums = {}
     first, last = 0, -(-task.draws // task.size) if error is None else FEWEST_BATCHES

@@ -1,4 +1,4 @@
-"""Comparisons of measured laws with a design and their explanation, as datasets of a result folder."""
+"""Datasets of a result folder on measured laws: comparisons with a design, and explanations."""
 
 from __future__ import annotations
 
@@ -16,33 +16,33 @@ from metafem.studies.sampling.store import inputs_hash
 if TYPE_CHECKING:
     import xarray as xr
 
-# The attributes of a measured law that are kept at its points.
+# Attributes of a measured law that are stored for each point.
 OF_LAW = [f"{name}{sd}" for name in ("load", "rescaled_load", "rescaled_friction") for sd in ("", "_sd")]
 
 
 def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
-    """Return comparisons of measured laws with one design, side by side.
+    """Return the dataset of the comparisons of one or more measured laws with one design.
 
     Parameters
     ----------
     comparisons : sequence of metafem.calibration.Comparison
-        With different labels, such as "static" and "sliding".
+        Comparisons of laws with different labels, such as "static" and "sliding".
     model : Model
         Model of the design's law.
 
     Returns
     -------
     xarray.Dataset
-        Over ``point``, all points of all laws: ``of_law``, the label; ``load`` [N]; ``rescaled_load``,
-        ``rescaled_friction``, ``predicted`` and ``deviation`` [mm^2], with ``..._sd``. Over ``feature``:
-        ``of_law_feature``, ``value``, ``value_sd``, ``low``, ``high``, ``design``, ``target``, and ``unit``.
-        Over ``law``: ``chi_square``, ``freedom``, ``probability``, ``runs``, ``runs_probability`` and
-        ``verdict``.
+        Over ``point``, the points of all laws: the label ``of_law``, ``load`` [N], ``rescaled_load``,
+        ``rescaled_friction``, ``predicted`` and ``deviation`` [mm^2]; all but ``predicted`` have ``..._sd``.
+        Over ``feature``: ``of_law_feature``, ``value``, ``value_sd``, ``low``, ``high``, ``design``,
+        ``target``, and ``unit``. Over ``law``: ``chi_square``, ``freedom``, ``probability``, ``runs``,
+        ``runs_probability``, ``fits`` (1 if the law agrees with the design) and ``verdict``.
 
     Raises
     ------
     InvalidInput
-        If two laws have one label, or there is none.
+        If two laws have the same label, or if there is no law.
 
     Examples
     --------
@@ -104,7 +104,7 @@ def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
 
 
 def explained(found: Explanation) -> xr.Dataset:
-    """Return the explanation of a measured law.
+    """Return the dataset of the errors that explain a measured law.
 
     Parameters
     ----------
@@ -114,11 +114,11 @@ def explained(found: Explanation) -> xr.Dataset:
     -------
     xarray.Dataset
         Over ``cause``: ``prior_sd``, ``mean`` and ``sd`` [rad or relative], and ``covariance`` over ``cause``
-        and ``other_cause``. Over ``group``: ``share`` of the explained misfit, and
-        ``misfit_without`` the group. Over ``site``: ``height`` and
-        ``radius`` [mm] with ``..._sd``, and ``outlier``; over ``kind``: their ``single_prior_sd`` [mm]. Over
-        ``sentence``: the explanation in words. Single numbers are ``misfit_design``, ``misfit`` and
-        ``values``, their expected size.
+        and ``other_cause``. Over ``group``: its ``share`` of the explained misfit, and ``misfit_without``,
+        the misfit without this group. Over ``site``: the errors ``height`` and ``radius`` [mm] with
+        ``..._sd``, and ``outlier``. Over ``kind``: ``single_prior_sd`` [mm] of these errors. Over
+        ``sentence``: ``sentence_text``, the explanation in words. Single numbers are ``misfit_design``,
+        ``misfit``, and ``values``, the number of measured values, which is the expected ``misfit``.
 
     Examples
     --------

@@ -28,28 +28,30 @@ from metafem.surface import STEEPEST, Surface
 if TYPE_CHECKING:
     import xarray as xr
 
-# Equal steps up to the largest angle, as in the source paper: 2,001 angles with both signs.
+# Number of equal steps up to the largest angle. As in the source paper, both signs and 0 give 2,001 angles.
 STEPS = 1000
 
-# Slopes along x and along y over the tangent of the angle.
+# Slopes of the tilt along x and along y, divided by the tangent of the angle.
 DIRECTIONS = {"both": (1.0, 1.0), "x": (1.0, 0.0), "y": (0.0, 1.0)}
 
-# With fewer angles, half as many do not show the error: with 2 it was up to ten times the estimate.
+# With fewer angles, a comparison with half as many underestimates the error: with 2 angles, the error was up
+# to ten times the estimate.
 FEWEST_ANGLES = 20
 
-# Steps up to an angle in the search for the largest one. The search ends if the angle is among the last three
-# quarters of the steps, where its error is below 1e-3. Largest number of searches: the next one has steps
-# 1/200 as large, or goes up to twice the angle.
+# Number of steps of one search for the largest angle, and largest number of searches. An angle among the last
+# three quarters of the steps is accepted: its error is below 1e-3. After an angle among the first quarter,
+# the next search goes up to twice this angle. If a search finds no angle, the next search goes twice as far.
 SEARCH_STEPS, SEARCHES = 400, 12
 
-# Shuffled placements of one batch: 2,001 angles and 20 loads of 64 independent asperities take a quarter of a
-# second. A batch of coupled asperities, which take a hundred times as long, is a single one.
+# Number of shuffled placements in a batch. A placement of 64 independent asperities at 2,001 angles and 20
+# loads takes a quarter of a second. Coupled asperities take a hundred times as long; their batches have a
+# single placement.
 AT_ONCE = 10
 
-# Heights that are solved at once: 32 MiB.
+# Largest number of heights that are solved at once; they take 32 MiB.
 MOST_HEIGHTS = 2**22
 
-# Number of neighbouring angles on each side that are included in the error.
+# The error at an angle is the largest change at this angle and this number of neighbours on each side.
 NEIGHBOURS = 2
 
 
@@ -65,29 +67,29 @@ def misalignment(
     rng: Any = 0,
     execution: Execution | None = None,
 ) -> xr.Dataset:
-    """Return the scatter of the slope of the law if the plane is not parallel to the surface.
+    """Return mean and scatter of the friction law if the plane is not parallel to the surface.
 
-    A tilt changes the heights to ``h_i + x_i tan(angle_x) + y_i tan(angle_y)``, see `Surface.tilted`. The
-    mean and the standard deviation at an angle are those over all angles between minus this angle and this
-    angle, uniformly distributed, with a law that changes linearly between neighbouring angles. With many
-    equal steps they are the mean and the standard deviation over all angles of the interval, as in Aymard et
-    al., Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. S2 and supplementary text "Effect of a
-    misalignment on the friction law".
+    A tilt changes the heights to ``h_i + x_i tan(angle_x) + y_i tan(angle_y)``, see `Surface.tilted`. For
+    each angle, mean and standard deviation are computed for a tilt that is uniformly distributed between
+    minus this angle and this angle. The law is interpolated linearly between neighbouring angles. With many
+    equal steps, the results are the mean and the standard deviation over all angles of the interval, as in
+    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. S2 and supplementary text
+    "Effect of a misalignment on the friction law".
 
-    The largest angle at which the slope scatters by less than 1 % is found by separate searches, for any
-    `angle`: usually three and at most twelve searches with 801 angles each.
+    The study also finds the largest angle at which the slope scatters by less than 1 %. This limit does not
+    depend on `angle`. It takes usually three and at most twelve searches with 801 angles each.
 
     Parameters
     ----------
     surface : Surface
     angle : float or array_like, (k,)
-        Largest angle [rad], reached in 1,000 equal steps, or increasing angles; positive and at most
-        pi/4. Each is used with both signs, and the angle 0 in addition.
+        One angle [rad], which is reached in 1,000 equal steps, or increasing angles; positive and at most
+        pi/4. All angles are used with both signs, together with the angle 0.
     model : Model, optional
         Default: `Independent()`.
     axes : "both", "x" or "y"
-        Whether the surface is inclined by the angle along x and along y together, as in the source, only
-        along x (`angle_x` of `Surface.tilted`), or only along y; default: "both".
+        Direction of the tilt: along x and along y by the same angle, as in the source; only along x
+        (`angle_x` of `Surface.tilted`); or only along y. Default: "both".
     shuffles : int
         Number of random assignments of the asperities to the sites that are also studied; default: 0.
     load_range : (float, float), optional
@@ -103,14 +105,14 @@ def misalignment(
     xarray.Dataset
         ``slope_mean`` and ``slope_sd`` [-] over ``placement`` ("as made", "shuffle 1", ...) and ``angle``
         [rad], and ``area_mean`` and ``area_sd`` [mm^2], as made, over ``angle`` and ``rescaled_load`` [mm^2].
-        Their ``..._error`` is the difference from the result with half as many angles, the largest at the
-        angle and its neighbours. With at least two shuffled placements, ``slope_sd_quantile`` over
-        ``quantile`` (0.05, 0.5 and 0.95) and ``angle`` describes them; its error is the sampling error, which
-        is too small at 0.05 and 0.95 for fewer than about 100 placements. ``nominal_slope`` and
-        ``nominal_area`` are those without a tilt. ``largest_angle`` [rad] is the smallest angle at which
-        `slope_sd` as made equals ``allowed_scatter``, 1 % of the nominal slope; it is infinite if there is
-        none up to pi/4, and nan if none is found. ``failed`` is the number of laws without a solution; they
-        are interpolated from those at the neighbouring angles.
+        Their ``..._error`` is the change if only half of the angles are used, the largest change at the angle
+        and its neighbours. With at least two shuffled placements, ``slope_sd_quantile`` over ``quantile``
+        (0.05, 0.5 and 0.95) and ``angle`` gives the quantiles of their `slope_sd`, with sampling errors. At
+        0.05 and 0.95, fewer than about 100 placements give too small an error. ``nominal_slope`` and
+        ``nominal_area`` are the values without a tilt. ``largest_angle`` [rad] is the smallest angle at
+        which `slope_sd` as made equals ``allowed_scatter``, 1 % of the nominal slope. It is infinite if there
+        is no such angle up to pi/4, and nan if the searches do not find it. ``failed`` is the number of laws
+        without a solution; these laws are interpolated between the neighbouring angles.
 
     Raises
     ------
@@ -165,7 +167,7 @@ def _angles(angle: ArrayLike) -> FloatArray:
 def _dataset(
     task: Tilts, slopes: FloatArray, area: FloatArray, failed: int, limit: Estimate, inputs: str
 ) -> xr.Dataset:
-    """Return the dataset of slopes (p, a) and of the areas as made (a, k)."""
+    """Return the dataset, from the slopes (p, a) of all placements and the areas (a, k) as made [mm^2]."""
     middle = len(task.angle) // 2
     by_slope, by_area = within(task.angle, slopes), within(task.angle, area.T)
     variables: Variables = {}
@@ -202,12 +204,12 @@ def _dataset(
 
 
 def _touches(task: Tilts) -> bool:
-    """Whether the inclined base plane would touch at the largest angle and load."""
+    """Return whether the tilted base plane would touch the plane at the largest angle and load."""
     surface, rise = task.surface, task.tilt[-1]
     tilted = surface.height + surface.position @ rise
     law = contact_of(task.model).for_material(surface.material)
     approach = Independent(contact=law).curve_of(tilted, surface.radius, task.fit.load[-1:]).approach[0]
-    separation = float(tilted.max() - approach)  # at the origin, from the base plane
+    separation = float(tilted.max() - approach)  # from the base plane at the origin
     block = surface.block
     sides = np.abs(surface.position).max(axis=0)
     if block is not None:
@@ -218,7 +220,7 @@ def _touches(task: Tilts) -> bool:
 def _quantiles(value: FloatArray) -> Estimate:
     """Return the quantiles of samples (m, ...) and their sampling errors.
 
-    The error is half the distance of the quantiles at q - s and q + s with ``s = sqrt(q (1 - q) / m)``.
+    The error is half the difference between the quantiles at q + s and q - s, ``s = sqrt(q (1 - q) / m)``.
     """
     q = np.array(QUANTILES)
     s = np.sqrt(q * (1.0 - q) / len(value))
@@ -232,7 +234,7 @@ class Tilts:
 
     surface: Surface
     model: Model
-    direction: FloatArray  # (2,), slopes along x and along y over the tangent of the angle
+    direction: FloatArray  # (2,), slopes along x and along y, divided by the tangent of the angle
     angle: FloatArray  # (a,) [rad]
     fit: Slope
     shuffles: int
@@ -245,7 +247,7 @@ class Tilts:
 
     @property
     def at_once(self) -> int:
-        """Number of shuffled placements of a batch."""
+        """Number of shuffled placements in a batch."""
         return 1 if self.model.couples else AT_ONCE
 
     @property
@@ -263,7 +265,7 @@ class Tilts:
         found = [self._law(order) for order in orders]
         areas = np.array([area for area, _ in found])
         return {
-            # no product of matrices: its last bits depend on the number of threads
+            # no matrix product: its last bits would depend on the number of threads
             "slope": np.einsum("pak,k->pa", areas, self.fit.weight),
             "area": areas if batch == 0 else areas[:0],
             "failed": np.array([failed for _, failed in found]),
@@ -326,14 +328,14 @@ def largest_angle(compute: Run, task: Tilts) -> Estimate:
 def within(angle: FloatArray, value: FloatArray) -> tuple[Estimate, Estimate]:
     """Return mean and standard deviation over [-angle, angle], each with its error, (..., k).
 
-    angle: (2 k + 1,), increasing, from minus the largest to the largest, with 0. value: (..., 2 k + 1).
-    The error is the change with every second angle, counted from each end.
+    angle: (2 k + 1,), increasing and symmetric about 0; value: (..., 2 k + 1), at these angles. The error is
+    the change if only every second angle of the interval is used, beginning at its ends.
     """
     middle = len(angle) // 2
     fine = _uniform(angle, value)
     coarse = tuple(np.empty_like(part) for part in fine)
     for odd in (0, 1):
-        # every second angle, with 0 (odd = 0) or without
+        # every second angle, with 0 (odd = 0) or without 0 (odd = 1)
         some = slice((middle - odd) % 2, None, 2)
         for whole, part in zip(coarse, _uniform(angle[some], value[..., some]), strict=True):
             whole[..., 1 - odd :: 2] = part
@@ -344,15 +346,15 @@ def within(angle: FloatArray, value: FloatArray) -> tuple[Estimate, Estimate]:
 
 
 def _largest_nearby(change: FloatArray) -> FloatArray:
-    """Return the largest value at an angle and its neighbours: a change may be zero at a single angle."""
+    """Return the largest change among each angle and its neighbours: a single change may be 0 by chance."""
     padded = np.pad(change, [(0, 0)] * (change.ndim - 1) + [(NEIGHBOURS, NEIGHBOURS)], mode="edge")
     nearby = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEIGHBOURS + 1, axis=-1)
     return np.asarray(nearby.max(axis=-1))
 
 
 def _uniform(angle: FloatArray, value: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return mean and standard deviation over [-angle, angle] of values that are linear between angles."""
-    centre = value[..., [len(angle) // 2]]  # preserves the digits of small deviations
+    """Return mean and standard deviation over [-angle, angle] of values interpolated between angles."""
+    centre = value[..., [len(angle) // 2]]  # subtracted, so that small deviations keep their digits
     left, right = value[..., :-1] - centre, value[..., 1:] - centre
     width = np.diff(angle)
     count = len(angle) // 2
@@ -360,7 +362,7 @@ def _uniform(angle: FloatArray, value: FloatArray) -> tuple[FloatArray, FloatArr
     for integral in (width * (left + right) / 2.0, width * (left**2 + left * right + right**2) / 3.0):
         both = (integral + integral[..., ::-1])[..., -count:]
         if len(width) % 2:
-            both[..., 0] /= 2.0  # the interval across 0 is symmetric
+            both[..., 0] /= 2.0  # the interval that contains 0 was counted twice
         moments.append(np.cumsum(both, axis=-1) / (2.0 * angle[-count:]))
     mean, square = moments
     return mean + centre, np.sqrt(np.maximum(square - mean**2, 0.0))

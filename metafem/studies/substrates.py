@@ -21,12 +21,13 @@ if TYPE_CHECKING:
 def laws_on_substrates(
     surface: Surface, load: FloatArray, contact: Contact, *, wait: bool
 ) -> tuple[dict[str, FrictionLaw], list[Note]]:
-    """Return the laws of independent asperities, and on the half-space, the bonded layer and the true block.
+    """Return the law of independent asperities, the laws on three substrates, and notes.
 
-    All have the given contact law, and its largest order of interaction. The keys are the models'
-    names on the command line, "independent" first; the loads (k,) are in N. Notes state which models are left
-    out, and why: the layer and the true block without a block; without `wait`, a true block with an influence
-    that is not on disk; and models without a solution.
+    The substrates are the half-space, the bonded layer and the true block. All models have the contact law
+    `contact` with its largest order of interaction. The keys are the names of the models on the command line,
+    "independent" first. load: (k,) [N]. The notes state which models are left out and why: the layer and the
+    true block if the surface has no block, the true block if its influence is not on disk and `wait` is
+    False, and models without a solution.
     """
     order = contact.largest_order
     models: dict[str, Model] = {
@@ -59,7 +60,7 @@ def laws_on_substrates(
 
 
 def _true_block(surface: Surface, wait: bool) -> tuple[Block3D | None, str]:
-    """Return the substrate of the true block, or None and the reason."""
+    """Return the substrate of the true block and an empty text, or None and the reason for leaving it out."""
     from metafem.fe import Block3D  # imports scikit-fem; no other model needs it
 
     substrate = Block3D()

@@ -1,4 +1,4 @@
-"""Error bars of the friction law from the errors of its parameters, and the share of each."""
+"""Error bars of the friction law due to errors of its parameters, and the share of each parameter."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from metafem.surface import Surface
 if TYPE_CHECKING:
     import xarray as xr
 
-# Initial number of draws if it follows from the wanted error.
+# Initial number of draws if draws are added until an error is reached.
 FIRST_DRAWS = 5_000
 
 
@@ -46,29 +46,30 @@ def uncertainty(
     rng: Any = 0,
     execution: Execution | None = None,
 ) -> xr.Dataset:
-    """Error bars of the rescaled law from Gaussian errors of its parameters, and the share of each parameter.
+    """Return the error bars of the law due to Gaussian errors of its parameters, and each parameter's share.
 
-    For a prediction, ``A0 = F/(sigma B)`` is computed at the load P/E* with drawn values of R, E* and P, and
-    ``F = sigma B A0`` with drawn values of sigma and B in addition. For measured pairs, P/E* and F/(sigma B)
-    follow from drawn values of P, F, E*, sigma and B; their ``deviation`` from the prediction, F/(sigma B) -
-    A0(P/E*), depends on these and R. Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234,
-    supplementary text "Uncertainties", error bars of Figs. 3 to 5.
+    For a prediction, ``A0 = F/(sigma B)`` is computed at the load P/E* with random values of R, E* and P, and
+    ``F = sigma B A0`` also with random values of sigma and B. For measured pairs, P/E* and F/(sigma B) are
+    computed with random values of P, F, E*, sigma and B. The ``deviation`` of the pairs from the prediction,
+    F/(sigma B) - A0(P/E*), also depends on R. Source: Aymard et al., Science 383, 200 (2024),
+    doi:10.1126/science.adk4234, supplementary text "Uncertainties", error bars of Figs. 3 to 5.
 
-    The areas at the drawn loads and radii are interpolated between laws of the model at three radii. For
-    independent asperities the dependence on the radius is exact.
+    The areas at the random loads and radii are interpolated between laws of the model at three radii. For
+    independent asperities, the dependence on the radius is exact.
 
     Parameters
     ----------
     surface : Surface
-        With the mean values of R, E*, sigma and B.
+        The surface with the mean values of R, E*, sigma and B.
     parameters : mapping of str to float, or (sequence of str, array_like (p, p))
         Standard deviations of ``radius`` [mm] (of the mean radius; all radii change by the same factor),
         ``composite_modulus`` [MPa], ``load`` [N], ``shear_strength`` [MPa] and ``area_ratio`` [-], and of
         ``friction_force`` [N] for measured pairs; or the names of parameters and their covariance matrix, in
-        these units. Deviations of the forces may be arrays (k,). Parameters that are not named have no error.
+        these units. The standard deviations of load and friction force may be arrays (k,). Parameters that
+        are not named have no error.
     draws : int or metafem.studies.Draws
-        Number of evaluations, at least 2, rounded up to whole batches; default: 10,000. With an error, draws
-        are added until ``area_sd`` has this relative error at all loads.
+        Number of evaluations, at least 2, rounded up to full batches; default: 10,000. With
+        ``Draws(error=...)``, draws are added until ``area_sd`` has this relative error at all loads.
     model : Model, optional
         Default: `Independent()`.
     load : array_like, (k,), optional
@@ -87,21 +88,21 @@ def uncertainty(
     -------
     xarray.Dataset
         ``area_mean`` and ``area_sd`` [mm^2] over ``rescaled_load`` [mm^2], the error bars of the law;
-        ``slope_mean`` and ``slope_sd`` [-], of the slope against the nominal P/E*, without the error of the
-        load. If the surface has a Friction, ``friction_force_mean`` and ``friction_force_sd`` [N]. For
-        measured pairs instead ``rescaled_load_...``, ``rescaled_friction_...`` and ``deviation_...``
-        [mm^2]. ``NAME_first_order`` and ``NAME_total`` over ``parameter`` are the Sobol indices of each:
-        the share of the variance that a parameter explains by itself, and the share that remains if all
-        others are known. Correlated parameters are one entry. Each has its standard sampling error
-        ``..._error``. ``saving`` is the number of plain draws with the same error of ``area_sd`` over the
-        number of draws used, if A0 has a normal distribution.
+        ``slope_mean`` and ``slope_sd`` [-] describe the slope over the nominal P/E*, without errors of the
+        load. If the surface has a Friction, there are ``friction_force_mean`` and ``friction_force_sd`` [N];
+        measured pairs have ``rescaled_load_...``, ``rescaled_friction_...`` and ``deviation_...`` [mm^2]
+        instead. ``NAME_first_order`` and ``NAME_total`` over ``parameter`` are the Sobol indices: the share
+        of the variance that a parameter explains by itself, and the share that remains if all others are
+        known. Correlated parameters share one entry. Each estimate has its standard sampling error
+        ``..._error``. ``saving`` is the number of plain random draws that give the same error of ``area_sd``,
+        divided by the number of draws used, for a normally distributed A0.
 
     Raises
     ------
     InvalidInput
-        For unknown names, negative deviations, deviations above a seventh of a positive parameter, a matrix
-        that is not symmetric and positive semidefinite, fewer than two draws, and friction forces or their
-        parameters for a surface without a Friction.
+        For unknown names, negative standard deviations, standard deviations above a seventh of a positive
+        parameter, a covariance matrix that is not symmetric and positive semidefinite, and fewer than two
+        draws; and for friction forces or their parameters if the surface has no Friction.
     NotConverged
         If the model has no solution at a load or radius that is needed.
 
@@ -152,7 +153,7 @@ def uncertainty(
             enough = wanted is None or (found.sd.error[area] <= wanted * found.sd.value[area]).all()
             if enough or done >= MOST_DRAWS:
                 break
-            # restarted: one net of twice as many points is more accurate than two
+            # start again with twice as many points: one larger Sobol net is more accurate than two
             first, (size, points) = first + size, plan(2 * done, groups)
     if not enough:
         notes.append(Note(f"the sampling error of area_sd exceeds {wanted:g} after {done} draws"))
@@ -162,20 +163,20 @@ def uncertainty(
 def _dataset(
     task: LawDraws, found: SobolIndices, model: Model, draws: int, key: str, notes: list[Note]
 ) -> xr.Dataset:
-    """Return the dataset of the estimates of all outputs."""
+    """Return the dataset that holds the estimates of all outputs."""
     k = len(task.load)
     variables: Variables = {}
     for i, name in enumerate(task.outputs):
-        # the slope is the last output, and a single number
+        # the slope is the last output and has a single value
         part, over = (-1, ()) if name == "slope" else (slice(i * k, (i + 1) * k), ("rescaled_load",))
         for statistic, estimate in found._asdict().items():
             axes = over if statistic in ("mean", "sd") else ("parameter", *over)
             own = estimate.value[..., part], estimate.error[..., part]
             variables |= with_error(f"{name}_{statistic}", axes, own)
         variables[f"nominal_{name}"] = over, task.nominal[part]
-    variables.pop("nominal_rescaled_load", None)  # the coordinate
+    variables.pop("nominal_rescaled_load", None)  # the coordinate holds these values
     sd, error = found.sd.value[:k], found.sd.error[:k]
-    plain = sd**2 / (2.0 * draws)  # of the standard deviation of a normal distribution
+    plain = sd**2 / (2.0 * draws)  # sampling variance of the SD of normal draws
     variables["saving"] = ("rescaled_load",), np.divide(plain, error**2, np.ones(k), where=error > 0.0)
     rescaled = task.load / task.surface.material.composite_modulus
     return dataset(

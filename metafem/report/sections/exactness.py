@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class Question(NamedTuple):
-    """A question, the command of its study, and its figure, if any, with title and caption."""
+    """A question, the command of the study that answers it, and the study's figure with title and caption."""
 
     text: str
     command: str
@@ -60,8 +60,8 @@ QUESTIONS: Mapping[str, Question] = {
     ),
 }
 
-# Figs. S2 and S3 of the source (doi:10.1126/science.adk4234) show slopes but do not state the loads of their
-# fits.
+# Figs. S2 and S3 of the source paper (doi:10.1126/science.adk4234) show slopes, but the paper does not state
+# the loads of the fits.
 SOURCE = (
     "The default, 25 to 100 % of the load at which the plane reaches the lowest asperity, is the choice of "
     "metafem; the source paper does not print its range."
@@ -69,7 +69,7 @@ SOURCE = (
 
 
 def exactness_section(studies: Mapping[str, Dataset]) -> dict[str, Any]:
-    """Return the answers of the studies, with tables and figures, and the commands of the missing ones."""
+    """Return the answers of the studies, with tables and figures, and the commands of the missing studies."""
     answers = []
     for name in [name for name in QUESTIONS if name in studies]:
         text, _, title, draw, caption = QUESTIONS[name]
@@ -81,8 +81,8 @@ def exactness_section(studies: Mapping[str, Dataset]) -> dict[str, Any]:
 
 
 def _fitted(studies: Mapping[str, Dataset]) -> str:
-    """Return the range of loads of the fitted slopes, as a sentence."""
-    # comparisons of models fit no slope and state an empty range
+    """Return a sentence on the loads over which slopes are fitted; empty if no study has a slope."""
+    # studies that compare models have no slope, and their range is empty
     stated = [study.attrs.get("load_range", ()) for study in studies.values()]
     ranges = {tuple(map(float, each)) for each in stated if len(each)}
     words = " and ".join(f"{low:.4g} to {high:.4g} mm²" for low, high in sorted(ranges))

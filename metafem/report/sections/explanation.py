@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from xarray import Dataset
 
-# Margins around the errors, with their names on the left, and around the heights [inch].
+# Margins of the two figures, on the left, on the right, below and above [inch]; the names of the errors need
+# more space on the left.
 WIDE, NARROW = (1.3, 0.2, 0.6, 0.4), (0.9, 0.2, 0.6, 0.2)
 
 ERRORS = "Errors of the whole part that explain its law, over the standard deviations expected before."
@@ -23,7 +24,7 @@ HEIGHTS = "Errors of single heights that explain the law, with their standard de
 
 
 def explanation_section(studies: Mapping[str, Dataset]) -> dict[str, Any] | None:
-    """Return sentences, table and figures of the explanation; None without an explanation."""
+    """Return the sentences, the table and the figures of the explanation, or None if there is none."""
     if "explained" not in studies:
         return None
     study = studies["explained"]
@@ -45,7 +46,7 @@ def errors_figure(study: Dataset) -> Figure:
 
 
 def heights_figure(study: Dataset) -> Figure:
-    """Draw the errors of single heights."""
+    """Draw the errors of single heights with their standard deviations."""
     figure = new_figure(7.0, 2.8, NARROW)
     prior = float(study["single_prior_sd"].sel(kind="height"))
     mean, sd = (MICROMETRES * study[name].values for name in ("height", "height_sd"))

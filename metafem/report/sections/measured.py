@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 
 NAME = "measured"
 
-# The axes end at this multiple of the largest measured value.
+# The axes end at this multiple of the largest value that is shown.
 ROOM = 1.08
 
-# Height of the figure, of its margin above and of a row of its legend [inch].
+# Heights of the figure, of the margin above it, and of a row of its legend [inch].
 HEIGHT, MARGIN, ROW = 5.6, 0.2, 0.22
 
 
 def measured_section(design: Design, studies: Mapping[str, Dataset]) -> dict[str, Any] | None:
-    """Return the figure, the tables and the sentences of the measured laws, or None without any."""
+    """Return the figure, the tables and the sentences of the measured laws, or None if there are no laws."""
     if NAME not in studies:
         return None
     study = studies[NAME]
@@ -46,7 +46,7 @@ def measured_section(design: Design, studies: Mapping[str, Dataset]) -> dict[str
 
 
 def measured_figure(design: Design, study: Dataset) -> Figure:
-    """Draw the law of the design with the measured points, and below it the deviations over their s.d."""
+    """Draw the design's law with the measured points, and below it the deviations over their SD."""
     figure = new_figure(7.0, HEIGHT, (0.9, 0.2, 0.6, MARGIN))
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1], gridspec_kw={"hspace": 0.08})
     design.law.plot(ax, label=f"design: {model_words(design.law.model)}")
@@ -68,7 +68,7 @@ def measured_figure(design: Design, study: Dataset) -> Figure:
     ax.set_xlim(0.0, end)
     shown = np.interp(end, design.law.rescaled_load, design.law.rescaled_friction)
     ax.set_ylim(0.0, ROOM * max(float(study["rescaled_friction"].max()), float(shown)))
-    # above the axes: measured points may lie in any corner
+    # the legend is above the axes, because measured points may lie in any corner
     handles, labels = ax.get_legend_handles_labels()
     rows = -(-len(labels) // 2)
     figure.subplots_adjust(top=1.0 - (MARGIN + ROW * rows) / HEIGHT)
@@ -78,13 +78,13 @@ def measured_figure(design: Design, study: Dataset) -> Figure:
 
 
 def _bars(study: Dataset) -> str:
-    """Return the parameters with errors that the standard deviations include."""
+    """Return words on the parameters whose errors the standard deviations include; empty without any."""
     names = {"composite_modulus": "E*", "shear_strength": "σ", "area_ratio": "B"}
     found = [names[name] for name in str(study.attrs["parameters"]).split()]
     return f", which include the errors of {' and '.join(found)}" if found else ""
 
 
 def _crossovers(study: Dataset, label: str) -> NDArray[np.intp]:
-    """Return which features are crossovers."""
+    """Return the indices of the features of a law that are crossovers."""
     crossover = np.char.startswith(study["feature"].values.astype(str), "crossover")
     return np.flatnonzero(crossover & (study["of_law_feature"].values.astype(str) == label))

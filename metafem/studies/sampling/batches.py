@@ -19,19 +19,19 @@ from metafem.studies.sampling.store import Result, Store, own_version
 
 Task = Callable[[int], Result]
 
-# Computes batches, and yields their results in the order of the numbers.
+# Function that computes batches of a task, and yields their results in the order of the batch numbers.
 Run = Callable[[Task, Sequence[int]], Iterator[Result]]
 
-# Number of times a batch may end its worker before it is abandoned.
+# Number of consecutive crashes of worker processes after which a run is abandoned.
 MOST_DEATHS = 3
 
-# Largest number of batches on a cluster at a time; their results are small.
+# Largest number of batches that a cluster holds at the same time; the results of a batch are small.
 AHEAD = 256
 
-# Seconds within which a scheduler must answer; a running one takes milliseconds.
+# Timeout [s] of the connection to a scheduler; a running scheduler answers within milliseconds.
 PATIENCE = 4
 
-# The remedy without a cluster; its field is the argument for processes.
+# The remedy if there is no cluster; its field is replaced by the argument for local processes.
 INSTEAD = "or leave scheduler out and use {.name} on this machine"
 
 
@@ -39,8 +39,8 @@ INSTEAD = "or leave scheduler out and use {.name} on this machine"
 class Execution:
     """Where the draws of a study are computed, and where finished batches are stored.
 
-    The results do not depend on it: the random numbers of a batch follow from the seed and the number of the
-    batch. On different processors the last bits of the areas may differ.
+    The results do not depend on the execution: the random numbers of a batch follow from the seed and the
+    batch number. Only the last bits of the areas may differ between different processors.
 
     Parameters
     ----------
@@ -51,13 +51,13 @@ class Execution:
         extra ``cluster``.
     folder : str or Path, optional
         A new or empty folder in which finished batches are stored. The same call with the same folder
-        continues a stopped run; a folder with another run is refused. Default: nothing is stored.
+        continues a stopped run; the folder of another run is refused. Default: nothing is stored.
 
     Raises
     ------
     InvalidInput
-        For fewer than one worker, and for workers together with a scheduler. When a study runs, for a
-        scheduler that does not answer within 10 s, and a folder that cannot be used.
+        For fewer than one worker, and for more than one worker together with a scheduler. When a study
+        starts: if the scheduler does not answer within 10 s, or if the folder cannot be used.
 
     Examples
     --------
@@ -78,10 +78,10 @@ class Execution:
 
 @contextmanager
 def opened(execution: Execution | None, study: str, inputs: str) -> Iterator[Run]:
-    """Open a run; its value computes batches of a task and yields their results in order of their numbers.
+    """Open a run, and yield the function that computes batches of a task and yields their results in order.
 
-    inputs: hash of everything the results depend on. Ctrl-C reports where the finished batches are. The
-    folder of a run has its batches in the order in which they are wanted, whatever their task.
+    inputs: hash of everything the results depend on. After Ctrl-C, a message states where the finished
+    batches are. The folder numbers the batches of all tasks in the order in which they are requested.
     """
     chosen = Execution() if execution is None else execution
     store = None if chosen.folder is None else Store.opened(Path(chosen.folder), study, inputs)
@@ -101,13 +101,16 @@ def opened(execution: Execution | None, study: str, inputs: str) -> Iterator[Run
 
 
 def _results(store: Store | None, compute: Run, task: Task, places: Mapping[int, int]) -> Iterator[Result]:
-    """Yield results in order: those at their places in the store are read, the others computed and stored."""
+    """Yield results in order: stored results are read, the others are computed and stored.
+
+    places: the number under which the store holds each batch.
+    """
     kept = {} if store is None else {number: store.read(place) for number, place in places.items()}
     missing = [number for number in places if kept.get(number) is None]
     fresh, start, done = compute(task, missing), time.monotonic(), 0
 
     def rate() -> str:
-        """Return the batches per second of this run, and the time left."""
+        """Return a text with the batches per second of this run and the time left."""
         if not done:
             return ""
         taken = (time.monotonic() - start) / done
@@ -124,12 +127,12 @@ def _results(store: Store | None, compute: Run, task: Task, places: Mapping[int,
 
 
 def here(task: Task, numbers: Sequence[int]) -> Iterator[Result]:
-    """Compute batches in this process."""
+    """Compute batches in this process, and yield their results."""
     yield from map(task, numbers)
 
 
 def processes(workers: int) -> Run:
-    """Return a run in several processes of this machine; the batches of a dead one are computed again."""
+    """Return a run in several processes of this machine, which repeats the batches of crashed processes."""
 
     def run(task: Task, numbers: Sequence[int]) -> Iterator[Result]:
         from joblib import Parallel, delayed
@@ -159,7 +162,7 @@ def processes(workers: int) -> Run:
 
 @contextmanager
 def cluster(address: str) -> Iterator[Run]:
-    """Connect with a Dask scheduler; it computes the batches of dead workers again."""
+    """Connect to a Dask scheduler and yield its run; the scheduler repeats the batches of crashed workers."""
     try:
         from distributed import CancelledError, Client, KilledWorker
         from distributed.comm.addressing import resolve_address
@@ -169,7 +172,7 @@ def cluster(address: str) -> Iterator[Run]:
         ) from None
     given: dict[str, Any] = {"key": "scheduler", "value": repr(address)}
     try:
-        # a client with an unusable address ends with its own errors
+        # check the address first: for an unusable address, the client raises errors of other types
         resolve_address(address)
         client: Any = Client(address, timeout=PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, ValueError, TypeError) as error:
@@ -204,7 +207,7 @@ def cluster(address: str) -> Iterator[Run]:
 
 
 def _require_same_version(client: Any, address: str) -> None:
-    """Refuse workers without metafem or with another version, which may compute other numbers."""
+    """Refuse workers without metafem, or with another version, whose numbers may differ."""
     try:
         found = set(client.run(own_version).values())
     except ImportError as error:

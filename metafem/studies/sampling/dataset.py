@@ -1,4 +1,4 @@
-"""Units, names and provenance of the datasets of all studies of errors."""
+"""Units, names and provenance of the datasets of all studies."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 # Probabilities of the quantiles in the results.
 QUANTILES = (0.05, 0.5, 0.95)
 
-# Units and names of the studied quantities, and of the other variables and coordinates.
+# Units and long names of the studied quantities, and of the other variables and coordinates.
 QUANTITIES: Mapping[str, tuple[str, str]] = {
     "slope": ("1", "slope of the law"),
     "area": ("mm2", "real contact area"),
@@ -49,7 +49,7 @@ QUANTITIES: Mapping[str, tuple[str, str]] = {
     "quantile": ("1", "probability below the quantile"),
 }
 
-# Statistic of a quantity, by the end of the variable's name.
+# Statistics in words, by the suffix of the variable's name.
 STATISTICS: Mapping[str, str] = {
     "mean": "mean",
     "sd": "standard deviation",
@@ -59,7 +59,7 @@ STATISTICS: Mapping[str, str] = {
     "error": "standard sampling error",
 }
 
-# Statistics that are shares of the variance, for any quantity.
+# Statistics that are shares of the variance; they have no unit, whatever the quantity.
 SHARES = ("first_order", "total")
 
 
@@ -85,14 +85,17 @@ def described(name: str) -> dict[str, str]:
     return {"units": "1" if share else units, "long_name": ", ".join([quantity, *words])}
 
 
-# Dimensions and values of each variable.
+# Variables by name, each with its dimensions and values.
 Variables = dict[str, tuple[tuple[str, ...], Any]]
 
 
 def with_error(
     name: str, axes: tuple[str, ...], estimate: Iterable[Any], nominal: Any = 1.0, origin: float = 0.0
 ) -> Variables:
-    """Return an estimate and its sampling error, from the value over the nominal one, minus `origin`."""
+    """Return the variables of an estimate and of its sampling error.
+
+    Their values are ``nominal (origin + value)`` and ``nominal error``.
+    """
     value, error = estimate
     return {name: (axes, nominal * (origin + value)), f"{name}_error": (axes, nominal * error)}
 
@@ -100,7 +103,11 @@ def with_error(
 def of_law(
     found: Sequence[FloatArray], nominal: FloatArray, over: tuple[str, ...] = (), *, slope: bool = True
 ) -> Variables:
-    """Return the moments of the slope and of the areas, values and errors (..., 2, q), over dimensions."""
+    """Return the variables of mean and standard deviation of the slope and of the areas.
+
+    found: values and errors (..., 2, q) of mean and standard deviation of y/nominal - 1, for the quantities y
+    (q,); over: names of the leading dimensions.
+    """
     variables: Variables = {}
     parts: list[tuple[str, Any, tuple[str, ...]]] = [("area", slice(1, None), ("rescaled_load",))]
     for name, part, axes in [("slope", 0, ()), *parts] if slope else parts:
@@ -125,9 +132,9 @@ def dataset(
 ) -> xr.Dataset:
     """Return the dataset of a study; each variable is (dimensions, values).
 
-    `inputs` is the hash of everything the numbers depend on, `draws` the largest number of draws at any
-    point; a study of several models has no `model`, and a study without random numbers has no seed and no
-    draws.
+    `inputs` is the hash of everything the numbers depend on, and `draws` is the largest number of draws at
+    any point. A study of several models has no `model`. A study without random numbers has no `seed` and no
+    `draws`.
     """
     import xarray as xr
 

@@ -16,14 +16,14 @@ from metafem._validate import FloatArray
 from metafem.errors import refuse_if
 from metafem.surface import Surface
 
-# A positive input is at least this number of standard deviations above zero: a coordinate of a Sobol point of
-# 30 bits is at least 2^-31, and the inverse normal distribution there is -6.2.
+# Minimum distance of a positive input from zero, in standard deviations. The smallest coordinate of a Sobol
+# point with 30 bits is 2^-31; the inverse normal distribution there is -6.2.
 WIDEST = 7.0
 
-# Rounding of a covariance matrix, in units of the standard deviations.
+# Allowed rounding error of the correlations.
 ROUNDING = 1e-9
 
-# What is needed for inputs that are not always there, and the remedy for a name of another package.
+# Conditions of the inputs that are not always available, and the remedy for a name that is not an input.
 NEEDS = {
     "shear_strength": "needs a surface with a Friction",
     "area_ratio": "needs a surface with a Friction",
@@ -34,17 +34,17 @@ NEEDS = {
 
 @dataclass(frozen=True, eq=False)
 class Inputs:
-    """Names (p,) of inputs and their errors.
+    """Random inputs: their names, standard deviations and correlations.
 
     Attributes
     ----------
     names : tuple of str, (p,)
     sd : tuple of ndarray, (p,)
-        Standard deviation of each, (1,), or (k,) if the input has k values.
+        Standard deviation of each input, (1,), or (k,) if the input has k values.
     root : ndarray, (p, p)
-        Symmetric square root of the matrix of correlations.
+        Symmetric square root of the correlation matrix.
     groups : tuple of tuple of int
-        Inputs that are correlated with each other.
+        Indices of the inputs in each group; inputs of different groups are independent.
     """
 
     names: tuple[str, ...]
@@ -56,8 +56,8 @@ class Inputs:
     def of(parameters: Any, covariance: Any, mean: Mapping[str, float | FloatArray]) -> Inputs:
         """Return the inputs from standard deviations by name, or from names and their covariance matrix.
 
-        mean: the values of all inputs that can be named; an array has values of any size, each with a common
-        or its own deviation, and a number is positive.
+        mean: nominal values of all available inputs. A number must stay positive under its errors. The values
+        of an array may have any size, and one standard deviation for all values or one for each value.
         """
         stated = f"parameters = {shown(parameters)}"
         refuse_if(
@@ -94,7 +94,7 @@ class Inputs:
 
     def errors(self, unit: FloatArray) -> dict[str, FloatArray]:
         """Return the error of each input, (..., 1) or (..., k), at points of the unit cube (..., p)."""
-        # no product of matrices: its last bits depend on the number of threads
+        # no matrix product: its last bits would depend on the number of threads
         normal = np.einsum("...i,ji->...j", ndtri(unit), self.root)
         return {name: normal[..., [i]] * self.sd[i] for i, name in enumerate(self.names)}
 
@@ -103,7 +103,7 @@ NO_INPUTS = Inputs((), (), np.zeros((0, 0)), ())
 
 
 def _deviation(name: str, value: Any, mean: float | FloatArray) -> FloatArray:
-    """Return a standard deviation (1,), or those of each value of an input (k,)."""
+    """Return the standard deviation of an input, (1,), or one for each of its values, (k,)."""
     label = f"parameters.{name}"
     if np.ndim(mean) == 0 or check.scalar(value):
         return np.array([check.number(label, value, at_least=0.0)])
@@ -129,7 +129,7 @@ def _split(covariance: Any, size: int) -> tuple[FloatArray, FloatArray]:
 
 
 def values_of(surface: Surface) -> dict[str, float | FloatArray]:
-    """Return the values of the parameters of a surface that can have an error."""
+    """Return the nominal values of a surface's parameters that can have an error."""
     found: dict[str, float | FloatArray] = {
         "radius": float(surface.radius.mean()),
         "composite_modulus": surface.material.composite_modulus,
@@ -145,6 +145,6 @@ def _root(correlation: FloatArray) -> FloatArray:
 
 
 def _groups(correlation: FloatArray) -> tuple[tuple[int, ...], ...]:
-    """Return the inputs that are correlated, directly or through others."""
+    """Return the groups of inputs that are correlated with each other, directly or through others."""
     _, label = connected_components(correlation != 0.0)
     return tuple(tuple(np.flatnonzero(label == group).tolist()) for group in range(label.max() + 1))

@@ -1,6 +1,6 @@
-"""Draws of the law of a surface with errors of its parameters, in batches.
+"""Random laws of a surface whose parameters have errors, in batches.
 
-The areas at the drawn loads and radii are interpolated between laws of the model.
+The areas at the random loads and radii are interpolated between laws of the model.
 """
 
 from __future__ import annotations
@@ -20,39 +20,40 @@ from metafem.studies.sampling.slope import Slope
 from metafem.studies.sampling.sobol_indices import batch_means, exchanged
 from metafem.surface import Surface
 
-# Standard deviations up to which laws are computed; beyond, with a probability below 1e-6, the area is
-# extrapolated.
+# Laws are computed for errors up to this number of standard deviations. Beyond it, with a probability below
+# 1e-6, the area is extrapolated.
 FARTHEST = 5.0
 
-# Number of loads at which the difference from independent asperities is computed; on a layer the error of A0
-# is then below 0.5 % where a contact closes, and 1e-6 elsewhere. Number of loads of the table.
+# Number of loads at which the difference from independent asperities is computed, and number of loads in the
+# table. On a layer, the error of A0 is then below 0.5 % near loads at which a contact closes, and 1e-6
+# elsewhere.
 COMPUTED, TABULATED = 400, 4000
 
-# Factors of the radii at which the model is solved lie this number of standard deviations apart.
+# The model is solved at three factors of the radii, which differ by this number of standard deviations.
 APART = 2.0
 
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """A0 over the load P/E* and the factor s of the radii, by interpolation.
+    """A0 as a function of the load P/E* and of a factor s of all radii, by interpolation.
 
-    For independent Hertz contacts ``A0(P/E*, s) = s A0(P/E* / sqrt(s), 1)`` is exact; for power caps rho^n
-    with s^m in place of sqrt(s) and m = 1 - 1/n, ``s^(2 m)`` in place of s. The difference between the model
-    and this law is interpolated between ``COMPUTED`` loads and by a parabola in s. Other laws are treated
-    like Hertz's.
+    For independent power caps rho^n, ``A0(P/E*, s) = s^(2 m) A0(P/E* / s^m, 1)`` with m = 1 - 1/n is exact.
+    Hertz contacts have n = 2 and m = 1/2; all other contact laws are treated like Hertz contacts. The
+    difference between the model and this law is interpolated linearly between ``COMPUTED`` loads, and by a
+    parabola in s.
     """
 
     power: float  # n
-    # of the coordinate (P/E* / s^m)^(2/(n + 1)), in which the area of small loads is linear
+    # step of the coordinate (P/E* / s^m)^(2/(n + 1)), in which A0 is linear at small loads
     step: float
-    apart: float  # distance of the three factors; 0 where s is always 1
+    apart: float  # difference between neighbouring factors s; 0 if s is always 1
     table: FloatArray  # (3, TABULATED), coefficients of the parabola in (s - 1) / apart [mm^2]
 
     @staticmethod
     def reaching(
         surface: Surface, model: Model, inputs: Inputs, load: FloatArray, fit: Slope | None
     ) -> Response:
-        """Return the response up to the largest likely load, with the loads (k,) [N] and a fit."""
+        """Return the response up to the largest likely rescaled load, from loads (k,) [N] and a slope fit."""
         sd = {name: float(values.max()) for name, values in zip(inputs.names, inputs.sd, strict=True)}
         modulus = surface.material.composite_modulus
         lowest = modulus - FARTHEST * sd.get("composite_modulus", 0.0)
@@ -64,7 +65,7 @@ class Response:
 
     @staticmethod
     def of(surface: Surface, model: Model, load: float, radius_sd: float) -> Response:
-        """Return the response up to a rescaled load [mm^2], for factors of a standard deviation radius_sd.
+        """Return the response up to a rescaled load [mm^2]; radius_sd: standard deviation of the factor s.
 
         Raise NotConverged if the model has no solution at one of the loads.
         """
@@ -89,11 +90,11 @@ class Response:
         return Response(power, coordinate[1], apart, parabola)
 
     def area(self, load: FloatArray, factor: FloatArray) -> FloatArray:
-        """Return A0 [mm^2] at rescaled loads [mm^2] and factors of the radii; 0 below load 0."""
+        """Return A0 [mm^2] at rescaled loads [mm^2] and factors of the radii; 0 for negative loads."""
         by_radius = 1.0 - 1.0 / self.power
         relative = np.maximum(load, 0.0) / factor**by_radius
         scaled = relative ** (2.0 / (self.power + 1.0)) / self.step
-        # the last step continues beyond the table
+        # beyond the table, extrapolate along its last step
         lower = np.minimum(scaled.astype(np.int64), TABULATED - 2)
         part = scaled - lower
         constant, linear, square = (row[lower] + part * (row[lower + 1] - row[lower]) for row in self.table)
@@ -103,9 +104,9 @@ class Response:
 
 @dataclass(frozen=True, eq=False)
 class LawDraws:
-    """Batches of the law of a surface for drawn parameters.
+    """Batches of laws of a surface with random parameters.
 
-    The outputs of one draw are the quantities of `outputs`, one after the other.
+    A draw has the values of all quantities that `outputs` names, one after the other.
     """
 
     surface: Surface
@@ -114,12 +115,12 @@ class LawDraws:
     fit: Slope | None
     load: FloatArray  # (k,) [N]
     friction_force: FloatArray | None  # (k,) [N], measured
-    points: int  # of one batch
+    points: int  # number of points in a batch
     seed: int
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Names of the quantities, (k,) each except the slope."""
+        """Names of the quantities; the slope has one value, each of the others has k."""
         if self.friction_force is not None:
             names = ["area", "rescaled_load", "rescaled_friction", "deviation"]
         else:
@@ -127,13 +128,13 @@ class LawDraws:
         return (*names, "slope") if self.fit is not None else tuple(names)
 
     def __call__(self, batch: int) -> dict[str, np.ndarray]:
-        """Return the means over one batch for all estimates."""
+        """Return the means over one batch from which all estimates follow."""
         unit = exchanged(self.seed, batch, self.inputs.groups, self.points)
         return {"means": batch_means(self.law(unit), self.nominal)}
 
     @cached_property
     def nominal(self) -> FloatArray:
-        """Outputs (q,) without errors."""
+        """The outputs without errors, (q,)."""
         return np.asarray(self.law(np.full((1, len(self.inputs.names)), 0.5))[0])
 
     def law(self, unit: FloatArray) -> FloatArray:
@@ -155,9 +156,9 @@ class LawDraws:
                 found["deviation"] = found["rescaled_friction"] - found["area"]
         if self.fit is not None:
             area = self.response.area(self.fit.load * material.composite_modulus / modulus, factor)
-            # no product of matrices: its last bits depend on the number of threads
+            # no matrix product: its last bits would depend on the number of threads
             found["slope"] = np.einsum("...k,k->...", area, self.fit.weight)[..., None]
-        # quantities that depend on no drawn parameter are the same for all points
+        # a quantity that depends on no random parameter has the same value at all points
         parts = [
             np.broadcast_to(found[name], (*unit.shape[:-1], found[name].shape[-1])) for name in self.outputs
         ]

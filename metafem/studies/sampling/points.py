@@ -12,23 +12,25 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 
-# Bits of the coordinates of Sobol points; the default of scipy.
+# Number of bits of the coordinates of Sobol points; the default of scipy.
 BITS = 30
 
-# Largest dimension of scipy's Sobol points; above it, points are plain random ones.
+# Largest dimension of scipy's Sobol points; above this dimension, plain random points are used.
 MOST_DIMENSIONS = 21_201
 
-# Smallest number of batches for the errors: with fewer, Student's 68 % factor exceeds 1.04.
+# Smallest number of batches from which errors are estimated; with fewer, the 68 % factor of Student's
+# distribution exceeds 1.04.
 FEWEST_BATCHES = 16
 
-# Largest number of points of one batch, and of their coordinates, which take 8 MiB: the points of 64
-# asperities, which larger nets would make more accurate, take 2 MiB.
+# Largest number of points of one batch, and largest number of their coordinates, which take 8 MiB. For 64
+# asperities, 4,096 points take 2 MiB; larger nets would be more accurate.
 MOST_POINTS, MOST_NUMBERS = 4096, 2**20
 
-# Number of batches whose points are kept for the next level of the errors, and their coordinates, 2 MiB each.
+# Number of batches whose points stay in memory for the next level of the errors, and largest number of
+# coordinates of such a batch, which take 2 MiB.
 MOST_KEPT, LARGEST_KEPT = 20, 2**18
 
-# Largest number of draws if it follows from a wanted error.
+# Largest number of draws if draws are added until an error is reached.
 MOST_DRAWS = 10**6
 
 
@@ -39,17 +41,17 @@ class Draws:
     Parameters
     ----------
     number : int
-        At least 2, rounded up to whole batches; default: 10,000.
+        Number of draws, at least 2, rounded up to full batches; default: 10,000.
     error : float, optional
-        Wanted sampling error [-], in place of a number: draws are added until it is reached, at most a
-        million. Each study states which error it is.
+        Required sampling error [-], in place of a number: draws are added until the error is reached, up to
+        a million. Each study states which of its results has this error.
     plain : bool
         Use plain random numbers without control variates, for comparison; default: False.
 
     Raises
     ------
     InvalidInput
-        For fewer than two draws, an error that is not positive, and an error of plain draws.
+        For fewer than two draws, an error that is not positive, and an error together with ``plain=True``.
 
     Examples
     --------
@@ -69,12 +71,12 @@ class Draws:
 
     @staticmethod
     def of(draws: int | Draws) -> Draws:
-        """Return the draws from an argument that may be a number."""
+        """Return `draws` as a value of this class; a number becomes ``Draws(number)``."""
         return draws if isinstance(draws, Draws) else Draws(draws)
 
 
 def entropy(rng: Any) -> int:
-    """Return the random seed of a run: a whole number itself, or one drawn by a generator."""
+    """Return the random seed of a run: `rng` itself if it is an integer, else an integer that it draws."""
     random = check.generator(rng)
     if isinstance(rng, (int, np.integer)):
         return int(rng)
@@ -96,8 +98,8 @@ def batch_size(draws: int, dimensions: int = 1) -> int:
 def unit_points(seed: int, batch: int, size: int, dimensions: int, *, plain: bool = False) -> FloatArray:
     """Return the points of one batch in the open unit cube, (size, dimensions).
 
-    They are Sobol points with a scrambling of their own, so that batches are independent and each is
-    uniform; plain random numbers if `plain`. size: a power of two unless `plain`.
+    Each batch has Sobol points with its own scrambling, so that batches are independent and each batch is
+    uniform. If `plain`, the points are plain random numbers. size: a power of two unless `plain`.
     """
     small = size * dimensions <= LARGEST_KEPT
     return (_points if small else _points.__wrapped__)(seed, batch, size, dimensions, plain)
@@ -105,7 +107,7 @@ def unit_points(seed: int, batch: int, size: int, dimensions: int, *, plain: boo
 
 @lru_cache(MOST_KEPT)
 def _points(seed: int, batch: int, size: int, dimensions: int, plain: bool) -> FloatArray:
-    """Return the points, which are read only."""
+    """Return the points as a read-only array."""
     random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(batch,)))
     if plain or size == 1 or not 0 < dimensions <= MOST_DIMENSIONS:
         smallest = 0.5**54
@@ -114,6 +116,6 @@ def _points(seed: int, batch: int, size: int, dimensions: int, plain: bool) -> F
         from scipy.stats import qmc
 
         net = qmc.Sobol(dimensions, scramble=True, bits=BITS, rng=random).random(size)
-        points = net + 0.5 ** (BITS + 1)  # the middles of the intervals of rounding: none is zero
+        points = net + 0.5 ** (BITS + 1)  # centres of the rounding intervals, so that none is 0
     points.flags.writeable = False
     return points

@@ -15,12 +15,12 @@ from metafem.models.model import contact_of
 from metafem.notes import Note, information
 from metafem.surface import Surface
 
-# Number of loads of a fit. With 20 the slopes of the source paper's Fig. 4 differ by 0.1 %, and their scatter
-# by 3 %, from those of infinitely many.
+# Number of loads of a fit. With 20 loads, the slopes of the source paper's Fig. 4 differ by 0.1 %, and their
+# scatter by 3 %, from the values for infinitely many loads.
 LOADS = 20
 
-# Default range as shares of the load at which the plane reaches the lowest summit. The paper does not print
-# its range; over this one the slopes and scatters of its Fig. S3 are reproduced.
+# Default range, as fractions of the load at which the plane reaches the lowest summit. The source paper does
+# not state its range; this range reproduces the slopes and scatters of its Fig. S3.
 LOWEST, HIGHEST = 0.25, 1.0
 
 
@@ -48,9 +48,9 @@ class Slope:
     def of(surface: Surface, load_range: Any = None, model: Model | None = None) -> Slope:
         """Return the slope of a surface's law over a range of rescaled loads [mm^2].
 
-        Default: 25 to 100 % of the load at which the plane reaches the lowest summit, with independent
-        asperities of the model's contact law. Raise InvalidInput if the range is not increasing, or if there
-        is none and all summits have one height.
+        Default range: 25 to 100 % of the load at which the plane reaches the lowest summit, for independent
+        asperities with the model's contact law. Raise InvalidInput if the range is not increasing, or if no
+        range is given and all summits have the same height.
         """
         if load_range is None:
             depth = float(np.ptp(surface.height))
@@ -66,7 +66,7 @@ class Slope:
 
     @staticmethod
     def if_any(surface: Surface, load_range: Any, model: Model) -> tuple[Slope | None, list[Note]]:
-        """Return the slope, or None and a note where there is no range and all summits have one height."""
+        """Return the slope, or None and a note if no range is given and all summits have the same height."""
         if load_range is None and np.ptp(surface.height) == 0.0:
             words = "no slope: all summits have one height, and no load_range is given"
             return None, [information(words)]

@@ -1,8 +1,8 @@
 """Sobol indices, means and deviations of functions of random inputs, from independent batches of points.
 
-First-order and total indices are ratios of mean products of differences, Azzini, Mara and Rosati, Environ.
-Model. Softw. 144, 105167 (2021), doi:10.1016/j.envsoft.2021.105167. They do not change if a constant is added
-to the function, and are exact if it depends on one group of inputs only.
+First-order and total indices are ratios of mean products of differences: Azzini, Mara and Rosati, Environ.
+Model. Softw. 144, 105167 (2021), doi:10.1016/j.envsoft.2021.105167. The indices do not change if a constant
+is added to the function, and are exact if the function depends on one group of inputs only.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ from metafem._validate import FloatArray
 from metafem.studies.sampling.moments import Estimate
 from metafem.studies.sampling.points import FEWEST_BATCHES, unit_points
 
-# Largest number of points of one batch: with six inputs and 40 outputs their values take 5 MiB.
+# Largest number of points of one batch. With six inputs and 40 outputs, the values at the points take 5 MiB.
 MOST_POINTS = 1024
 
 
 class SobolIndices(NamedTuple):
-    """Mean, standard deviation and Sobol indices of functions (k,) of groups (g,) of inputs.
+    """Mean, standard deviation and Sobol indices of k functions of g groups of inputs.
 
     Attributes
     ----------
     mean, sd : Estimate of (k,)
     first_order : Estimate of (g, k)
-        Share of the variance explained by a group by itself.
+        Share of the variance that a group explains by itself.
     total : Estimate of (g, k)
         Share of the variance that would remain if all other inputs were known.
     """
@@ -40,9 +40,10 @@ class SobolIndices(NamedTuple):
 
 
 def plan(draws: int, groups: int) -> tuple[int, int]:
-    """Return the numbers of batches and of points in each, a power of two, for at least `draws` draws.
+    """Return the number of batches, and the number of points per batch, for at least `draws` draws.
 
-    The function is evaluated at ``2 + 2 groups`` times as many points.
+    The number of points is a power of two. A draw is one evaluation of the function, and each point takes
+    ``2 + 2 groups`` draws.
 
     Examples
     --------
@@ -59,8 +60,8 @@ def plan(draws: int, groups: int) -> tuple[int, int]:
 def exchanged(seed: int, batch: int, groups: Sequence[Sequence[int]], points: int) -> FloatArray:
     """Return the points of one batch in the unit cube, (2 + 2 g, points, d).
 
-    The first two are halves A and B of the points of one scrambled Sobol sequence. The others are, for each
-    group of columns, A with the group's columns of B, and B with those of A.
+    The first two sets of points, A and B, are the two halves of the columns of one scrambled Sobol sequence.
+    Two more sets follow for each group: A with the group's columns of B, and B with the group's columns of A.
     """
     dimensions = sum(map(len, groups))
     a, b = np.split(unit_points(seed, batch, points, 2 * dimensions), 2, axis=1)
@@ -75,14 +76,16 @@ def exchanged(seed: int, batch: int, groups: Sequence[Sequence[int]], points: in
 
 
 def batch_means(values: FloatArray, centre: FloatArray) -> FloatArray:
-    """Return the means over one batch for the estimates, (2 + 3 g, k).
+    """Return the means over one batch from which the estimates follow, (2 + 3 g, k).
 
-    They are the means of the function minus `centre` (k,), values near its mean, and of its square. For each
-    group with the values a, b, a' (A with the group's columns of B) and b', they are the means of
-    ``2 (b' - b) (a - a')``, ``(a - a')^2 + (b - b')^2`` and ``(a - b)^2 + (a' - b')^2``, with the
-    expectations 4 V S, 4 V T and 4 V, the variance V and the indices S and T.
+    The first two rows are the means of the function minus `centre` (k,), a value near its mean, and of the
+    square of this difference. For each group, let a, b, a' and b' be the values of the function at A, at B,
+    at A with the group's columns of B, and at B with the group's columns of A. The other rows are, each for
+    all groups, the means of ``2 (b' - b) (a - a')``, ``(a - a')^2 + (b - b')^2`` and
+    ``(a - b)^2 + (a' - b')^2``. Their expectations are 4 V S, 4 V T and 4 V, with the variance V, the
+    first-order index S and the total index T.
 
-    values: (2 + 2 g, points, k), at the points of `exchanged`.
+    values: (2 + 2 g, points, k), the function at the points of `exchanged`.
     """
     a, b, with_b, with_a = values[0], values[1], values[2::2], values[3::2]
     first = 2.0 * ((with_a - b) * (a - with_b)).mean(axis=1)
@@ -94,11 +97,12 @@ def batch_means(values: FloatArray, centre: FloatArray) -> FloatArray:
 
 
 def estimated(means: FloatArray, centre: FloatArray) -> SobolIndices:
-    """Return the estimates of the means of independent batches, (m, 2 + 3 g, k).
+    """Return the estimates from the means of m independent batches, (m, 2 + 3 g, k).
 
-    Each is a function of the means over all batches. The jackknife over the batches removes the first order
-    of its bias and gives its error, with the factor of Student's distribution with m - 1 degrees of freedom,
-    so that intervals of one error on each side contain the value with the probability of 68 %.
+    Each estimate is a function of the means over all batches. The jackknife over the batches removes the
+    first-order bias of the estimate and gives its error. The error contains the factor of Student's
+    distribution with m - 1 degrees of freedom, so that the interval of one error on each side contains the
+    true value with a probability of 68 %.
     """
     groups = (means.shape[1] - 2) // 3
 
@@ -118,11 +122,11 @@ def estimated(means: FloatArray, centre: FloatArray) -> SobolIndices:
 
 
 def jackknife(statistic: Callable[[FloatArray], FloatArray], means: FloatArray) -> Estimate:
-    """Return the estimate of a statistic of means, from m independent batches along the first axis."""
+    """Return the jackknife estimate of a statistic of means; the first axis has m independent batches."""
     m = len(means)
     total = means.sum(axis=0)
     without = statistic((total - means) / (m - 1))
     values = m * statistic(total / m) - (m - 1) * without
-    # half of the two-sided interval with the probability of one normal standard deviation
+    # half-width of the two-sided interval with the probability of plus and minus one normal SD
     student = float(stdtrit(m - 1, ndtr(1.0)))
     return Estimate(values.mean(axis=0), student * values.std(axis=0, ddof=1) / np.sqrt(m))

@@ -1,4 +1,4 @@
-"""Finished batches of a run, stored in a folder under the hash of everything they depend on."""
+"""Finished batches of a run, stored in a folder with the hash of everything they depend on."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from metafem.progress import message
 
 Result = dict[str, np.ndarray]
 
-# The file that identifies the run of a folder.
+# Name of the file that identifies the run in a folder.
 RECORD = "run.json"
 
 
@@ -58,20 +58,20 @@ def _add(total: Any, value: Any) -> None:
         total.update(str(len(value)).encode())
         for member in value:
             _add(total, member)
-    else:  # numbers and texts, and a user's models: their repr states the values
+    else:  # the repr of numbers, texts and a user's models states their values
         total.update(repr(value).encode())
 
 
 @dataclass(eq=False)
 class Store:
-    """The folder of a run."""
+    """The folder of a run, which holds its finished batches."""
 
     folder: Path
     full: bool = False
 
     @staticmethod
     def opened(folder: Path, study: str, inputs: str) -> Store:
-        """Return the store of a run in a new, an empty or its own folder; others are refused."""
+        """Return the store of a run in a new folder, an empty folder or its own folder; refuse others."""
         record = {"study": study, "metafem": own_version(), "inputs": inputs}
         path = folder / RECORD
         try:
@@ -91,7 +91,7 @@ class Store:
         return Store(folder)
 
     def read(self, batch: int) -> Result | None:
-        """Return a finished batch, or None if there is none that can be read."""
+        """Return a finished batch, or None if it is missing or cannot be read."""
         try:
             with np.load(self._path(batch), allow_pickle=False) as kept:
                 return dict(kept)
@@ -99,7 +99,7 @@ class Store:
             return None
 
     def write(self, batch: int, result: Result) -> None:
-        """Store a batch. When the disk is full, earlier ones stay and no further ones are stored."""
+        """Store a batch. If writing fails, as on a full disk, later batches are not stored."""
         if self.full:
             return
         arrays: dict[str, Any] = dict(result)
@@ -114,7 +114,7 @@ class Store:
 
 
 def _apart(found: Any, record: Mapping[str, str]) -> str:
-    """State how the run of a folder differs."""
+    """Return a text on how the run in a folder differs from this run."""
     kept = found if isinstance(found, dict) else {}
     words = ("of the study {}", "of metafem {}", "with other inputs")
     pairs = zip(record, words, strict=True)

@@ -30,7 +30,7 @@ SUMMARIES: Mapping[str, Callable[[Dataset], Summary]] = {
 
 
 def summary(study: Dataset) -> Summary:
-    """Return the table of a study.
+    """Return the summary of a study: a table, notes and a sentence.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def summary(study: Dataset) -> Summary:
     Raises
     ------
     InvalidInput
-        For any other data set.
+        If the dataset is not the result of a study.
 
     Examples
     --------

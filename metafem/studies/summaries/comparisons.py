@@ -14,10 +14,10 @@ from metafem.studies.summaries.table import Columns, Summary, summarised, texts
 if TYPE_CHECKING:
     from xarray import Dataset
 
-# Loads of the columns, as fractions of the largest load.
+# Loads with a column of their own, as fractions of the largest load.
 SHOWN_LOADS = (0.1, 0.4, 1.0)
 
-# Meaning of the last columns of the table of interaction.
+# Meaning of the last columns of the interaction table.
 RANDOM = (
     "random: the asperities assigned to the sites at random, at every fifth load; centred: the tallest in "
     "the centre; rms: root mean square change of A0 over the loads"
@@ -25,7 +25,7 @@ RANDOM = (
 
 
 def fidelity_summary(study: Dataset) -> Summary:
-    """Return how each model changes A0 and the separation."""
+    """Return the table of the changes of A0 and of the separation under each model."""
     load, change, last = study["load"].values, study["area_change"].values, study.isel(rescaled_load=-1)
     shown = [int(np.abs(load - fraction * load[-1]).argmin()) for fraction in SHOWN_LOADS]
     columns: Columns = {
@@ -42,13 +42,13 @@ def fidelity_summary(study: Dataset) -> Summary:
 
 
 def interaction_summary(study: Dataset) -> Summary:
-    """Return how coupling changes A0, for the design and for other assignments of heights to sites."""
+    """Return the table of the changes of A0 by coupling, also for other assignments of heights to sites."""
     change, placed = study["area_change"].values, study["placement_rms"].values
     substrates, orders, loads = change.shape
     change = change.reshape(-1, loads)
 
     def at_largest(values: FloatArray) -> list[str]:
-        """Return a number for each substrate, in the row of the largest order."""
+        """Return a column with one text for each substrate, in the row of its largest order."""
         return [text for value in texts(".2f", 100.0 * values) for text in [""] * (orders - 1) + [value]]
 
     columns: Columns = {
@@ -71,6 +71,6 @@ def rms(change: FloatArray) -> FloatArray:
 
 
 def largest(change: FloatArray) -> FloatArray:
-    """Return the largest change over the loads, the last axis, with its sign."""
+    """Return the change of largest magnitude over the loads, the last axis, with its sign."""
     place = np.abs(change).argmax(axis=-1, keepdims=True)
     return np.asarray(np.take_along_axis(change, place, axis=-1)[..., 0])

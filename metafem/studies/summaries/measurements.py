@@ -16,17 +16,17 @@ from metafem.studies.summaries.table import Columns, Summary, stored_notes, summ
 if TYPE_CHECKING:
     from xarray import Dataset
 
-# The probability below which a law is rejected.
+# The probability below which a law is rejected, as text.
 LIMIT = percent(REJECTED)
 
-# The share of a second error of one group.
+# Text that replaces the share of a group in the rows of the group after its first row.
 WITH = "(with x)"
 
 CAUSES = ("cause", "expected", "found (68 %)", "share of the misfit", "chi² without it")
 
 
 def measured_summary(study: Dataset) -> Summary:
-    """Return the deviations of all points, and a sentence on each law."""
+    """Return the table of the deviations of all points, and a sentence on each law."""
     measured, predicted = study["rescaled_friction"].values, study["predicted"].values
     columns: Columns = {
         "law": study["of_law"].values,
@@ -42,7 +42,7 @@ def measured_summary(study: Dataset) -> Summary:
 
 
 def features(study: Dataset) -> Summary:
-    """Return the slopes, operating points and crossovers, with their deviations from design and target."""
+    """Return the table of slopes, operating points and crossovers, with deviations from design and target."""
     value, sd, design, target = (study[name].values for name in ("value", "value_sd", "design", "target"))
     units = study["unit"].values.tolist()
     columns: Columns = {
@@ -81,13 +81,13 @@ def answers(study: Dataset) -> list[str]:
 
 
 def _relative(value: FloatArray, reference: FloatArray) -> list[str]:
-    """Return relative differences from positive references."""
+    """Return relative differences as texts; "-" where the reference is not positive."""
     pairs = zip(value.tolist(), reference.tolist(), strict=True)
     return [percent(one / other - 1.0, "+.1f") if other > 0.0 else "-" for one, other in pairs]
 
 
 def explained_summary(study: Dataset) -> Summary:
-    """Return the errors with their shares of the misfit, the largest first, and a sentence."""
+    """Return the table of errors with their shares of the misfit, the largest first, and sentences."""
     rows: list[tuple[str, ...]] = []
     for group in study["group"].values.tolist():
         whole = study.sel(group=group)

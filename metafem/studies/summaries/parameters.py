@@ -1,4 +1,4 @@
-"""The summary of uncertainty: the input with the largest share."""
+"""The summary of the study `uncertainty`: the share of each input in the variance."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ WORDS = {
     "area_ratio": "the area ratio B",
 }
 
-# Quantities of a study, the most informative first, and their words.
+# Quantities that a study may contain, the most informative first, in words.
 QUANTITIES = {
     "deviation": "the difference between measured and predicted friction",
     "friction_force": "the friction force",
@@ -32,7 +32,7 @@ QUANTITIES = {
 
 
 def uncertainty_summary(study: Dataset) -> Summary:
-    """Return the error bars of the law, and the share of each input in their variance."""
+    """Return the table of the share of each input in the variance of the law, and a sentence."""
     names = study["parameter"].values.tolist()
     quantity = main_quantity(study)
     first, total = shares(study, quantity, "first_order"), shares(study, quantity, "total")
@@ -59,16 +59,16 @@ def uncertainty_summary(study: Dataset) -> Summary:
 
 
 def main_quantity(study: Dataset) -> str:
-    """Return the main quantity of the study."""
+    """Return the name of the most informative quantity in the study."""
     return next(name for name in QUANTITIES if f"{name}_sd" in study)
 
 
 def shares(study: Dataset, name: str, index: str) -> FloatArray:
-    """Return the Sobol indices (p,) of a quantity over all loads: their mean weighted with the variance."""
+    """Return the Sobol indices (p,) of a quantity, averaged over the loads with the variance as weight."""
     variance = study[f"{name}_sd"].values ** 2
     return np.asarray(study[f"{name}_{index}"].values @ variance / variance.sum())
 
 
 def in_words(label: str) -> str:
-    """Return the words for an input, or for several that are correlated."""
+    """Return the words for an input, or for several correlated inputs."""
     return " and ".join(WORDS.get(name, name) for name in label.split(" + "))

@@ -1,4 +1,4 @@
-"""A table of texts and a sentence that summarise a study."""
+"""The summary of a study: a table of texts, notes and a sentence."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Columns = Mapping[str, Iterable[Any]]
 
 @dataclass(frozen=True)
 class Summary:
-    """A table of texts, and a sentence, that summarise a study.
+    """The summary of a study: a table of texts, notes and a sentence.
 
     Attributes
     ----------
@@ -44,13 +44,13 @@ class Summary:
 
 
 def summarised(study: Dataset, title: str, columns: Columns, answer: str = "", *notes: Note) -> Summary:
-    """Return the summary of a study from the columns of its table; further notes come before its own."""
+    """Return the summary of a study from the columns of its table; `notes` precede the notes of the study."""
     rows = tuple(zip(*(map(str, column) for column in columns.values()), strict=True))
     return Summary(title, tuple(columns), rows, (*notes, *stored_notes(study)), answer)
 
 
 def texts(form: str, values: Iterable[float]) -> list[str]:
-    """Return numbers in one format, as a column.
+    """Return numbers as texts in the same format.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Required accuracy of the part: summaries of manufacturing, misalignment and combined."""
+"""Summaries of the studies manufacturing, misalignment and combined: the required accuracy of the part."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from metafem.studies.summaries.table import Summary, stored_notes, summarised, t
 if TYPE_CHECKING:
     from xarray import Dataset
 
-# The largest errors are stated with this number of standard errors on both sides.
+# Half-width of the interval that is stated for a largest error, in standard errors.
 ERRORS = 2.0
 
 # Largest number of rows of a table; if there are more levels or angles, some are left out.
 MOST_ROWS = 12
 
 
-# The tolerances in words, with their unit and its number in mm or rad.
+# The tolerances in words, the units in which they are shown, and the factors from mm or rad to these units.
 TOLERANCES = {
     "all": ("all together", " ×", 1.0),
     "height_sd": ("heights", " µm (SD)", MICROMETRES),
@@ -31,7 +31,7 @@ TOLERANCES = {
     "position_sd": ("positions", " µm (SD)", MICROMETRES),
 }
 
-# Words for the errors of a study of one tolerance: up to the largest, and at it; a value and its kind.
+# Words for a study of one tolerance: errors up to a value, errors at a value, the value, and its kind.
 SENTENCES = {
     "height_sd": ("errors of the heights of up to", "At", "{:.3g} µm", " (SD)"),
     "angle": ("tilts within", "Within", "±{:.3g}°", ""),
@@ -39,7 +39,7 @@ SENTENCES = {
 
 
 def manufacturing_summary(study: Dataset) -> Summary:
-    """Return the slopes of surfaces whose heights have errors."""
+    """Return the table of the slopes of surfaces whose heights have errors, and a sentence."""
     study = study.sortby("height_sd").isel(height_sd=shown(study.sizes["height_sd"]))
     nominal = float(study["nominal_slope"])
     mean, scatter, error = (study[f"slope_{name}"].values / nominal for name in ("mean", "sd", "sd_error"))
@@ -61,7 +61,7 @@ def manufacturing_summary(study: Dataset) -> Summary:
 
 
 def misalignment_summary(study: Dataset) -> Summary:
-    """Return the scatter of the slope under tilts of the plane."""
+    """Return the table of the scatter of the slope under tilts of the plane, and a sentence."""
     study = study.isel(angle=shown(study.sizes["angle"]))
     nominal, made = float(study["nominal_slope"]), study.isel(placement=0)
     scatter = study["slope_sd"].values / nominal
@@ -83,7 +83,7 @@ def misalignment_summary(study: Dataset) -> Summary:
 
 
 def combined_summary(study: Dataset) -> Summary:
-    """Return the probability of meeting the target, and the largest errors with the wanted probability."""
+    """Return the table of the largest errors for the required probability, and a sentence."""
     met, error = float(study["probability"]), float(study["probability_error"])
     wanted = percent(float(study.attrs["wanted_probability"]), ".4g")
     within = percent(float(study.attrs["misfit"]), ".3g")
@@ -97,7 +97,7 @@ def combined_summary(study: Dataset) -> Summary:
             largest = f"{factor * (size * given):.3g}{unit}", f"{sd * (size * given):.1g}{unit}"
         rows.append((words, f"{size * given:.3g}{unit}", *largest))
     low, middle, high = (percent(float(value)) for value in study["misfit_quantile"].values)
-    exact = percent(round(float(study["nominal_misfit"]), 6))  # 0 for a misfit from rounding
+    exact = percent(round(float(study["nominal_misfit"]), 6))  # a misfit due to rounding becomes 0
     spread = information(
         f"misfit {exact} without errors; median of the surfaces {middle}, 90 % of them from {low} to {high}"
     )
@@ -117,7 +117,7 @@ def combined_summary(study: Dataset) -> Summary:
 
 
 def _answer(study: Dataset, more: str = "") -> str:
-    """Return the errors at which the slope scatters as allowed, and the effect of the largest ones."""
+    """Return sentences on the errors that cause the allowed scatter, and on the effect of the largest."""
     (name,) = map(str, study["slope_mean"].dims)
     errors, at, number, kind = SENTENCES[name]
 
@@ -146,7 +146,7 @@ def _answer(study: Dataset, more: str = "") -> str:
 
 
 def shown(count: int) -> list[int]:
-    """Return the rows to print: the last one, and before it every n-th, with n = 1, 2, 5, 10, 20, ..."""
+    """Return the rows to print: every n-th, counted back from the last row, with n = 1, 2, 5, 10, 20, ..."""
     steps = (digit * 10**power for power in itertools.count() for digit in (1, 2, 5))
     step = next(step for step in steps if count <= MOST_ROWS * step)
     return list(range(count))[::-step][::-1]
