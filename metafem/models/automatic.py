@@ -135,7 +135,7 @@ class Automatic(WithoutGradients):
         return curve.with_notes((*curve.notes, *unused))
 
     def _unchecked(self, surface: Surface, curve: Curve) -> Note:
-        """Return a note for a law whose contacts cannot be resolved: the order used and its estimated error."""
+        """Return a note on the order used, and its estimated error, if the contacts cannot be resolved."""
         order = f"order {self.gradient_model.order}"
         rest = f"contacts of {self.contact!r} cannot be resolved, so the tolerance of {self.tolerance:g} is"
         if self.gradient_model.order == 1:

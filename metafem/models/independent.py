@@ -119,9 +119,9 @@ class Independent(Uncoupled):
     """Independent asperities under a common plane.
 
     ``A0 = sum A(d_i)`` and ``P/E* = sum P(d_i)/E*`` with ``d_i = max(h_i - delta, 0)``; for Hertz contacts
-    ``A0 = sum pi R_i d_i`` and ``P/E* = sum 4/3 sqrt(R_i) d_i^(3/2)``. The load equation is increasing in the
-    approach; it is solved by Newton's method inside a bracket in compiled kernels, which read laws other than
-    Hertz's from tables.
+    ``A0 = sum pi R_i d_i`` and ``P/E* = sum 4/3 sqrt(R_i) d_i^(3/2)``. The load increases with the approach,
+    and compiled kernels solve this equation by Newton's method within a bracket. Laws other than Hertz's are
+    tabulated.
     Greenwood and Williamson, Proc. R. Soc. A 295, 300 (1966), doi:10.1098/rspa.1966.0242.
 
     Parameters
