@@ -50,7 +50,7 @@ class LoadEquation:
     def path(
         self, surface: Surface, values: FloatArray, by_load: bool, unloading: bool, compliance: float
     ) -> Curve:
-        """Return equilibria at increasing loads or approaches (k,); the base sinks by compliance times load."""
+        """Return equilibria at increasing loads or approaches (k,); the base sinks by compliance P."""
         refuse_flattening(self.law, unloading)
         height, radius = surface.height, surface.radius
         if by_load:
@@ -160,7 +160,7 @@ class LoadEquation:
         return load, stiffness, area, area_slope
 
     def _above_base(self, surface: Surface, approach: FloatArray, compliance: float) -> FloatArray:
-        """Return the approaches y (k,) [mm] relative to the sunken base, for which y + compliance P(y) = approach."""
+        """Return approaches y (k,) [mm] relative to the sunken base: y + compliance P(y) = approach."""
         height, radius = surface.height, surface.radius
         most = float((surface.gap + self.law.largest_indentation(radius)).min())
 

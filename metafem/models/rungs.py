@@ -63,7 +63,7 @@ def independent_errors(
     rows: IntArray,
     substrate: Substrate,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return relative errors of A0 and the sinking of the base per load [1/mm] at m rows of a curve, (m,) each.
+    """Return relative errors of A0 and the sinking per load [1/mm] at m rows of a curve, (m,) each.
 
     substrate: with the thickness and the material of the surface.
     """
@@ -94,7 +94,7 @@ def independent_errors(
 
 
 def _higher_orders(law: Contact, surface: Surface, substrate: Substrate, curve: Curve, load: float) -> float:
-    """Return the relative error of A0 that the finite size of the contacts causes, at the last load of a curve.
+    """Return the relative error of A0 due to the finite size of the contacts, at the last load of a curve.
 
     load: the largest load of one contact [mm^2]. If an upper bound is negligible, it is returned; the bound
     assumes the densest arrangement of sites with the same smallest distance.

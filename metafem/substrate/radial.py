@@ -96,7 +96,7 @@ class Radial(ABC):
         return matrix
 
     def influence_derivatives(self, surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return gradient [1/mm^2] (two arrays) and Laplacian [1/mm^3] at i of the influence of j, each (n, n)."""
+        """Return gradient (x, y) [1/mm^2] and Laplacian [1/mm^3] at i of the influence of j, (n, n) each."""
         bound = self.for_surface(surface)
         dx, dy, r = _differences(surface.position)
         _, first, second = bound.influence(r, derivatives=True)
