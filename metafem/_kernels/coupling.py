@@ -172,7 +172,7 @@ def sharpen(law, state, count):
 
 @compiled
 def widen(law, state, count):
-    """Fill da^2/dp = R/(2 a b^2) of Hertz contacts, with b = dd/dz; only sensitivities need this."""
+    """Fill da^2/dp = R/(2 sqrt(R z) b^2) of Hertz contacts, with b = dd/dz; only sensitivities need this."""
     if law.data.size == 0:
         for k in range(count):
             i = state.closed[k]
