@@ -16,8 +16,9 @@ from metafem._kernels.compiled import compiled
 from metafem._kernels.contact import hertz
 from metafem._kernels.vectors import add
 
-# Maximum number of Newton steps. Starting above the root, each step first multiplies the approach by about a
-# third; then Newton's method converges quadratically. 200 steps suffice for any numbers in double precision.
+# Maximum number of Newton steps. Far above the root, each step reduces the distance to the root by two
+# thirds; near the root, Newton's method converges quadratically. 200 steps suffice for any double-precision
+# numbers.
 MAX_STEPS = 200
 
 # Maximum number of refinements; usually the first one reduces the error of the load to rounding.

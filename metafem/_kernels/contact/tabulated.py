@@ -67,9 +67,9 @@ def part(law, row):
 
 @compiled
 def panel(data, at, part, x):
-    """Return the panel of x: the offset of its polynomials, the inverse of half its width, and the position of x.
+    """Return the offset of the polynomials of x's panel, the inverse of half its width, and x in the panel.
 
-    The position is limited to the range -1 to 1; a fourth number is the distance of x beyond this range.
+    The position in the panel is limited to -1 to 1; a fourth number is its distance beyond this range.
     """
     start = int(data[at, part])
     panels, bins = int(data[at, start]), int(data[at, start + 1])
@@ -188,7 +188,7 @@ def tilted(data, at, scale, z):
 
 @compiled
 def bent(data, at, scale, load, square, widening, curvature):
-    """Return a^2, d, dd/dz, da^2/dp and M/4 of a contact with an extra curvature k, and whether k is in range.
+    """Return a^2, d, dd/dz, da^2/dp and M/4 of a contact with extra curvature k, and whether k is in range.
 
     load, square, widening: values at the nominal indentation; curvature: k [1/mm].
     """
