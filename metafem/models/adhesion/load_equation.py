@@ -27,7 +27,7 @@ class AdhesiveAsperities(LoadEquation):
     def path(
         self, surface: Surface, values: FloatArray, by_load: bool, unloading: bool, compliance: float
     ) -> Curve:
-        """Return equilibria at increasing loads or approaches (k,), on loading or on unloading from the largest."""
+        """Return equilibria at increasing loads or approaches (k,), on loading or on unloading."""
         refuse_merging(self.law, surface)
         modulus = surface.material.composite_modulus
         asperities = Asperities(self.law, surface.radius, surface.gap, compliance)
@@ -128,7 +128,7 @@ def equilibria(
     unloading: bool = False,
     modulus: float = 1.0,
 ) -> Equilibria:
-    """Return the states at increasing loads or approaches (k,), on loading or on unloading from the largest."""
+    """Return the states at increasing loads or approaches (k,), on loading or unloading from the largest."""
     path = asperities.loading(values[-1:] if unloading else values, by_load)
     if unloading:
         refuse_no_loading(values, by_load, 0.0)

@@ -102,7 +102,7 @@ class Loading:
         raise NotConverged("the adhesive contacts do not settle")
 
     def press_near(self, goal: Goal, guess: FloatArray) -> State | None:
-        """Return the state at a goal from guessed contact radii (n,) [mm], if possible without following the path.
+        """Return the state at a goal from guessed contact radii (n,) [mm]; follow the path only if necessary.
 
         The state found is on the path if exactly those open asperities came into contact that would otherwise
         penetrate the plane. A new contact under tension increases the approach by its load divided by the
@@ -209,7 +209,7 @@ class Loading:
         return trial
 
     def _joined_at(self, touch: State) -> State:
-        """Return the state at the same approach in which the asperities that touch the plane are in contact."""
+        """Return the state at the same approach after the asperities that touch jumped into contact."""
         near = touch.overlap >= -CLOSED * float(touch.found.depth.max())
         return self._joined(touch.closed, touch.a, touch.p, touch.x, touch.contacts.others[near])
 
@@ -225,7 +225,7 @@ class Loading:
         return contacts, np.concatenate([a, radius])[order], np.concatenate([p, load])[order]
 
     def _joined(self, closed: IntArray, a: FloatArray, p: FloatArray, x: float, entering: IntArray) -> State:
-        """Return the state at an approach after asperities jumped into contact, with the jumps that follow."""
+        """Return the state at an approach after asperities jumped into contact, and others because of them."""
         while True:
             start = self._with(closed, a, p, entering)
             state = solve(*start, x, at_approach(x))

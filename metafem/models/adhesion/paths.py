@@ -58,7 +58,7 @@ class Asperities:
 
     @cached_property
     def end_radius(self) -> FloatArray:
-        """Contact radius (n,) [mm] at the end of the branch, where a contact breaks under approach control."""
+        """Contact radius (n,) [mm] at the end of the branch, where a contact breaks at fixed approach."""
         return of_sizes(JKR.break_radius, self.law, self.radius)
 
     @cached_property
@@ -67,7 +67,7 @@ class Asperities:
         return np.asarray(self.law.indentation(self.end_radius, self.radius))
 
     def held_radius(self, indentation: FloatArray, closed: np.ndarray) -> FloatArray:
-        """Return the contact radii (k, n) [mm] at indentations (k, n) of closed contacts; 0 for open asperities.
+        """Return contact radii (k, n) [mm] at indentations (k, n) [mm]; 0 for open asperities.
 
         Newton's method solves the convex function d(a) at radii larger than that of its minimum.
         """
@@ -106,7 +106,7 @@ class Asperities:
         return np.where(closed, self.law.load(a, self.radius), 0.0)
 
     def _measure(self, x: FloatArray, closed: np.ndarray, by_load: bool) -> tuple[FloatArray, FloatArray]:
-        """Return the load, or the approach including the sinking of the base, and its derivative with respect to x."""
+        """Return the load, or the approach including the sinking of the base, and its derivative by x."""
         found = self.sums(x, closed)
         if by_load:
             return found.load, found.stiffness
@@ -161,7 +161,7 @@ class Asperities:
         return Path(self, by_load, closed, start, lowest, best, forward=False)
 
     def _lowest(self, start: FloatArray, stop: FloatArray, closed: np.ndarray, by_load: bool) -> FloatArray:
-        """Return the approaches (k,) between start and stop at which the convex load or approach is smallest."""
+        """Return approaches (k,) between start and stop at which the convex measure is smallest."""
         low, high = stop.copy(), start.copy()
         for _ in range(MOST_STEPS):
             middle = 0.5 * (low + high)

@@ -58,7 +58,7 @@ class Scene:
         return of_sizes(JKR.entry_radius, self.law, self.radius)
 
     def entry_radius_at(self, entering: IntArray, closed: IntArray, p: FloatArray) -> FloatArray:
-        """Return contact radii [mm] after jumps into contact, in the field of contacts with loads p [mm^2]."""
+        """Return contact radii [mm] after jumps into contact in the field of contacts with loads p [mm^2]."""
         if self.order == 1 or self.paraboloid:
             return np.asarray(self.entry_radius[entering])
         k = 0.5 * self.coupling.laplacian[np.ix_(entering, closed)] @ p
@@ -141,7 +141,7 @@ class Contacts:
         return Fields(load, moment, k, gx, gy, tilt, turn, u, depth, depth - law.deficit(a))
 
     def _tilt(self, a: FloatArray, k: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return Q [mm^3], r [mm], the radius a0 at which the cap has the same load with k = 0, and dr/da0."""
+        """Return Q [mm^3], r [mm], the radius a0 at which the cap has its load with k = 0, and dr/da0."""
         law, radius = self.scene.law, self.radius
         carried = law.cap.load(a, radius, k)
         lost = 2.0 * a * law.deficit(a)
@@ -181,7 +181,7 @@ class Contacts:
 
     @cached_property
     def _outward(self) -> FloatArray:
-        """Influence of the m contacts on the open asperities, and for order 3 its derivatives, (1 or 4, m, rest)."""
+        """Influence of m contacts on the open asperities, for order 3 with derivatives, (1 or 4, m, rest)."""
         coupling, rows = self.scene.coupling, np.ix_(self.closed, self.others)
         if self.scene.order == 1:
             return np.asarray(coupling.influence[rows][None])
@@ -195,7 +195,7 @@ class Contacts:
         return np.stack([coupling.slope_x[rows], coupling.slope_y[rows]])
 
     def overlap(self, p: FloatArray, found: Fields, x: float) -> FloatArray:
-        """Return the overlap of the open asperities with the plane [mm]; minus the gap if they do not overlap."""
+        """Return the overlap of the open asperities with the plane [mm]; minus the gap if there is one."""
         scene, outward = self.scene, self._outward
         if scene.order == 1:
             u = p @ outward[0]

@@ -1,4 +1,4 @@
-"""Newton's method for adhesive contacts under a condition: a load, approach or radius, or a touching asperity."""
+"""Newton's method for adhesive contacts under one condition, such as a load or an approach."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ class State:
 
     @cached_property
     def overlap(self) -> FloatArray:
-        """Overlap of the open asperities with the plane [mm]; minus the gap if they do not overlap."""
+        """Overlap of the open asperities with the plane [mm]; minus the gap if there is one."""
         return self.contacts.overlap(self.p, self.found, self.x)
 
     @property
@@ -127,7 +127,7 @@ class State:
 
 @dataclass(frozen=True)
 class Condition:
-    """A condition on the contacts: its error, and its derivatives with respect to loads, radii and approach."""
+    """A condition on the contacts: its error, and the derivatives by loads, contact radii and approach."""
 
     error: Callable[[FloatArray, FloatArray, float, Fields], float]
     by_loads: FloatArray | float = 0.0
@@ -164,7 +164,10 @@ def touching(contacts: Contacts, k: int) -> Condition:
 
 
 def solve(contacts: Contacts, a: FloatArray, p: FloatArray, x: float, condition: Condition) -> State | None:
-    """Return the state that satisfies the condition, near an initial guess; None if the steps do not converge."""
+    """Return the state that satisfies the condition, or None if Newton's method does not converge.
+
+    a, p, x: initial guess of contact radii [mm], loads [mm^2] and approach [mm].
+    """
     step: Step | None = None
     last, worse, fresh = np.inf, 0, False
     for _ in range(MOST_STEPS):
@@ -207,7 +210,7 @@ def _residual(
     wrong: float,
     condition: Condition,
 ) -> float:
-    """Return the largest relative error: lengths over the largest indentation of a cap, loads over its load."""
+    """Return the largest error: lengths over the largest indentation of a cap, loads over loads of caps."""
     depth = float(found.depth.max())
     loads = a * found.depth  # of the order of the loads of the caps
     unit = float(loads.sum()) if condition.of_loads else depth

@@ -71,7 +71,7 @@ class Unloading(Loading):
         return trial
 
     def _shrink(self, state: State, goal: Goal) -> None:
-        """Reduce the radius of the contact that shrinks fastest by a step, at most to the end of its branch."""
+        """Reduce the radius of the contact that shrinks fastest, at most to the end of its branch."""
         i = int((state.rate / state.a).argmax())
         step = STEP
         while True:
@@ -130,7 +130,7 @@ class Unloading(Loading):
     def _search(
         self, state: State, new: State, i: int, value: Callable[[State], float], part: float
     ) -> State:
-        """Return the last state before `value` changes sign, located to a fraction of the radius of contact i."""
+        """Return the last state before `value` changes sign; part: tolerance over the radius of contact i."""
         width = state.a[i] - new.a[i]
 
         def at(radius: float) -> State:
@@ -174,7 +174,7 @@ class Unloading(Loading):
 
 
 def _turning(i: int) -> Callable[[State], float]:
-    """Return a function: the derivative of the approach by the radius of contact i, 0 at the end of a branch."""
+    """Return a function of a state: dx/da of contact i, which is 0 at the end of its branch."""
     return lambda state: float(1.0 / state.rate[i])
 
 
