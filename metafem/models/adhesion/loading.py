@@ -225,7 +225,7 @@ class Loading:
         return contacts, np.concatenate([a, radius])[order], np.concatenate([p, load])[order]
 
     def _joined(self, closed: IntArray, a: FloatArray, p: FloatArray, x: float, entering: IntArray) -> State:
-        """Return the state at an approach after asperities jumped into contact, and others because of them."""
+        """Return the state at an approach after asperities, and others due to them, jumped into contact."""
         while True:
             start = self._with(closed, a, p, entering)
             state = solve(*start, x, at_approach(x))

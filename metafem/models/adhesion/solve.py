@@ -109,7 +109,7 @@ class State:
         return self.holds and self.stiffness > 0.0
 
     def area_gradient(self) -> FloatArray:
-        """Return the derivative of A0 with respect to the heights of the contacts at fixed load [mm], (m,)."""
+        """Return dA0/dh for the heights of the contacts at fixed load [mm], (m,)."""
         both = np.column_stack([2.0 * np.pi * self.a, self.linear.total])
         by_area, by_load = dgetrs(*self.factors, both, trans=1)[0].T
         return np.asarray(by_area - by_area.sum() / by_load.sum() * by_load)
