@@ -115,7 +115,7 @@ def _coefficients(
     half_source: FloatArray,
     q: int,
 ) -> FloatArray:
-    """Return the coefficients of the influence, (q, q, q, q): axes 0 and 1 are the target's, 2 and 3 the source's."""
+    """Return the coefficients C, (q, q, q, q); axes 0 and 1 belong to the target, 2 and 3 to the source."""
     node = np.cos(math.pi * (np.arange(q) + 0.5) / q)
     transform = (2.0 / q) * chebvander(node, q - 1).T
     transform[0] *= 0.5
