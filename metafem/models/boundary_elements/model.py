@@ -60,8 +60,8 @@ class BoundaryElements(WithoutGradients):
     ----------
     cell : float
         Side of the cells [mm], positive. If the largest contact has fewer than four cells per radius at a
-        load, order 3 replaces the cells up to this load, or InvalidInput is raised if no larger load follows.
-        If only smaller contacts have fewer cells, a note states their share of the load.
+        load, order 3 is used at this load; InvalidInput is raised if this applies to all loads. If only
+        smaller contacts have fewer cells, a note states their share of the load.
     substrate : HalfSpace or BondedLayer
         A substrate whose influence depends only on the distance. The influence of `metafem.fe.Block3D`
         depends on the position in the block; use `Interacting` with this substrate.

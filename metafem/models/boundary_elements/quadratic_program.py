@@ -152,13 +152,13 @@ class _Problem:
         self._ones: tuple[NDArray[np.bool_], FloatArray, float] | None = None
 
     def face(self, p: FloatArray, v: FloatArray) -> NDArray[np.bool_]:
-        """Return whether each cell carries pressure or overlaps the plane; with a fixed sum, update z first."""
+        """Return whether each cell has pressure or overlaps the plane; with a fixed sum, update z first."""
         if self.total is not None:
             self.multiplier = float(v[p > 0.0].mean())
         return np.asarray((p > 0.0) | (v < self.multiplier))
 
     def direction(self, v: FloatArray, face: NDArray[np.bool_]) -> FloatArray:
-        """Return a preconditioned descent direction on the face; with a fixed sum, one that preserves the sum.
+        """Return a preconditioned descent direction on the face, which preserves the sum if this is fixed.
 
         In that case the multiplier is set such that the sum of the direction is zero.
         """
@@ -177,7 +177,7 @@ class _Problem:
         return np.where(face, self.operator.precondition(np.where(face, vector, 0.0)), 0.0)
 
     def energy_change(self, step: FloatArray, before: FloatArray, after: FloatArray) -> float:
-        """Return the change of the energy by a step, from the gradients at both ends, without cancellation."""
+        """Return the change of the energy by a step, from both gradients, without cancellation."""
         return float(0.5 * kernel.dot(step, before + after)) - self.multiplier * float(step.sum())
 
 

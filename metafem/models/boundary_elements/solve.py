@@ -114,7 +114,7 @@ class Scene:
         return self.largest(guess) >= COARSEST * self.cell
 
     def solve(self, guess: Curve, load: float | None = None) -> Solution:
-        """Return the solution at a load, or at the approach of the initial guess, with cells on all contacts."""
+        """Return the solution at a load, or at the initial guess's approach, with cells on all contacts."""
         if not self.resolves(guess):
             largest = self.largest(guess)
             raise InvalidInput(
@@ -154,7 +154,7 @@ class Scene:
         return Solution(minimum, contacts, patches, covered, indentation, float(rise.sum()))
 
     def _lift(self, load: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the increase of the indentations by slopes of the field [mm], and its distance [cells], (n,)."""
+        """Return the increase [mm] of the indentations by the field's slopes, and where [cells], (n,)."""
         gain, distance = self.summits.lift(np.hypot(self.slope_x @ load, self.slope_y @ load))
         return self.cell * gain, distance
 
@@ -192,7 +192,7 @@ class Scene:
         )
 
     def _expected(self, indentation: FloatArray, patches: list[Patch]) -> FloatArray:
-        """Return the expected pressure: Hertz's, for the radii of the law, corrected for the neighbours' field.
+        """Return Hertz's pressure for the law's contact radii, corrected for the neighbours' field.
 
         Half of the Laplacian of the field is added to the curvature of the summit. The slope of the field
         shifts the contact down the slope by R times the slope; shifts above half of the contact radius are
@@ -244,7 +244,7 @@ class Scene:
         contacts: Contacts,
         minimum: quadratic_program.Minimum,
     ) -> FloatArray:
-        """Return half widths (n,), increased if a contact reaches the edge or a summit without cells closes."""
+        """Return half widths (n,), increased where a contact reaches the edge or a summit lacks cells."""
         result = half_width.copy()
         for region, p in zip(patches, pressure, strict=True):
             rim = p > 0.0

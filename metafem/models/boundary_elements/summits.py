@@ -77,7 +77,7 @@ class Summits:
         return np.asarray(self.cap.contact_radius(deepest, radius) / self.cell)
 
     def lift(self, slope: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the increase of the indentation by slopes g of the field, and the distance rho of its maximum, (n,).
+        """Return the increase of the indentation by slopes g of the field, and its distance rho, (n,).
 
         The increase is the maximum of ``g rho - f(rho)``. The contact on a flat summit begins far from the
         axis. The contact of a paraboloid contains the axis, and its increase R g^2/2 is smaller than the gaps
