@@ -212,7 +212,7 @@ class ElasticCoupling(Coupled):
     def _refuse_thin_layer(self, results: kernel.Results) -> None:
         """Raise InvalidInput if a contact radius exceeds the layer thickness, where the expansion fails."""
         thickness = getattr(self.substrate, "thickness", None)
-        # the computed radii are inaccurate there, but still large
+        # neither the solution nor its contact radii are accurate in this range
         if thickness is not None and float(results.radius.max()) > thickness:
             raise InvalidInput(
                 f"the layer of {thickness:g} mm is thinner than the contacts: order {self.order} holds for "

@@ -157,7 +157,7 @@ class ScatteredSums:
 
     @cached_property
     def _self_terms(self) -> tuple[float, float]:
-        """Smooth parts of G and of its Laplacian at the source, to be subtracted; self_curvature is retained."""
+        """Smooth parts of G and its Laplacian at the source, to be subtracted; self_curvature is retained."""
         if self._pairs_alone:
             return 0.0, -2.0 * self.substrate.self_curvature
         constant = 2.0 / (self.split * math.pi**1.5) + self.substrate.self_influence

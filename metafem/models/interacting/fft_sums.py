@@ -37,7 +37,7 @@ class Lattice:
 
 
 def find_lattice(position: FloatArray) -> Lattice | None:
-    """Return the square lattice, of any orientation, that contains all positions (n, 2); None if none does."""
+    """Return the square lattice, of any orientation, that contains the positions (n, 2), or None."""
     if len(position) < 2:
         return None
     centre = position - position.mean(axis=0)
@@ -139,7 +139,7 @@ class LatticeSums:
         return np.asarray(field[:rows, :columns].ravel()[self._index])
 
     def _offsets(self, shape: tuple[int, ...]) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return y, x and r [mm] of the nearest image on a cyclic grid; r is set to the pitch at the origin."""
+        """Return y, x and r [mm] of the nearest image on a cyclic grid, with r = pitch at the origin."""
         steps = [np.fft.fftfreq(size, 1.0 / size) * self.lattice.pitch for size in shape]
         y, x = np.meshgrid(*steps, indexing="ij")
         r = np.hypot(x, y)

@@ -30,7 +30,7 @@ class LargeScene:
         self.coarse = coarsen(surface.position, substrate)
 
     def equations(self, law: Law, self_term: FloatArray, gap: FloatArray) -> ContactEquations:
-        """Return the equations of contacts; self_term (n,) [1/mm] is added to the substrate's self influence."""
+        """Return the equations of the contacts; self_term (n,) [1/mm] is added to that of the substrate."""
         own = self_term + self.substrate.self_influence
         return ContactEquations(self.sums, self.order, law, own, np.ascontiguousarray(gap), self.coarse)
 

@@ -153,9 +153,10 @@ class ContactEquations:
         return -1.0 / float(share @ rest), rate
 
     def area_gradient(self, state: Iterate) -> FloatArray:
-        """Return dA0/dh at fixed load (n,) [mm] at an equilibrium; `interacting.sensitivity` has the equations.
+        """Return dA0/dh at fixed load at an equilibrium, (n,) [mm].
 
-        Solves ``H l = c + x 1`` with the x for which the sum of l over the contacts is zero.
+        The method solves ``H l = c + x 1`` with the x for which the sum of l over the contacts is zero; see
+        `interacting.sensitivity`.
         """
         closed, found, none = state.closed, state.state, np.zeros_like(self.gap)
         widen(self.law, found, int(closed.sum()))
@@ -168,7 +169,7 @@ class ContactEquations:
         return change
 
     def jacobian(self, state: Iterate, loads: FloatArray, exact: bool) -> FloatArray:
-        """Return dF/dp times a change of the loads, (n,), without the diagonal terms of law and self influence."""
+        """Return dF/dp times a change of the loads, (n,), without the diagonal of the law and self terms."""
         if self.order == 1 or not exact:
             return self.sums.displacement(loads)
         found = state.state
@@ -192,7 +193,7 @@ class ContactEquations:
         goal: float,
         exact: bool = False,
     ) -> tuple[FloatArray, float, FloatArray]:
-        """Return changes of loads (n,) and approach that solve the linearised equations, and the residual (n,).
+        """Return changes of loads (n,) and approach for the linearised equations, and the residual (n,).
 
         If `total` is not None, it is the sum of the changes of the loads. Preconditioned conjugate gradients
         are used, with the constraint in the preconditioner as in `metafem._kernels.projected_cg`. The
@@ -211,7 +212,9 @@ class ContactEquations:
                 rest -= self.jacobian(state, loads, exact) + np.where(closed, diagonal * loads, 0.0)
         direction, before = np.zeros_like(rhs), 0.0
         for _ in range(MAX_INNER):
-            inside = np.where(closed, rest + shift, 0.0)  # the shift is added first, to avoid cancellation
+            inside = np.where(
+                closed, rest + shift, 0.0
+            )  # without the constant part, to avoid rounding errors
             ahead = precondition(inside)
             if total is not None:
                 more = -float(ahead.sum()) / uniform_load
