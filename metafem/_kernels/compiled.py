@@ -125,7 +125,7 @@ class _Kept(NullCache):
 
 @lru_cache
 def _used(path: Path) -> None:
-    """Update the date of the kernels' folder, so that the least recently used folders are removed first."""
+    """Update the date of a folder of kernels, since the least recently used folders are removed first."""
     with suppress(OSError):
         os.utime(path)
 

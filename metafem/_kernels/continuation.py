@@ -42,7 +42,7 @@ class Memory(NamedTuple):
 
 
 class Results(NamedTuple):
-    """Results of each equilibrium, (m, k)."""
+    """Results of the equilibria of m surfaces at k loads or approaches, (m, k)."""
 
     approach: np.ndarray  # [mm]
     load: np.ndarray  # P/E* [mm^2]
@@ -54,7 +54,7 @@ class Results(NamedTuple):
 
 
 def empty_memory(count: int) -> Memory:
-    """Return memory for `count` asperities."""
+    """Return an empty memory for `count` asperities."""
     return Memory(*(np.zeros(count) for _ in Memory._fields))
 
 
@@ -70,7 +70,7 @@ def empty_workspace(count: int, order: int) -> tuple[State, Memory, Scratch]:
 
 @compiled
 def uniform_approach(gap, law, load):
-    """Return the approach [mm] at which independent asperities carry `load`, within a few percent."""
+    """Return the approach [mm] at which independent asperities carry `load` within 10 %."""
     radius, which, scale, data = law
     x = math.inf
     for i in range(gap.size):  # asperity i needs this approach to carry the load by itself: an upper bound

@@ -181,7 +181,7 @@ def widen(law, state, count):
 
 @compiled
 def respond(field, order, law, self_term, state):
-    """Fill the state from its z; return the number of contacts."""
+    """Fill all quantities of a state from its nominal indentations z; return the number of contacts."""
     load, closed, u = state.load, state.closed, state.displacement
     n = load.size
     count = press(law, order, state)

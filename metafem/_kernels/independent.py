@@ -31,7 +31,7 @@ SETTLED = 1e-8
 
 @compiled
 def load_and_slope(gap, root_radius, approach):
-    """Return P/E* [mm^2] and its derivative by the approach [mm]."""
+    """Return P/E* [mm^2] and its derivative dP/dx [mm] with respect to the approach."""
     load = 0.0
     slope = 0.0
     for i in range(gap.size):
@@ -111,7 +111,7 @@ def refine(gap, root_radius, load, approach):
 
 @compiled
 def curves(gap, root_radius, load, approach, carried, area, slope):
-    """Fill (m, k) results for m surfaces of n asperities and k increasing loads.
+    """Fill approach, load, area and slope (m, k) of m surfaces at k increasing loads.
 
     gap, root_radius: (m, n), with each row sorted by gap. carried: loads recomputed at the approaches.
     """

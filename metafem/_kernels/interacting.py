@@ -54,7 +54,7 @@ class Scratch(NamedTuple):
 
 
 def empty_scratch(count: int, order: int) -> Scratch:
-    """Return scratch for `count` asperities."""
+    """Return the scratch arrays for `count` asperities."""
     size = 0 if order == 1 else count
     rows = [np.zeros(count) for _ in range(6)]
     return Scratch(np.zeros((size, size)), np.zeros(count, np.bool_), projected_cg.empty_work(count), *rows)
@@ -221,7 +221,7 @@ def settle(field, order, law, self_term, gap, approach, target, state, scratch):
         end, count, load, residual, more = newton(field, order, law, self_term, gap, x, goal, state, scratch)
         steps += more
         if target == 0.0 or (goal > 0.0) == (residual <= TOLERANCE):
-            break  # solved at the load, or not solved at the approach
+            break  # converged at the load, or failed at the approach
         if goal > 0.0:
             copy(scratch.safe, state.z)
             x, goal = following, 0.0

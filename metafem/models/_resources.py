@@ -1,4 +1,4 @@
-"""Threads and memory that a solver uses."""
+"""Threads and memory of the solvers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ DEFAULT_MEMORY = 8 * 2**30
 
 
 def run_rows(run: Callable[[slice], None], rows: int, work: int, work_per_thread: int) -> None:
-    """Call `run` on slices that cover the rows, with a second thread if there is enough work.
+    """Call `run` with slices that cover all rows, in two threads if there is enough work.
 
     Each row is computed separately, so the results do not depend on the number of threads.
     """

@@ -1,4 +1,4 @@
-"""The cheapest model whose error is within a tolerance for a given surface and load."""
+"""Automatic choice of the cheapest model whose error for a surface and load is within a tolerance."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ class Automatic(WithoutGradients):
     def __post_init__(self) -> None:
         check.member(self, "tolerance", above=0.0)
         checked_contact(self.contact)
-        _ = self.gradient_model  # checks the substrate, and the contact on it
+        _ = self.gradient_model  # raises InvalidInput for an unsuitable substrate
 
     @cached_property
     def _uncoupled(self) -> Independent:

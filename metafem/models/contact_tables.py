@@ -139,7 +139,7 @@ def _of_each(law: Hashable, radius: tuple[float, ...]) -> FloatArray:
 
 
 def _table(law: Contact, radius: float) -> FloatArray:
-    """Compute the table of a law for one radius [mm]."""
+    """Return the table of a law for one radius [mm]."""
     end = float(law.largest_indentation(radius))
     last = end if math.isfinite(end) else DEEPEST * radius
     ends = law.contact_radius(np.array([LIGHTEST * radius, last]), radius)
@@ -208,7 +208,7 @@ def _fitted(functions: Callable[[FloatArray], FloatArray], ends: FloatArray) -> 
 
 
 def _energy(fit: _Fit) -> FloatArray:
-    """Return the polynomials of the logarithm of ``int_0^z z dp = z p - int_0^z p dz``."""
+    """Return polynomials for the logarithm of the energy ``int_0^z z dp = z p - int_0^z p dz``."""
     half, middle = 0.5 * np.diff(fit.edge), 0.5 * (fit.edge[1:] + fit.edge[:-1])
     load = fit.value[:, 0]
     point, weight = np.polynomial.legendre.leggauss(GAUSS)

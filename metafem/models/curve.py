@@ -22,7 +22,7 @@ ARRAYS = ("approach", "load", "area", "stiffness", "residual")
 
 
 class Status(Enum):
-    """How a solution ended; the value is the message."""
+    """Whether a solution converged; the value of a member is its message."""
 
     CONVERGED = "converged: the residual is within the model's tolerance"
     NOT_CONVERGED = "not converged: the residual exceeds the model's tolerance"

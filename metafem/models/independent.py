@@ -47,7 +47,7 @@ class Uncoupled:
 
     @property
     def name(self) -> str:
-        """Name of the model in texts and for ``--model``; it includes a law other than Hertz's."""
+        """Name of the model in texts and for ``--model``, with its contact law unless this is Hertz's."""
         return self.title if self.contact == PARABOLOID else f"{self.title}, {self.contact!r}"
 
     @property

@@ -66,7 +66,7 @@ class Model(Protocol):
 
     @property
     def couples(self) -> bool:
-        """Whether contacts interact, so that A0(P) depends on the sites."""
+        """Whether the contacts interact, so that A0(P) depends on their positions."""
         ...
 
     @property

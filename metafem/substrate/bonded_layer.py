@@ -85,18 +85,21 @@ class BondedLayer(Radial):
 
     @property
     def self_influence(self) -> float:
-        """``-1/(pi t) int (1 - M) dx`` [1/mm], about -0.56/t for nu = 0.5."""
+        """Regular part of G at r = 0, ``-1/(pi t) int (1 - M) dx`` [1/mm], about -0.56/t for nu = 0.5."""
         thickness, ratio = self._values()
         return float(-_moments(ratio)[0] / (math.pi * thickness))
 
     @property
     def self_curvature(self) -> float:
-        """``1/(2 pi t^3) int (1 - M) x^2 dx`` [1/mm^3], about 0.61/t^3 for nu = 0.5."""
+        """Second derivative of the regular part of G at r = 0 [1/mm^3].
+
+        It is ``1/(2 pi t^3) int (1 - M) x^2 dx``, about 0.61/t^3 for nu = 0.5.
+        """
         thickness, ratio = self._values()
         return float(_moments(ratio)[1] / (2.0 * math.pi * thickness**3))
 
     def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the regular part of G [1/mm], G' and G'' at distances r >= 0 [mm]."""
+        """Return the regular parts of G [1/mm], G' [1/mm^2] and G'' [1/mm^3] at distances r >= 0 [mm]."""
         thickness, ratio = self._values()
         flat = np.ravel(distance)
         parts = kernel.empty_results(flat.size)
@@ -130,7 +133,7 @@ def _quadrature(poisson_ratio: float) -> tuple[FloatArray, FloatArray]:
 
 
 def _moments(poisson_ratio: float) -> tuple[float, float]:
-    """Return int (1 - M) dx and int (1 - M) x^2 dx."""
+    """Return the integrals of 1 - M and of (1 - M) x^2."""
     x, weight = _quadrature(poisson_ratio)
     return float(weight.sum()), float(weight @ x**2)
 

@@ -1,4 +1,4 @@
-"""Substrates whose influence depends only on the distance."""
+"""Substrates whose influence depends only on the distance between source and displaced point."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Radial(ABC):
     @property
     @abstractmethod
     def self_curvature(self) -> float:
-        """Curvature of the regular part of G at r = 0 [1/mm^3]."""
+        """Second derivative of the regular part of G at r = 0 [1/mm^3]."""
 
     @abstractmethod
     def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -22,7 +22,7 @@ ROUNDING = 4.0 * np.finfo(np.float64).eps
 
 @compiled
 def load_and_slope(law, gap, approach):
-    """Return P/E* [mm^2] and its derivative by the approach [mm]."""
+    """Return P/E* [mm^2] and its derivative dP/dx [mm] with respect to the approach."""
     _, which, scale, data = law
     load = rest = slope = 0.0
     for i in range(gap.size):
@@ -65,7 +65,7 @@ def approach_at_load(law, gap, load, below, carried, slope):
 
 @compiled
 def at_approach(law, gap, approach):
-    """Return P/E* [mm^2], A0 [mm^2] and the stiffness [mm] at an approach."""
+    """Return P/E* [mm^2], A0 [mm^2] and dP/dx [mm] at an approach."""
     _, which, scale, data = law
     load = load_rest = square = square_rest = slope = 0.0
     for i in range(gap.size):
@@ -80,7 +80,7 @@ def at_approach(law, gap, approach):
 
 @compiled
 def curves(law, gap, load, approach, carried, area, slope):
-    """Fill (m, k) results for m surfaces of n asperities and k increasing loads; gap: (m, n)."""
+    """Fill approach, load, area and slope (m, k) of m surfaces at k increasing loads; gap: (m, n)."""
     for row in range(gap.shape[0]):
         of_row = tabulated.part(law, row)
         x = p = s = 0.0

@@ -51,7 +51,7 @@ COEFFICIENTS = 8
 
 
 class Law(NamedTuple):
-    """Contact law of the asperities (n,), or of many surfaces (m, n)."""
+    """Contact laws of the asperities of one surface, arrays (n,), or of many surfaces, arrays (m, n)."""
 
     radius: np.ndarray  # radius of each summit [mm]
     which: np.ndarray  # index in `data` of the table of each asperity; -1 for Hertz's law
@@ -244,7 +244,7 @@ def bent(data, at, scale, load, square, widening, curvature):
 
 @compiled
 def complementary(data, at, scale, order, z, square, curvature):
-    """Return the complementary energy int_0^p d dp [mm^3] of a contact with an extra curvature."""
+    """Return the complementary energy int_0^p d dp [mm^3] of a contact with the extra curvature k."""
     if order == 1:
         first, _, t, beyond = panel(data, at, BY_DEPTH, math.log(z / scale))
         w, _ = line(data, at, first + 2 * COEFFICIENTS, t, beyond)
@@ -265,7 +265,7 @@ def complementary(data, at, scale, order, z, square, curvature):
 
 @compiled
 def indentation_at_load(data, at, scale, load):
-    """Return the nominal indentation z [mm] of a load [mm^2]."""
+    """Return the nominal indentation z [mm] at a load [mm^2]."""
     goal = math.log(load / scale**2)
     x = data[at, int(data[at, BY_DEPTH]) + 2]
     for _ in range(MAX_STEPS):

@@ -81,7 +81,7 @@ class AdhesiveAsperities(LoadEquation):
 
 @dataclass(frozen=True)
 class Equilibria:
-    """States of adhesive asperities (n,) at increasing rescaled loads or approaches (k,)."""
+    """States of n adhesive asperities at increasing rescaled loads or approaches (k,)."""
 
     asperities: Asperities
     path: Path

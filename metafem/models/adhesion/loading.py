@@ -38,7 +38,7 @@ MOST_TRIALS, SURE = 8, 1.5
 # Safety factor of the estimated increase of the approach by a new contact.
 DOUBT = 2.0
 
-# Maximum number of steps between two loads, and in the search for one point.
+# Maximum number of steps between two loads, and maximum number of trials in a search for one state.
 MOST_STEPS = 1000
 MOST_SEARCHES = 60
 

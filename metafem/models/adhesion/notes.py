@@ -79,7 +79,7 @@ def jump_notes(jumps: list[Jump], modulus: float, unloading: bool) -> tuple[Note
 
 
 def refuse_beyond(load: float, pull_off: float, modulus: float) -> None:
-    """Raise InvalidInput for a load beyond pull-off; both are rescaled [mm^2]."""
+    """Raise InvalidInput for a load beyond the pull-off load; both loads are rescaled [mm^2]."""
     raise InvalidInput(
         f"load = {modulus * load:.6g} N is beyond pull-off: on unloading the last contacts break at "
         f"{modulus * pull_off:.6g} N; use loads from there on"

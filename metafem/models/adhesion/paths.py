@@ -29,7 +29,7 @@ ROUNDING = 4.0 * np.finfo(np.float64).eps
 # there.
 LOWEST = 1e-9
 
-# Maximum number of doublings of the approach to reach a load.
+# Maximum number of doublings of the step in the approach until a load is reached.
 MOST_DOUBLINGS = 200
 
 
@@ -44,7 +44,7 @@ class Sums(NamedTuple):
 
 @dataclass(frozen=True)
 class Asperities:
-    """Asperities (n,) on a base that sinks by `compliance` times the load."""
+    """Adhesive asperities (n,) on a base that sinks by `compliance` times the load."""
 
     law: JKR  # for a material
     radius: FloatArray
@@ -92,7 +92,7 @@ class Asperities:
         return np.where(closed, a, 0.0)
 
     def sums(self, approach: FloatArray, closed: np.ndarray) -> Sums:
-        """Return the sums at approaches (k,) [mm] over the closed contacts (k, n)."""
+        """Return load, area, stiffness and contact radii at approaches (k,) [mm] for closed contacts (k, n)."""
         a = self.held_radius(approach[:, None] - self.gap, closed)
         one = np.where(closed, a, self.entry_radius)
         with np.errstate(divide="ignore"):  # -inf at the end of a branch
@@ -151,7 +151,7 @@ class Asperities:
         )
 
     def unloading(self, largest: float, by_load: bool) -> Path:
-        """Return the unloading path from an approach x [mm]."""
+        """Return the unloading path from the approach `largest` [mm]."""
         held = self.gap <= largest
         ends = np.unique((self.gap + self.end)[held])[::-1]
         start = np.append(largest, ends[:-1])
@@ -189,14 +189,14 @@ class Path:
     forward: bool
 
     def piece(self, goal: FloatArray) -> IntArray:
-        """Return the piece (k,) in which each goal is first reached; m if it is never reached."""
+        """Return the index (k,) of the piece in which each goal is first reached; m if it is not reached."""
         sign = 1.0 if self.forward else -1.0
         return np.searchsorted(sign * self.best, sign * goal)
 
     def approach(self, goal: FloatArray, piece: IntArray | None = None) -> tuple[FloatArray, np.ndarray]:
         """Return the approaches x (k,) [mm] at the goals, and the closed contacts (k, n).
 
-        piece: the piece of each goal; default: the first one in which it is reached.
+        piece: index of the piece of each goal; default: the first piece in which the goal is reached.
         """
         if piece is None:
             piece = self.piece(goal)

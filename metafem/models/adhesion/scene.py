@@ -123,7 +123,7 @@ class Contacts:
             self.fields = np.stack([coupling.laplacian[rows], coupling.slope_x[rows], coupling.slope_y[rows]])
 
     def respond(self, a: FloatArray, p: FloatArray) -> Fields:
-        """Return the fields of contacts with radii a [mm] and loads p [mm^2]."""
+        """Return the fields and law values of contacts with radii a [mm] and loads p [mm^2]."""
         law, radius, none = self.scene.law, self.radius, np.zeros(len(a))
         if self.scene.order == 1:
             load, moment = law.load(a, radius), none
@@ -245,8 +245,8 @@ class Linear:
     by_radius: FloatArray  # dF/da, including the change of the loads with a, (m, m) [-]
     by_loads: FloatArray  # dF/dp, (m, m) [1/mm]
     loads: FloatArray  # dp/da, (m, m) or its diagonal [mm]
-    own_depth: FloatArray  # dd/da of each contact by itself, (m,) [-]
-    own_load: FloatArray  # dP/da of each contact by itself, (m,) [mm]
+    own_depth: FloatArray  # dd/da of the law of each contact, (m,) [-]
+    own_load: FloatArray  # dP/da of the law of each contact, (m,) [mm]
     mixed: tuple[FloatArray, IntArray] | None = field(repr=False)  # LU factors of the equations p = P(a, k)
 
     @property

@@ -149,7 +149,7 @@ class Unloading(Loading):
         return state if before >= state.a[i] else at(before)
 
     def _between(self, state: State, end: State, goal: Goal) -> State:
-        """Return the state at a goal between two states."""
+        """Return the state at a goal that lies between two states."""
         share = (goal.measure(state) - goal.value) / (goal.measure(state) - goal.measure(end))
         found = self._blend(state, end, share, goal.condition())
         if found is None:

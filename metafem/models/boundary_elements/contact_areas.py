@@ -55,9 +55,9 @@ STEPS = ((1, 0), (0, 1), (1, 1), (1, -1), (-1, 0), (0, -1), (-1, -1), (-1, 1))
 
 @dataclass(frozen=True, eq=False)
 class Contacts:
-    """Loads and areas of the asperities (n,), in units of the cell."""
+    """Loads and areas of the asperities (n,); lengths are in cells."""
 
-    load: FloatArray  # sum of p/E* over the cells on which the asperity is the highest
+    load: FloatArray  # sum of p/E* over the cells in which the asperity is the highest
     area: FloatArray  # contact area on these cells
     # whether the area is the area within the edge instead of the law's area for the second moments
     deformed: NDArray[np.bool_]

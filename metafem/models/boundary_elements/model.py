@@ -139,7 +139,7 @@ class BoundaryElements(WithoutGradients):
         return replace(first, notes=(*first.notes, note))
 
     def _point(self, scene: Scene, guess: Curve | None, value: float, by_load: bool) -> Curve:
-        """Return the equilibrium at one load [mm^2] or approach [mm]."""
+        """Return the equilibrium at one load [mm^2] or approach [mm] as a curve."""
         if guess is None:  # no load, or no contact
             row = (0.0 if by_load else value, 0.0, 0.0, 0.0, 0.0)
             last = partial(self._open, scene.surface, row[0])

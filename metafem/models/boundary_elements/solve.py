@@ -129,7 +129,7 @@ class Scene:
         patches = self._patches(half_width)
         pressure = self._expected(d, patches)
         if not pressure.any():
-            pressure += 1.0  # all summits lie below the surface of other caps: any initial guess works
+            pressure += 1.0  # no summit is the highest surface at its site: any initial guess works
         indentation = float(d.max()) / self.cell
         for _ in range(MAX_GROWTHS):
             operator = self._influence(patches)
@@ -165,7 +165,7 @@ class Scene:
         return np.asarray(factor * (radius / self.cell) + MARGIN_CELLS)
 
     def require_extent(self, contacts: Contacts) -> None:
-        """Raise InvalidInput where a contact is wider than the profile."""
+        """Raise InvalidInput if a contact is wider than its profile."""
         radius = self.cell * np.sqrt(contacts.area / math.pi)
         most = self.cell * self.summits.widest()
         if (radius > most).any():

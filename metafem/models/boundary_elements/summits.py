@@ -64,7 +64,7 @@ class Summits:
 
     def depth_beside(self, i: int, square: FloatArray) -> FloatArray:
         """Return the depth of the cap of asperity i below its summit at squared distances `square`."""
-        if self.paraboloids:  # without the square of a root
+        if self.paraboloids:  # closed form, without a square root
             return np.asarray(square / (2.0 * self.radius[i]))
         distance = self.cell * np.sqrt(square)
         return np.asarray(self.cap.depth_at(distance, self.cell * self.radius[i]) / self.cell)

@@ -61,7 +61,7 @@ class Solution:
 
     @property
     def solved(self) -> np.ndarray:
-        """Whether each equilibrium is converged and finite, (m, k)."""
+        """Whether each equilibrium has converged to finite values, (m, k)."""
         return solved(self.results.residual, self.tolerance, self.results.load, self.results.area)
 
 

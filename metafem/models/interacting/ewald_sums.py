@@ -60,7 +60,7 @@ SAMPLE = 64
 
 
 class ScatteredSums:
-    """Products with the influence matrix and its derivatives for any positions; see the module."""
+    """Products with the influence matrix and its derivatives, for any positions, by Ewald's method."""
 
     def __init__(self, position: FloatArray, substrate: Radial) -> None:
         self.substrate = substrate
@@ -205,7 +205,7 @@ class ScatteredSums:
 
     @cached_property
     def _waves(self) -> tuple[FloatArray, FloatArray]:
-        """Wavenumbers of rows and columns [1/step]."""
+        """Wavenumbers along rows and columns [1/step]."""
         rows, columns = self._padded
         full, half = np.fft.fftfreq(rows), np.fft.rfftfreq(columns)
         return np.asarray(2.0 * math.pi * full[:, None]), np.asarray(2.0 * math.pi * half)
@@ -234,7 +234,7 @@ class ScatteredSums:
         return -(kx**2 + ky**2) * influence, -1j * kx * influence, -1j * ky * influence
 
     def _bent(self, size: int, span: float) -> FloatArray:
-        """Return distances along a cyclic axis [mm], exact up to `span` steps and then smoothly constant."""
+        """Return distances along a cyclic axis [mm], exact up to `span` steps and smoothly constant beyond."""
         x = np.abs(np.fft.fftfreq(size, 1.0 / size))
         width = MARGIN / WIDTHS
         y = (x - span - 0.5 * MARGIN) / width

@@ -53,7 +53,7 @@ def find_lattice(position: FloatArray) -> Lattice | None:
         exact = (centre - first) @ axes.T
         whole = np.rint(exact)
         inside = np.hypot(*(centre - first).T) <= reach
-        # least squares of the similarity x = step * whole, as complex numbers
+        # least-squares fit of positions = step * whole, as complex numbers
         positions = (centre - first)[inside] @ np.array([1.0, 1.0j])
         steps = whole[inside] @ np.array([1.0, 1.0j])
         weight = float((np.abs(steps) ** 2).sum())

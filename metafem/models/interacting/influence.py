@@ -87,7 +87,7 @@ def _kept_sums(substrate: Radial, sites: _Sites) -> LatticeSums | ScatteredSums:
 
 
 def _computed(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupling, FloatArray]:
-    """Compute the influence of the asperities on each other, and the regular self terms (n,)."""
+    """Return the influence of the asperities on each other, and the regular self terms (n,), uncached."""
     # the matrices, their transposes, the Jacobian, and temporary arrays of the same size
     require_memory(8 * surface.count**2 * (3 if order == 1 else 14), f"{surface.count} asperities")
     influence = np.array(substrate.influence_matrix(surface), dtype=np.float64, order="C")

@@ -1,4 +1,4 @@
-"""Curves of scenes too large for dense matrices."""
+"""Curves of scenes that are too large for dense matrices."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ LOOSEST = 0.1
 # Relative residual of the tangent; the stiffness has twice as many correct digits.
 TANGENT = 1e-4
 
-# Residual of the sensitivities, relative to the right-hand side dA0/dp.
+# Largest residual of the equations for sensitivities, relative to their right-hand side dA0/dp.
 SENSITIVITY = 1e-9
 
 

@@ -32,7 +32,7 @@ def area_gradients(
     self_term: FloatArray,
     indentation: FloatArray,
 ) -> FloatArray:
-    """Return dA0/dh at fixed load [mm], (k, n), for equilibria of nominal indentations z (k, n)."""
+    """Return dA0/dh at fixed load [mm], (k, n), for equilibria with nominal indentations z (k, n)."""
     rows, count = indentation.shape
     if count > FEW:
         return general_gradients(field, order, law, self_term, indentation)
