@@ -1,1 +1,1 @@
-"""Compiled kernels; the tests compare each with a readable numpy version."""
+"""Compiled kernels; the tests compare them with readable numpy versions."""

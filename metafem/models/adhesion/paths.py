@@ -92,7 +92,7 @@ class Asperities:
         return np.where(closed, a, 0.0)
 
     def sums(self, approach: FloatArray, closed: np.ndarray) -> Sums:
-        """Return load, area, stiffness and contact radii at approaches (k,) [mm] for closed contacts (k, n)."""
+        """Return the sums at approaches (k,) [mm]; `closed` (k, n) tells which asperities are in contact."""
         a = self.held_radius(approach[:, None] - self.gap, closed)
         one = np.where(closed, a, self.entry_radius)
         with np.errstate(divide="ignore"):  # -inf at the end of a branch

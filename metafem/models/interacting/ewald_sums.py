@@ -234,7 +234,7 @@ class ScatteredSums:
         return -(kx**2 + ky**2) * influence, -1j * kx * influence, -1j * ky * influence
 
     def _bent(self, size: int, span: float) -> FloatArray:
-        """Return distances along a cyclic axis [mm], exact up to `span` steps and smoothly constant beyond."""
+        """Return distances along a cyclic axis [mm], exact up to `span` steps, then smoothly constant."""
         x = np.abs(np.fft.fftfreq(size, 1.0 / size))
         width = MARGIN / WIDTHS
         y = (x - span - 0.5 * MARGIN) / width
