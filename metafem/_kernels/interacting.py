@@ -122,7 +122,7 @@ def newton(field, order, law, self_term, gap, approach, target, state, scratch):
             matrix, scratch.diagonal, state.closed, count, free, target - load, scratch.rhs,
             leave, False, scratch.loads, scratch.work,
         )  # fmt: skip
-        if order == 1 and not (good or free):  # if order 3 is not convex, it has no minimum
+        if order == 1 and not (good or free):  # a non-convex energy of order 3 has no minimum
             shift, good = downhill(self_term, matrix, state, count, leave, scratch)
         if not good:
             residual = max(residual, 1.0)

@@ -34,7 +34,8 @@ POLE, HALVINGS_AT_A_POLE = 1e-11, 14
 # rounding.
 SMALLEST = 1e-8
 
-# Smallest indentation of a table, divided by its scale. Loads of caps with powers up to 32 do not underflow.
+# Smallest indentation of a table, divided by its scale. Products of powers up to 32 are then far above
+# underflow.
 LIGHTEST = 1e-60
 
 # Largest indentation of a table, divided by its scale, for laws without a limit of the indentation.
@@ -66,7 +67,7 @@ KEPT = 64
 
 
 class _Fit(NamedTuple):
-    """Polynomials, in panels, of the logarithms of some functions of a logarithm."""
+    """Piecewise polynomials for several functions of a logarithm."""
 
     edge: FloatArray  # (m + 1,)
     value: FloatArray  # Chebyshev coefficients (m, functions, DEGREE + 1)

@@ -124,7 +124,7 @@ class Curve:
 
     @property
     def status(self) -> Status:
-        """Status of the curve: `CONVERGED` if all its equilibria are."""
+        """`Status.CONVERGED` if all equilibria have converged, else `Status.NOT_CONVERGED`."""
         return Status.CONVERGED if self.converged else Status.NOT_CONVERGED
 
     def with_notes(self, notes: tuple[Note, ...]) -> Curve:

@@ -23,7 +23,7 @@ from metafem.surface import Surface
 
 
 def load_equation(law: Contact, model: object = None) -> LoadEquation:
-    """Return the load equation for a law for unit E*; its states refer to `model`."""
+    """Return the load equation of a contact law, defined for unit E*; its states refer to `model`."""
     adhesive = adhesive_law(law)
     if adhesive is not None:
         return AdhesiveAsperities(model, adhesive)

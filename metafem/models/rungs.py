@@ -28,7 +28,8 @@ from metafem.substrate import Substrate
 from metafem.surface import Surface
 
 # Number of contacts, summed over the loads, for which the error of independent asperities is estimated; and
-# minimum number of these loads.
+# minimum number of these loads. A contact that closes between two of them changes A0 by a fraction of about
+# the inverse of their number.
 PROBED, FEWEST = 6400, 6
 
 # If the relative error is smaller than this after one step, no second step is taken.

@@ -61,15 +61,16 @@ class Law(NamedTuple):
 
 @compiled
 def part(law, row):
-    """Return the tables of one surface, given those of many."""
+    """Return the law of surface `row`, from the law of many surfaces."""
     return Law(law.radius[row], law.which[row], law.scale[row], law.data)
 
 
 @compiled
 def panel(data, at, part, x):
-    """Return the offset of the polynomials of x's panel, the inverse of half its width, and x in the panel.
+    """Return the panel of x: its polynomials' offset, the inverse of half its width, and the position of x.
 
-    The position in the panel is limited to -1 to 1; a fourth number is its distance beyond this range.
+    The position ranges from -1 to 1 within the panel and is limited to this range; a fourth number is the
+    distance of x beyond it.
     """
     start = int(data[at, part])
     panels, bins = int(data[at, start]), int(data[at, start + 1])
@@ -87,7 +88,7 @@ def panel(data, at, part, x):
 
 @compiled
 def line(data, at, first, t, beyond):
-    """Return a polynomial at t and its derivative, continued by a straight line for `beyond`.
+    """Return a polynomial at t, continued by a straight line over the distance `beyond`, and its derivative.
 
     Even and odd powers are evaluated separately, v = e(t^2) + t o(t^2), so that a processor computes them in
     parallel.
@@ -105,7 +106,7 @@ def line(data, at, first, t, beyond):
 
 @compiled
 def curve(data, at, first, t, beyond):
-    """Return a polynomial at t and its two derivatives, continued by a straight line for `beyond`."""
+    """Return the results of `line`, and the second derivative."""
     u = t * t
     e = o = e1 = o1 = e2 = o2 = 0.0
     for k in range(COEFFICIENTS // 2 - 1, -1, -1):

@@ -141,7 +141,7 @@ class Loading:
         return float(self.scene.gap.min())
 
     def _forward(self, state: State, goal: Goal) -> State | None:
-        """Return the state at the goal without new contacts, or a state between; None if none is found."""
+        """Return the state at the goal without new contacts, or a state on the way to it, or None."""
         if goal.stable(state):
             shift = goal.shift(state)
             change = state.rate * shift

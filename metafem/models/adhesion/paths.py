@@ -69,7 +69,7 @@ class Asperities:
     def held_radius(self, indentation: FloatArray, closed: np.ndarray) -> FloatArray:
         """Return contact radii (k, n) [mm] at indentations (k, n) [mm]; 0 for open asperities.
 
-        Newton's method solves the convex function d(a) at radii larger than that of its minimum.
+        Newton's method is used at radii above the minimum of the convex function d(a).
         """
         law, cap = self.law, self.law.cap
         d = np.where(closed, indentation, 0.0)
@@ -201,7 +201,7 @@ class Path:
         if piece is None:
             piece = self.piece(goal)
         closed = self.closed[piece]
-        # bracket: the goal is reached at `high`
+        # bracket of the approach; the goal is reached at `high`
         low, high = (self.start, self.stop) if self.forward else (self.stop, self.start)
         low, high = low[piece], high[piece]
         x = high

@@ -147,7 +147,7 @@ def at_approach(approach: float) -> Condition:
 
 
 def at_radius(contacts: Contacts, i: int, radius: float) -> Condition:
-    """Return the condition that the i-th contact has a contact radius [mm]."""
+    """Return the condition that the contact radius of the i-th contact is `radius` [mm]."""
     unit = np.zeros(len(contacts.closed))
     unit[i] = 1.0
     return Condition(lambda a, p, x, found: float(a[i]) - radius, by_radii=unit)

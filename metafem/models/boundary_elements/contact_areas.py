@@ -1,7 +1,8 @@
 """Load and contact area of each asperity from a resolved pressure; all lengths are in cells.
 
-From the second moments of the pressure about its centroid, ``s = sqrt(<x^2><y^2> - <xy>^2)`` is computed. A
-Hertzian ellipse has the area ``5 pi s``. For other caps s = M/(2 P), and their law gives the area for this M.
+The area follows from ``s = sqrt(<x^2><y^2> - <xy>^2)``, with the second moments of the pressure about its
+centroid. A Hertzian ellipse has the area ``5 pi s``. For other caps M = 2 s P, and their law gives the area
+for this second moment M.
 
 The area of a contact with another shape is found from its edge, near which p^2 decreases linearly to zero.
 The pressure is divided by the smooth factor of the law, squared, and extrapolated outwards by quadratic

@@ -27,9 +27,9 @@ from metafem._validate import FloatArray
 # measured errors of sums over all cells were below 3e-10.
 TOLERANCE = 1e-8
 
-# Offset of two points along each side, in cells, that represent a cell of side 1/sqrt(2). They are used for
-# both source and target. The influence then remains symmetric and equals Love's far field, G + h^2/24 lap G,
-# to fourth order.
+# Offset [cells] of two points along each side of a cell. The points represent a cell of side 1/sqrt(2) and
+# are used for both source and target. The influence then remains symmetric and equals Love's far field, G +
+# h^2/24 lap G, to fourth order.
 HALF_SPREAD = 1.0 / math.sqrt(24.0)
 
 

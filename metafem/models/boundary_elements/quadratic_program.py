@@ -7,7 +7,7 @@ error on the other cells (proportioning: Dostál, Optimal Quadratic Programming 
 doi:10.1007/b138610).
 
 A projected step is accepted only if it decreases the energy; otherwise a sufficiently short projected
-gradient step replaces it. Since the energy decreases at every step, no set of cells is minimised on twice.
+gradient step replaces it. Since the energy decreases at every step, no set of cells recurs.
 The program is strictly convex. The residual of its optimality conditions is recomputed for the returned
 pressure and certifies the solution. In contrast, Polonsky and Keer, Wear 231, 206 (1999),
 doi:10.1016/S0043-1648(99)00113-1, accept all projected steps.

@@ -74,9 +74,8 @@ class Solution:
     contacts: Contacts
     patches: list[Patch]
     covered: bool  # no contact reaches the edge of its patch, and no asperity without cells is in contact
-    indentation: (
-        float  # largest indentation of isolated contacts with these areas; residuals are relative to it
-    )
+    # largest indentation of isolated contacts with these areas; residuals are relative to it
+    indentation: float
     stiffness: float  # derivative of the load by the approach, with fixed cells under pressure
 
 
@@ -252,7 +251,7 @@ class Scene:
             cells, owner = np.argwhere(rim) + region.corner, region.owner[rim]
             reach = np.abs(cells - self.summits.position[owner]).max(axis=1)
             for i in np.unique(owner):
-                # if a summit lies within the cells of others, its contact counts to their patch
+                # if a summit lies within the cells of others, its contact belongs to their patch
                 result[i] = GROWTH * max(half_width[i], reach[owner == i].max()) + MARGIN_CELLS
         load = self.cell**2 * contacts.load
         d = minimum.multiplier * self.cell - self.surface.gap - self.coupling @ load

@@ -107,9 +107,9 @@ class Summits:
 
         The field of the neighbours adds an unknown curvature, whose contribution to M is 2/5 a^2 times its
         contribution to P, as for a paraboloid. Therefore ``M - 2/5 P a^2 = M0(a) - 2/5 P0(a) a^2`` with M0
-        and P0 of an isolated contact; bisection gives a. The slope g of the field moves the centroid by ``4/3
-        a^3 g/P``. It changes the area by the fraction `area_change`, and the area computed from M by the
-        fraction ``(10 - 20/3 a^2 D'/P) (g/D')^2``. Both fractions are zero for paraboloids.
+        and P0 of an isolated contact; bisection gives a. The slope g of the field moves the centroid by
+        ``4/3 a^3 g/P``. It changes the area by the fraction `area_change`, and the area computed from M by
+        the fraction ``(10 - 20/3 a^2 D'/P) (g/D')^2``. Both fractions are zero for paraboloids.
         """
         if self.paraboloids:
             return 5.0 * math.pi * spread

@@ -30,7 +30,7 @@ class Coupled:
         return pedestal_influence(height, radius)[0] if self.pedestal else 0.0
 
     def on_pedestals(self, gradient: FloatArray, height: FloatArray, load: FloatArray) -> FloatArray:
-        """Return dA0/dh (k, n) including the change of the caps' compliance, at loads (k, n) [mm^2]."""
+        """Return dA0/dh (k, n) [mm] with the change of the caps' compliance, at loads (k, n) [mm^2]."""
         if not self.pedestal:
             return gradient
         return gradient * (1.0 - pedestal_influence(height, self.surface.radius)[1] * load)

@@ -30,8 +30,8 @@ class Interacting:
     """Asperities coupled through an elastic substrate.
 
     The indentations are ``d_i = h_i - delta - u_i``, where ``u_i`` is the displacement by the other
-    asperities. Load and area of each contact follow from its law; for Hertz's law ``P_i = 4/3 E* sqrt(R_i)
-    d_i^(3/2)``. Lengths are in mm, loads in N, moduli in MPa.
+    asperities. Load and area of each contact follow from its law; for Hertz's law
+    ``P_i = 4/3 E* sqrt(R_i) d_i^(3/2)``. Lengths are in mm, loads in N, moduli in MPa.
 
     Order 1 represents the other asperities by point loads, ``u_i = sum_j P_j/E* G(r_ij)``. Order 3 adds the
     three terms of the next order:
@@ -52,8 +52,8 @@ class Interacting:
     with nu = 0.5 and up to a/t = 0.3, the error of order 3 in A0 is at most 0.2 %. This error increases as
     (a/t)^5, and is smaller for smaller Poisson's ratios.
 
-    The notes of a state or law warn if contacts overlap, or if the estimated error of order 3 in A0 exceeds 4
-    %. They also state if a/r exceeds 0.32.
+    The notes of a state or law warn if contacts overlap, or if the estimated error of order 3 in A0 exceeds
+    4 %. They also state if a/r exceeds 0.32.
 
     Parameters
     ----------

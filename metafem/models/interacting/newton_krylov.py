@@ -212,9 +212,8 @@ class ContactEquations:
                 rest -= self.jacobian(state, loads, exact) + np.where(closed, diagonal * loads, 0.0)
         direction, before = np.zeros_like(rhs), 0.0
         for _ in range(MAX_INNER):
-            inside = np.where(
-                closed, rest + shift, 0.0
-            )  # without the constant part, to avoid rounding errors
+            # without the constant part, to avoid rounding errors
+            inside = np.where(closed, rest + shift, 0.0)
             ahead = precondition(inside)
             if total is not None:
                 more = -float(ahead.sum()) / uniform_load

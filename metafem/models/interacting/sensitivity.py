@@ -2,8 +2,8 @@
 
 At an equilibrium dW/dp = 0, with the energy W of `_kernels.coupling`. A change dh of the heights changes the
 loads of the asperities in contact by dp, with ``H dp = dh - d delta`` and H = d2W/dp2. The change d delta of
-the separation is such that the sum of the loads is constant. With the gradient c = dA0/dp, l = H^-1 c and m =
-H^-1 1,
+the separation is such that the sum of the loads is constant. With the gradient c = dA0/dp,
+l = H^-1 c and m = H^-1 1,
 
     dA0/dh = l - (1.l / 1.m) m.
 """
