@@ -1,1 +1,1 @@
-"""Compiled kernels; each has a readable numpy twin in tests/."""
+"""Compiled kernels; the tests compare them with readable numpy versions."""

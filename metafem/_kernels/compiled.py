@@ -1,8 +1,9 @@
 """Compilation of kernels, stored on disk outside the package.
 
-Numba's own cache lies in the package, identifies a function only by its source, and writes two files that
-concurrent processes can mix up. Here each compiled function is one file, either complete or absent. The name
-of its folder is a hash of everything on which the machine code depends.
+Numba's own cache is stored in the package and identifies a function only by its source. It writes two files,
+which can become inconsistent if several processes write them. Here each compiled function is stored in one
+file, which is either complete or absent. The names of the folder and of the file contain hashes of everything
+on which the machine code depends.
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ from numba.core.serialize import dumps
 
 from metafem import _caches
 
-# Largest number of stored versions of the kernels: about 3 MB each, one for each Python and each edit.
+# Largest number of stored versions of the kernels. Each takes about 3 MB; every version of Python or of the
+# sources has one.
 MOST_VERSIONS = 8
 
 # Size of the hash at the start of a stored file [bytes].
@@ -37,10 +39,10 @@ DIGEST = 32
 
 
 def compiled(function, *, any_order=False):
-    """Compile a kernel for each signature of its calls, once per installation.
+    """Return a function that is compiled for each signature of its arguments, once per installation.
 
-    any_order: allow sums in any order, as vector instructions need; the last bits then depend on the
-    processor.
+    any_order: whether sums may be evaluated in any order, which vector instructions need. The last bits of
+    the results then depend on the processor.
     """
     fast = {"reassoc"} if any_order else False
     options: Any = {"nogil": True, "no_cfunc_wrapper": True, "fastmath": fast}
@@ -49,12 +51,12 @@ def compiled(function, *, any_order=False):
     return dispatcher
 
 
-# For a kernel inlined into its only caller, which takes less time than compiling and linking both.
+# Decorator of kernels with one caller. Inlining takes less time than compiling and linking both functions.
 inlined = njit(inline="always")
 
 
 def version(package: Path) -> str:
-    """Return a hash of all sources, since kernels call each other, and of the libraries' versions."""
+    """Return a hash of all sources of a package, whose kernels call each other, and of library versions."""
     sources = sorted(package.rglob("*.py"))
     if not sources:
         raise FileNotFoundError(f"no sources in {package}")
@@ -73,18 +75,18 @@ def _version() -> str:
 
 
 def folder() -> Path:
-    """Return the folder of this version of the kernels."""
+    """Return the folder that stores this version of the kernels."""
     return _caches.kernel_folder() / _version()
 
 
 class _Kept(NullCache):
-    """The compiled signatures of one function on disk; unreadable or unwritable files are compiled again."""
+    """Cache of one function's compiled signatures on disk; a signature without a valid file is compiled."""
 
     def __init__(self, function):
         self._name = f"{function.__module__}.{function.__qualname__}"
 
     def load_overload(self, signature, target_context):
-        """Return the stored code of a signature, or None."""
+        """Return the stored code of a signature, or None if no valid file exists."""
         target_context.refresh()
         try:
             path = self._path(signature, target_context.codegen())
@@ -98,8 +100,8 @@ class _Kept(NullCache):
         return CompileResult._rebuild(target_context, *pickle.loads(data))
 
     def save_overload(self, signature, result):
-        """Store the code of a signature: the file is written under another name and then renamed."""
-        if result.library.has_dynamic_globals:  # holds addresses of this process
+        """Store the code of a signature in a temporary file, which is then renamed."""
+        if result.library.has_dynamic_globals:  # contains addresses of this process
             return
         data = dumps(result._reduce())
         with suppress(OSError):
@@ -117,25 +119,25 @@ class _Kept(NullCache):
                 raise
 
     def _path(self, signature, codegen):
-        depends = f"{signature} {codegen.magic_tuple()}"  # with the processor and its features
+        depends = f"{signature} {codegen.magic_tuple()}"  # includes the processor and its features
         return folder() / f"{self._name}-{hashlib.sha256(depends.encode()).hexdigest()[:32]}"
 
 
 @lru_cache
 def _used(path: Path) -> None:
-    """Update the date of the kernels' folder, so that the least recently used folders are removed first."""
+    """Update the date of a folder of kernels, since the least recently used folders are removed first."""
     with suppress(OSError):
         os.utime(path)
 
 
 class _Once(event.Listener):
-    """Call back at the first compilation of the process."""
+    """Listener that calls a function at the first compilation of the process."""
 
     def __init__(self, callback: Callable[[], None]) -> None:
         self.callback: Callable[[], None] | None = callback
 
     def on_start(self, event: event.Event) -> None:
-        """Call back at the first compilation only."""
+        """Call the function at the first compilation; do nothing at later ones."""
         if self.callback is not None:
             self.callback()
             self.callback = None
@@ -145,5 +147,5 @@ class _Once(event.Listener):
 
 
 def on_first_compilation(callback: Callable[[], None]) -> None:
-    """Call `callback` when a kernel is compiled because no cached one was found."""
+    """Call `callback` once, when the first kernel is compiled because it was not cached."""
     event.register("numba:compile", _Once(callback))

@@ -1,7 +1,7 @@
 """Curves of interacting contacts; each equilibrium is predicted from the previous ones.
 
-Each z is nearly linear in the approach x, and exactly linear without interaction. The prediction is the cubic
-through the last two equilibria with their tangents.
+Each nominal indentation z is nearly linear in the approach x, and exactly linear without interaction. The
+prediction is the cubic that has the values and the tangents of the last two equilibria.
 """
 
 from __future__ import annotations
@@ -17,61 +17,63 @@ from metafem._kernels.contact import hertz, tabulated
 from metafem._kernels.coupling import State, copy, empty_state, quadratic_form
 from metafem._kernels.interacting import TOLERANCE, Scratch, empty_scratch, rates, refresh, settle
 
-# Residual of the tangent; the stiffness is stationary there and has twice as many correct digits.
+# Relative residual of the tangent. The stiffness is stationary at the tangent and has twice as many correct
+# digits.
 TANGENT = 1e-4
 
-# Largest distance ahead at which the cubic is used, in units of its length.
+# Largest distance beyond the last equilibrium at which the cubic is used, divided by the distance between the
+# two equilibria that define it.
 REACH = 3.0
 
-# Newton steps for the approach of a prediction, after the step along the tangent; after two their error is
-# below that of the cubic.
+# Newton steps for the approach of a prediction, after a first step along the tangent. After two steps their
+# error is below the error of the cubic.
 PREDICTOR_STEPS = 2
 
 
 class Memory(NamedTuple):
-    """The last two equilibria of a curve, arrays (n,): z, dz/dx, and dp/dP of the last."""
+    """The last two equilibria of a curve: z and dz/dx of each, and the cubic through them; arrays (n,)."""
 
     before: np.ndarray
     before_rate: np.ndarray
     last: np.ndarray
     last_rate: np.ndarray
-    square: np.ndarray  # coefficients of the cubic
+    square: np.ndarray  # coefficients of the cubic; `tangent` uses `square` as scratch
     cube: np.ndarray
 
 
 class Results(NamedTuple):
-    """Results of each equilibrium, (m, k)."""
+    """Results of the equilibria of m surfaces at k loads or approaches, (m, k)."""
 
     approach: np.ndarray  # [mm]
     load: np.ndarray  # P/E* [mm^2]
     area: np.ndarray  # [mm^2]
     stiffness: np.ndarray  # dP/dx [mm]
     residual: np.ndarray
-    radius: np.ndarray  # of the largest contact [mm]
-    steps: np.ndarray  # Newton steps, including those from rejected starts
+    radius: np.ndarray  # contact radius of the largest contact [mm]
+    steps: np.ndarray  # number of Newton steps, including those from rejected predictions
 
 
 def empty_memory(count: int) -> Memory:
-    """Return memory for `count` asperities."""
+    """Return an empty memory for `count` asperities."""
     return Memory(*(np.zeros(count) for _ in Memory._fields))
 
 
 def empty_results(rows: int, columns: int) -> Results:
-    """Return the result arrays of `curves`."""
+    """Return empty result arrays for `curves`."""
     return Results(*(np.zeros((rows, columns)) for _ in Results._fields))
 
 
 def empty_workspace(count: int, order: int) -> tuple[State, Memory, Scratch]:
-    """Return the state, memory and scratch of one thread."""
+    """Return the arrays of one thread: state, memory and scratch."""
     return empty_state(count), empty_memory(count), empty_scratch(count, order)
 
 
 @compiled
 def uniform_approach(gap, law, load):
-    """Return the approach [mm] at which independent asperities carry `load`, within a few percent."""
+    """Return the approach [mm] at which independent asperities carry `load` within 10 %."""
     radius, which, scale, data = law
     x = math.inf
-    for i in range(gap.size):  # a single asperity needs a larger approach: the smallest is an upper bound
+    for i in range(gap.size):  # asperity i needs this approach to carry the load by itself: an upper bound
         if data.size == 0:
             alone = hertz.indentation_at_load(radius[i], load)
         else:
@@ -96,7 +98,7 @@ def uniform_approach(gap, law, load):
             low = x
         else:
             high = x
-        # for a convex load Newton's method cannot overshoot from the right; a plastic load is concave
+        # if the load is convex, Newton's method does not overshoot from the right; a plastic load is concave
         x = x - (p - load) / slope if slope > 0.0 else low
         if not low < x < high:
             x = 0.5 * (low + high)
@@ -105,7 +107,7 @@ def uniform_approach(gap, law, load):
 
 @compiled
 def extrapolate(memory, points, width, ahead, law, z):
-    """Fill z at a distance `ahead` beyond the last equilibrium; return the load and its slope there."""
+    """Fill z at a distance `ahead` beyond the last equilibrium; return its load and dP/dx."""
     radius, which, scale, data = law
     plain = data.size == 0
     cubic = points > 1 and ahead <= REACH * width
@@ -127,7 +129,7 @@ def extrapolate(memory, points, width, ahead, law, z):
 
 @compiled
 def predict(memory, points, width, ahead, target, law, z):
-    """Fill z at a distance `ahead`, corrected for a target load > 0; return the distance."""
+    """Fill the predicted z; return its distance: `ahead`, or the distance that gives a target load > 0."""
     if points > 1:
         for i in range(z.size):
             chord = (memory.last[i] - memory.before[i]) / width
@@ -147,7 +149,7 @@ def predict(memory, points, width, ahead, target, law, z):
 
 @inlined
 def tangent(field, order, self_term, state, count, points, memory, scratch):
-    """Fill memory.last_rate = dz/dx and return dP/dx [mm]; dp/dP is stored in scratch.loads."""
+    """Fill memory.last_rate = dz/dx and scratch.loads = dp/dP; return dP/dx [mm], or infinity if unstable."""
     matrix = refresh(field, order, self_term, state, count, scratch, False)
     load_rate = scratch.loads
     total = compliance = 0.0
@@ -175,7 +177,7 @@ def tangent(field, order, self_term, state, count, points, memory, scratch):
 
 @inlined
 def independent_start(gap, law, control, by_load, z):
-    """Fill z of independent asperities, and return the approach."""
+    """Fill the z of independent asperities; return the approach."""
     start = uniform_approach(gap, law, control) if by_load else control
     for i in range(z.size):
         z[i] = start - gap[i]
@@ -184,9 +186,9 @@ def independent_start(gap, law, control, by_load, z):
 
 @compiled
 def curves(field, order, law, self_term, gap, control, by_load, results, state, memory, scratch, all_z):
-    """Fill the results (m, k) of m surfaces, and z (k, n) of the last surface unless `all_z` is empty.
+    """Fill the results (m, k) of m surfaces; fill `all_z` (k, n) with z of the last surface unless empty.
 
-    self_term, gap and the arrays of the law are (m, n), control (k,) holds increasing loads or approaches.
+    self_term, gap and the arrays of the law are (m, n); control (k,) contains increasing loads or approaches.
     """
     n = gap.shape[1]
     load_rate = np.zeros(n)
@@ -220,7 +222,7 @@ def curves(field, order, law, self_term, gap, control, by_load, results, state, 
                 results.steps[row, j] += steps
                 if residual <= TOLERANCE or alone:
                     break
-                alone = True  # predictions across new contacts can be wrong
+                alone = True  # a prediction can fail if new contacts form
             if all_z.size > 0:
                 copy(state.z, all_z[j])
             results.approach[row, j] = new
@@ -236,7 +238,7 @@ def curves(field, order, law, self_term, gap, control, by_load, results, state, 
             copy(load_rate, scratch.loads)
             stiffness = tangent(field, order, self_term[row], state, count, points, memory, scratch)
             results.stiffness[row, j] = stiffness
-            if stiffness == math.inf:  # not a minimum of the energy
+            if stiffness == math.inf:  # the equilibrium is not a minimum of the energy
                 results.residual[row, j] = 1.0
                 points = 0
                 continue

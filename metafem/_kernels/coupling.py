@@ -1,17 +1,19 @@
-"""Elastic coupling of contacts, all in rescaled load p = P/E* [mm^2].
+"""Elastic coupling of contacts; all loads are rescaled, p = P/E* [mm^2].
 
-Order 3 is the gradient of one complementary energy of the loads,
+The equations of order 3 are the gradient of one complementary energy of the loads,
 
     W(p) = sum_i w_i(p_i, k_i) + 1/2 p.G p - sum_i T_i(p_i) |g_i|^2 - e.p
 
-with the extra curvature k_i = 1/2 sum_j p_j lap_i G_ij, the slope g_i = sum_j p_j grad_i G_ij, and the
-energy w of the contact law, whose derivatives by p and k are the indentation d and half the second moment M
-of the pressure. M represents the finite size of the sources, M_j/4, and T = 2/3 a^3 is the moment of a
-tilted contact. The three corrections derive from one energy, so the Jacobian is symmetric. For Hertz's law
-w = 3/5 p d, M/4 = p a^2/10, T = 1/2 p R, and the contact is shifted by -R g.
+with e_i = x - gap_i at the approach x, the extra curvature k_i = 1/2 sum_j p_j lap_i G_ij, the slope
+g_i = sum_j p_j grad_i G_ij, and the complementary energy w of the contact law. The derivatives of w with
+respect to p and k are the indentation d and half the second moment M of the pressure. The finite size of a
+source j enters as M_j/4, and T = 2/3 a^3 is the moment of a tilted contact. Since the three corrections
+derive from one energy, the Jacobian is symmetric. For Hertz's law w = 3/5 p d, M/4 = p a^2/10, T = 1/2 p R,
+and the contact is shifted by -R g.
 
-The unknown of a contact is its nominal indentation z, at which the law without extra curvature has the load
-p. If z < 0 the asperity is open, with the gap -z. `contact.tabulated` evaluates laws other than Hertz's.
+The unknown of a contact is its nominal indentation z: the indentation at which the law without extra
+curvature has the load p. If z < 0 the asperity is open, with the gap -z. `contact.tabulated` evaluates all
+laws except Hertz's.
 """
 
 from __future__ import annotations
@@ -27,10 +29,10 @@ from metafem._kernels.vectors import add
 
 
 class Coupling(NamedTuple):
-    """Influence of the asperities on each other, (n, n), row j for the source j, zero diagonals allowed.
+    """Influence of the asperities on each other, (n, n); row j belongs to the source j.
 
-    Matrices marked `at` hold derivatives at the displaced asperity, the others derivatives at the source; for
-    order 1 all except `influence` may be empty.
+    Matrices named `_at` contain derivatives at the displaced asperity, the other matrices derivatives at the
+    source. For order 1 all except `influence` may be empty.
     """
 
     influence: np.ndarray
@@ -43,44 +45,44 @@ class Coupling(NamedTuple):
 
 
 class State(NamedTuple):
-    """One iterate, arrays (n,)."""
+    """The contacts at nominal indentations z; arrays (n,)."""
 
     z: np.ndarray  # nominal indentation [mm]
     load: np.ndarray  # p [mm^2]
     rate: np.ndarray  # dp/dz [mm]
     square: np.ndarray  # a^2 [mm^2]
-    widening: np.ndarray  # da^2/dp [-], for Hertz contacts by `widen`
+    widening: np.ndarray  # da^2/dp [-], filled for Hertz contacts by `widen`
     indentation: np.ndarray  # d [mm]
     displacement: np.ndarray  # u at the contact [mm]
-    bend: np.ndarray  # dd/dz; for Hertz (1 + k R)^(1/3)
+    bend: np.ndarray  # dd/dz [-]; (1 + k R)^(1/3) for Hertz's law
     moment: np.ndarray  # M/4 [mm^4]
     lever: np.ndarray  # 2 T [mm^3]
     lever_rate: np.ndarray  # 2 dT/dp [mm]
     lever_bend: np.ndarray  # 2 d2T/dp2 [1/mm]
     slope_x: np.ndarray
     slope_y: np.ndarray
-    curvature: np.ndarray  # sum of p lap G [1/mm], twice k
-    outside: np.ndarray  # 1 where the law or the sharpness is out of range
+    curvature: np.ndarray  # 2 k, the sum of p lap G [1/mm]
+    outside: np.ndarray  # 1 if z or the extra curvature is outside the range of the law, else 0
     part: np.ndarray  # scratch
     other: np.ndarray  # scratch
     closed: np.ndarray  # indices of the asperities in contact
 
 
 def empty_state(count: int) -> State:
-    """Return a state of `count` asperities without contact."""
+    """Return a zero state of `count` asperities."""
     return State._make([*np.zeros((len(State._fields) - 1, count)), np.zeros(count, dtype=np.int64)])
 
 
 @compiled
 def copy(source, target):
-    """Copy an array (n,); slice assignment would take seconds to compile."""
+    """Copy an array (n,) by a loop; slice assignment would take seconds to compile."""
     for i in range(target.size):
         target[i] = source[i]
 
 
 @compiled
 def add_rows(matrix, closed, count, weight, out):
-    """Add sum_j weight[j] matrix[j] over the closed j to `out`."""
+    """Add the sum over closed j of weight[j] matrix[j] to `out` (n,)."""
     n = out.size
     k = 0
     while k + 4 <= count:
@@ -100,7 +102,7 @@ def add_rows(matrix, closed, count, weight, out):
 
 @compiled
 def press(law, order, state):
-    """Fill the quantities that depend on z only; return the number of contacts."""
+    """Fill the quantities that depend only on z; return the number of contacts."""
     radius, which, scale, data = law
     plain = data.size == 0
     count = 0
@@ -142,7 +144,7 @@ def press(law, order, state):
 
 @compiled
 def sharpen(law, state, count):
-    """Fill the quantities that change with the curvature of the neighbours' field."""
+    """Fill the quantities that depend on the curvature of the neighbours' field."""
     radius, which, scale, data = law
     plain = data.size == 0
     for k in range(count):
@@ -170,7 +172,7 @@ def sharpen(law, state, count):
 
 @compiled
 def widen(law, state, count):
-    """Fill da^2/dp = R/(2 a b) of Hertz contacts, b = dd/dz; only sensitivities need it."""
+    """Fill da^2/dp = R/(2 sqrt(R z) b^2) of Hertz contacts, with b = dd/dz; only sensitivities need this."""
     if law.data.size == 0:
         for k in range(count):
             i = state.closed[k]
@@ -179,7 +181,7 @@ def widen(law, state, count):
 
 @compiled
 def respond(field, order, law, self_term, state):
-    """Fill the state from its z; return the number of contacts."""
+    """Fill all quantities of a state from its nominal indentations z; return the number of contacts."""
     load, closed, u = state.load, state.closed, state.displacement
     n = load.size
     count = press(law, order, state)
@@ -211,9 +213,9 @@ def respond(field, order, law, self_term, state):
 
 @compiled
 def assemble(field, state, count, matrix):
-    """Fill the rows of dF/dp for the contacts, without the diagonal of the law and `self_term`.
+    """Fill the rows of dF/dp of the contacts, without the diagonal terms of the law and of `self_term`.
 
-    Terms quadratic in the order-3 corrections are left out; the residual contains them.
+    Terms quadratic in the order-3 corrections are omitted here; the residual includes them.
     """
     tilt_x, tilt_y, third = state.part, state.other, state.square
     n = third.size
@@ -238,7 +240,7 @@ def assemble(field, state, count, matrix):
 
 @compiled
 def quadratic_form(field, order, self_term, state, count, y, out, rate):
-    """Return y.(d2W/dp2) y with all terms; y is zero on open asperities. out, rate: scratch."""
+    """Return y.(d2W/dp2) y with all terms; y is zero for open asperities. out, rate: scratch (n,)."""
     closed = state.closed
     out[:] = 0.0
     add_rows(field.influence, closed, count, y, out)
@@ -254,7 +256,7 @@ def quadratic_form(field, order, self_term, state, count, y, out, rate):
     for k in range(count):
         i = closed[k]
         square = state.square[i]
-        # dd/dk = a^2/3 and dM/dk = -16/45 a^5 at a given load, for every elastic law
+        # dd/dk = a^2/3 and dM/dk = -16/45 a^5 at fixed load, for every elastic law
         curved = 2.0 / 45.0 * square * square * math.sqrt(square)
         total += rate[i] * (square / 3.0 * y[i] - curved * rate[i])
     for axis in range(2):
@@ -273,7 +275,7 @@ def quadratic_form(field, order, self_term, state, count, y, out, rate):
 
 @compiled
 def energy(order, law, gap, approach, state, count):
-    """Return the complementary energy W [mm^3] of the state."""
+    """Return the complementary energy W [mm^3] of a state."""
     total = 0.0
     plain = law.data.size == 0
     for k in range(count):
@@ -294,10 +296,11 @@ def energy(order, law, gap, approach, state, count):
 
 @compiled
 def measure(order, gap, approach, target, state, count):
-    """Return the residual of the equations, and the load.
+    """Return the residual of the equations [-] and the load [mm^2].
 
-    The residual is the largest |d + u - e| of a contact or overlap of an open asperity, over the largest d;
-    if `target` is positive, it includes the relative error of the load.
+    The residual is the largest |d + u - e| of a contact, or the largest overlap of an open asperity with the
+    plane, divided by the largest d. If `target` is positive, the residual is at least the relative error of
+    the load.
     """
     worst = largest = load = rest = 0.0
     for i in range(gap.size):
@@ -311,7 +314,7 @@ def measure(order, gap, approach, target, state, count):
         else:
             worst = max(worst, state.z[i] - error)
     load += rest
-    nothing = 1.0 if worst > 0.0 else 0.0  # open summits that overlap the plane
+    nothing = 1.0 if worst > 0.0 else 0.0  # no contact, but open summits overlap the plane
     residual = nothing if count == 0 else worst / largest
     if target > 0.0:
         residual = max(residual, abs(load - target) / target)

@@ -1,4 +1,4 @@
-"""Products with the coefficients of pairwise expansions."""
+"""Products with the coefficients of expansions between pairs of patches."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ from metafem._kernels.vectors import dot
 
 @compiled
 def apply_pairs(first, second, order, start, table, moments, result):
-    """Add the block of each pair times the moments of its second patch to the first, and the transpose.
+    """Add the products of the block of each pair with the moments of its two patches to `result`.
 
-    moments, result: (m, s, s); a pair of order q uses the leading (q, q) of each. Its block is
-    table[start:start + q^4], rows for the first patch and columns for the second.
+    The block times the moments of the second patch is added to the first patch, and the transposed block
+    times the moments of the first patch to the second. moments, result: (m, s, s); a pair of order q uses the
+    leading (q, q) entries of each. Its block is table[start:start + q^4], with rows for the first patch and
+    columns for the second.
     """
     size = moments.shape[1] * moments.shape[2]
     source = np.empty(size)

@@ -1,7 +1,8 @@
-"""Load equation of independent Hertzian asperities, all in rescaled load P/E* [mm^2].
+"""Load equation of independent Hertzian asperities; all loads are rescaled, P/E* [mm^2].
 
-Gaps are sorted: gap[0] = 0 belongs to the tallest asperity, so the sums stop at the first open one.
-With the approach x, d_i = x - gap_i and P/E* = sum 4/3 sqrt(R_i) d_i^(3/2) is convex and increasing.
+The gaps are sorted, and gap[0] = 0 belongs to the tallest asperity, so the sums stop at the first open
+asperity. At the approach x, d_i = x - gap_i, and P/E* = sum 4/3 sqrt(R_i) d_i^(3/2) is a convex, increasing
+function of x.
 """
 
 from __future__ import annotations
@@ -15,21 +16,22 @@ from metafem._kernels.compiled import compiled
 from metafem._kernels.contact import hertz
 from metafem._kernels.vectors import add
 
-# From the right, Newton's method first reduces the distance by two thirds per step and then converges
-# quadratically; 200 steps are enough for any double.
+# Maximum number of Newton steps. Far above the root, each step reduces the distance to the root by two
+# thirds; near the root, Newton's method converges quadratically. 200 steps suffice for any double-precision
+# numbers.
 MAX_STEPS = 200
 
-# The first refinement reduces the error of the load to rounding.
+# Maximum number of refinements; usually the first one reduces the error of the load to rounding.
 MAX_REFINEMENTS = 3
 ROUNDING = 4.0 * np.finfo(np.float64).eps
 
-# Relative error of the load before the last step of `areas`; the step squares it.
+# Largest relative error of the load before the last step of `areas`, which squares this error.
 SETTLED = 1e-8
 
 
 @compiled
 def load_and_slope(gap, root_radius, approach):
-    """Return P/E* [mm^2] and its derivative by the approach [mm]."""
+    """Return P/E* [mm^2] and its derivative dP/dx [mm] with respect to the approach."""
     load = 0.0
     slope = 0.0
     for i in range(gap.size):
@@ -44,7 +46,7 @@ def load_and_slope(gap, root_radius, approach):
 
 @compiled
 def sums(gap, root_radius, base, depth):
-    """Return P/E* [mm^2], A0 [mm^2] and slope [mm] at the approach base + depth, with compensated sums."""
+    """Return P/E* [mm^2], A0 [mm^2] and dP/dx [mm] at the approach base + depth, by compensated sums."""
     load = area = slope = 0.0
     load_rest = area_rest = slope_rest = 0.0
     for i in range(gap.size):
@@ -61,15 +63,15 @@ def sums(gap, root_radius, base, depth):
 
 @compiled
 def approach_at_load(gap, root_radius, load, below):
-    """Return the approach [mm] at a load; `below` is a lower bound of it, such as 0."""
+    """Return the approach [mm] at a load; `below` is a lower bound of the approach, such as 0."""
     if load <= 0.0:
         return 0.0
-    # upper bracket: contact of the tallest asperity only
+    # upper bound: the tallest asperity carries the load by itself
     above = hertz.indentation_at_load(root_radius[0] ** 2, load)
     x = above
     if below > 0.0:
         p, s = load_and_slope(gap, root_radius, below)
-        # the tangent of a convex function lies below it: this step ends on the right of the root
+        # the tangent of a convex function lies below the function, so this step ends above the root
         x = min(above, below + (load - p) / s)
     for _ in range(MAX_STEPS):
         p, s = load_and_slope(gap, root_radius, x)
@@ -86,9 +88,10 @@ def approach_at_load(gap, root_radius, load, below):
 
 @compiled
 def refine(gap, root_radius, load, approach):
-    """Split an approach into the gap of the last contact and its indentation, and solve for the latter.
+    """Return the gap of the shallowest contact and its indentation, solved for accurately.
 
-    If all indentations are far smaller than the gaps, they cannot be computed accurately from the approach.
+    Their sum is the approach. If all indentations are far smaller than the gaps, the difference of approach
+    and gap would be inaccurate.
     """
     if approach <= 0.0:
         return 0.0, approach
@@ -108,9 +111,9 @@ def refine(gap, root_radius, load, approach):
 
 @compiled
 def curves(gap, root_radius, load, approach, carried, area, slope):
-    """Fill (m, k) results for m surfaces of n asperities and k increasing loads.
+    """Fill approach, load, area and slope (m, k) of m surfaces at k increasing loads.
 
-    gap, root_radius: (m, n), rows sorted by gap. carried: the load recomputed at the approach.
+    gap, root_radius: (m, n), with each row sorted by gap. carried: loads recomputed at the approaches.
     """
     for i in range(gap.shape[0]):
         x = 0.0
@@ -123,14 +126,14 @@ def curves(gap, root_radius, load, approach, carried, area, slope):
 
 @compiled
 def curve_at_approach(gap, root_radius, approach, load, area, slope):
-    """Fill load, area and slope (k,) of one surface at given approaches (k,)."""
+    """Fill load, area and slope (k,) of one surface at approaches (k,)."""
     for j in range(approach.size):
         load[j], area[j], slope[j] = sums(gap, root_radius, 0.0, approach[j])
 
 
 @partial(compiled, any_order=True)
 def quick_sums(gap, root_radius, count, base, depth):
-    """Return P/E* [mm^2], its slope [mm], A0 [mm^2] and its slope [mm]; the first `count` may touch."""
+    """Return P/E* [mm^2], dP/dx [mm], A0 [mm^2] and dA0/dx [mm] of the first `count` asperities."""
     load = slope = area = rate = 0.0
     for i in range(count):
         d = max(depth + (base - gap[i]), 0.0)
@@ -144,39 +147,39 @@ def quick_sums(gap, root_radius, count, base, depth):
 
 @compiled
 def areas(gap, root_radius, load, area):
-    """Fill only the areas (m, k) of `curves`, in a fifth of its time; nan without a solution."""
+    """Fill only the areas (m, k), in a fifth of the time of `curves`; nan if there is no solution."""
     for i in range(gap.shape[0]):
         x = slope = 0.0
         for j in range(load.size):
             area[i, j] = math.nan if load[j] > 0.0 else 0.0
             if load[j] <= 0.0:
                 continue
-            # upper bounds, as in approach_at_load: contact of the tallest asperity only, or the tangent
+            # upper bounds as in approach_at_load: the tallest asperity by itself, and the tangent
             above = hertz.indentation_at_load(root_radius[i, 0] ** 2, load[j])
             start = above
             if slope > 0.0:
                 above = min(above, x + (load[j] - load[j - 1]) / slope)
-                # a power law through the last equilibrium, with its slope, is closer
+                # a power law with the load and slope of the last equilibrium is closer
                 start = min(above, x * (load[j] / load[j - 1]) ** (load[j - 1] / (x * slope)))
             x = start
-            count = np.searchsorted(gap[i], above)  # no others touch at a smaller approach
+            count = np.searchsorted(gap[i], above)  # other asperities are open below this approach
             for _ in range(MAX_STEPS):
-                # the unknown is that of `refine`: the indentation of the shallowest contact
+                # as in `refine`, solve for the indentation of the shallowest contact
                 last = np.searchsorted(gap[i, :count], x)
                 base = gap[i, last - 1]
                 carried, slope, total, rate = quick_sums(gap[i], root_radius[i], last, base, x - base)
                 step = (load[j] - carried) / slope
                 new = min(x + step, above)
                 same = new > base and (last == count or new <= gap[i, last])
-                # rounding decides whether a contact that just touches is open or closed
+                # whether a contact that just touches is open or closed depends on rounding
                 settled = same or abs(step) <= ROUNDING * x
                 if new == x or (settled and abs(carried - load[j]) <= SETTLED * load[j]):
-                    area[i, j] = total + rate * step  # exact unless a contact is added
+                    area[i, j] = total + rate * step  # exact unless a contact forms
                     x += step
                     break
                 x = new
 
 
 def empty_results(rows: int, columns: int) -> tuple[np.ndarray, ...]:
-    """Return the four result arrays of `curves`."""
+    """Return the four empty result arrays of `curves`, (rows, columns) each."""
     return tuple(np.empty((rows, columns)) for _ in range(4))

@@ -1,4 +1,4 @@
-"""Newton's method for interacting contacts at one load or approach, and sensitivities; see `coupling`."""
+"""Newton's method for interacting contacts at a load or an approach, and sensitivities; see `coupling`."""
 
 from __future__ import annotations
 
@@ -12,36 +12,38 @@ from metafem._kernels.compiled import compiled, inlined
 from metafem._kernels.coupling import assemble, copy, energy, measure, respond, widen
 from metafem._kernels.vectors import factorise, substitute
 
-# Largest residual of a solution, and the goal of Newton's method, which is smaller to allow for rounding.
+# Largest residual of a solution, and residual at which Newton's method stops; it is smaller to allow for
+# rounding.
 TOLERANCE = 1e-12
 GOAL = 3e-13
 
-# Largest number of Newton steps: 2 along a curve, 3 to 8 from an independent state, more with damping.
+# Maximum number of Newton steps. Usually 2 are needed along a curve, 3 to 8 from independent contacts, and
+# more if steps are shortened.
 MAX_STEPS = 60
 
-# Relative residual of the inner solver: it decreases quadratically within two steps.
+# Relative residual of the linear solver; with this value two Newton steps still converge quadratically.
 INNER = 1e-5
 
-# Largest number of halvings of a step: smaller steps change the energy by less than rounding.
+# Maximum number of halvings of a step; smaller steps change the energy by less than rounding.
 MAX_CUTS = 30
 
-# If the energy is not convex (overlapping contacts, one of which finally opens), the compliance of the law is
-# multiplied by this factor, at most this many times, until the step decreases the energy.
+# If the energy is not convex, because contacts overlap until one of them opens, the compliance of the contact
+# law is multiplied by this factor, at most this many times, until the matrix is positive definite.
 SOFTER = 4.0
 MOST_SOFTENINGS = 20
 
-# Smallest fraction of the predicted decrease of the energy (Armijo).
+# Smallest accepted fraction of the predicted decrease of the energy (Armijo's condition).
 ARMIJO = 1e-4
 
-# Largest number of bisections of the approach for a load at which Newton's method stalls.
+# Maximum number of bisections of the approach at a load for which Newton's method does not converge.
 MAX_BRACKET = 100
 
 
 class Scratch(NamedTuple):
-    """Work space of one thread."""
+    """Scratch arrays of one thread."""
 
     matrix: np.ndarray  # (n, n)
-    ready: np.ndarray  # rows of the matrix that are filled, (n,)
+    ready: np.ndarray  # whether each row of the matrix is filled, (n,)
     work: np.ndarray  # (4, n)
     loads: np.ndarray  # step of the loads (n,)
     step: np.ndarray  # step of z
@@ -52,7 +54,7 @@ class Scratch(NamedTuple):
 
 
 def empty_scratch(count: int, order: int) -> Scratch:
-    """Return scratch for `count` asperities."""
+    """Return the scratch arrays for `count` asperities."""
     size = 0 if order == 1 else count
     rows = [np.zeros(count) for _ in range(6)]
     return Scratch(np.zeros((size, size)), np.zeros(count, np.bool_), projected_cg.empty_work(count), *rows)
@@ -60,7 +62,7 @@ def empty_scratch(count: int, order: int) -> Scratch:
 
 @compiled
 def refresh(field, order, self_term, state, count, scratch, always):
-    """Fill the diagonal, and the matrix if needed; return the matrix."""
+    """Fill the diagonal, and the matrix if it is always needed or a row is missing; return the matrix."""
     for k in range(count):
         i = state.closed[k]
         scratch.diagonal[i] = self_term[i] + state.bend[i] / state.rate[i]
@@ -80,7 +82,7 @@ def refresh(field, order, self_term, state, count, scratch, always):
 
 @compiled
 def rates(state, count, shift, scratch, out):
-    """Fill the change of z of all asperities for the last solution of loads and approach."""
+    """Fill the change of z of all asperities (n,) that belongs to the last solution of the linear system."""
     for i in range(out.size):
         out[i] = scratch.work[0, i] + shift
     for k in range(count):
@@ -90,7 +92,7 @@ def rates(state, count, shift, scratch, out):
 
 @compiled
 def newton(field, order, law, self_term, gap, approach, target, state, scratch):
-    """Solve from state.z and the approach; a target load > 0 makes the approach an unknown.
+    """Solve for an equilibrium at the approach or, if `target` > 0, at this load, starting from state.z.
 
     Return the approach, the number of contacts, the load, the residual and the number of steps.
     """
@@ -102,7 +104,7 @@ def newton(field, order, law, self_term, gap, approach, target, state, scratch):
     for _ in range(MAX_STEPS):
         if residual <= GOAL:
             break
-        if count == 0:  # no contact to linearise: close all asperities that overlap
+        if count == 0:  # no contact to linearise: close all asperities that overlap the plane
             for i in range(gap.size):
                 state.z[i] = x - gap[i]
             count = respond(field, order, law, self_term, state)
@@ -120,7 +122,7 @@ def newton(field, order, law, self_term, gap, approach, target, state, scratch):
             matrix, scratch.diagonal, state.closed, count, free, target - load, scratch.rhs,
             leave, False, scratch.loads, scratch.work,
         )  # fmt: skip
-        if order == 1 and not (good or free):  # the energy of order 3 has no minimum there
+        if order == 1 and not (good or free):  # a non-convex energy of order 3 has no minimum
             shift, good = downhill(self_term, matrix, state, count, leave, scratch)
         if not good:
             residual = max(residual, 1.0)
@@ -129,13 +131,13 @@ def newton(field, order, law, self_term, gap, approach, target, state, scratch):
         x, count, load, new, full = line_search(
             field, order, law, self_term, gap, x, shift, target, residual, count, state, scratch
         )
-        # a matrix is reused while each step gains two digits
+        # the matrix is reused while each full step gains two digits
         always = not full or new > 1e-2 * residual
         stalled = new > 0.5 * residual and (new <= TOLERANCE or (free and not full))
         residual = new
         if stalled:
             break
-    for i in range(gap.size):  # z of open asperities is minus their gap, for predictions and sensitivities
+    for i in range(gap.size):  # set z of open asperities to minus their gap, as predictions need
         if state.z[i] <= 0.0:
             state.z[i] = min(x - gap[i] - state.displacement[i], 0.0)
             state.indentation[i] = state.z[i]
@@ -144,11 +146,14 @@ def newton(field, order, law, self_term, gap, approach, target, state, scratch):
 
 @inlined
 def downhill(self_term, matrix, state, count, leave, scratch):
-    """Solve for a step at a given approach, with softer contacts that make the matrix positive definite."""
+    """Solve for a step at fixed approach, with softer contacts that make the matrix positive definite.
+
+    Return the change of the approach, 0, and whether the step was found.
+    """
     raised = 1.0
     shift, good = 0.0, False
     for k in range(count):
-        if scratch.diagonal[state.closed[k]] <= 0.0:  # on a thin layer: no minimum exists
+        if scratch.diagonal[state.closed[k]] <= 0.0:  # possible on a thin layer: no minimum exists
             return shift, good
     for _ in range(MOST_SOFTENINGS):
         raised *= SOFTER
@@ -169,10 +174,10 @@ def downhill(self_term, matrix, state, count, leave, scratch):
 
 @inlined
 def line_search(field, order, law, self_term, gap, approach, shift, target, residual, count, state, scratch):
-    """Move z along the step until the energy or the residual decreases enough, starting with a full step.
+    """Move z by the full step, halved until the energy or the residual decreases enough.
 
     Return the approach, the number of contacts, the load, the residual, and whether the step is full. At a
-    given load the residual is used, because the path does not satisfy the constraint of the energy.
+    fixed load only the residual is used, because intermediate points do not have this load.
     """
     free = target > 0.0
     before = slope = 0.0
@@ -201,10 +206,11 @@ def line_search(field, order, law, self_term, gap, approach, shift, target, resi
 
 @inlined
 def settle(field, order, law, self_term, gap, approach, target, state, scratch):
-    """Solve by Newton's method at a given load or, if the target is 0, at the approach.
+    """Solve by Newton's method at the load `target` or, if this is 0, at the approach.
 
-    If it stalls at a load, equilibria at given approaches bracket the load: it increases with the approach,
-    and at a given approach the energy is convex. Bisection ends close enough for Newton's method.
+    If Newton's method does not converge at the load, equilibria at fixed approaches bracket the solution,
+    because the load increases with the approach and the energy at fixed approach is convex. Bisection
+    continues until Newton's method converges at the load. Return the same values as `newton`.
     """
     copy(state.z, scratch.safe)
     low, high = 0.0, math.inf
@@ -215,7 +221,7 @@ def settle(field, order, law, self_term, gap, approach, target, state, scratch):
         end, count, load, residual, more = newton(field, order, law, self_term, gap, x, goal, state, scratch)
         steps += more
         if target == 0.0 or (goal > 0.0) == (residual <= TOLERANCE):
-            break  # solved at the load, or not solved at the approach
+            break  # converged at the load, or failed at the approach
         if goal > 0.0:
             copy(scratch.safe, state.z)
             x, goal = following, 0.0
@@ -232,10 +238,10 @@ def settle(field, order, law, self_term, gap, approach, target, state, scratch):
 
 @compiled
 def area_gradients(field, order, law, self_term, indentation, state, matrix, scratch, gradient):
-    """Fill dA0/dh (k, n) for equilibria of indentations (k, n); return the number of solved rows.
+    """Fill dA0/dh (k, n) for equilibria with nominal indentations (k, n); return the number of filled rows.
 
-    See `models.interacting.sensitivity` for the equations. It stops at the first equilibrium whose system is
-    not positive definite. matrix: (n, n), scratch: (6, n).
+    See `models.interacting.sensitivity` for the equations. The loop ends at the first equilibrium whose
+    matrix is not positive definite. matrix: (n, n), scratch: (6, n).
     """
     by_area, by_approach = scratch[3], scratch[4]
     for row in range(indentation.shape[0]):
@@ -258,7 +264,7 @@ def area_gradients(field, order, law, self_term, indentation, state, matrix, scr
 
 @compiled
 def hessian(field, order, self_term, state, count, matrix, scratch):
-    """Fill the lower triangle of d2W/dp2 on the asperities in contact, dA0/dp and ones."""
+    """Fill the lower triangle of d2W/dp2 for the asperities in contact, and dA0/dp and ones in scratch."""
     lap, gx, gy, by_area, by_approach = scratch[0], scratch[1], scratch[2], scratch[3], scratch[4]
     closed = state.closed
     for k in range(count):
@@ -277,7 +283,7 @@ def hessian(field, order, self_term, state, count, matrix, scratch):
         curved = 2.0 / 45.0 * square * square * math.sqrt(square)
         bend, tilt = square / 6.0, -state.lever_rate[i]
         narrowing = 2.0 / 3.0 * math.pi * square * math.sqrt(square) * state.widening[i]
-        # curvature and slopes at this contact by the load of each
+        # curvature and slopes at this contact due to the load of each contact
         for m in range(count):
             j = closed[m]
             lap[m], gx[m], gy[m] = field.laplacian[i, j], field.slope_x[i, j], field.slope_y[i, j]

@@ -1,7 +1,8 @@
 """Piecewise polynomials for the regular part of a bonded layer's influence.
 
-g(s) = pi t (G - 1/(pi r)) with s = r/t. table: (3, pieces, DEGREE + 1) for g, g' and g'', coefficients
-of the powers of y = 2 (s/WIDTH - piece) - 1. Beyond the table the displacement is zero: g(s) = -1/s.
+g(s) = pi t (G - 1/(pi r)) with s = r/t. The table (3, pieces, DEGREE + 1) contains, for g, g' and g'', the
+coefficients of the powers of y = 2 (s/WIDTH - piece) - 1. Beyond the table the displacement is zero, so
+g(s) = -1/s.
 """
 
 from __future__ import annotations
@@ -12,15 +13,15 @@ import numpy as np
 
 from metafem._kernels.compiled import compiled
 
-# g is analytic in |Im s| < 2: on pieces of half-width 1/16 the error decreases by a factor of 64 per degree,
-# to 64^-10 = 1e-18.
+# Width of a piece and degree of its polynomials. g is analytic in |Im s| < 2, so on pieces of half-width 1/16
+# the error decreases by a factor of 64 per degree, to 64^-10 = 1e-18.
 WIDTH = 0.125
 DEGREE = 9
 
 
 @compiled
 def regular(s, table):
-    """Return g, g' and g'' at one distance s [-]."""
+    """Return g, g' and g'' at a distance s [-]."""
     piece = int(s / WIDTH)
     if piece >= table.shape[1]:
         inverse = 1.0 / s
@@ -36,7 +37,7 @@ def regular(s, table):
 
 @compiled
 def fill_regular(distance, thickness, table, value, first, second):
-    """Fill the regular part of G [1/mm], G' and G'' at distances r [mm], all (n,)."""
+    """Fill the regular parts of G [1/mm], G' [1/mm^2] and G'' [1/mm^3] at distances r [mm], all (n,)."""
     unit = 1.0 / (math.pi * thickness)
     for i in range(distance.size):
         g, slope, bend = regular(distance[i] / thickness, table)
@@ -46,5 +47,5 @@ def fill_regular(distance, thickness, table, value, first, second):
 
 
 def empty_results(count: int) -> tuple[np.ndarray, ...]:
-    """Return the three result arrays of `fill_regular`."""
+    """Return the three empty result arrays of `fill_regular`, (count,) each."""
     return tuple(np.empty(count) for _ in range(3))

@@ -1,6 +1,6 @@
-"""Love's displacement of a uniformly loaded square, in units of the cell.
+"""Love's solution for a uniformly loaded square; all lengths are in cells.
 
-The displacement at (x, y) of unit pressure p/E* on the unit square about the origin is
+Unit pressure p/E* on the unit square about the origin causes at (x, y) the displacement
 ``1/pi`` times the integral of ``1/r`` over the square. Love, Phil. Trans. R. Soc. A 228, 377 (1929),
 doi:10.1098/rsta.1929.0009; Johnson, Contact Mechanics (1985), eq. 3.25, doi:10.1017/CBO9781139171731.
 """
@@ -13,9 +13,9 @@ import numpy as np
 
 from metafem._kernels.compiled import compiled
 
-# The closed form is a second difference of terms of size r: it loses (r/cell)^2 units in the last
-# place and is used only up to this distance. Beyond it, five Gauss points per side have an error of
-# about (4 r)^-10 < 1e-15, without cancellation.
+# Largest distance at which the closed form is used [cells]. The closed form is a second difference of terms
+# of size r, whose rounding error is about r^2 units in the last place. Beyond this distance five Gauss points
+# per side have an error of about (4 r)^-10 < 1e-15, without cancellation.
 CLOSED_FORM_DISTANCE = 8.0
 
 # Gauss-Legendre rule on [-1/2, 1/2].
@@ -41,7 +41,7 @@ def asinh_difference(b, a, s):
 
 @compiled
 def displacement(x, y):
-    """Return the displacement, in cells, of unit pressure p/E* on the unit square about the origin."""
+    """Return the displacement [cells] at (x, y) by unit pressure p/E* on the unit square about the origin."""
     x = abs(x)
     y = abs(y)
     if max(x, y) > CLOSED_FORM_DISTANCE:
@@ -61,7 +61,7 @@ def displacement(x, y):
 
 @compiled
 def table(rows, columns):
-    """Return displacements at distances of whole cells, (rows, columns)."""
+    """Return the displacements [cells] at offsets of (i, j) cells, (rows, columns)."""
     result = np.empty((rows, columns))
     for i in range(rows):
         for j in range(columns):

@@ -1,4 +1,4 @@
-"""Sums of point sources on a regular grid, and interpolation from it, by a smooth window.
+"""Spreading of point sources to a regular grid, and interpolation from the grid, by a smooth window.
 
 ``w(x) = exp(b (sqrt(1 - (2x/POINTS)^2) - 1))`` for |x| < POINTS/2 grid steps (Barnett, Magland and af
 Klinteberg, SIAM J. Sci. Comput. 41, C479 (2019), doi:10.1137/18M120885X).
@@ -12,21 +12,22 @@ import numpy as np
 
 from metafem._kernels.compiled import compiled
 
-# Width of the window, and its shape parameter for a twofold oversampled grid: error 1e-11 (same source).
+# Width of the window in grid points, and its shape parameter b. On a grid with twofold oversampling the error
+# is 1e-11 (same source).
 POINTS = 13
 SHAPE = 2.30 * POINTS
 
 
 @compiled
 def window(x):
-    """Return w at a distance x [grid steps]."""
+    """Return the window w at a distance x [grid steps]."""
     square = 1.0 - (2.0 * x / POINTS) ** 2
     return math.exp(SHAPE * (math.sqrt(square) - 1.0)) if square > 0.0 else 0.0
 
 
 @compiled
 def weights(position, out):
-    """Fill the window (POINTS,) around a position [grid steps]; return the first grid point."""
+    """Fill the window values (POINTS,) around a position [grid steps]; return the first grid point."""
     first = math.ceil(position - 0.5 * POINTS)
     for k in range(POINTS):
         out[k] = window(first + k - position)
@@ -35,7 +36,7 @@ def weights(position, out):
 
 @compiled
 def spread(position, source, grid):
-    """Add sources (n,) at positions (n, 2) [grid steps: row, column] to the grid."""
+    """Add sources (n,) at positions (n, 2), row and column [grid steps], to the grid."""
     wy, wx = np.empty(POINTS), np.empty(POINTS)
     for i in range(source.size):
         if source[i] == 0.0:
@@ -49,7 +50,7 @@ def spread(position, source, grid):
 
 @compiled
 def gather(position, grid, out):
-    """Fill the sums (n,) of the grid weighted by the windows at positions (n, 2)."""
+    """Fill `out` (n,) with the sums over the grid, weighted by the windows at positions (n, 2)."""
     wy, wx = np.empty(POINTS), np.empty(POINTS)
     for i in range(out.size):
         row, column = weights(position[i, 0], wy), weights(position[i, 1], wx)

@@ -1,10 +1,10 @@
-"""Conjugate gradients for the Newton step, within the plane of a given total load.
+"""Projected conjugate gradients for a Newton step with a fixed total load.
 
-Solves ``A y - x 1 = b`` and ``sum y = total`` for the loads y of the contacts and the approach x:
-conjugate gradients preconditioned by the diagonal and the constraint
-(Gould, Hribar and Nocedal, SIAM J. Sci. Comput. 23, 1376 (2001), doi:10.1137/S1064827598345667). The
-stiff long waves that only shift the approach are projected out. Without the constraint, x = 0. The set of
-contacts is fixed; `models.boundary_elements.quadratic_program` also determines the set.
+Solves ``A y - x 1 = b`` and ``sum y = total`` for the loads y of the contacts and the approach x. The
+preconditioner consists of the diagonal and the constraint (Gould, Hribar and Nocedal, SIAM J. Sci. Comput.
+23, 1376 (2001), doi:10.1137/S1064827598345667). The projection removes the stiff long-wave modes that only
+change the approach. Without the constraint, x = 0. The set of contacts is fixed here, whereas
+`models.boundary_elements.quadratic_program` also determines this set.
 """
 
 from __future__ import annotations
@@ -14,17 +14,19 @@ import numpy as np
 from metafem._kernels.compiled import compiled
 from metafem._kernels.coupling import add_rows
 
-# Enough for any well-posed dense system; the next Newton step corrects an inexact one.
+# Maximum number of steps, sufficient for any well-posed dense system. The next Newton step corrects an
+# inexact solution.
 MAX_STEPS = 400
 
 
 @compiled
 def solve(matrix, diagonal, closed, count, free, total, rhs, tolerance, warm, y, work):
-    """Fill y; return the approach, and whether the matrix was positive in all search directions.
+    """Fill y; return x, and whether the curvature of A was positive in all search directions.
 
-    matrix: rows of A for the contacts, with `diagonal` (n,) added to the diagonal. warm: y is an initial
-    guess that satisfies the constraint. work: (4, n); its first row returns the residual
-    ``rhs - A y`` on every row, including open ones; on the contacts, it plus x is within `tolerance`.
+    matrix: rows of A for the contacts, without `diagonal` (n,), which is added to the diagonal of A. free:
+    whether the constraint applies. warm: whether y is an initial guess that satisfies the constraint. work:
+    (4, n); on return its first row is ``rhs - A y`` for all asperities, including open ones. For the
+    contacts, this row plus x is within `tolerance`.
     """
     n = diagonal.size
     residual, inverse, direction, image = work[0], work[1], work[2], work[3]
@@ -90,5 +92,5 @@ def solve(matrix, diagonal, closed, count, free, total, rhs, tolerance, warm, y,
 
 
 def empty_work(count: int) -> np.ndarray:
-    """Return scratch for `solve`."""
+    """Return the scratch array of `solve`."""
     return np.zeros((4, count))

@@ -1,4 +1,4 @@
-"""Sum over pairs of contacts for estimating the error of order 3."""
+"""Sum over pairs of contacts, from which the error of order 3 is estimated."""
 
 from __future__ import annotations
 
@@ -8,20 +8,22 @@ import numpy as np
 
 from metafem._kernels.compiled import compiled
 
-# For a small contact i, the error of the displacement by contact j changes the area of i by a fraction of the
-# area of j. For paraboloids this is .014 A_j R_i/R_j (a_j/r)^5, the first term of Hertz's displacement that
-# order 3 leaves out. The change of A0 was up to .037 of such a sum in a thousand random scenes; times
-# `truncation.PAIRS` this is .05.
+# Smallest weight of a pair, divided by the area of the source j. It matters for a small contact i: the error
+# in the displacement by contact j changes the area of i by a fraction of the area of j. For paraboloids the
+# change is .014 A_j R_i/R_j (a_j/r)^5, from the first term of Hertz's displacement that order 3 omits. In a
+# thousand random scenes A0 changed by up to .037 times the sum of A_j R_i/R_j (a_j/r)^5. SMALL times
+# `truncation.PAIRS` is .05.
 SMALL = 0.2
 
 
 @compiled
 def pair_sum(position, response, source, area):
-    """Return the sum of w_ij (a_j/r)^5 r_i/s_j over the contact area, infinite where contacts overlap.
+    """Return the sum of w_ij (a_j/r)^5 r_i/s_j divided by the contact area; infinite if contacts overlap.
 
-    The weight is ``w_ij = max(A_i, SMALL A_j)``, at least the effect on a small contact.
-    position: (n, 2) [mm]; response, source: (n,), radii r and s [mm] of the paraboloids with the same change
-    of area by a displacement and with the same load; area: (n,) [mm^2], 0 if open.
+    The weight is ``w_ij = max(A_i, SMALL A_j)``; its second part is the effect on a small contact.
+    position: (n, 2) [mm]. response, source: radii r and s (n,) [mm] of two paraboloids equivalent to each
+    contact; the first has the same change of area by a displacement, the second the same load. area: (n,)
+    [mm^2], 0 if open.
     """
     contact_radius = np.sqrt(area / math.pi)
     total = weighted = 0.0

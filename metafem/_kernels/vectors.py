@@ -1,4 +1,4 @@
-"""Vectors and small linear systems in one thread; a threaded BLAS may wait for busy cores."""
+"""Operations on vectors and small matrices in one thread, since a threaded BLAS may wait for busy cores."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from metafem._kernels.compiled import compiled
 
 @compiled
 def dot(a, b):
-    """Return the inner product of a with the first elements of b, by four partial sums."""
+    """Return the inner product of a and the leading elements of b, computed as four partial sums."""
     s0 = s1 = s2 = s3 = 0.0
     whole = a.size - a.size % 4
     for i in range(0, whole, 4):
@@ -24,14 +24,14 @@ def dot(a, b):
 
 @compiled
 def add(total, rest, term):
-    """Add a term to a sum and its rounding error, after Neumaier, ZAMM 54, 39 (1974)."""
+    """Return a sum and its rounding error after adding a term: Neumaier, ZAMM 54, 39 (1974)."""
     new = total + term
     return new, rest + ((total - new) + term if total >= term else (term - new) + total)
 
 
 @compiled
 def violations(w, face):
-    """Return the largest |w| on the face, and the largest overlap -w elsewhere."""
+    """Return the largest |w| on the face, and the largest -w, the overlap, outside it."""
     inside = 0.0
     outside = 0.0
     for i in range(w.size):
@@ -44,7 +44,7 @@ def violations(w, face):
 
 @compiled
 def factorise(matrix, count, column):
-    """Replace a lower triangle by its Cholesky factor; return whether it is positive."""
+    """Replace a lower triangle by its Cholesky factor; return whether the matrix is positive definite."""
     for k in range(count):
         if not matrix[k, k] > 0.0:
             return False
@@ -62,7 +62,7 @@ def factorise(matrix, count, column):
 
 @compiled
 def substitute(matrix, count, vector):
-    """Replace a vector by the solution with a Cholesky factor."""
+    """Replace a right-hand side by the solution, given the Cholesky factor in `matrix`."""
     for k in range(count):
         total = vector[k]
         for m in range(k):

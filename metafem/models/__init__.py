@@ -1,4 +1,4 @@
-"""Models of the whole interface: loads and areas from heights and separation."""
+"""Models of the complete interface, which compute loads and contact areas of a surface under a plane."""
 
 from metafem.models.automatic import Automatic
 from metafem.models.boundary_elements.field import ContactField

@@ -1,4 +1,4 @@
-"""Threads and memory that a solver uses."""
+"""Threads and memory of the solvers."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ import numpy as np
 
 from metafem.errors import InvalidInput
 
-# Threads of a solution, also for the transforms; the stated times are for two cores.
+# Number of threads of a solver and of its Fourier transforms. Times in comments were measured on two cores.
 THREADS = 2
 
-# Assumed memory where the system does not report it: that of a common laptop [bytes].
+# Memory that is assumed if the system does not report its memory: that of a common laptop [bytes].
 DEFAULT_MEMORY = 8 * 2**30
 
 
 def run_rows(run: Callable[[slice], None], rows: int, work: int, work_per_thread: int) -> None:
-    """Call `run` on slices that cover the rows, with a second thread if there is enough work.
+    """Call `run` with slices that cover all rows, in two threads if there is enough work.
 
     Each row is computed separately, so the results do not depend on the number of threads.
     """
@@ -42,7 +42,7 @@ def memory() -> int:
 
 
 def require_memory(needed: float, what: str) -> None:
-    """Raise InvalidInput where `needed` bytes exceed the machine's memory, before they are allocated."""
+    """Raise InvalidInput if `needed` bytes exceed the machine's memory; call it before the allocation."""
     there = memory()
     if needed > there:
         raise InvalidInput(

@@ -1,4 +1,4 @@
-"""The cheapest model whose error is within a tolerance for a given surface and load."""
+"""Automatic choice of the cheapest model whose error for a surface and load is within a tolerance."""
 
 from __future__ import annotations
 
@@ -27,12 +27,14 @@ from metafem.notes import Level, Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
-# Error of the area of one contact by `BoundaryElements`, in cells: 7, and a quarter more for safety; and the
-# minimum number of cells per radius of the largest contact.
+# Assumed error in the area of one contact by `BoundaryElements`, in cells. The measured error is up to 7
+# cells; a quarter is added for safety.
 CELL_ERROR = 9.0
 
-# The same error where contacts merge or nearly touch, with narrow gaps between them: measured up to 11.
+# Assumed error per contact, in cells, if contacts merge or are separated by narrow gaps: measured up to 11.
 MERGING_ERROR = 30.0
+
+# Minimum number of cells per radius of the largest contact.
 FEWEST_CELLS = 10.0
 
 UNUSED_BLOCK = information("the surface's block is not used: the contacts are coupled through a half-space")
@@ -40,29 +42,36 @@ UNUSED_BLOCK = information("the surface's block is not used: the contacts are co
 
 @dataclass(frozen=True)
 class Automatic(WithoutGradients):
-    """The first of `Independent`, `Interacting` of orders 1 and 3, and `BoundaryElements` within a tolerance.
+    """The cheapest model whose estimated error is within a tolerance.
 
-    Each model is solved in turn and its error is estimated from its own contacts. For independent asperities
-    it is the change of A0 by their displacements, which one product with the influence gives; for order 1
-    that by the equations of order 3; for order 3 the sum of (a/r)^5 over pairs of contacts, and of (a/t)^5 on
-    a layer, and for caps other than paraboloids the effect of the slopes of the neighbours' fields. The
-    estimates of the later models are added to those of the earlier ones. Independent asperities are used at
-    given loads only; their approach includes the sinking of the base, interpolated between some of the loads.
+    The models are `Independent`, `Interacting` of order 1 and of order 3, and `BoundaryElements`. They are
+    solved in this order, and the error of each is estimated from its own solution:
 
-    If order 3 exceeds the tolerance, contacts overlap, or it has no solution, the contacts are resolved by
-    sufficiently fine cells, and the asperity models are used at the lighter loads. Above 2000 asperities, and
-    on substrates other than half-space and layer, contacts cannot be resolved; a warning then states the
-    estimated error of order 3. Contacts of laws with adhesion or plasticity cannot be resolved either: the
-    asperity model of the highest order that the law supports is used. For adhesive contacts that is order 3.
-    Its estimated error is compared with the tolerance, and a note states it, as a warning above the
-    tolerance. For plastic contacts it is order 1, whose error is not estimated, and a warning says that the
-    tolerance is not checked.
+    - independent asperities: the change of A0 by the displacements due to their loads;
+    - order 1: the change of A0 by the terms of order 3;
+    - order 3: a sum of (a/r)^5 over pairs of contacts, on a layer also a sum of (a/t)^5 over contacts, and
+      for caps other than paraboloids the effect of the slopes of the neighbours' fields.
+
+    The error of each model also includes the estimates for the models that follow it. Independent asperities
+    are used only under load control. Their approach includes the sinking of the base, which is computed at
+    some of the loads and interpolated between them.
+
+    The contacts are resolved by sufficiently fine cells if the error of order 3 exceeds the tolerance, if
+    contacts overlap, or if order 3 has no solution. The asperity models are still used at the lighter loads.
+    Contacts cannot be resolved above 2000 asperities, or on substrates other than half-space and layer. Order
+    3 is used instead, and a warning states its estimated error.
+
+    Contacts with adhesion or plasticity cannot be resolved either. The asperity model of the highest order
+    that the law supports is used. For adhesive contacts this is order 3; a note states its estimated error,
+    and is a warning if the error exceeds the tolerance. For plastic contacts this is order 1; its error is
+    not estimated, and a warning says that the tolerance is not checked.
 
     Parameters
     ----------
     tolerance : float
-        Relative error of A0(P) against resolved contacts on the same substrate, positive. It governs only
-        the choice; the equations are solved to the tolerance of the chosen model.
+        Largest relative error of A0(P), positive, compared with resolved contacts on the same substrate. The
+        tolerance affects only the choice of the model. The equations are solved to the tolerance of that
+        model.
     substrate : Substrate
         Default: `HalfSpace()`.
     contact : Contact
@@ -93,7 +102,7 @@ class Automatic(WithoutGradients):
     def __post_init__(self) -> None:
         check.member(self, "tolerance", above=0.0)
         checked_contact(self.contact)
-        _ = self.gradient_model  # checks the substrate, and the contact on it
+        _ = self.gradient_model  # raises InvalidInput for an unsuitable substrate
 
     @cached_property
     def _uncoupled(self) -> Independent:
@@ -106,7 +115,7 @@ class Automatic(WithoutGradients):
     def curve(
         self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
     ) -> Curve:
-        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,)."""
+        """Return equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,)."""
         unused = (UNUSED_BLOCK,) if surface.block is not None and self.substrate == HalfSpace() else ()
         if not resolvable(self.contact):
             alone = self.gradient_model.curve(surface, load, approach=approach)
@@ -126,7 +135,7 @@ class Automatic(WithoutGradients):
         return curve.with_notes((*curve.notes, *unused))
 
     def _unchecked(self, surface: Surface, curve: Curve) -> Note:
-        """Return a note that the tolerance is not checked for a law whose contacts cannot be resolved."""
+        """Return a note on the order used, and its estimated error, if the contacts cannot be resolved."""
         order = f"order {self.gradient_model.order}"
         rest = f"contacts of {self.contact!r} cannot be resolved, so the tolerance of {self.tolerance:g} is"
         if self.gradient_model.order == 1:
@@ -139,7 +148,10 @@ class Automatic(WithoutGradients):
     def _asperities(
         self, surface: Surface, load: FloatArray | None, approach: FloatArray | None
     ) -> tuple[Curve | None, float, str]:
-        """Return the curve of the first sufficient asperity model, its estimated error and its title."""
+        """Return the curve of the cheapest sufficient asperity model, its estimated error and its title.
+
+        If none is sufficient, these are the curve, error and title of order 3; the curve is None if it fails.
+        """
         if load is not None:
             curve, error = self._independent(surface, load)
             if curve is not None:
@@ -150,9 +162,9 @@ class Automatic(WithoutGradients):
         return *self._order_3(surface, load, approach), "order 3"
 
     def _independent(self, surface: Surface, load: FloatArray) -> tuple[Curve | None, float]:
-        """Return the curve of independent asperities on a sinking base, or None above the tolerance.
+        """Return the curve of independent asperities on a sinking base, with its largest estimated error.
 
-        The second value is the largest estimated error.
+        If they do not converge or their error exceeds the tolerance, return None and infinity.
         """
         curve = self._uncoupled.curve(surface, load)
         rows = probed(load, surface.count)
@@ -169,7 +181,10 @@ class Automatic(WithoutGradients):
     def _order_1(
         self, surface: Surface, load: FloatArray | None, approach: FloatArray | None
     ) -> tuple[Curve | None, float]:
-        """Return the curve of order 1 with its largest estimated error, or None above the tolerance."""
+        """Return the curve of order 1 with its largest estimated error.
+
+        If order 1 fails or its error exceeds the tolerance, return None and infinity.
+        """
         point = self._point_loads
         values, by_load = controlled(load, approach)
         if len(values) > 1:  # the error is usually largest at the last load
@@ -194,7 +209,7 @@ class Automatic(WithoutGradients):
     def _order_3(
         self, surface: Surface, load: FloatArray | None, approach: FloatArray | None
     ) -> tuple[Curve | None, float]:
-        """Return the curve by order 3 with the estimated error of its last state, or None if it fails."""
+        """Return the curve of order 3 with the estimated error of its last state, or None and infinity."""
         try:
             curve = self.gradient_model.curve(surface, load, approach=approach)
         except MetafemError:
@@ -212,13 +227,13 @@ class Automatic(WithoutGradients):
         error: float,
         reason: str,
     ) -> Curve:
-        """Return the curve by order 3 up to the first value that needs resolved contacts, then by those."""
+        """Return a curve of asperity models at light loads, and of resolved contacts from there on."""
 
         def control(rows: slice) -> tuple[FloatArray | None, FloatArray | None]:
-            """Return loads and approaches, one of them None."""
+            """Return the loads and the approaches of some rows; one of the two is None."""
             return (values[rows], None) if by_load else (None, values[rows])
 
-        low, high = 0, len(values) - 1  # the error grows with the load, and the last one needs them
+        low, high = 0, len(values) - 1  # the error grows with the load: bisection
         while low < high:
             middle = (low + high) // 2
             _, estimate = self._order_3(surface, *control(slice(middle, middle + 1)))
@@ -243,10 +258,10 @@ class Automatic(WithoutGradients):
     def _cell(
         self, surface: Surface, load: FloatArray | None, approach: FloatArray | None, error: float
     ) -> float:
-        """Return the side of the cells [mm] for which the error of A0 is within the tolerance.
+        """Return the side of the cells [mm] with which the error of A0 is within the tolerance.
 
-        error: the estimate for order 3, infinite where contacts merge or nearly touch.
-        The contacts are taken from order 1, or from independent asperities where it has no solution.
+        error: the estimated error of order 3, infinite if contacts overlap.
+        The contacts are computed by order 1, or as independent asperities if order 1 has no solution.
         """
         point = Interacting(1, self.substrate, self.contact)
         try:

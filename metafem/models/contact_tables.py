@@ -18,37 +18,40 @@ from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import contacts
 from metafem.errors import InvalidInput
 
-# Degree of the polynomials in a panel, and the largest coefficient of the last two degrees if the panel
-# resolves the logarithm of a function: a digit above the rounding of the functions.
+# Degree of the polynomials in a panel, and a bound for the coefficients of the last two degrees. If they are
+# smaller, the panel resolves the logarithm of a function to ten times its rounding error.
 DEGREE, RESOLVED = 7, 3e-14
 
-# Largest width of a panel in the logarithm, and maximum number of halvings: these resolve a profile's
-# quadrature down to its rounding noise.
+# Largest width of a panel in the logarithm, and number of halvings with the bound above: they resolve a law
+# computed by quadrature to its rounding errors.
 WIDEST, MOST_HALVINGS = 3.0, 7
 
-# Threshold of noise for the last two coefficients, and number of halvings of panels with larger ones.
-# The load of a sphere grows without limit at its equator; its tables end a thousandth of R before it.
+# Looser bound after these halvings, above the rounding errors of a quadrature, and the maximum number of all
+# halvings. More halvings are needed near the equator of a sphere, where its load grows without limit.
 POLE, HALVINGS_AT_A_POLE = 1e-11, 14
 
-# Smallest contact radius of a table over the scale: below it every smooth law is a power law to rounding.
+# Smallest contact radius of a table, divided by its scale. Below it every smooth law is a power law to
+# rounding.
 SMALLEST = 1e-8
 
-# Smallest indentation of a table over the scale: products of powers up to 32 stay far above underflow.
+# Smallest indentation of a table, divided by its scale. Products of powers up to 32 are then far above
+# underflow.
 LIGHTEST = 1e-60
 
-# Largest indentation of a table over the scale, for laws without a largest one.
+# Largest indentation of a table, divided by its scale, for laws without a limit of the indentation.
 DEEPEST = 4.0
 
-# Relative difference up to which two contact radii are the same edge of a panel, by rounding.
+# Contact radii that differ relatively by less than this are treated as one edge of a panel.
 SAME = 1e-9
 
-# Slope D' at the edge of a contact below which T(p), the moment of a tilted contact, is set proportional to
-# the load. Otherwise the tilt of a flat summit would grow without limit as its load vanishes. The slope of
-# the neighbours' field reaches this value when contacts are as wide as a fifth of their distance.
+# Smallest slope D' at the edge of a contact for which the moment T(p) of a tilted contact follows the law. At
+# smaller slopes T is proportional to the load; otherwise the tilt of a flat summit would grow without limit
+# as its load vanishes. The slopes of the neighbours' fields reach this value when the contact radius is a
+# fifth of the distance between contacts.
 FLATTEST = 0.005
 
-# Nodes of a panel from -1 to 1 with the matrix from values there to coefficients, and the points of the
-# quadrature between two of them.
+# Chebyshev nodes from -1 to 1, the matrix from values at the nodes to Chebyshev coefficients, the number of
+# Gauss points between two nodes, and the matrix from Chebyshev coefficients to coefficients of powers.
 NODES = np.cos(np.pi * np.arange(DEGREE, -1, -1) / DEGREE)
 TO_CHEBYSHEV = np.linalg.inv(chebyshev.chebvander(NODES, DEGREE)).T
 GAUSS = 8
@@ -56,7 +59,7 @@ TO_POWERS = np.array(
     [np.pad(chebyshev.cheb2poly(row), (0, DEGREE + 1))[: DEGREE + 1] for row in np.eye(DEGREE + 1)]
 )
 
-# Bins per panel in which the panel of a number is looked up.
+# Bins per panel; the kernels find the panel of an argument from its bin.
 BINS = 2
 
 # Number of cached tables: each takes milliseconds to compute and about 30 kB.
@@ -64,13 +67,13 @@ KEPT = 64
 
 
 class _Fit(NamedTuple):
-    """Functions of a logarithm in panels."""
+    """Piecewise polynomials for several functions of a logarithm."""
 
     edge: FloatArray  # (m + 1,)
     value: FloatArray  # Chebyshev coefficients (m, functions, DEGREE + 1)
 
     def row(self) -> FloatArray:
-        """Return the panels as `_kernels.contact.tabulated` reads them."""
+        """Return the panels in the layout that `_kernels.contact.tabulated` reads."""
         panels = len(self.value)
         bins = BINS * panels
         width = (self.edge[-1] - self.edge[0]) / bins
@@ -82,7 +85,7 @@ class _Fit(NamedTuple):
 
 
 def tables(law: Contact, radius: FloatArray) -> Law:
-    """Return the law of asperities of radii (..., n) [mm] for the kernels; `law` is that for unit E*."""
+    """Return the tables of a law for unit E* and radii (..., n) [mm], as the kernels read them."""
     size = np.array(radius, dtype=np.float64, order="C")
     if law == PARABOLOID:
         return Law(size, np.full(size.shape, -1), size, np.empty((0, 0)))
@@ -107,19 +110,19 @@ def tables(law: Contact, radius: FloatArray) -> Law:
 
 
 def rows_of(law: Law, rows: int | slice) -> Law:
-    """Return the law of some of many surfaces, whose radii are (m, n)."""
+    """Return the tables for some rows of surfaces with radii (m, n)."""
     return law._replace(radius=law.radius[rows], which=law.which[rows], scale=law.scale[rows])
 
 
 def deepest(law: Law) -> FloatArray:
-    """Return the largest indentation [mm] in the tables of each asperity."""
+    """Return the largest indentation [mm] that the table of each asperity covers."""
     if not law.data.size:
         return np.full(law.which.shape, math.inf)
     return np.asarray(law.data[law.which, kernel.DEEPEST] * law.scale)
 
 
 def _stacked(tables: list[FloatArray]) -> FloatArray:
-    """Return tables as rows, padded with zeros to the same length."""
+    """Return an array with one table in each row, padded with zeros to the longest."""
     size = max(len(row) for row in tables)
     return np.stack([np.pad(row, (0, size - len(row))) for row in tables])
 
@@ -131,13 +134,13 @@ def _kept(law: Hashable, radius: float) -> FloatArray:
 
 @lru_cache(maxsize=4)
 def _of_each(law: Hashable, radius: tuple[float, ...]) -> FloatArray:
-    """Return the stacked tables of the law of each asperity, of which there may be thousands."""
+    """Return the stacked tables of asperities with one law each; there may be thousands."""
     own = cast(Contact, law)
     return _stacked([_table(own.one(i), each) for i, each in enumerate(radius)])
 
 
 def _table(law: Contact, radius: float) -> FloatArray:
-    """Compute the table of a law for one radius [mm]."""
+    """Return the table of a law for one radius [mm]."""
     end = float(law.largest_indentation(radius))
     last = end if math.isfinite(end) else DEEPEST * radius
     ends = law.contact_radius(np.array([LIGHTEST * radius, last]), radius)
@@ -168,7 +171,7 @@ def _table(law: Contact, radius: float) -> FloatArray:
     table = np.concatenate([[most, 0.0, 0.0, 0.0, *begin], *parts])
     if elastic is None:
         return table
-    # D' = 2 pi a/(dA/dd) grows along the profile
+    # D' = 2 pi a/(dA/dd) increases with the contact radius
     a = np.geomspace(float(ends[0]), float(ends[1]), 4000)
     flat = np.flatnonzero(2.0 * math.pi * a / law.area_slope(a, radius) < FLATTEST)
     if flat.size:
@@ -179,7 +182,7 @@ def _table(law: Contact, radius: float) -> FloatArray:
 
 
 def _fitted(functions: Callable[[FloatArray], FloatArray], ends: FloatArray) -> _Fit:
-    """Return polynomials of functions of x between ends, in panels that resolve them."""
+    """Return polynomials that resolve functions of x, in panels between the given ends."""
     low, high = ends[:-1], ends[1:]
     done: list[tuple[FloatArray, FloatArray, FloatArray]] = []
     pieces = np.maximum(np.ceil((high - low) / WIDEST), 1.0).astype(int)
@@ -206,7 +209,7 @@ def _fitted(functions: Callable[[FloatArray], FloatArray], ends: FloatArray) -> 
 
 
 def _energy(fit: _Fit) -> FloatArray:
-    """Return the polynomials of the logarithm of ``int_0^z z dp = z p - int_0^z p dz``."""
+    """Return polynomials for the logarithm of the energy ``int_0^z z dp = z p - int_0^z p dz``."""
     half, middle = 0.5 * np.diff(fit.edge), 0.5 * (fit.edge[1:] + fit.edge[:-1])
     load = fit.value[:, 0]
     point, weight = np.polynomial.legendre.leggauss(GAUSS)

@@ -1,4 +1,4 @@
-"""Curves of equilibria, which every model returns; every load is rescaled, P/E* [mm^2]."""
+"""Curves of equilibria, the result of every model. All loads are rescaled, P/E* [mm^2]."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from metafem.models.boundary_elements.field import ContactField
 from metafem.notes import Note
 from metafem.surface import Surface
 
-# Arrays of a curve, with one entry for each load.
+# Names of the arrays of a curve, each with one entry per equilibrium.
 ARRAYS = ("approach", "load", "area", "stiffness", "residual")
 
 
 class Status(Enum):
-    """How a solution ended; the value is the message."""
+    """Whether a solution converged; the value of a member is its message."""
 
     CONVERGED = "converged: the residual is within the model's tolerance"
     NOT_CONVERGED = "not converged: the residual exceeds the model's tolerance"
@@ -30,20 +30,20 @@ class Status(Enum):
 
 @dataclass(frozen=True, eq=False)
 class RescaledState:
-    """The asperities of one equilibrium."""
+    """Loads, areas and indentations of the asperities in one equilibrium."""
 
     load: FloatArray  # (n,), rescaled load of each asperity, P_i/E* [mm^2]
     area: FloatArray  # (n,), contact area of each asperity [mm^2]
-    indentation: FloatArray  # (n,), indentation of each asperity [mm]; for an open one its gap, negative
-    # smallest distance between the plane and the base plane near a summit [mm], see `ContactState`
+    indentation: FloatArray  # (n,), indentation of each asperity [mm]; minus the gap if it is open
+    # smallest distance between the rigid plane and the base near a summit [mm], see `ContactState`
     base_gap: float
     model: Any  # the model that was solved
     notes: tuple[Note, ...] = ()  # approximations of this state
-    field: ContactField | None = None  # fields on cells, with the pressure over E* [-]
+    field: ContactField | None = None  # fields on cells; the pressure is divided by E* [-]
 
 
 def solved(residual: FloatArray, tolerance: float, load: FloatArray, area: FloatArray) -> np.ndarray:
-    """Whether equilibria are converged and finite, in arrays of any shape."""
+    """Return whether equilibria are converged and finite, for arrays of any shape."""
     return np.asarray((residual <= tolerance) & np.isfinite(load + area))
 
 
@@ -60,15 +60,15 @@ class Curve:
     area : ndarray
         Real contact area A0 [mm^2].
     stiffness : ndarray
-        Derivative of the rescaled load by the approach [mm].
+        Derivative of the rescaled load with respect to the approach [mm].
     residual : ndarray
-        Largest relative error of the equations [-], recomputed on what is returned.
+        Largest relative error of the equations [-], recomputed for the returned solution.
     tolerance : float
         Largest residual of a converged equilibrium.
     compute_last : callable
-        Returns the last state; it is called when `last` is first read.
+        Function that returns the last state; it is called when `last` is first read.
     notes : tuple of Note
-        Approximations of the whole curve.
+        Approximations that concern the complete curve.
 
     Examples
     --------
@@ -89,14 +89,14 @@ class Curve:
     notes: tuple[Note, ...] = ()
 
     def part(self, rows: IntArray, compute_last: Callable[[], RescaledState]) -> Curve:
-        """Return the curve at some of its loads; `compute_last` is used unless the last is included."""
+        """Return the curve at some of its rows; `compute_last` is used if they end before the last one."""
         whole = rows[-1] == len(self.load) - 1
         arrays = {name: getattr(self, name)[rows] for name in ARRAYS}
         return replace(self, **arrays, compute_last=(lambda: self.last) if whole else compute_last)
 
     @staticmethod
     def joined(parts: list[Curve]) -> Curve:
-        """Return consecutive curves joined into one."""
+        """Return one curve that consists of consecutive parts."""
         arrays: dict[str, Any] = {
             name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS
         }
@@ -109,7 +109,7 @@ class Curve:
 
     @cached_property
     def last(self) -> RescaledState:
-        """State of the asperities at the last load."""
+        """State of the asperities in the last equilibrium."""
         return self.compute_last()
 
     @cached_property
@@ -119,16 +119,16 @@ class Curve:
 
     @property
     def converged(self) -> bool:
-        """Whether all equilibria are converged."""
+        """Whether all equilibria are converged and finite."""
         return bool(self.solved.all())
 
     @property
     def status(self) -> Status:
-        """Whether all equilibria are converged, with the message."""
+        """`Status.CONVERGED` if all equilibria have converged, else `Status.NOT_CONVERGED`."""
         return Status.CONVERGED if self.converged else Status.NOT_CONVERGED
 
     def with_notes(self, notes: tuple[Note, ...]) -> Curve:
-        """Return the curve with other notes and the same cached results."""
+        """Return the curve with other notes; cached results are retained."""
         curve = object.__new__(Curve)
         curve.__dict__.update(self.__dict__, notes=notes)
         return curve
@@ -141,7 +141,7 @@ class Curve:
 
 
 def controlled(load: FloatArray | None, approach: FloatArray | None) -> tuple[FloatArray, bool]:
-    """Return whichever of the two arrays is not None, and whether it holds loads."""
+    """Return the one array that is not None, and whether it contains loads."""
     if (load is None) == (approach is None):
         raise InvalidInput("a curve needs either load [mm^2] or approach [mm]")
     by_load = load is not None
@@ -149,7 +149,7 @@ def controlled(load: FloatArray | None, approach: FloatArray | None) -> tuple[Fl
 
 
 def refuse_flattening(law: Contact, unloading: bool) -> None:
-    """Raise InvalidInput for the unloading of plastic contacts, which follows a different law."""
+    """Raise InvalidInput for unloading of plastic contacts, which follow a different law on unloading."""
     if unloading and type(law).unloaded is not Contact.unloaded:
         raise InvalidInput(
             f"unloading = True: the contacts of {law!r} stay flattened; use friction_law with "
@@ -159,16 +159,16 @@ def refuse_flattening(law: Contact, unloading: bool) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
-    """A law at loads (k,) with the derivatives of its area by the heights (n,) at fixed load.
+    """A curve at loads (k,), and the derivatives of its area with respect to heights (n,) at fixed load.
 
     Attributes
     ----------
     curve : Curve
     compute_gradient : callable
-        Returns dA0/dh [mm], (k, n); it is called when `gradient` is first read.
+        Function that returns dA0/dh [mm], (k, n); it is called when `gradient` is first read.
     indentation : ndarray, (k, n)
-        Indentation of each asperity without the change of its curvature by the others [mm]; for an open one
-        its gap, negative.
+        Nominal indentation of each asperity [mm], at which the law without the curvature of the neighbours'
+        field gives its load; minus the gap of an open asperity.
 
     Examples
     --------
@@ -196,7 +196,7 @@ def areas_one_by_one(
     radius: FloatArray | None,
     position: FloatArray | None,
 ) -> FloatArray:
-    """A0 [mm^2] at loads (k,) for many surfaces, (m, k), by one curve for each; nan if not converged."""
+    """Return A0 [mm^2] of many surfaces at loads (k,), (m, k), with one curve each; nan if not converged."""
     found = np.full((len(height), len(load)), np.nan)
     for row in range(len(height)):
         changes = {"height": height, "radius": radius, "position": position}

@@ -23,7 +23,7 @@ from metafem.surface import Surface
 
 
 def load_equation(law: Contact, model: object = None) -> LoadEquation:
-    """Return the load equation of asperities of a law for unit E*; `model` is stored in its states."""
+    """Return the load equation of a contact law, defined for unit E*; its states refer to `model`."""
     adhesive = adhesive_law(law)
     if adhesive is not None:
         return AdhesiveAsperities(model, adhesive)
@@ -31,7 +31,7 @@ def load_equation(law: Contact, model: object = None) -> LoadEquation:
 
 
 class Uncoupled:
-    """A model of asperities under a common plane, on a base that may sink in proportion to the load."""
+    """Base of models without interaction, whose base may sink in proportion to the load."""
 
     couples: ClassVar[bool] = False
     unloads: ClassVar[bool] = True
@@ -42,12 +42,12 @@ class Uncoupled:
         checked_contact(self.contact)
 
     def __repr__(self) -> str:
-        """Return the constructor's call, without the default law."""
+        """Return the constructor's call; the default law is omitted."""
         return f"{type(self).__name__}({'' if self.contact == PARABOLOID else f'contact={self.contact!r}'})"
 
     @property
     def name(self) -> str:
-        """Name of the model in texts and for ``--model``; it includes a law other than Hertz's."""
+        """Name of the model in texts and for ``--model``, with its contact law unless this is Hertz's."""
         return self.title if self.contact == PARABOLOID else f"{self.title}, {self.contact!r}"
 
     @property
@@ -57,7 +57,7 @@ class Uncoupled:
 
     @property
     def reference(self) -> Interacting:
-        """Interacting contacts of the same law on the half-space, of order 3 if the law has one."""
+        """`Interacting` with the same law on a half-space, of the highest order that the law supports."""
         return Interacting(self.contact.largest_order, contact=self.contact)
 
     def _compliance(self, surface: Surface) -> float:
@@ -75,9 +75,10 @@ class Uncoupled:
         approach: FloatArray | None = None,
         unloading: bool = False,
     ) -> Curve:
-        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
+        """Return equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
 
-        unloading: the values are reached by unloading from the largest; adhesive loads may be negative.
+        unloading: whether the values are reached by unloading from the largest one; loads may then be
+        negative if the contacts adhere.
         """
         values, by_load = controlled(load, approach)
         equation = self._equation(surface)
@@ -86,11 +87,12 @@ class Uncoupled:
     def sensitivity(
         self, surface: Surface, load: FloatArray, height: FloatArray | None = None
     ) -> Sensitivity:
-        """Law at increasing rescaled loads (k,), and dA0/dh of each height at fixed load [mm], (k, n).
+        """Return the law at increasing rescaled loads (k,), and dA0/dh at fixed load [mm], (k, n).
 
-        ``A'_i - P'_i sum_j A'_j / sum_j P'_j`` with the derivatives by the indentation, for asperities in
-        contact; with Hertz contacts ``pi R_i - sum_j pi R_j sqrt(R_i d_i) / sum_j sqrt(R_j d_j)``.
-        height: summit heights (n,) [mm] that replace those of the surface; they are not checked.
+        ``dA0/dh_i = A'_i - P'_i sum_j A'_j / sum_j P'_j`` for asperities in contact, where A' and P' are
+        derivatives with respect to the indentation. For Hertz contacts this is
+        ``pi R_i - sum_j pi R_j sqrt(R_i d_i) / sum_j sqrt(R_j d_j)``.
+        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked.
         """
         heights = surface.height if height is None else height
         found = self._equation(surface).sensitivity(heights, surface.radius, load)
@@ -104,9 +106,9 @@ class Uncoupled:
         radius: FloatArray | None = None,
         position: FloatArray | None = None,
     ) -> FloatArray:
-        """A0 [mm^2] at increasing rescaled loads (k,) for many surfaces, (m, k); it ignores positions.
+        """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k).
 
-        height, radius: (m, n) [mm]; default: those of the surface.
+        height, radius: (m, n) [mm]; default: the surface's. Positions have no effect.
         """
         sizes = surface.radius if radius is None else radius
         return self._equation(surface).areas(surface, height, sizes, load)
@@ -117,9 +119,9 @@ class Independent(Uncoupled):
     """Independent asperities under a common plane.
 
     ``A0 = sum A(d_i)`` and ``P/E* = sum P(d_i)/E*`` with ``d_i = max(h_i - delta, 0)``; for Hertz contacts
-    ``A0 = sum pi R_i d_i`` and ``P/E* = sum 4/3 sqrt(R_i) d_i^(3/2)``. The load equation is increasing in the
-    approach; it is solved by Newton's method inside a bracket in compiled kernels, which read laws other than
-    Hertz's from tables.
+    ``A0 = sum pi R_i d_i`` and ``P/E* = sum 4/3 sqrt(R_i) d_i^(3/2)``. The load increases with the approach,
+    and compiled kernels solve this equation by Newton's method within a bracket. Laws other than Hertz's are
+    tabulated.
     Greenwood and Williamson, Proc. R. Soc. A 295, 300 (1966), doi:10.1098/rspa.1966.0242.
 
     Parameters
@@ -151,25 +153,25 @@ class Independent(Uncoupled):
     def curve_of(
         self, height: FloatArray, radius: FloatArray, load: FloatArray, contact: Contact | None = None
     ) -> Curve:
-        """As `curve` at loads, for heights and radii (n,), without the cost of checking a surface.
+        """Return the curve at increasing loads (k,) for heights and radii (n,), which are not checked.
 
-        contact: the contact law for unit E*; default: that of the model.
+        contact: the contact law for unit E*; default: the model's.
         """
         return load_equation(contact or self.contact, self).curve(height, radius, load)
 
     def sensitivity_of(
         self, height: FloatArray, radius: FloatArray, load: FloatArray, contact: Contact | None = None
     ) -> Sensitivity:
-        """As `sensitivity`, for heights and radii (n,) without a surface.
+        """Return the sensitivity at increasing loads (k,) for heights and radii (n,), which are not checked.
 
-        contact: the contact law for unit E*; default: that of the model.
+        contact: the contact law for unit E*; default: the model's.
         """
         return load_equation(contact or self.contact, self).sensitivity(height, radius, load)
 
     def curves(
         self, height: ArrayLike, radius: ArrayLike, rescaled_load: ArrayLike
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Friction laws of many surfaces at once, for Hertz contacts through one compiled kernel.
+        """Return the friction laws of many surfaces, for Hertz contacts by one compiled kernel.
 
         Parameters
         ----------
@@ -183,8 +185,8 @@ class Independent(Uncoupled):
         Returns
         -------
         approach, load, area, stiffness : ndarray, (m, k)
-            Approach [mm], load recomputed at it [mm^2], real contact area [mm^2] and derivative of
-            the rescaled load by the approach [mm].
+            Approach [mm], load recomputed at this approach [mm^2], real contact area [mm^2], and derivative
+            of the rescaled load with respect to the approach [mm].
 
         Examples
         --------

@@ -1,7 +1,8 @@
-"""Load equation of asperities that do not interact, solved for each kind of contact law.
+"""Load equation of asperities that do not interact, for any contact law without adhesion.
 
-``P/E* = sum P(d_i)/E*`` with ``d_i = x - gap_i`` at the approach x. Loads are rescaled, P/E* [mm^2]. The base
-between the summits may sink in proportion to the load; this changes only the approach.
+``P/E* = sum P(d_i)/E*`` with ``d_i = x - gap_i`` at the approach x, where gap_i is the depth of summit i
+below the tallest. Loads are rescaled, P/E* [mm^2]. The base between the summits may sink in proportion to the
+load, which changes only the approach.
 """
 
 from __future__ import annotations
@@ -25,30 +26,31 @@ from metafem.models.contact_tables import deepest, rows_of, tables
 from metafem.models.curve import Curve, RescaledState, Sensitivity, refuse_flattening, solved
 from metafem.surface import Surface
 
-# Relative error of the load. The unknown is the indentation of the shallowest contact, to avoid cancellation.
+# Largest relative error of the load. To avoid cancellation, the kernels solve for the indentation of the
+# shallowest contact.
 TOLERANCE = 1e-12
 
-# With fewer points than this, the solution takes less time than starting a second thread.
+# With fewer equilibria than this, the solution takes less time than starting a second thread.
 POINTS_PER_THREAD = 20_000
 
-# The same for tabulated laws: two milliseconds.
+# The same number for tabulated laws; this many equilibria take two milliseconds.
 TABULATED_PER_THREAD = 200
 
-# The same if only areas of Hertz contacts are computed: a millisecond.
+# The same number if only the areas of Hertz contacts are computed; this many take a millisecond.
 AREAS_PER_THREAD = 5_000
 
 
 @dataclass(frozen=True)
 class LoadEquation:
-    """Asperities of any law without adhesion; compiled kernels read the law from tables."""
+    """Load equation for any law without adhesion; compiled kernels read the law from tables."""
 
-    model: object  # that of the states
+    model: object  # to which the states refer
     law: Contact  # for unit E*
 
     def path(
         self, surface: Surface, values: FloatArray, by_load: bool, unloading: bool, compliance: float
     ) -> Curve:
-        """Return equilibria at increasing loads, or approaches, on a base that sinks by compliance P."""
+        """Return equilibria at increasing loads or approaches (k,); the base sinks by compliance P."""
         refuse_flattening(self.law, unloading)
         height, radius = surface.height, surface.radius
         if by_load:
@@ -82,7 +84,7 @@ class LoadEquation:
             tabulated.curves(rows_of(table, rows), gap[rows], rising, *(part[rows] for part in results))
 
         run_rows(run, len(gap), results[0].size, TABULATED_PER_THREAD)
-        # beyond the tables the law itself is solved, or raises an error
+        # surfaces with contacts beyond the tables are solved with the law itself, which may raise an error
         beyond = ~(results[0].max(axis=1, keepdims=True) - gap <= deepest(table)).all(axis=1)
         for row in np.flatnonzero(beyond):
             size = table.radius[row]
@@ -106,7 +108,10 @@ class LoadEquation:
     def contacts(
         self, height: FloatArray, radius: FloatArray, load: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Return contact radii and indentations (k, n) [mm] at increasing loads (k,); 0 and -gap if open."""
+        """Return contact radii and indentations (k, n) [mm] at increasing loads (k,).
+
+        An open asperity has the radius 0, and minus its gap as indentation.
+        """
         indentation = self.curve(height, radius, load).approach[:, None] - (height.max() - height)
         return np.asarray(self.law.contact_radius(indentation, radius)), indentation
 
@@ -119,7 +124,7 @@ class LoadEquation:
         base: float,
         depth: float,
     ) -> Curve:
-        """Return the curve of the first of many surfaces; its last approach is base + depth."""
+        """Return the curve of the first surface in `results`; its last approach is base + depth."""
         approach, carried, area, slope = (part[0] for part in results)
         last = partial(self._last, height, radius, base, depth)
         return Curve(approach, carried, area, slope, _error(carried, load), TOLERANCE, last)
@@ -129,7 +134,10 @@ class LoadEquation:
         return _sums(self.law, height.max() - height, radius, approach)
 
     def _last(self, height: FloatArray, radius: FloatArray, base: float, depth: float) -> RescaledState:
-        """Return the state at the approach base + depth, split to avoid cancellation in shallow contacts."""
+        """Return the state at the approach base + depth.
+
+        The approach is split to avoid cancellation in the indentations of shallow contacts.
+        """
         top = float(height.max())
         indentation = depth + (base - (top - height))
         carried, area = self._pressed(indentation, radius)
@@ -152,7 +160,7 @@ class LoadEquation:
         return load, stiffness, area, area_slope
 
     def _above_base(self, surface: Surface, approach: FloatArray, compliance: float) -> FloatArray:
-        """Return the approaches y relative to the sunken base, y + compliance P(y) = approach."""
+        """Return approaches y (k,) [mm] relative to the sunken base: y + compliance P(y) = approach."""
         height, radius = surface.height, surface.radius
         most = float((surface.gap + self.law.largest_indentation(radius)).min())
 
@@ -171,7 +179,7 @@ class LoadEquation:
 
 
 class Paraboloids(LoadEquation):
-    """Asperities of Hertz's law, in separate kernels."""
+    """Load equation for Hertz's law, with kernels of its own."""
 
     def curve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
         """Return equilibria at increasing loads (k,) for heights and radii (n,)."""
@@ -211,7 +219,7 @@ class Paraboloids(LoadEquation):
         return results
 
     def _pressed(self, indentation: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        contact_radius = PARABOLOID.contact_radius(indentation, radius)  # in closed form, to full precision
+        contact_radius = PARABOLOID.contact_radius(indentation, radius)  # closed form, exact to rounding
         return PARABOLOID.load(contact_radius, radius), PARABOLOID.area(contact_radius)
 
     def rates(self, indentation: FloatArray, radius: FloatArray) -> tuple[FloatArray, ...]:
@@ -223,7 +231,7 @@ class Paraboloids(LoadEquation):
 
 
 def sunk(curve: Curve, compliance: float | FloatArray) -> Curve:
-    """Return the curve for a base that sinks by the load times a compliance [1/mm], one number or (k,)."""
+    """Return the curve on a base that sinks by the load times a compliance [1/mm], a number or (k,)."""
     if np.ndim(compliance) == 0 and compliance == 0.0:
         return curve
     return replace(
@@ -237,7 +245,7 @@ def sunk(curve: Curve, compliance: float | FloatArray) -> Curve:
 def at_fixed_load(stiffness: FloatArray, area_rate: FloatArray) -> FloatArray:
     """Return dA0/dh at fixed load [mm], (k, n): ``A'_i - P'_i sum_j A'_j / sum_j P'_j``.
 
-    P', A': derivatives of load and area by the indentation; 0 for open contacts.
+    P', A': derivatives of load and area with respect to the indentation, (k, n); 0 for open asperities.
     """
     total = stiffness.sum(axis=1, keepdims=True)
     share = stiffness / np.where(total > 0.0, total, 1.0)
@@ -245,16 +253,16 @@ def at_fixed_load(stiffness: FloatArray, area_rate: FloatArray) -> FloatArray:
 
 
 def approach_at_load(law: Contact, gap: FloatArray, radius: FloatArray, load: FloatArray) -> FloatArray:
-    """Return the approaches [mm] at loads (k,) of asperities (n,) of any law without adhesion.
+    """Return the approaches (k,) [mm] of one surface at loads (k,), for any law without adhesion.
 
-    gap, radius: (n,) [mm]. Raises InvalidInput for a load above the range of the law.
+    gap, radius: (n,) [mm]. Raises InvalidInput if a load exceeds the range of the law.
     """
     most = float((gap + law.largest_indentation(radius)).min())
 
     def excess(approach: FloatArray, load: FloatArray) -> FloatArray:
         return _sums(law, gap, radius, approach)[0] - load
 
-    # of the order of the indentation if only the tallest asperity is in contact
+    # first guess: about the indentation of the tallest asperity if it carries the load by itself
     high = np.minimum(np.cbrt(load**2 / radius[gap.argmin()]), most)
     while (short := excess(high, load) < 0.0).any():
         if high[short].max() >= most:
@@ -273,12 +281,12 @@ def _sums(law: Contact, gap: FloatArray, radius: FloatArray, approach: FloatArra
 
 
 def _error(carried: FloatArray, load: FloatArray) -> FloatArray:
-    """Return the relative error of loads."""
+    """Return the relative errors of the loads `carried`; at zero load, the absolute errors."""
     return np.asarray(np.abs(carried - load) / np.where(load > 0.0, load, 1.0))
 
 
 def _sorted_by_gap(height: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return gaps below the tallest and square roots of the radii, (m, n), rows sorted by gap."""
+    """Return depths below the tallest summit and square roots of radii, (m, n), each row sorted by depth."""
     gap = height.max(axis=1, keepdims=True) - height
     if radius.ndim == 0 or (radius == radius.flat[0]).all():
         gap.sort(axis=1)

@@ -1,4 +1,4 @@
-"""Mean field: the base sinks uniformly by the mean displacement."""
+"""Mean-field interaction: the base sinks uniformly by the mean displacement under the nominal pressure."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from metafem.models.independent import Uncoupled
 from metafem.notes import information
 from metafem.surface import Surface
 
-# Mean of 1/(pi r) over all pairs of points of a unit square: 4/pi [ln(1 + sqrt 2) - (sqrt 2 - 1)/3].
+# Mean of 1/(pi r) over all pairs of points in a unit square: 4/pi [ln(1 + sqrt 2) - (sqrt 2 - 1)/3].
 MEAN_DISPLACEMENT = 4.0 / math.pi * (math.log(1.0 + math.sqrt(2.0)) - (math.sqrt(2.0) - 1.0) / 3.0)
 
 NO_NEIGHBOURS = information("one asperity has no neighbours: the mean field is zero")
@@ -24,17 +24,17 @@ NO_NEIGHBOURS = information("one asperity has no neighbours: the mean field is z
 
 @dataclass(frozen=True, repr=False)
 class MeanField(Uncoupled):
-    """Independent asperities on a base that sinks by ``c p sqrt(A)/E*``, p = P/A the nominal pressure.
+    """Independent asperities on a base that sinks by ``c p sqrt(A)/E*`` under the nominal pressure p = P/A.
 
-    ``c = 0.9464`` is the mean over a uniformly loaded square of area A, the nominal area of
-    `nominal_area`. A uniform displacement changes only the separation; A0(P) is exactly that of
-    `Independent`. Valid for a half-space and many asperities. Ciavarella, Greenwood and Paggi, Wear 265, 729
-    (2008), doi:10.1016/j.wear.2008.01.019.
+    The sinking is the mean displacement of a uniformly loaded square of area A, which gives ``c = 0.9464``.
+    The nominal area A follows from the positions, see `nominal_area`. A uniform displacement changes only the
+    separation, so A0(P) is that of `Independent`. The model is valid for a half-space and many asperities.
+    Ciavarella, Greenwood and Paggi, Wear 265, 729 (2008), doi:10.1016/j.wear.2008.01.019.
 
     Parameters
     ----------
     contact : Contact
-        Law of one contact, any that `Independent` accepts; default: `Hertz()`.
+        Law of one contact; `Independent` accepts the same laws. Default: `Hertz()`.
 
     Examples
     --------
@@ -57,9 +57,10 @@ class MeanField(Uncoupled):
         approach: FloatArray | None = None,
         unloading: bool = False,
     ) -> Curve:
-        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
+        """Return equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
 
-        unloading: the values are reached by unloading from the largest; adhesive loads may be negative.
+        unloading: whether the values are reached by unloading from the largest one. If the contacts adhere,
+        loads may then be negative.
         """
         found = super().curve(surface, load, approach=approach, unloading=unloading)
         if surface.count > 1:
@@ -67,16 +68,16 @@ class MeanField(Uncoupled):
         return replace(found, compute_last=lambda: replace(found.last, notes=(NO_NEIGHBOURS,)))
 
     def _compliance(self, surface: Surface) -> float:
-        """Return the mean sinking per unit of P/E*, c/sqrt(A) [1/mm]."""
+        """Return the mean sinking per unit of P/E* [1/mm], c/sqrt(A)."""
         return MEAN_DISPLACEMENT / math.sqrt(nominal_area(surface))
 
 
 def nominal_area(surface: Surface) -> float:
     """Return the nominal area A of the asperities [mm^2].
 
-    It is that of a rectangular lattice of n cells with the second moments l1, l2 of the positions:
-    ``A^2 = (12 l1 + A/n)(12 l2 + A/n)``. It is n times the square of the pitch on every rectangular
-    piece of a square lattice, and does not depend on the axes. Infinite for one asperity.
+    A is the area of a rectangular lattice of n cells whose sites have the same principal second moments l1
+    and l2 as the positions: ``A^2 = (12 l1 + A/n)(12 l2 + A/n)``. For a rectangular piece of a square lattice
+    it is n times the square of the pitch. It does not depend on the axes, and is infinite for one asperity.
 
     Examples
     --------

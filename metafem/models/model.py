@@ -1,4 +1,4 @@
-"""The protocol of all models, and the code that several of them share."""
+"""The protocol of all models, and code that several models share."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from metafem.surface import Surface
 
 
 def checked_model(model: object) -> Model:
-    """Return a model, or raise InvalidInput for anything else."""
+    """Return `model`, or raise InvalidInput if it is not a model."""
     if isinstance(model, type) or not hasattr(model, "curve"):
         raise InvalidInput(
             f"model = {shown(model)} must be a model such as metafem.Independent(); loads go by load="
@@ -28,14 +28,14 @@ def checked_model(model: object) -> Model:
 
 
 def contact_of(model: Model) -> Contact:
-    """Return the contact law of a model; Hertz's for a user-defined model without the attribute."""
+    """Return the contact law of a model; Hertz's law for a user-defined model without `contact`."""
     return cast("Contact", getattr(model, "contact", PARABOLOID))
 
 
 def with_contact(model: Model, contact: Contact) -> Model:
-    """Return a model with another contact law; raises InvalidInput, with its name, for an unsuitable law.
+    """Return a model with another contact law; raise InvalidInput if the model cannot use it.
 
-    A law given only as load and area over the indentation is coupled by order 1.
+    If the law consists only of load and area as functions of the indentation, the order becomes 1.
     """
     if contact == contact_of(model):
         return model
@@ -51,13 +51,13 @@ def with_contact(model: Model, contact: Contact) -> Model:
 
 
 def has_paraboloids(model: Model) -> bool:
-    """Whether the contacts of a model are Hertz's."""
+    """Return whether a model uses Hertz's law."""
     return contact_of(model) == PARABOLOID
 
 
 @runtime_checkable
 class Model(Protocol):
-    """A frozen value that turns a surface and loads into equilibria."""
+    """A model computes the equilibria of a surface at given loads or approaches; models are frozen values."""
 
     @property
     def name(self) -> str:
@@ -66,23 +66,23 @@ class Model(Protocol):
 
     @property
     def couples(self) -> bool:
-        """Whether contacts interact, so that A0(P) depends on the sites."""
+        """Whether the contacts interact, so that A0(P) depends on their positions."""
         ...
 
     @property
     def gradient_model(self) -> Sensitive:
-        """Model that supplies the sensitivities for an inversion: this model if it has sensitivities."""
+        """Model whose sensitivities an inversion uses: this model if it has sensitivities."""
         ...
 
     @property
     def reference(self) -> Interacting:
-        """Model with which this one is compared: `Interacting` of order 3 on its substrate."""
+        """Model for comparison: `Interacting` on the same substrate, of the highest order of the law."""
         ...
 
     def curve(
         self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
     ) -> Curve:
-        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,)."""
+        """Return equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,)."""
         ...
 
     def areas(
@@ -93,28 +93,28 @@ class Model(Protocol):
         radius: FloatArray | None = None,
         position: FloatArray | None = None,
     ) -> FloatArray:
-        """A0 [mm^2] at increasing rescaled loads (k,) for many surfaces, (m, k); nan if not converged.
+        """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k); nan if not converged.
 
-        height, radius: (m, n) [mm]; position: (m, n, 2) [mm]; default: those of the surface.
+        height, radius: (m, n) [mm]; position: (m, n, 2) [mm]; default: the surface's.
         """
         ...
 
 
 class Sensitive(Model, Protocol):
-    """A model with the derivatives of its law by the heights."""
+    """A model that computes derivatives of its friction law with respect to the heights."""
 
     def sensitivity(
         self, surface: Surface, load: FloatArray, height: FloatArray | None = None
     ) -> Sensitivity:
-        """Law at increasing rescaled loads P/E* (k,), with dA0/dh of each height at fixed load.
+        """Return the law at increasing rescaled loads P/E* (k,), with dA0/dh at fixed load [mm], (k, n).
 
-        height: summit heights (n,) [mm] that replace those of the surface; they are not checked.
+        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked.
         """
         ...
 
 
 class WithoutGradients:
-    """A coupled model on a substrate; the sensitivities of `Interacting` are used in place of its own."""
+    """Base of coupled models without sensitivities; inversions use the sensitivities of `Interacting`."""
 
     couples: ClassVar[bool] = True
     title: ClassVar[str]
@@ -123,7 +123,7 @@ class WithoutGradients:
 
     @property
     def name(self) -> str:
-        """Name of the model in texts; it includes a substrate other than the half-space, and the law."""
+        """Name of the model in texts, with its substrate and its law unless they are the default ones."""
         parts = [self.title]
         if self.substrate != HalfSpace():
             # a user's substrate may have no name
@@ -134,7 +134,7 @@ class WithoutGradients:
 
     @cached_property
     def gradient_model(self) -> Interacting:
-        """`Interacting` contacts of the same law on the same substrate, of order 3 if the law has one."""
+        """`Interacting` with the same law and substrate, of the highest order that the law supports."""
         return Interacting(self.contact.largest_order, self.substrate, self.contact)
 
     @property
@@ -150,5 +150,5 @@ class WithoutGradients:
         radius: FloatArray | None = None,
         position: FloatArray | None = None,
     ) -> FloatArray:
-        """A0 [mm^2] at increasing rescaled loads (k,) for many surfaces, (m, k); see `Model.areas`."""
+        """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k); see `Model.areas`."""
         return areas_one_by_one(cast("Model", self).curve, surface, load, height, radius, position)

@@ -1,9 +1,10 @@
-"""Errors of independent asperities and of order 1, each estimated from its own solution.
+"""Errors of independent asperities and of order 1, each estimated from the solution of that model.
 
-At independent contacts with loads p, ``u = G p`` displaces the summits. With the stiffnesses k and at fixed
-load, the indentations change by ``U - u_i`` with ``U = sum k_i u_i / sum k_i``, the sinking of the base. Two
-steps of this kind, each with the law itself, include second-order terms and contacts that open or close. The
-equations of order 3 at the solution of order 1 give the error of order 1 in the same way.
+The loads p of independent contacts displace the summits by ``u = G p``. At fixed total load, the indentations
+therefore change by ``U - u_i``, where ``U = sum k_i u_i / sum k_i`` is the sinking of the base and k are the
+stiffnesses of the contacts. The contact law then gives new loads, and a second step of this kind follows. The
+two steps include second-order terms, and contacts that open or close. The error of order 1 is estimated in
+the same way, by steps from its solution with the equations of order 3.
 """
 
 from __future__ import annotations
@@ -26,26 +27,29 @@ from metafem.models.truncation import NEIGHBOURS, equivalent_radii, truncation
 from metafem.substrate import Substrate
 from metafem.surface import Surface
 
-# Contacts, over all loads, of which the error of independent asperities is estimated; and the least number of
-# loads. A contact that closes between two of them changes A0 by about the inverse of their number.
+# Number of contacts, summed over the loads, for which the error of independent asperities is estimated; and
+# minimum number of these loads. A contact that closes between two of them changes A0 by a fraction of about
+# the inverse of their number.
 PROBED, FEWEST = 6400, 6
 
-# Estimates up to this are those of one step.
+# If the relative error is smaller than this after one step, no second step is taken.
 NEGLIGIBLE = 1e-4
 
-# A quarter is added to the estimates for safety, as to those of order 3: in 1500 random scenes the errors
-# were up to 1.3 times the estimates without it.
+# Safety factor of the estimates; a quarter is also added to the estimates of order 3. In 1500 random scenes
+# the errors were up to 1.3 times the estimates without this factor.
 SAFETY = 1.25
 
-# Relative decrease of an area, at fixed load, per product of a small curvature and the summit radius.
+# Relative decrease of a contact area at fixed load, divided by the product of a small extra curvature and the
+# summit radius.
 FLATTENING = 2.0 / 3.0
 
-# Largest sum of (distance of the nearest/distance)^3: that of a hexagonal lattice.
+# Largest sum of (r_min/r)^3 over the neighbours of a site at distances r, where r_min is the smallest
+# distance of two sites: the sum for a hexagonal lattice.
 PACKED = 11.04
 
 
 def probed(load: FloatArray, count: int) -> IntArray:
-    """Return the rows of positive loads at which the error is estimated, the last among them."""
+    """Return the indices of the positive loads at which the error is estimated; the last load is included."""
     rows = np.flatnonzero(load > 0.0)
     some = max(FEWEST, PROBED // count)
     if rows.size <= some:
@@ -60,9 +64,9 @@ def independent_errors(
     rows: IntArray,
     substrate: Substrate,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return relative errors of A0 and the sinking per load [1/mm] at some rows of a curve, (m,) each.
+    """Return relative errors of A0 and the sinking per load [1/mm] at m rows of a curve, (m,) each.
 
-    substrate: that of the surface.
+    substrate: with the thickness and the material of the surface.
     """
     displacement = displacements(surface, substrate)
     radius, load, area = surface.radius, curve.load[rows], curve.area[rows]
@@ -70,7 +74,7 @@ def independent_errors(
     own, rate, _, _ = equation.rates(z, radius)
 
     def step(u: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return areas at the loads and loads (m, n), after displacements (m, n)."""
+        """Return the areas A0 (m,) and the loads of the contacts (m, n) after displacements u (m, n)."""
         shifted = z - u + ((rate * u).sum(axis=1) / rate.sum(axis=1))[:, None]
         for _ in range(2):
             pressed, slope, areas, area_slope = equation.rates(shifted, radius)
@@ -91,9 +95,10 @@ def independent_errors(
 
 
 def _higher_orders(law: Contact, surface: Surface, substrate: Substrate, curve: Curve, load: float) -> float:
-    """Return the relative error of A0 by the size of the contacts, at the last load of a curve.
+    """Return the relative error of A0 due to the finite size of the contacts, at the last load of a curve.
 
-    load: the largest of a contact [mm^2]. First by the densest sites possible at the distance of the nearest.
+    load: the largest load of one contact [mm^2]. If an upper bound is negligible, it is returned; the bound
+    assumes the densest arrangement of sites with the same smallest distance.
     """
     own = abs(getattr(substrate, "self_curvature", 0.0))
     radius = float(surface.radius.max())
@@ -115,13 +120,13 @@ def _higher_orders(law: Contact, surface: Surface, substrate: Substrate, curve: 
 
 
 def order_1_error(model: Interacting, surface: Surface, curve: Curve, indentation: FloatArray) -> float:
-    """Return the largest relative error of A0 along a curve of order 1; `model` is that of order 3.
+    """Return the largest relative error of A0 along a curve of order 1; `model` has order 3.
 
-    indentation: (m, n) [mm], at the last m loads. It is estimated at some of them, and where a contact is
-    closest to touching.
+    indentation: (m, n) [mm], at the last m loads. The error is estimated at some of these loads, and at those
+    where a contact is closest to opening or closing.
     """
     first = len(curve.load) - len(indentation)
-    # without a paraboloid's constant dA/dd the area of a contact that closes may grow at any rate
+    # dA/dd is constant only for paraboloids; for other caps the area of a new contact may grow at any rate
     few = max(surface.count, PROBED // FEWEST) if model.contact == PARABOLOID else surface.count
     some = probed(curve.load[first:], few)
     touching = np.argsort(np.abs(indentation).min(axis=1))[:FEWEST]
@@ -135,7 +140,7 @@ def order_1_error(model: Interacting, surface: Surface, curve: Curve, indentatio
 
 
 def _area_of_order_3(bound: ElasticCoupling, z: FloatArray, approach: float, load: float) -> float:
-    """Return the area [mm^2] after one step from a solution of order 1; infinite where the law ends."""
+    """Return A0 [mm^2] after one step from a solution of order 1; infinite if a contact exceeds its law."""
     state, error = bound.response(z, approach)
     rate = np.where(state.z > 0.0, state.rate / state.bend, 0.0)
     state, _ = bound.response(z - (error - rate @ error / rate.sum()) / state.bend, approach)

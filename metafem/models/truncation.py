@@ -1,4 +1,4 @@
-"""Errors of order 3, estimated from the contact radii."""
+"""Truncation errors of order 3, estimated from the contact radii."""
 
 from __future__ import annotations
 
@@ -17,41 +17,45 @@ from metafem.models.interacting.model import DENSE_LIMIT
 from metafem.substrate import Substrate
 from metafem.surface import Surface
 
-# Relative error of A0 by order 3, per sum of (a/r)^5. On a 3 x 3 lattice, resolved contacts differ by up to
-# 0.20 of the mean sum (0.066 % at 0.0034, 0.01 % at 0.0006); a quarter is added for safety.
+# Relative error of A0 by order 3, divided by the sum of (a/r)^5. On a 3 x 3 lattice, A0 differs from resolved
+# contacts by up to 0.20 times the mean sum: by 0.066 % at a sum of 0.0034, by 0.01 % at 0.0006. A quarter is
+# added for safety.
 PAIRS = 0.25
 
-# The same per (a/t)^5 of a contact on a layer: resolved contacts differ by 0.12, 0.17, 0.63 and 1.7 % at
-# a/t = 0.28, 0.3, 0.39 and 0.48 with nu = 0.5, up to 0.75 of the power, and by two thirds of that with
-# nu = 0.3; a quarter is added for safety.
+# Relative error of A0 by order 3 on a layer, divided by (a/t)^5. With nu = 0.5, A0 differs from resolved
+# contacts by 0.12, 0.17, 0.63 and 1.7 % at a/t = 0.28, 0.3, 0.39 and 0.48, which is at most 0.75 (a/t)^5.
+# With nu = 0.3 the difference is a third smaller. A quarter is added for safety.
 LAYER = 0.95
 
-# The effect of the slopes of the neighbours' fields on the area is known to second order. Together with the
-# pair sum it is 0.8 to 1.3 times the difference from resolved contacts for powers 3 and 4 and for spheres, on
-# 3 x 3 lattices and in irregular scenes with a/r from 0.2 to 0.32. A quarter is added for safety.
+# Safety factor of the effect of the slopes of the neighbours' fields, which is known to second order.
+# Together with the pair sum, this effect is 0.8 to 1.3 times the difference from resolved contacts. This was
+# measured for power caps of powers 3 and 4 and for spheres, on 3 x 3 lattices and in irregular scenes with
+# a/r from 0.2 to 0.32.
 SLOPES = 1.25
 
-# Largest number of asperities for which all pairs are summed; above it, number of nearest neighbours that
-# are summed. On a lattice those farther away add less than a hundredth.
+# Largest number of asperities for which all pairs are summed, and number of nearest neighbours that are
+# summed for more asperities. On a lattice, asperities farther away add less than a hundredth.
 ALL_PAIRS, NEIGHBOURS = 256, 24
 
-# Contact radius over R that replaces zero for open contacts.
+# Contact radius, divided by R, that open contacts are given to avoid division by zero.
 SMALLEST = 1e-3
 
-# Contact radius over distance of neighbours up to which order 3 was compared with resolved contacts.
+# Largest ratio of contact radius to the distance of neighbours at which order 3 was compared with resolved
+# contacts.
 COMPARED = 0.32
 
-# Contact radius over thickness of a layer up to which the error of order 3 is at most 0.2 %.
+# Largest ratio of contact radius to layer thickness at which the error of order 3 is at most 0.2 %.
 COMPARED_ON_LAYER = 0.3
 
 
 def truncation(surface: Surface, area: FloatArray, substrate: Substrate, law: Contact = PARABOLOID) -> float:
     """Return the relative error of A0 by order 3, estimated from the contact areas (n,) [mm^2].
 
-    The next terms of the neighbours' fields fall as (a/r)^5, and the self terms of a layer as (a/t)^5. The
-    curvature by a source is p/r^3 = 4 a^3/(3 R r^3); its effect is proportional to R of the affected contact.
-    For laws other than Hertz's, equivalent radii replace both R, and the slope of the field changes the areas
-    in proportion to the square of the slope. Infinite if contacts overlap.
+    The first neglected terms are proportional to (a/r)^5 for the neighbours' fields, and to (a/t)^5 for the
+    self terms of a layer. A source adds a curvature in proportion to p/r^3 = 4 a^3/(3 R r^3), whose effect is
+    proportional to R of the affected contact. For laws other than Hertz's, equivalent radii replace both R,
+    and the slope of the field changes the areas in proportion to the square of the slope. The error is
+    infinite if contacts overlap.
     """
     if not area.any():
         return 0.0
@@ -73,8 +77,8 @@ def truncation(surface: Surface, area: FloatArray, substrate: Substrate, law: Co
 def equivalent_radii(law: Contact, surface: Surface, area: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return two radii [mm] of paraboloids equivalent to each contact, (n,).
 
-    The first gives the same increase of area with indentation, the second the same load. Both are the summit
-    radius for Hertz's law and for open contacts.
+    The first paraboloid has the same derivative of the area with respect to the indentation, the second the
+    same load. Both radii are the summit radius for Hertz's law and for open contacts.
     """
     radius = np.array(np.broadcast_to(surface.radius, area.shape))
     if law == PARABOLOID:
@@ -87,7 +91,7 @@ def equivalent_radii(law: Contact, surface: Surface, area: FloatArray) -> tuple[
 
 
 def _tilt(law: Contact, surface: Surface, area: FloatArray, substrate: Substrate) -> float:
-    """Return the relative change of A0 by the slopes of the field, at most that of removing the contacts."""
+    """Return the relative change of A0 by the slopes of the field; a contact loses at most its area."""
     closed = np.flatnonzero(area > 0.0)
     a, radius = np.sqrt(area[closed] / math.pi), np.broadcast_to(surface.radius, area.shape)[closed]
     load = np.zeros(area.shape)
@@ -102,7 +106,7 @@ def _tilt(law: Contact, surface: Surface, area: FloatArray, substrate: Substrate
 
 
 def _nearest_slopes(position: FloatArray, load: FloatArray) -> FloatArray:
-    """Return the slopes of the fields of the nearest neighbours on a half-space, (n,) [-]."""
+    """Return the slope at each contact of the field of its nearest neighbours on a half-space, (n,) [-]."""
     _, other = scipy.spatial.cKDTree(position).query(position, k=min(NEIGHBOURS + 1, len(load)))
     apart = position[:, None] - position[other[:, 1:]]
     distance = np.linalg.norm(apart, axis=-1)
@@ -111,7 +115,7 @@ def _nearest_slopes(position: FloatArray, load: FloatArray) -> FloatArray:
 
 
 def _nearest_pairs(surface: Surface, response: FloatArray, source: FloatArray, area: FloatArray) -> float:
-    """Return the sum of `pair_sum` over the nearest neighbours."""
+    """Return `pair_sum` restricted to the nearest neighbours of each contact."""
     closed = np.flatnonzero(area > 0.0)
     if closed.size < 2:
         return 0.0
@@ -127,15 +131,16 @@ def _nearest_pairs(surface: Surface, response: FloatArray, source: FloatArray, a
 
 
 def crowding(surface: Surface, area: FloatArray, law: Contact = PARABOLOID) -> tuple[int, float]:
-    """Return the number of overlapping pairs, and the largest ratio of contact radius to distance.
+    """Return the number of overlapping pairs, and the largest ratio a/r of contact radius to distance.
 
-    area: (n,) [mm^2].
+    area: (n,) [mm^2]. For caps other than paraboloids, a is increased if the field of the contact is larger.
     """
     closed = np.flatnonzero(area > 0.0)
     if closed.size < 2:
         return 0, 0.0
     a = np.sqrt(area / math.pi)[closed]
-    # the field of j changes the curvature of i by p_j r_i/r^3, (a_j/r)^3 r_i/s_j: sharp j count as wider
+    # the field of j has the effect p_j r_i/r^3 = 4/3 (a_j/r)^3 r_i/s_j on i, so a_j is scaled by
+    # cbrt(r_i/s_j)
     response, source = (
         radii[closed] for radii in equivalent_radii(law.for_material(surface.material), surface, area)
     )

@@ -19,15 +19,16 @@ from metafem.substrate.protocol import agreed
 from metafem.substrate.radial import Radial
 from metafem.surface import Surface
 
-# Upper limit of the integrals: beyond it 1 - M, which decreases as x^2 exp(-2x), is below 1e-19.
+# Upper limit of the integrals. Beyond it 1 - M, which decreases as x^2 exp(-2x), is below 1e-19.
 LAST_WAVENUMBER = 25.0
 
-# Panels of 16 Gauss points, each shorter than three waves of J0 at the end of the table.
+# Number of panels and of Gauss points per panel. A panel is shorter than three periods of J0 at the end of
+# the table.
 PANELS = 72
 PANEL_POINTS = 16
 
-# The slowest decay of G, at nu = 1/2, is exp(-0.739 s) (0.739 = cos 0.739 is the first pole of M): at
-# the end of the table G is below 1e-13 of the half-space's.
+# End of the table in s = r/t. There G is below 1e-13 of its value on a half-space. Its decay is slowest at
+# nu = 1/2, where it is exp(-0.739 s); 0.739 = cos 0.739 is the first pole of M.
 TABLE_END = 48.0
 
 
@@ -37,21 +38,21 @@ class BondedLayer(Radial):
 
     ``G(r) = 1/pi int_0^inf M(k t) J0(k r) dk`` with
     ``M(x) = (2 K sinh 2x - 4x) / (2 K cosh 2x + 4x^2 + 1 + K^2)`` and ``K = 3 - 4 nu``. The difference from
-    the half-space's 1/(pi r) is a table of polynomials in r/t, computed once for each nu, with an error below
-    1e-12 of the half-space's value. Valid if the sides of the block are farther away than t. Johnson, Contact
-    Mechanics, section 5.8, doi:10.1017/CBO9781139171731.
+    1/(pi r) of a half-space is tabulated as polynomials in r/t, once for each nu, with an error below 1e-12
+    of 1/(pi r). The layer is valid if the sides of the block are farther away from the asperities than t.
+    Johnson, Contact Mechanics, section 5.8, doi:10.1017/CBO9781139171731.
 
     Parameters
     ----------
     thickness : float, optional
         t [mm], positive; default: the thickness of the surface's block.
     poisson_ratio : float, optional
-        nu [-], from 0 to 0.5; default: that of the surface's material.
+        nu [-], from 0 to 0.5; default: the Poisson's ratio of the surface's material.
 
     Raises
     ------
     InvalidInput
-        For values that are outside their range or differ from those of the surface.
+        If a value is outside its range, or differs from the value of the surface.
 
     Examples
     --------
@@ -71,7 +72,7 @@ class BondedLayer(Radial):
         check.member(self, "poisson_ratio", optional=True, **check.POISSON)
 
     def for_surface(self, surface: Surface) -> BondedLayer:
-        """Return the layer with the thickness and Poisson ratio of a surface."""
+        """Return the layer with the thickness and the Poisson's ratio of a surface."""
         ratio = agreed("BondedLayer", "poisson_ratio", self.poisson_ratio, surface.material.poisson_ratio)
         block = surface.block
         refuse_if(
@@ -84,18 +85,21 @@ class BondedLayer(Radial):
 
     @property
     def self_influence(self) -> float:
-        """``-1/(pi t) int (1 - M) dx`` [1/mm], about -0.56/t for nu = 0.5."""
+        """Regular part of G at r = 0, ``-1/(pi t) int (1 - M) dx`` [1/mm], about -0.56/t for nu = 0.5."""
         thickness, ratio = self._values()
         return float(-_moments(ratio)[0] / (math.pi * thickness))
 
     @property
     def self_curvature(self) -> float:
-        """``1/(2 pi t^3) int (1 - M) x^2 dx`` [1/mm^3], about 0.61/t^3 for nu = 0.5."""
+        """Second derivative of the regular part of G at r = 0 [1/mm^3].
+
+        It is ``1/(2 pi t^3) int (1 - M) x^2 dx``, about 0.61/t^3 for nu = 0.5.
+        """
         thickness, ratio = self._values()
         return float(_moments(ratio)[1] / (2.0 * math.pi * thickness**3))
 
     def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the regular part of G [1/mm], G' and G'' at distances r >= 0 [mm]."""
+        """Return the regular parts of G [1/mm], G' [1/mm^2] and G'' [1/mm^3] at distances r >= 0 [mm]."""
         thickness, ratio = self._values()
         flat = np.ravel(distance)
         parts = kernel.empty_results(flat.size)
@@ -112,16 +116,16 @@ class BondedLayer(Radial):
 
 
 def _deficit(wavenumber: FloatArray, poisson_ratio: float) -> FloatArray:
-    """Return 1 - M, in a form without cancellation."""
+    """Return 1 - M at wavenumbers x = k t [-], without cancellation."""
     x, kappa = wavenumber, 3.0 - 4.0 * poisson_ratio
-    # the exponential parts of numerator and denominator are subtracted beforehand
+    # in denominator minus numerator, the terms exp(2x) cancel analytically
     upper = 2.0 * kappa * np.exp(-2.0 * x) + 4.0 * x + 4.0 * x**2 + 1.0 + kappa**2
     return np.asarray(upper / (2.0 * kappa * np.cosh(2.0 * x) + 4.0 * x**2 + 1.0 + kappa**2))
 
 
 @lru_cache
 def _quadrature(poisson_ratio: float) -> tuple[FloatArray, FloatArray]:
-    """Return wavenumbers x and the weights of int (1 - M) f(x) dx."""
+    """Return nodes x and weights w for which sum w f(x) is the integral of (1 - M) f."""
     node, weight = np.polynomial.legendre.leggauss(PANEL_POINTS)
     half = 0.5 * LAST_WAVENUMBER / PANELS
     x = (half * (2.0 * np.arange(PANELS)[:, None] + 1.0 + node)).ravel()
@@ -129,14 +133,14 @@ def _quadrature(poisson_ratio: float) -> tuple[FloatArray, FloatArray]:
 
 
 def _moments(poisson_ratio: float) -> tuple[float, float]:
-    """Return int (1 - M) dx and int (1 - M) x^2 dx."""
+    """Return the integrals of 1 - M and of (1 - M) x^2."""
     x, weight = _quadrature(poisson_ratio)
     return float(weight.sum()), float(weight @ x**2)
 
 
 @lru_cache
 def regular_table(poisson_ratio: float) -> FloatArray:
-    """Return the coefficients that `metafem._kernels.layer` evaluates, read-only."""
+    """Return the read-only table of coefficients that `metafem._kernels.layer` evaluates."""
     x, weight = _quadrature(poisson_ratio)
     node = np.cos(math.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
     powers = np.linalg.inv(np.vander(node, increasing=True))

@@ -15,7 +15,7 @@ from metafem.substrate.radial import Radial
 class HalfSpace(Radial):
     """An elastic half-space: ``G(r) = 1/(pi r)``.
 
-    Valid if the distances between asperities are small compared with the block. Boussinesq (1885);
+    It is valid if the distances between asperities are small compared with the block. Boussinesq (1885);
     Johnson, Contact Mechanics, equation 3.22a, doi:10.1017/CBO9781139171731.
 
     Examples
@@ -29,5 +29,5 @@ class HalfSpace(Radial):
     self_curvature: ClassVar[float] = 0.0
 
     def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return zeros."""
+        """Return three arrays of zeros: a half-space has no regular part."""
         return np.zeros_like(distance), np.zeros_like(distance), np.zeros_like(distance)

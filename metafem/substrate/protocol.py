@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 def agreed(substrate: str, name: str, stated: T | None, given: T | None) -> T | None:
-    """Return a value defined by the substrate or by the surface; if by both, the two must be equal."""
+    """Return a value that the substrate or the surface defines; raise InvalidInput if both do and differ."""
     refuse_if(
         stated is not None and given is not None and stated != given,
         f"{substrate} has {name} = {stated}, but the surface has {given}",
@@ -22,23 +22,23 @@ def agreed(substrate: str, name: str, stated: T | None, given: T | None) -> T | 
 
 @runtime_checkable
 class Substrate(Protocol):
-    """Green's function of the block: surface displacement per unit of rescaled load P/E*."""
+    """Green's function of the block: the surface displacement per unit of rescaled load P/E*."""
 
     def for_surface(self, surface: Surface) -> Substrate:
         """Return the substrate with the dimensions and the Poisson's ratio of a surface."""
         ...
 
     def influence_matrix(self, surface: Surface) -> FloatArray:
-        """Displacement at each asperity per load on every other one, (n, n) [1/mm].
+        """Return the displacement at asperity i per unit of rescaled load on asperity j, (n, n) [1/mm].
 
-        The diagonal holds the regular self terms: the difference from a half-space at r = 0.
+        The diagonal contains the regular self terms: the difference from a half-space at r = 0.
         """
         ...
 
     def influence_derivatives(self, surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Derivatives of the displacement at asperity i per load on j, each (n, n).
+        """Return derivatives of the displacement at asperity i per unit of rescaled load on j, each (n, n).
 
-        The two components of its in-plane gradient at i [1/mm^2] and its in-plane Laplacian
-        [1/mm^3]; diagonals hold the regular self terms.
+        They are the two components of the in-plane gradient at i [1/mm^2] and the in-plane Laplacian
+        [1/mm^3]. The diagonals contain the regular self terms.
         """
         ...

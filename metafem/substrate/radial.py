@@ -1,4 +1,4 @@
-"""Substrates whose influence depends only on the distance."""
+"""Substrates whose influence depends only on the distance between source and displaced point."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from metafem.surface import Surface
 
 
 class Radial(ABC):
-    """Influence 1/(pi r) of the half-space and a regular part, which subclasses define.
+    """Base of substrates with the influence 1/(pi r) of a half-space plus a regular part.
 
     Examples
     --------
@@ -26,7 +26,7 @@ class Radial(ABC):
 
     @property
     def name(self) -> str:
-        """Name of the substrate; default: that of its class."""
+        """Name of the substrate; default: the name of its class."""
         return type(self).__name__
 
     def for_surface(self, surface: Surface) -> Self:
@@ -41,11 +41,11 @@ class Radial(ABC):
     @property
     @abstractmethod
     def self_curvature(self) -> float:
-        """Curvature of the regular part of G at r = 0 [1/mm^3]."""
+        """Second derivative of the regular part of G at r = 0 [1/mm^3]."""
 
     @abstractmethod
     def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the regular part of G, G' and G'' at distances r >= 0 [mm]."""
+        """Return the regular parts of G [1/mm], G' [1/mm^2] and G'' [1/mm^3] at distances r >= 0 [mm]."""
 
     def regular(self, distance: ArrayLike) -> FloatArray:
         """Return ``G(r) - 1/(pi r)`` [1/mm], finite down to r = 0."""
@@ -62,7 +62,7 @@ class Radial(ABC):
     def influence(
         self, distance: ArrayLike, derivatives: bool = False
     ) -> FloatArray | tuple[FloatArray, FloatArray, FloatArray]:
-        """Surface displacement at a distance from a point load, per unit of P/E*.
+        """Return the surface displacement at a distance from a point load, per unit of P/E*.
 
         Parameters
         ----------
@@ -78,7 +78,7 @@ class Radial(ABC):
         Raises
         ------
         InvalidInput
-            For distances that are not positive and finite.
+            If a distance is not positive and finite.
         """
         r = _distances(distance, positive=True)
         value, first, second = self.regular_derivatives(r)
@@ -88,7 +88,7 @@ class Radial(ABC):
         return point + value, first - point / r, second + 2.0 * point / r**2
 
     def influence_matrix(self, surface: Surface) -> FloatArray:
-        """Displacement at each asperity per load on every other one, (n, n) [1/mm]."""
+        """Return the displacement at asperity i per unit of rescaled load on asperity j, (n, n) [1/mm]."""
         bound = self.for_surface(surface)
         _, _, r = _differences(surface.position)
         matrix = bound.influence(r)
@@ -96,7 +96,7 @@ class Radial(ABC):
         return matrix
 
     def influence_derivatives(self, surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Gradient at i [1/mm^2] and Laplacian [1/mm^3] of the influence of j, each (n, n)."""
+        """Return gradient (x, y) [1/mm^2] and Laplacian [1/mm^3] at i of the influence of j, (n, n) each."""
         bound = self.for_surface(surface)
         dx, dy, r = _differences(surface.position)
         _, first, second = bound.influence(r, derivatives=True)
@@ -107,7 +107,7 @@ class Radial(ABC):
 
 
 def _differences(position: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return x_i - x_j, y_i - y_j and the distance, with the unused diagonal set to that of a neighbour."""
+    """Return x_i - x_j, y_i - y_j and the distances, (n, n) each; the unused diagonal is positive."""
     x, y = position.T
     dx, dy = x[:, None] - x, y[:, None] - y
     r = np.hypot(dx, dy)

@@ -1,1 +1,1 @@
-"""Compiled twins of the laws in `metafem.contact`."""
+"""Compiled versions of the contact laws in `metafem.contact`."""

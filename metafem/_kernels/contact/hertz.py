@@ -6,7 +6,7 @@ import math
 
 from metafem._kernels.compiled import compiled
 
-# P = LOAD a d and dP/dd = STIFFNESS a; the factors multiply the complete sums.
+# P = LOAD a d and dP/dd = STIFFNESS a. Sums over contacts are multiplied by these factors once, at the end.
 LOAD = 4.0 / 3.0
 STIFFNESS = 2.0
 

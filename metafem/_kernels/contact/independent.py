@@ -1,7 +1,7 @@
-"""Load equation of independent asperities of tabulated laws, all in rescaled load P/E* [mm^2].
+"""Load equation of independent asperities with tabulated laws; all loads are rescaled, P/E* [mm^2].
 
-With the approach x, d_i = x - gap_i and P/E* = sum p(d_i), which increases with x. See `contact.tabulated`;
-for Hertz contacts see `_kernels.independent`.
+At the approach x, d_i = x - gap_i, and P/E* = sum p(d_i) increases with x. `contact.tabulated` evaluates the
+laws; `_kernels.independent` solves the equation for Hertz contacts.
 """
 
 from __future__ import annotations
@@ -14,14 +14,15 @@ from metafem._kernels.compiled import compiled
 from metafem._kernels.contact import tabulated
 from metafem._kernels.vectors import add
 
-# Each step of Newton's method doubles the correct digits or halves the bracket.
+# Maximum number of steps. Each step either doubles the number of correct digits, by Newton's method, or
+# halves the bracket.
 MAX_STEPS = 200
 ROUNDING = 4.0 * np.finfo(np.float64).eps
 
 
 @compiled
 def load_and_slope(law, gap, approach):
-    """Return P/E* [mm^2] and its derivative by the approach [mm]."""
+    """Return P/E* [mm^2] and its derivative dP/dx [mm] with respect to the approach."""
     _, which, scale, data = law
     load = rest = slope = 0.0
     for i in range(gap.size):
@@ -35,14 +36,17 @@ def load_and_slope(law, gap, approach):
 
 @compiled
 def approach_at_load(law, gap, load, below, carried, slope):
-    """Return the approach [mm] at a load; if `below` > 0, the load there is `carried`, with a slope."""
+    """Return the approach [mm] at a load.
+
+    below: a lower bound, 0 or the approach of a previous equilibrium with load `carried` and slope `slope`.
+    """
     i = int(np.argmin(gap))
     high = gap[i] + tabulated.indentation_at_load(law.data, law.which[i], law.scale[i], load)
     high *= 1.0 + 1e-9  # allows for the rounding of the tables
     low = below
     x = high
     if below > 0.0 and slope > 0.0:
-        # a power law through the last equilibrium, with its slope
+        # a power law with the load and slope of the last equilibrium
         x = min(high, below * (load / carried) ** (carried / (below * slope)))
     for _ in range(MAX_STEPS):
         p, s = load_and_slope(law, gap, x)
@@ -61,7 +65,7 @@ def approach_at_load(law, gap, load, below, carried, slope):
 
 @compiled
 def at_approach(law, gap, approach):
-    """Return P/E* [mm^2], A0 [mm^2] and the stiffness [mm] at an approach."""
+    """Return P/E* [mm^2], A0 [mm^2] and dP/dx [mm] at an approach."""
     _, which, scale, data = law
     load = load_rest = square = square_rest = slope = 0.0
     for i in range(gap.size):
@@ -76,7 +80,7 @@ def at_approach(law, gap, approach):
 
 @compiled
 def curves(law, gap, load, approach, carried, area, slope):
-    """Fill (m, k) results for m surfaces of n asperities and k increasing loads; gap: (m, n)."""
+    """Fill approach, load, area and slope (m, k) of m surfaces at k increasing loads; gap: (m, n)."""
     for row in range(gap.shape[0]):
         of_row = tabulated.part(law, row)
         x = p = s = 0.0
@@ -89,7 +93,7 @@ def curves(law, gap, load, approach, carried, area, slope):
 
 @compiled
 def each(law, indentation, load, stiffness, area, area_slope):
-    """Fill P/E* [mm^2], its slope [mm], area [mm^2] and its slope [mm] of contacts at indentations (k, n)."""
+    """Fill P/E* [mm^2], dP/dd [mm], area [mm^2] and dA/dd [mm] of contacts at indentations (k, n)."""
     _, which, scale, data = law
     for j in range(indentation.shape[0]):
         for i in range(indentation.shape[1]):

@@ -1,14 +1,14 @@
-"""Any contact law for kernels, for unit E*: Hertz's in closed form, all others from tables.
+"""Tabulated contact laws for kernels, for unit E*; Hertz's law is in closed form in `hertz`.
 
-The nominal indentation z of a contact is that at which the law without extra curvature has the load p.
-A table holds ln p, ln a^2 and the logarithm of the complementary energy ``int_0^z z dp`` over ln z; and,
-for elastic laws, ln D, ln P and ln M (`metafem.contact.caps`) over ln a, all with lengths over a scale.
-Logarithms of powers are straight lines, which continue the table on both sides.
+The nominal indentation z of a contact with load p is the indentation at which the law without extra curvature
+has this load. A table contains ln p, ln a^2 and the logarithm of the complementary energy ``int_0^z z dp`` as
+functions of ln z. For elastic laws it also contains ln D, ln P and ln M (`metafem.contact.caps`) as functions
+of ln a. All lengths are divided by a scale. The logarithm of a power law is a straight line, so straight
+lines continue the table beyond both ends.
 
-With the curvature k by the neighbours, the contact radius a of a load p follows from
-``P(a) + 4/3 k a^3 = p``. Then ``d = D + k a^2``, ``M = M(a) + 8/15 k a^5``, ``dd/dp = 1/(2 a)``,
-``da^2/dp = 1/(D' + 2 k a)``. The energy of a slope g is ``-T g^2`` with ``T(p) = 2/3 a^3``, where a is the
-contact radius without curvature.
+If the neighbours add the curvature k, a contact with load p has the radius a with ``P(a) + 4/3 k a^3 = p``.
+Then ``d = D + k a^2``, ``M = M(a) + 8/15 k a^5``, ``dd/dp = 1/(2 a)`` and ``da^2/dp = 1/(D' + 2 k a)``. A
+slope g adds the energy ``-T g^2`` with ``T(p) = 2/3 a^3``, where a is the contact radius without curvature.
 """
 
 from __future__ import annotations
@@ -20,53 +20,57 @@ import numpy as np
 
 from metafem._kernels.compiled import compiled
 
-# Smallest relative sharpness of a summit flattened by its neighbours; below it the expansion is not valid.
-# Without tables this refers to the curvature, k R.
+# Smallest curvature of a summit flattened by its neighbours, divided by its own curvature. Below it the
+# expansion is not valid. For Hertz's law the ratio is 1 + k R.
 LEAST_CURVATURE = 0.1
 
-# Largest number of steps for a contact radius or indentation; the logarithms are nearly linear.
+# Maximum number of steps for a contact radius or an indentation; few are needed, as logarithms are nearly
+# linear.
 MAX_STEPS = 40
 
-# Step in a logarithm after which the next step is below rounding: for a third-order method, whose next step
-# is its cube, and for Newton's method, whose next step is its square.
+# Steps in a logarithm below which the iteration stops, because the next step is below rounding: for a
+# third-order method, whose next step is about the cube, and for Newton's method, whose next step is about the
+# square.
 SETTLED, SETTLED_SQUARE = 1e-5, 1e-8
 
-# Distance from 1 or 0 within which series of six terms are exact to rounding: 1e-3^6/7.
+# Distance from 1 (logarithm) or 0 (exponential) within which a short series is exact to rounding: 1e-3^6/7.
 NEAR = 1e-3
 
-# Largest fraction of the load due to the curvature for which power laws give the first guess of a radius.
+# Largest ratio of the load due to the curvature to the load p at which a local power law gives the first
+# guess of the contact radius.
 MOST_EXTRA = 0.1
 
 
-# A row of `Law.data` begins with the largest indentation, the three numbers of T, and the offsets of the
-# panels over ln z and over ln a. Each of these two parts holds the number of panels, the number of bins of
-# equal width, the smallest argument, the inverse bin width, the first panel of each bin, and the edges. Then
-# follow, for each panel, the inverse of half its width and three polynomials of the position in it with this
-# number of coefficients, the lowest first.
+# Layout of a row of `Law.data`. It begins with the largest indentation, three numbers for T, and the offsets
+# of two parts: the panels over ln z and the panels over ln a. Each part contains the number of panels, the
+# number of bins of equal width, the smallest argument, the inverse bin width, the first panel of each bin,
+# and the edges of the panels. For each panel, the inverse of half its width and three polynomials of the
+# position in the panel follow. A polynomial has COEFFICIENTS coefficients, the constant term first.
 DEEPEST, LEVER_EDGE, LEVER_START, LEVER_OFFSET, BY_DEPTH, BY_RADIUS, HEADER = range(7)
 COEFFICIENTS = 8
 
 
 class Law(NamedTuple):
-    """Contact law of the asperities (n,), or of many surfaces (m, n)."""
+    """Contact laws of the asperities of one surface, arrays (n,), or of many surfaces, arrays (m, n)."""
 
-    radius: np.ndarray  # of the summits [mm]
-    which: np.ndarray  # row of the tables of each asperity; -1 for Hertz's law
-    scale: np.ndarray  # length of its table [mm]
-    data: np.ndarray  # tables, one in a row; empty for Hertz's law
+    radius: np.ndarray  # radius of each summit [mm]
+    which: np.ndarray  # index in `data` of the table of each asperity; -1 for Hertz's law
+    scale: np.ndarray  # length [mm] by which lengths in the table of each asperity are divided
+    data: np.ndarray  # tables, one per row; empty for Hertz's law
 
 
 @compiled
 def part(law, row):
-    """Return the law of one surface of many."""
+    """Return the law of surface `row`, from the law of many surfaces."""
     return Law(law.radius[row], law.which[row], law.scale[row], law.data)
 
 
 @compiled
 def panel(data, at, part, x):
-    """Return the offset of the panel's polynomials, the inverse of half its width, and the place of x in it.
+    """Return the panel of x: its polynomials' offset, the inverse of half its width, and the position of x.
 
-    The place is clipped to -1 to 1; the last returned number is the distance of x beyond it.
+    The position ranges from -1 to 1 within the panel and is limited to this range; a fourth number is the
+    distance of x beyond it.
     """
     start = int(data[at, part])
     panels, bins = int(data[at, start]), int(data[at, start + 1])
@@ -84,9 +88,10 @@ def panel(data, at, part, x):
 
 @compiled
 def line(data, at, first, t, beyond):
-    """Return a polynomial and its derivative by t, with a straight line beyond the ends of its panel.
+    """Return a polynomial at t, continued by a straight line over the distance `beyond`, and its derivative.
 
-    Even and odd powers are separate, v = e(t^2) + t o(t^2), so that a processor computes them in parallel.
+    Even and odd powers are evaluated separately, v = e(t^2) + t o(t^2), so that a processor computes them in
+    parallel.
     """
     u = t * t
     e = o = e1 = o1 = 0.0
@@ -101,7 +106,7 @@ def line(data, at, first, t, beyond):
 
 @compiled
 def curve(data, at, first, t, beyond):
-    """As `line`, with the second derivative."""
+    """Return the results of `line`, and the second derivative."""
     u = t * t
     e = o = e1 = o1 = e2 = o2 = 0.0
     for k in range(COEFFICIENTS // 2 - 1, -1, -1):
@@ -118,7 +123,7 @@ def curve(data, at, first, t, beyond):
 
 @compiled
 def covers(data, at, scale, z):
-    """Return whether a table reaches a nominal indentation."""
+    """Return whether a table includes a nominal indentation."""
     return z <= data[at, DEEPEST] * scale
 
 
@@ -133,7 +138,7 @@ def load_and_rate(data, at, scale, z):
 
 @compiled
 def logarithm(x):
-    """Return ln x, for x near 1 by a series, which takes a third of the time."""
+    """Return ln x; for x near 1 by a series, which takes a third of the time."""
     e = x - 1.0
     if abs(e) > NEAR:
         return math.log(x)
@@ -142,7 +147,7 @@ def logarithm(x):
 
 @compiled
 def exponential(x):
-    """Return e^x, for small x by a series."""
+    """Return e^x; for small x by a series."""
     if abs(x) > NEAR:
         return math.exp(x)
     return 1.0 + x * (1.0 + x / 2.0 * (1.0 + x / 3.0 * (1.0 + x / 4.0 * (1.0 + x / 5.0))))
@@ -184,7 +189,7 @@ def tilted(data, at, scale, z):
 
 @compiled
 def bent(data, at, scale, load, square, widening, curvature):
-    """Return a^2, d, dd/dz, da^2/dp and M/4 of a contact with an extra curvature, and whether it is in range.
+    """Return a^2, d, dd/dz, da^2/dp and M/4 of a contact with extra curvature k, and whether k is in range.
 
     load, square, widening: values at the nominal indentation; curvature: k [1/mm].
     """
@@ -197,15 +202,15 @@ def bent(data, at, scale, load, square, widening, curvature):
     if k < 0.0:
         # D' = (dP/da)/(2 a)
         least = (LEAST_CURVATURE - 1.0) * 0.25 * p / (share * a0 * a0 * a0)
-        # any small field flattens a flat summit that just touches
+        # a flat summit that just touches is flattened by any small field: its k is always in range
         inside = k > least or p <= data[at, LEVER_EDGE]
         k = max(k, least)
     extra = 4.0 / 3.0 * k * a0 * a0 * a0 * per_load
-    if abs(extra) <= MOST_EXTRA:  # ln a to second order, for power laws
+    if abs(extra) <= MOST_EXTRA:  # ln a to second order in `extra`, for a local power law
         step = -share * extra * (1.0 + extra * (0.5 - 3.0 * share))
         y += step
         a = a0 * exponential(step)
-    else:  # each of the two parts by itself would have a larger radius
+    else:  # both P(a) = p and 4/3 k a^3 = p give larger radii than their sum
         y = min(y, math.log(0.75 * p / k) / 3.0) if k > 0.0 else y
         a = math.exp(y)
     for _ in range(MAX_STEPS):
@@ -240,7 +245,7 @@ def bent(data, at, scale, load, square, widening, curvature):
 
 @compiled
 def complementary(data, at, scale, order, z, square, curvature):
-    """Return the complementary energy int_0^p d dp [mm^3] of a contact with an extra curvature."""
+    """Return the complementary energy int_0^p d dp [mm^3] of a contact with the extra curvature k."""
     if order == 1:
         first, _, t, beyond = panel(data, at, BY_DEPTH, math.log(z / scale))
         w, _ = line(data, at, first + 2 * COEFFICIENTS, t, beyond)
@@ -261,7 +266,7 @@ def complementary(data, at, scale, order, z, square, curvature):
 
 @compiled
 def indentation_at_load(data, at, scale, load):
-    """Return the nominal indentation z [mm] of a load [mm^2]."""
+    """Return the nominal indentation z [mm] at a load [mm^2]."""
     goal = math.log(load / scale**2)
     x = data[at, int(data[at, BY_DEPTH]) + 2]
     for _ in range(MAX_STEPS):

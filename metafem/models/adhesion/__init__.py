@@ -1,1 +1,1 @@
-"""Adhesive contacts followed along their branches, with jumps."""
+"""Adhesive contacts, followed along their branches of equilibria and through jumps."""

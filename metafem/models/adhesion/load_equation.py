@@ -20,14 +20,14 @@ from metafem.surface import Surface
 
 @dataclass(frozen=True)
 class AdhesiveAsperities(LoadEquation):
-    """Asperities of an adhesive law."""
+    """Load equation for an adhesive law."""
 
     law: JKR
 
     def path(
         self, surface: Surface, values: FloatArray, by_load: bool, unloading: bool, compliance: float
     ) -> Curve:
-        """Return equilibria at increasing loads or approaches, or back from the largest, with their jumps."""
+        """Return equilibria at increasing loads or approaches (k,), on loading or on unloading."""
         refuse_merging(self.law, surface)
         modulus = surface.material.composite_modulus
         asperities = Asperities(self.law, surface.radius, surface.gap, compliance)
@@ -54,7 +54,7 @@ class AdhesiveAsperities(LoadEquation):
         return self.solve(height, radius, load)[2]
 
     def sensitivity(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
-        """Return the law at increasing loads (k,) on loading, and dA0/dh at fixed load [mm], (k, n)."""
+        """Return the loading curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
         found = self._loaded(height, radius, load)
         a, law = found.sums.contact_radius, self.law
         return Sensitivity(
@@ -66,7 +66,10 @@ class AdhesiveAsperities(LoadEquation):
     def contacts(
         self, height: FloatArray, radius: FloatArray, load: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Return contact radii and indentations (k, n) [mm] at increasing loads (k,); 0 and -gap if open."""
+        """Return contact radii and indentations (k, n) [mm] at increasing loads (k,).
+
+        An open asperity has the radius 0, and minus its gap as indentation.
+        """
         found = self._loaded(height, radius, load)
         return found.sums.contact_radius, found.indentation
 
@@ -78,22 +81,26 @@ class AdhesiveAsperities(LoadEquation):
 
 @dataclass(frozen=True)
 class Equilibria:
-    """States of adhesive asperities (n,) at increasing rescaled loads or approaches (k,)."""
+    """States of n adhesive asperities at increasing rescaled loads or approaches (k,)."""
 
     asperities: Asperities
     path: Path
-    approach: FloatArray  # of the base between the summits, without its sinking
+    approach: FloatArray  # (k,) [mm], relative to the sunken base
     sums: Sums
     control: FloatArray
 
     @property
     def indentation(self) -> FloatArray:
-        """Indentations (k, n) [mm]; minus the gap of an open asperity."""
+        """Indentations (k, n) [mm]; minus the gap for an open asperity."""
         return np.asarray(self.approach[:, None] - self.asperities.gap)
 
     @property
     def residual(self) -> FloatArray:
-        """Error of the load or the approach over the sum of the contact radii times indentations."""
+        """Relative error of the load or of the approach, (k,).
+
+        Errors of the load are divided by the sum of contact radius times indentation of the cap, since
+        adhesive loads may sum to zero.
+        """
         some, a = self.asperities, self.sums.contact_radius
         if self.path.by_load:
             carried = (a * some.law.cap.indentation(a, some.radius)).sum(axis=1)
@@ -104,7 +111,7 @@ class Equilibria:
         return np.asarray(np.abs(error) / scale)
 
     def curve(self, model: object, height: FloatArray, notes: tuple[Note, ...] = ()) -> Curve:
-        """Return the curve on a base that does not sink, for the heights (n,) [mm]."""
+        """Return the curve relative to the sunken base, for heights (n,) [mm]."""
         load, area, stiffness, _ = self.sums
         last = partial(self._last, model, height)
         return Curve(self.approach, load, area, stiffness, self.residual, TOLERANCE, last, notes)
@@ -121,7 +128,7 @@ def equilibria(
     unloading: bool = False,
     modulus: float = 1.0,
 ) -> Equilibria:
-    """Return the states at increasing loads or approaches (k,), or on unloading from the largest."""
+    """Return the states at increasing loads or approaches (k,), on loading or unloading from the largest."""
     path = asperities.loading(values[-1:] if unloading else values, by_load)
     if unloading:
         refuse_no_loading(values, by_load, 0.0)

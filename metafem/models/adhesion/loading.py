@@ -1,8 +1,9 @@
 """Loading path of adhesive contacts that interact.
 
-At a given approach the contacts stay in equilibrium. An open asperity jumps into contact where its gap
-closes. Under a given load the plane then advances until the contacts carry the load again. The state at a
-load is therefore the first point of the path with that load, and it is stable under that load.
+The path consists of stable equilibria at fixed approach. An open asperity jumps into contact where its gap
+closes, and the total load decreases. Under load control the plane then advances until the contacts carry the
+load again. The state at a load is therefore the first point of the path with this load, and is stable under
+load control.
 """
 
 from __future__ import annotations
@@ -27,48 +28,48 @@ from metafem.models.adhesion.solve import (
     touching,
 )
 
-# Largest relative change of a contact radius that the tangent may predict for one step.
+# Largest relative increase of a contact radius in one step, as predicted by the tangent.
 FORWARD = 3.0
 
-# Maximum number of contact sets tried from a guess. An asperity counts as in contact if its contact radius
-# without interaction exceeds this multiple of the radius after a jump into contact.
+# Maximum number of sets of contacts that are tried from a guess. In the first set, an asperity is in contact
+# if its guessed contact radius exceeds SURE times the radius after a jump into contact.
 MOST_TRIALS, SURE = 8, 1.5
 
-# Factor of the estimated increase of the approach by a new contact.
+# Safety factor of the estimated increase of the approach by a new contact.
 DOUBT = 2.0
 
-# Maximum number of steps between two loads, and in the search for one point.
+# Maximum number of steps between two loads, and maximum number of trials in a search for one state.
 MOST_STEPS = 1000
 MOST_SEARCHES = 60
 
 
 class Goal(NamedTuple):
-    """A load [mm^2] or an approach [mm] at which to find the state."""
+    """A load [mm^2] or an approach [mm] at which the state is required."""
 
     value: float
     by_load: bool
 
     def condition(self) -> Condition:
-        """Return the condition of Newton's method."""
+        """Return the goal as a condition for `solve`."""
         return at_load(self.value) if self.by_load else at_approach(self.value)
 
     def measure(self, state: State) -> float:
-        """Return the load or the approach of a state."""
+        """Return the load [mm^2] or the approach [mm] of a state."""
         return state.load if self.by_load else state.x
 
     def stable(self, state: State) -> bool:
-        """Whether the contacts are stable under this control."""
+        """Return whether the contacts are stable under load control or approach control."""
         return state.stable if self.by_load else state.holds
 
     def shift(self, state: State) -> float:
-        """Return the change of the approach that the tangent predicts [mm]."""
+        """Return the change of the approach [mm] to the goal, as predicted by the tangent."""
         missing = self.value - self.measure(state)
         return missing / state.stiffness if self.by_load else missing
 
 
 @dataclass
 class Loading:
-    """The loading path of one surface; `state` is None while nothing is in contact."""
+    """The loading path of one surface; `state` is None while no asperity is in contact."""
 
     scene: Scene
     record: bool = True  # whether jumps are recorded
@@ -79,7 +80,7 @@ class Loading:
     )  # load up to which the path is known: the largest on loading, the lowest on unloading
 
     def press(self, goal: Goal) -> State | None:
-        """Move to a goal; return the state, or None if nothing is in contact there."""
+        """Follow the path to a goal; return the state, or None if no asperity is in contact there."""
         for _ in range(MOST_STEPS):
             if self.state is None:
                 if not goal.by_load and goal.value < self._first_touch():
@@ -101,11 +102,11 @@ class Loading:
         raise NotConverged("the adhesive contacts do not settle")
 
     def press_near(self, goal: Goal, guess: FloatArray) -> State | None:
-        """As `press`, from a guess of the contact radii (n,) [mm] at the goal, without the jumps before it.
+        """Return the state at a goal from guessed contact radii (n,) [mm]; follow the path only if necessary.
 
-        The state is the end of the path if every asperity that would penetrate the plane is in contact, and
-        no other new one is. A new contact under tension increases the approach by its load over the
-        stiffness; if it might not touch without this increase, the path is followed.
+        The state found is on the path if exactly those open asperities came into contact that would otherwise
+        penetrate the plane. A new contact under tension increases the approach by its load divided by the
+        stiffness. If it might not have touched the plane without this increase, the path is followed.
         """
         before: IntArray = np.empty(0, dtype=np.int64) if self.state is None else self.state.closed
         held = np.zeros(len(guess), dtype=bool)
@@ -132,7 +133,7 @@ class Loading:
         return self.press(goal)
 
     def _unit(self, state: State, goal: Goal) -> float:
-        """Return the rounding error of a load or an approach."""
+        """Return the rounding error of the load [mm^2] or the approach [mm] of a state."""
         depth = state.found.depth
         return 1e-12 * float((state.a * depth).sum() if goal.by_load else depth.max())
 
@@ -140,7 +141,7 @@ class Loading:
         return float(self.scene.gap.min())
 
     def _forward(self, state: State, goal: Goal) -> State | None:
-        """Return the state at the goal without new contacts, or a state before it."""
+        """Return the state at the goal without new contacts, or a state on the way to it, or None."""
         if goal.stable(state):
             shift = goal.shift(state)
             change = state.rate * shift
@@ -159,19 +160,19 @@ class Loading:
         return None
 
     def _from(self, state: State, shift: float, condition: Condition) -> State | None:
-        """Solve from the prediction of the tangent at a shift of the approach."""
+        """Solve from the state that the tangent predicts for a change of the approach."""
         change = state.rate * shift
         moved = state.linear.along(change)
         a = np.clip(state.a + change, 0.3 * state.a, 0.5 * (state.a + state.contacts.largest_radius))
         return solve(state.contacts, a, state.p + moved, state.x + shift, condition)
 
     def _blend(self, state: State, other: State, share: float, condition: Condition) -> State | None:
-        """Solve from a state interpolated between two states with the same contacts."""
+        """Solve from an interpolation between two states with the same contacts."""
         a, p = state.a + share * (other.a - state.a), state.p + share * (other.p - state.p)
         return solve(state.contacts, a, p, state.x + share * (other.x - state.x), condition)
 
     def _enter_first(self) -> None:
-        """Let the tallest asperities jump into contact."""
+        """Make the tallest asperities jump into contact."""
         first = self._first_touch()
         entering = np.flatnonzero(self.scene.gap <= first)
         self.extreme = 0.0
@@ -180,7 +181,7 @@ class Loading:
         self._land(0.0, 0.0, self.press)
 
     def _enter(self, state: State, trial: State, goal: Goal) -> None:
-        """Let the first asperity whose gap closes between two states jump into contact."""
+        """Make the first asperity whose gap closes between two states jump into contact."""
         touch = self._touch(state, trial)
         self.state = self._joined_at(touch)
         if touch.load >= self.extreme and goal.by_load:
@@ -188,7 +189,7 @@ class Loading:
             self._land(touch.load, touch.area, self.press)
 
     def _touch(self, state: State, trial: State) -> State:
-        """Locate the first gap that closes between two states."""
+        """Return the state at which the first gap between two states closes."""
         for _ in range(MOST_SEARCHES):
             ahead = trial.entering
             if not ahead.size:
@@ -208,14 +209,14 @@ class Loading:
         return trial
 
     def _joined_at(self, touch: State) -> State:
-        """Return the state with the asperities that touch the plane in contact, at the same approach."""
+        """Return the state at the same approach after the asperities that touch jumped into contact."""
         near = touch.overlap >= -CLOSED * float(touch.found.depth.max())
         return self._joined(touch.closed, touch.a, touch.p, touch.x, touch.contacts.others[near])
 
     def _with(
         self, closed: IntArray, a: FloatArray, p: FloatArray, others: IntArray
     ) -> tuple[Contacts, FloatArray, FloatArray]:
-        """Return contacts, radii and loads, including asperities that jump into contact."""
+        """Return contacts, contact radii and loads, with asperities that jump into contact added."""
         radius = self.scene.entry_radius_at(others, closed, p)
         whole = np.concatenate([closed, others])
         order = np.argsort(whole)
@@ -224,7 +225,7 @@ class Loading:
         return contacts, np.concatenate([a, radius])[order], np.concatenate([p, load])[order]
 
     def _joined(self, closed: IntArray, a: FloatArray, p: FloatArray, x: float, entering: IntArray) -> State:
-        """Solve at an approach with asperities that jump into contact, and the further jumps they cause."""
+        """Return the state at an approach after asperities, and others due to them, jumped into contact."""
         while True:
             start = self._with(closed, a, p, entering)
             state = solve(*start, x, at_approach(x))
@@ -235,7 +236,7 @@ class Loading:
             closed, a, p, entering = state.closed, state.a, state.p, state.contacts.others[state.entering]
 
     def _land(self, load: float, area: float, move: Callable[[Goal], State | None]) -> None:
-        """Follow a jump at a load up to its end, and record it."""
+        """Follow a jump at a load to its end, and record it."""
         landed = move(Goal(load, by_load=True))
         if self.record:
             self.jumps.append(Jump(load, area, 0.0 if landed is None else landed.area))

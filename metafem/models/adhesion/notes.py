@@ -1,4 +1,4 @@
-"""Limits of adhesive contacts, and notes on them."""
+"""Checks of adhesive contacts, and notes on their jumps."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from metafem.surface import Surface
 
 
 class Jump(NamedTuple):
-    """A jump at a given load."""
+    """A jump of the contact area at a load."""
 
     load: float  # [mm^2]
-    before: float  # area [mm^2]
-    after: float
+    before: float  # area before the jump [mm^2]
+    after: float  # area after the jump [mm^2]
 
 
 def adhesive_law(contact: Contact, material: Material | None = None) -> JKR | None:
-    """Return the adhesive law of a material, or None for a law without adhesion."""
+    """Return the law for a material if it is adhesive, otherwise None."""
     law = contact if material is None else contact.for_material(material)
     if not law.adhesive:
         return None
@@ -38,7 +38,7 @@ def adhesive_law(contact: Contact, material: Material | None = None) -> JKR | No
 
 
 def refuse_merging(law: JKR, surface: Surface) -> None:
-    """Raise InvalidInput if neighbouring contacts would merge without load."""
+    """Raise InvalidInput if neighbouring contacts would merge at zero load."""
     if surface.count == 1:
         return
     reach = of_sizes(JKR.zero_load_radius, law, surface.radius)
@@ -59,7 +59,7 @@ def refuse_merging(law: JKR, surface: Surface) -> None:
 
 
 def jump_notes(jumps: list[Jump], modulus: float, unloading: bool) -> tuple[Note, ...]:
-    """Return notes on the number, loads and sizes of the jumps of a curve."""
+    """Return a note on the number, the loads and the sizes of the jumps of a curve, or none."""
     if not jumps:
         return ()
     newtons = modulus * np.array([jump.load for jump in jumps])
@@ -79,7 +79,7 @@ def jump_notes(jumps: list[Jump], modulus: float, unloading: bool) -> tuple[Note
 
 
 def refuse_beyond(load: float, pull_off: float, modulus: float) -> None:
-    """Raise InvalidInput for a load beyond pull-off; both are rescaled [mm^2]."""
+    """Raise InvalidInput for a load beyond the pull-off load; both loads are rescaled [mm^2]."""
     raise InvalidInput(
         f"load = {modulus * load:.6g} N is beyond pull-off: on unloading the last contacts break at "
         f"{modulus * pull_off:.6g} N; use loads from there on"
@@ -87,7 +87,7 @@ def refuse_beyond(load: float, pull_off: float, modulus: float) -> None:
 
 
 def refuse_no_loading(values: FloatArray, by_load: bool, least: float) -> None:
-    """Raise InvalidInput if the largest load, or approach, makes no contact from which to unload."""
+    """Raise InvalidInput if there is no contact at the largest load or approach, where unloading begins."""
     if values[-1] <= least:
         what = "load" if by_load else "approach"
         raise InvalidInput(

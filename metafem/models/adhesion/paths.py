@@ -1,8 +1,9 @@
 """Loading and unloading paths of adhesive asperities that do not interact.
 
-All quantities are functions of the approach x: on loading, an asperity is in contact where x reaches its gap;
-on unloading, it stays in contact down to the end of its branch, ``d > d_end``. Between two such points the
-load is a convex function of x. A state at a load is the first one on the path; see `loading`.
+All quantities are functions of the approach x. On loading, an asperity is in contact from the approach at
+which its gap closes. On unloading, it remains in contact until the end of its branch, where ``d = d_end``.
+Between two approaches where contacts form or break, the load is a convex function of x. The state at a load
+is the first point of the path with this load; see `loading`.
 """
 
 from __future__ import annotations
@@ -19,14 +20,16 @@ from metafem.contact.adhesion import of_sizes
 from metafem.errors import InvalidInput
 from metafem.models.adhesion.notes import Jump
 
-# Newton steps and halvings to rounding. The end of a branch is a double root: each step halves the error.
+# Maximum number of Newton steps or halvings, sufficient to converge to rounding. The end of a branch is a
+# double root, where each Newton step only halves the error.
 MOST_STEPS = 80
 ROUNDING = 4.0 * np.finfo(np.float64).eps
 
-# Tolerance for the place of the smallest load, relative to the piece; the load is stationary there.
+# Tolerance for the approach of the smallest load, relative to the length of the piece; the load is stationary
+# there.
 LOWEST = 1e-9
 
-# Maximum number of doublings of the approach to reach a load.
+# Maximum number of doublings of the step in the approach until a load is reached.
 MOST_DOUBLINGS = 200
 
 
@@ -36,14 +39,14 @@ class Sums(NamedTuple):
     load: FloatArray  # [mm^2]
     area: FloatArray  # [mm^2]
     stiffness: FloatArray  # dP/dx [mm]
-    contact_radius: FloatArray  # (k, n) [mm], 0 for open ones
+    contact_radius: FloatArray  # (k, n) [mm], 0 for open asperities
 
 
 @dataclass(frozen=True)
 class Asperities:
-    """Asperities (n,) on a base that sinks by `compliance` times the load."""
+    """Adhesive asperities (n,) on a base that sinks by `compliance` times the load."""
 
-    law: JKR  # with its material
+    law: JKR  # for a material
     radius: FloatArray
     gap: FloatArray
     compliance: float = 0.0  # [1/mm]
@@ -55,18 +58,18 @@ class Asperities:
 
     @cached_property
     def end_radius(self) -> FloatArray:
-        """Contact radius (n,) [mm] at the end of the branch at a given approach."""
+        """Contact radius (n,) [mm] at the end of the branch, where a contact breaks at fixed approach."""
         return of_sizes(JKR.break_radius, self.law, self.radius)
 
     @cached_property
     def end(self) -> FloatArray:
-        """Indentation (n,) [mm] at the end of the branch, negative."""
+        """Indentation (n,) [mm] at the end of the branch; it is negative."""
         return np.asarray(self.law.indentation(self.end_radius, self.radius))
 
     def held_radius(self, indentation: FloatArray, closed: np.ndarray) -> FloatArray:
-        """Return the contact radii (k, n) [mm] of the closed contacts, 0 for the others.
+        """Return contact radii (k, n) [mm] at indentations (k, n) [mm]; 0 for open asperities.
 
-        Newton's method for the convex d(a), from the right of its minimum.
+        Newton's method is used at radii above the minimum of the convex function d(a).
         """
         law, cap = self.law, self.law.cap
         d = np.where(closed, indentation, 0.0)
@@ -89,7 +92,7 @@ class Asperities:
         return np.where(closed, a, 0.0)
 
     def sums(self, approach: FloatArray, closed: np.ndarray) -> Sums:
-        """Return the sums at approaches (k,) [mm] over the closed contacts (k, n)."""
+        """Return the sums at approaches (k,) [mm]; `closed` (k, n) tells which asperities are in contact."""
         a = self.held_radius(approach[:, None] - self.gap, closed)
         one = np.where(closed, a, self.entry_radius)
         with np.errstate(divide="ignore"):  # -inf at the end of a branch
@@ -103,14 +106,14 @@ class Asperities:
         return np.where(closed, self.law.load(a, self.radius), 0.0)
 
     def _measure(self, x: FloatArray, closed: np.ndarray, by_load: bool) -> tuple[FloatArray, FloatArray]:
-        """Return the load, or the approach with the sinking base, and its derivative by x."""
+        """Return the load, or the approach including the sinking of the base, and its derivative by x."""
         found = self.sums(x, closed)
         if by_load:
             return found.load, found.stiffness
         return x + self.compliance * found.load, 1.0 + self.compliance * found.stiffness
 
     def loading(self, goal: FloatArray, by_load: bool) -> Path:
-        """Return the loading path to the largest of the goals."""
+        """Return the loading path up to the largest goal, a load or an approach."""
         start = np.unique(self.gap)
         closed = self.gap <= start[:, None]
         stop = np.append(start[1:], np.inf)
@@ -127,7 +130,7 @@ class Asperities:
         return Path(self, by_load, closed, start, stop, best, forward=True)
 
     def _beyond(self, x: float, goal: float, by_load: bool) -> float:
-        """Return an approach at which all contacts exceed the goal."""
+        """Return an approach beyond x at which the goal is exceeded with all asperities in contact."""
         every = np.ones((1, len(self.gap)), dtype=bool)
         most = float((self.gap + self.law.largest_indentation(self.radius)).min())
         width = (
@@ -148,7 +151,7 @@ class Asperities:
         )
 
     def unloading(self, largest: float, by_load: bool) -> Path:
-        """Return the unloading path from an approach x [mm]."""
+        """Return the unloading path from the approach `largest` [mm]."""
         held = self.gap <= largest
         ends = np.unique((self.gap + self.end)[held])[::-1]
         start = np.append(largest, ends[:-1])
@@ -158,7 +161,7 @@ class Asperities:
         return Path(self, by_load, closed, start, lowest, best, forward=False)
 
     def _lowest(self, start: FloatArray, stop: FloatArray, closed: np.ndarray, by_load: bool) -> FloatArray:
-        """Return where a convex measure is smallest between two approaches (k,), by bisection."""
+        """Return approaches (k,) between start and stop at which the convex measure is smallest."""
         low, high = stop.copy(), start.copy()
         for _ in range(MOST_STEPS):
             middle = 0.5 * (low + high)
@@ -171,30 +174,34 @@ class Asperities:
 
 @dataclass(frozen=True)
 class Path:
-    """Pieces (m,) of a path, in order: the load or approach rises to `best` (on unloading, falls to it)."""
+    """A path in m pieces, in order; the contacts of a piece do not change.
+
+    `best` is the largest load or approach that the path has reached at the end of each piece; on unloading,
+    it is the smallest.
+    """
 
     asperities: Asperities
     by_load: bool
     closed: np.ndarray  # (m, n)
-    start: FloatArray  # approach [mm]
-    stop: FloatArray
-    best: FloatArray  # the largest load or approach up to the stop, on unloading the smallest
+    start: FloatArray  # approach at the start of each piece [mm]
+    stop: FloatArray  # approach at its end [mm]
+    best: FloatArray
     forward: bool
 
     def piece(self, goal: FloatArray) -> IntArray:
-        """Return the piece (k,) in which each goal is first reached; m if it is never reached."""
+        """Return the index (k,) of the piece in which each goal is first reached; m if it is not reached."""
         sign = 1.0 if self.forward else -1.0
         return np.searchsorted(sign * self.best, sign * goal)
 
     def approach(self, goal: FloatArray, piece: IntArray | None = None) -> tuple[FloatArray, np.ndarray]:
         """Return the approaches x (k,) [mm] at the goals, and the closed contacts (k, n).
 
-        piece: the piece of each goal; default: the first one in which it is reached.
+        piece: index of the piece of each goal; default: the first piece in which the goal is reached.
         """
         if piece is None:
             piece = self.piece(goal)
         closed = self.closed[piece]
-        # between the end where the goal is reached and the other one
+        # bracket of the approach; the goal is reached at `high`
         low, high = (self.start, self.stop) if self.forward else (self.stop, self.start)
         low, high = low[piece], high[piece]
         x = high
@@ -216,7 +223,7 @@ class Path:
         return x, closed
 
     def jumps(self, goal: float) -> list[Jump]:
-        """Return the jumps up to a goal: the largest goal on loading, the smallest on unloading."""
+        """Return the jumps up to `goal`, the largest goal on loading or the smallest on unloading."""
         sums = self.asperities.sums
         if self.forward:
             first = 0.0 if self.by_load else self.start[0]
@@ -225,7 +232,7 @@ class Path:
             sign, best = -1.0, self.best
         fresh = np.flatnonzero(np.append(True, np.diff(sign * best) > 0.0) & (sign * best <= sign * goal))
         level, before, after = best[fresh], np.zeros(len(fresh)), np.zeros(len(fresh))
-        # a jump begins at the end of a piece, the first one on loading without contacts
+        # a jump begins at the end of a piece; on loading, the first jump begins without contacts
         last = fresh - 1 if self.forward else fresh
         some = last >= 0
         before[some] = sums(self.stop[last[some]], self.closed[last[some]]).area

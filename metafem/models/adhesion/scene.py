@@ -1,17 +1,18 @@
-"""Equations of adhesive contacts under one plane, and their derivatives; loads are P/E* [mm^2].
+"""Equations of interacting adhesive contacts, and their derivatives; loads are P/E* [mm^2].
 
 The unknowns are the contact radii a_i and the approach x. The law of one contact depends on the curvature k
-of the displacement by the others. The equations are of order 3, as in `_kernels.coupling`:
+of the displacement field of the other contacts. The equations are of order 3, as in `_kernels.coupling`:
 
     F_i = d(a_i, k_i) + u_i - (x - gap_i) = 0,    p_i = P(a_i, k_i),    k = L p/2,    g = S p,
     u = G p + L^T M/4 - S^T (Q g) - r |g|^2/2
 
 with the influence G, its Laplacian L and its gradient S between the sites. A contact on a slope g moves down
-the slope. For a paraboloid the slope is a shift by R g, so that r = R and Q = p R: u is then the derivative
-of the energy sum U*(p, k) - p R |g|^2/2 + p.G p/2. In general ``r = 2 a/c`` with c = dd/da of the cap, and
-``Q = 4/3 a^3 - r 2 a s``: the moment of a tilted circle, less the part due to the moving edge of an
-adhesive contact, where s is the decrease of the indentation by adhesion. As without adhesion, this term uses
-the radius of a contact with the same load of the cap and k = 0. Order 1 has L = S = 0.
+the slope. The slope of the field shifts a paraboloid by R g, so that r = R and Q = p R. Then u is the
+derivative of the energy sum U*(p, k) - p R |g|^2/2 + p.G p/2. For other caps ``r = 2 a/c`` with c = dd/da of
+the cap, and ``Q = 4/3 a^3 - r 2 a s``, where s is the decrease of the indentation by adhesion. The first term
+is the moment of a tilted circle; the second is due to the moving edge of an adhesive contact. As without
+adhesion, the terms of the slope use the radius of a contact with k = 0 on which the cap carries the same
+load. In order 1, L = S = 0.
 """
 
 from __future__ import annotations
@@ -29,10 +30,10 @@ from metafem.contact import JKR
 from metafem.contact.adhesion import of_sizes
 from metafem.contact.elastic import PARABOLOID
 
-# Newton steps down to rounding, from a radius with an error of a few hundredths.
+# Maximum number of Newton steps, sufficient to reach rounding from a relative error of a few hundredths.
 MOST_STEPS = 20
 
-# Relative step of the finite difference for the derivative of r, a factor of a small term.
+# Relative step of the finite difference for the derivative of r, which occurs only in a small term.
 STEP = 1e-5
 
 
@@ -40,7 +41,7 @@ STEP = 1e-5
 class Scene:
     """Asperities with an adhesive law and their influence on each other; arrays (n,)."""
 
-    law: JKR  # with its material
+    law: JKR  # for a material
     radius: FloatArray
     gap: FloatArray
     coupling: Coupling
@@ -48,16 +49,16 @@ class Scene:
 
     @cached_property
     def order(self) -> int:
-        """1 for point loads, 3 with the terms of the next order."""
+        """Order of the coupling: 1 for point loads, 3 with the terms of the next order."""
         return 3 if self.coupling.laplacian.size else 1
 
     @cached_property
     def entry_radius(self) -> FloatArray:
-        """Contact radius (n,) [mm] after the jump into contact at d = 0, without curvature."""
+        """Contact radius (n,) [mm] after the jump into contact at d = 0, without extra curvature."""
         return of_sizes(JKR.entry_radius, self.law, self.radius)
 
     def entry_radius_at(self, entering: IntArray, closed: IntArray, p: FloatArray) -> FloatArray:
-        """Contact radius [mm] of asperities that jump into contact near contacts with loads p [mm^2]."""
+        """Return contact radii [mm] after jumps into contact in the field of contacts with loads p [mm^2]."""
         if self.order == 1 or self.paraboloid:
             return np.asarray(self.entry_radius[entering])
         k = 0.5 * self.coupling.laplacian[np.ix_(entering, closed)] @ p
@@ -65,9 +66,10 @@ class Scene:
 
     @cached_property
     def least_radius(self) -> FloatArray:
-        """Lower bound of the contact radius (n,) [mm] in equilibrium: half of that at the end of the branch.
+        """Lower bound (n,) [mm] of contact radii in equilibrium: half the radius at the end of the branch.
 
-        It is 0 for other caps than paraboloids: curvature by the neighbours sharpens a flat summit.
+        It is 0 for caps other than paraboloids, because the curvature of the neighbours' field can sharpen a
+        flat summit and thus reduce the radius.
         """
         if not self.paraboloid:
             return np.zeros(len(self.radius))
@@ -82,12 +84,12 @@ class Scene:
 
     @cached_property
     def paraboloid(self) -> bool:
-        """Whether the cap is a paraboloid, with the same radius of curvature everywhere."""
+        """Whether the cap is a paraboloid."""
         return self.law.cap == PARABOLOID
 
 
 class Fields(NamedTuple):
-    """Fields at the contacts (m,), and the values of the law there."""
+    """Fields at the contacts, and the values of the law in these fields; arrays (m,)."""
 
     load: FloatArray  # P(a, k) [mm^2]
     moment: FloatArray  # M [mm^4]
@@ -102,7 +104,7 @@ class Fields(NamedTuple):
 
 
 class Contacts:
-    """The equations of some asperities that are in contact."""
+    """The equations of the asperities in contact, whose indices are `closed`."""
 
     def __init__(self, scene: Scene, closed: IntArray) -> None:
         self.scene, self.closed = scene, closed
@@ -121,7 +123,7 @@ class Contacts:
             self.fields = np.stack([coupling.laplacian[rows], coupling.slope_x[rows], coupling.slope_y[rows]])
 
     def respond(self, a: FloatArray, p: FloatArray) -> Fields:
-        """Return the fields of contacts with radii a [mm] and loads p [mm^2]."""
+        """Return the fields and law values of contacts with radii a [mm] and loads p [mm^2]."""
         law, radius, none = self.scene.law, self.radius, np.zeros(len(a))
         if self.scene.order == 1:
             load, moment = law.load(a, radius), none
@@ -139,7 +141,7 @@ class Contacts:
         return Fields(load, moment, k, gx, gy, tilt, turn, u, depth, depth - law.deficit(a))
 
     def _tilt(self, a: FloatArray, k: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return Q [mm^3], r [mm], the radius a0 with the same load of the cap at k = 0, and dr/da0."""
+        """Return Q [mm^3], r [mm], the radius a0 at which the cap has its load with k = 0, and dr/da0."""
         law, radius = self.scene.law, self.radius
         carried = law.cap.load(a, radius, k)
         lost = 2.0 * a * law.deficit(a)
@@ -162,7 +164,7 @@ class Contacts:
         by_loads: FloatArray,
         direct: FloatArray,
     ) -> None:
-        """Add the derivatives by p and a through Q and r, which depend on the load of the cap."""
+        """Add the derivatives with respect to p and a that arise because Q and r depend on the cap's load."""
         lap, sx, sy = self.fields
         gx, gy, turn = found.slope_x, found.slope_y, found.turn
         *_, own, bend = self._tilt(a, found.curvature)
@@ -179,7 +181,7 @@ class Contacts:
 
     @cached_property
     def _outward(self) -> FloatArray:
-        """Influence on the open asperities, for order 3 with its derivatives at the contacts (4, m, rest)."""
+        """Influence of m contacts on the open asperities, for order 3 with derivatives, (1 or 4, m, rest)."""
         coupling, rows = self.scene.coupling, np.ix_(self.closed, self.others)
         if self.scene.order == 1:
             return np.asarray(coupling.influence[rows][None])
@@ -188,12 +190,12 @@ class Contacts:
 
     @cached_property
     def _slopes(self) -> FloatArray:
-        """Slopes at the open asperities by the loads of the contacts (2, rest, m)."""
+        """Slopes at the open asperities per unit load of the contacts, (2, rest, m)."""
         coupling, rows = self.scene.coupling, np.ix_(self.others, self.closed)
         return np.stack([coupling.slope_x[rows], coupling.slope_y[rows]])
 
     def overlap(self, p: FloatArray, found: Fields, x: float) -> FloatArray:
-        """Return how far the open asperities would penetrate the plane [mm]; a gap is negative."""
+        """Return the overlap of the open asperities with the plane [mm]; minus the gap if there is one."""
         scene, outward = self.scene, self._outward
         if scene.order == 1:
             u = p @ outward[0]
@@ -205,7 +207,7 @@ class Contacts:
         return np.asarray(x - scene.gap[self.others] - u)
 
     def linearise(self, a: FloatArray, found: Fields) -> Linear:
-        """Return the derivatives of F and p by the contact radii."""
+        """Return the derivatives of F and p with respect to the contact radii."""
         law, radius, k = self.scene.law, self.radius, found.curvature
         slope, s = law.profile_slope(a, radius, k), law.deficit(a)
         by_depth = slope - 0.5 * s / a  # dd/da
@@ -218,7 +220,7 @@ class Contacts:
         lap, sx, sy = self.fields
         gx, gy, tilt, turn = found.slope_x, found.slope_y, found.tilt, found.turn
         by_moment = 4.0 / 3.0 * a**3 * slope - 14.0 / 3.0 * a**2 * s  # dM/da
-        # half of dM/dk, and the squares of curvature and slope
+        # coefficients of the terms from L^T L (half of dM/dk) and S^T S
         factors = np.stack([a**5 / 15.0, -tilt, -tilt])
         by_loads = self.fields.reshape(-1, len(a)).T @ (factors[:, :, None] * self.fields).reshape(-1, len(a))
         by_loads += self.influence + (0.5 * a**2)[:, None] * lap
@@ -238,26 +240,28 @@ class Contacts:
 
 @dataclass(frozen=True)
 class Linear:
-    """Derivatives of the equations of contacts."""
+    """Derivatives of the equations of m contacts."""
 
-    by_radius: FloatArray  # dF/da including the change of the loads, (m, m) [-]
+    by_radius: FloatArray  # dF/da, including the change of the loads with a, (m, m) [-]
     by_loads: FloatArray  # dF/dp, (m, m) [1/mm]
     loads: FloatArray  # dp/da, (m, m) or its diagonal [mm]
-    own_depth: FloatArray  # dd/da of each contact by itself, (m,) [-]
-    own_load: FloatArray  # dP/da of each contact by itself, (m,) [mm]
-    mixed: tuple[FloatArray, IntArray] | None = field(repr=False)  # factors of the equations of p
+    own_depth: FloatArray  # dd/da of the law of each contact, (m,) [-]
+    own_load: FloatArray  # dP/da of the law of each contact, (m,) [mm]
+    mixed: tuple[FloatArray, IntArray] | None = field(repr=False)  # LU factors of the equations p = P(a, k)
 
     @property
     def total(self) -> FloatArray:
-        """Derivative of the sum of the loads by the radii (m,)."""
+        """Derivative of the total load with respect to the contact radii, (m,) [mm]."""
         return self.loads if self.loads.ndim == 1 else np.asarray(self.loads.sum(axis=0))
 
     @property
     def excess(self) -> int:
-        """Number of unstable directions at a given approach, up to those that appear or vanish here.
+        """Number of unstable directions at fixed approach.
 
-        With dF/dp = H, the contacts are stable if H has as many negative eigenvalues as there are contacts
-        whose load falls as they grow. H is scaled by the roots of |dP/da|, without small terms of order 3.
+        With H = dF/dp, the contacts are stable if the number of negative eigenvalues of H equals the number
+        of contacts whose load decreases with their radius. H is scaled by the square roots of |dP/da|, and
+        small terms of order 3 are omitted. The number may therefore be wrong where a direction becomes
+        unstable.
         """
         falling = self.own_load < 0.0
         if not falling.any():
@@ -266,17 +270,17 @@ class Linear:
         matrix = root[:, None] * (0.5 * (self.by_loads + self.by_loads.T)) * root
         matrix[np.diag_indices(len(root))] += np.where(falling, -self.own_depth, self.own_depth)
         blocks, pivot, _ = dsytrf(matrix)
-        # a block of two rows has one negative eigenvalue
+        # a 2 x 2 block of the factorisation has one negative eigenvalue
         single = pivot >= 0
         negative = (np.diagonal(blocks)[single] < 0.0).sum() + (~single).sum() // 2
         return abs(int(falling.sum()) - int(negative))
 
     def along(self, change: FloatArray) -> FloatArray:
-        """Return the change of the loads with one of the radii (m,)."""
+        """Return the change of the loads (m,) due to a change of the contact radii (m,)."""
         return np.asarray(self.loads * change if self.loads.ndim == 1 else self.loads @ change)
 
     def corrected(self, error: FloatArray) -> FloatArray:
-        """Return the change of the loads that removes an error of p = P(a, k)."""
+        """Return the change of the loads (m,) that removes the error of p = P(a, k)."""
         if self.mixed is None:
             return -error
         return np.asarray(-dgetrs(*self.mixed, error)[0])

@@ -1,4 +1,4 @@
-"""Newton's method for adhesive contacts with one extra condition: a load, approach, radius or touch."""
+"""Newton's method for adhesive contacts under one condition, such as a load or an approach."""
 
 from __future__ import annotations
 
@@ -12,20 +12,21 @@ from scipy.linalg.lapack import dgetrf, dgetrs
 from metafem._validate import FloatArray, IntArray
 from metafem.models.adhesion.scene import Contacts, Fields, Linear
 
-# Largest residual of a converged state; Newton's method aims lower to allow for rounding.
+# Largest residual of a converged state, and residual at which Newton's method stops; it is smaller to allow
+# for rounding.
 TOLERANCE = 1e-12
 GOAL = 2e-13
 
-# Maximum number of steps; least progress of a step with an earlier matrix; and number of steps with a new
-# matrix that may make no progress.
+# Maximum number of Newton steps. A matrix is reused while each step multiplies the residual by less than
+# PROGRESS. At most MOST_WORSE steps with a new matrix may increase the residual.
 MOST_STEPS = 40
 PROGRESS = 0.02
 MOST_WORSE = 2
 
-# Changes of radii, loads and approach by the errors of F, of p and of the condition.
+# Function that returns the changes of radii, loads and approach for errors of F, of p and of the condition.
 Step = Callable[[FloatArray, FloatArray, float], tuple[FloatArray, FloatArray, float]]
 
-# Gaps below this multiple of the largest indentation of a cap are rounding errors.
+# Gaps smaller than this multiple of the largest indentation of a cap are attributed to rounding.
 CLOSED = 1e-11
 
 # Largest relative change of a contact radius in one step.
@@ -34,7 +35,7 @@ LONGEST = 0.5
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Contacts in equilibrium, arrays (m,) over those in contact."""
+    """Contacts in equilibrium; arrays (m,) over the asperities in contact."""
 
     contacts: Contacts
     a: FloatArray  # contact radii [mm]
@@ -50,7 +51,7 @@ class State:
 
     @property
     def load(self) -> float:
-        """Sum of the loads [mm^2]."""
+        """Total load [mm^2]."""
         return float(self.p.sum())
 
     @property
@@ -71,10 +72,10 @@ class State:
 
     @cached_property
     def holds(self) -> bool:
-        """Whether the contacts are stable at this approach.
+        """Whether the contacts are stable at fixed approach.
 
-        The determinant of dF/da is then positive. It changes sign at the end of a branch. Where two branches
-        end together its sign may stay the same, but two directions become unstable.
+        If they are, the determinant of dF/da is positive; it changes sign at the end of a branch. Where two
+        branches end together, the sign may remain the same, but two directions become unstable.
         """
         factor, pivot = self.factors
         swaps = np.count_nonzero(pivot != np.arange(len(pivot)))
@@ -83,9 +84,9 @@ class State:
 
     @property
     def _within(self) -> bool:
-        """Whether no contact moves down its slope by more than its radius.
+        """Whether each contact moves down the slope of the field by at most its radius.
 
-        Beyond that, an expansion about the summit fails, except for a paraboloid.
+        For larger shifts the expansion about the summit fails, except for a paraboloid.
         """
         if self.contacts.scene.paraboloid:
             return True
@@ -94,39 +95,39 @@ class State:
 
     @cached_property
     def rate(self) -> FloatArray:
-        """Derivative of the contact radii by the approach (m,)."""
+        """Derivative of the contact radii with respect to the approach, (m,) [-]."""
         return np.asarray(dgetrs(*self.factors, np.ones(len(self.a)))[0])
 
     @cached_property
     def stiffness(self) -> float:
-        """Derivative of the load by the approach [mm]."""
+        """Derivative of the load with respect to the approach [mm]."""
         return float(self.linear.total @ self.rate)
 
     @property
     def stable(self) -> bool:
-        """Whether the contacts are stable at this load."""
+        """Whether the contacts are stable at fixed load."""
         return self.holds and self.stiffness > 0.0
 
     def area_gradient(self) -> FloatArray:
-        """Derivative of A0 by the heights of the contacts at a given load [mm], (m,)."""
+        """Return dA0/dh for the heights of the contacts at fixed load [mm], (m,)."""
         both = np.column_stack([2.0 * np.pi * self.a, self.linear.total])
         by_area, by_load = dgetrs(*self.factors, both, trans=1)[0].T
         return np.asarray(by_area - by_area.sum() / by_load.sum() * by_load)
 
     @cached_property
     def overlap(self) -> FloatArray:
-        """How far the open asperities would penetrate the plane [mm]; a gap is negative."""
+        """Overlap of the open asperities with the plane [mm]; minus the gap if there is one."""
         return self.contacts.overlap(self.p, self.found, self.x)
 
     @property
     def entering(self) -> IntArray:
-        """Indices, among the open asperities, of those that touch or penetrate the plane."""
+        """Positions in `contacts.others` of the open asperities that overlap the plane beyond rounding."""
         return np.flatnonzero(self.overlap > CLOSED * float(self.found.depth.max()))
 
 
 @dataclass(frozen=True)
 class Condition:
-    """A condition on the contacts: its error, and its derivatives by loads, radii and approach."""
+    """A condition on the contacts: its error, and the derivatives by loads, contact radii and approach."""
 
     error: Callable[[FloatArray, FloatArray, float, Fields], float]
     by_loads: FloatArray | float = 0.0
@@ -136,24 +137,24 @@ class Condition:
 
 
 def at_load(load: float) -> Condition:
-    """Return the condition of a load [mm^2]."""
+    """Return the condition that the total load is `load` [mm^2]."""
     return Condition(lambda a, p, x, found: float(p.sum()) - load, by_loads=1.0, of_loads=True)
 
 
 def at_approach(approach: float) -> Condition:
-    """Return the condition of an approach [mm]."""
+    """Return the condition that the approach is `approach` [mm]."""
     return Condition(lambda a, p, x, found: x - approach, by_approach=1.0)
 
 
 def at_radius(contacts: Contacts, i: int, radius: float) -> Condition:
-    """Return the condition of the radius [mm] of one contact."""
+    """Return the condition that the contact radius of the i-th contact is `radius` [mm]."""
     unit = np.zeros(len(contacts.closed))
     unit[i] = 1.0
     return Condition(lambda a, p, x, found: float(a[i]) - radius, by_radii=unit)
 
 
 def touching(contacts: Contacts, k: int) -> Condition:
-    """Return the condition that the k-th of the open asperities touches the plane."""
+    """Return the condition that the k-th open asperity touches the plane."""
 
     def error(a: FloatArray, p: FloatArray, x: float, found: Fields) -> float:
         return float(contacts.overlap(p, found, x)[k])
@@ -163,7 +164,10 @@ def touching(contacts: Contacts, k: int) -> Condition:
 
 
 def solve(contacts: Contacts, a: FloatArray, p: FloatArray, x: float, condition: Condition) -> State | None:
-    """Return the state near a start that meets the condition, or None if the steps do not converge."""
+    """Return the state that satisfies the condition, or None if Newton's method does not converge.
+
+    a, p, x: initial guess of contact radii [mm], loads [mm^2] and approach [mm].
+    """
     step: Step | None = None
     last, worse, fresh = np.inf, 0, False
     for _ in range(MOST_STEPS):
@@ -191,7 +195,7 @@ def solve(contacts: Contacts, a: FloatArray, p: FloatArray, x: float, condition:
         length = LONGEST / longest if longest > LONGEST else 1.0
         if length < 1.0:
             step = None
-        # a cap may be bounded, such as a sphere by its equator
+        # the radius of a cap may be limited, as for a sphere by its equator
         wider = np.minimum(a + length * change, 0.5 * (a + contacts.largest_radius))
         a, p, x = wider, p + length * moved, x + length * shift
     return None
@@ -206,7 +210,7 @@ def _residual(
     wrong: float,
     condition: Condition,
 ) -> float:
-    """Largest error over the largest indentation of a cap, or over the largest load of a cap."""
+    """Return the largest error: lengths over the largest indentation of a cap, loads over loads of caps."""
     depth = float(found.depth.max())
     loads = a * found.depth  # of the order of the loads of the caps
     unit = float(loads.sum()) if condition.of_loads else depth
@@ -215,7 +219,7 @@ def _residual(
 
 
 def _linear_step(linear: Linear, condition: Condition) -> Step:
-    """Return the function that solves the linear equations for errors of F, of p and of the condition."""
+    """Return a function that computes Newton steps from the errors of F, of p and of the condition."""
     count = len(linear.by_radius)
     matrix = np.empty((count + 1, count + 1))
     matrix[:count, :count] = linear.by_radius

@@ -1,7 +1,7 @@
 """Unloading path of adhesive contacts that interact.
 
-As on loading, the contacts stay in equilibrium at a given approach. A contact breaks where its branch ends:
-there dF/da is singular. The state at a load is the first point of the path with that load.
+As on loading, the path consists of stable equilibria at fixed approach. A contact breaks at the end of its
+branch, where dF/da is singular. The state at a load is the first point of the path with this load.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from metafem.models.adhesion.loading import MOST_SEARCHES, MOST_STEPS, Goal, Loa
 from metafem.models.adhesion.scene import Contacts
 from metafem.models.adhesion.solve import CLOSED, State, at_approach, at_radius, solve
 
-# Largest relative change of a contact radius that the tangent may predict for one step.
+# Largest relative change of a contact radius in one step, as predicted by the tangent.
 BACK = 0.4
 
-# Relative step in the radius of the contact that shrinks fastest, and the smallest one.
+# Relative step in the radius of the contact that shrinks fastest, and the smallest such step.
 STEP, LEAST_STEP = 0.2, 1e-6
 
-# Tolerance for the end of a branch and for the lowest load, relative to a contact radius. The load is
-# stationary there, so its error is the square of this.
+# Tolerances, relative to a contact radius, for the end of a branch and the lowest load. The load is
+# stationary at both, so its error is the square of the tolerance. COARSE is used at first under load control.
 LOCATED = 1e-7
 COARSE = 1e-3
 
@@ -32,7 +32,7 @@ class Unloading(Loading):
     """The unloading path of one surface, from its state under the largest load."""
 
     def withdraw(self, goal: Goal) -> State | None:
-        """Move back to a goal; return the state, or None if all contacts broke before."""
+        """Follow the path back to a goal; return the state, or None if all contacts break before the goal."""
         for _ in range(MOST_STEPS):
             state = self.state
             if state is None:
@@ -47,7 +47,7 @@ class Unloading(Loading):
         raise NotConverged("the adhesive contacts do not settle")
 
     def _enter_back(self, state: State, trial: State, goal: Goal) -> None:
-        """As `_enter`, on unloading: the plane then advances until the contacts carry the load again."""
+        """Make an asperity jump into contact on unloading; the plane then advances to restore the load."""
         touch = self._touch(state, trial)
         self.state = self._joined_at(touch)
         if goal.by_load:
@@ -56,7 +56,7 @@ class Unloading(Loading):
             self.extreme = lowest
 
     def _directly(self, state: State, goal: Goal) -> State | None:
-        """Return the state at the goal if it is near and no contact forms or breaks before it."""
+        """Return the state at the goal if it is near and no contact forms or breaks before it, else None."""
         if not goal.stable(state):
             return None
         shift = goal.shift(state)
@@ -71,7 +71,7 @@ class Unloading(Loading):
         return trial
 
     def _shrink(self, state: State, goal: Goal) -> None:
-        """Let the contact that shrinks fastest shrink by a step, at most to the end of its branch."""
+        """Reduce the radius of the contact that shrinks fastest, at most to the end of its branch."""
         i = int((state.rate / state.a).argmax())
         step = STEP
         while True:
@@ -89,7 +89,7 @@ class Unloading(Loading):
         if not new.holds:
             value = _turning(i) if state.rate[i] * new.rate[i] < 0.0 else _holding
             end = self._search(state, new, i, value, COARSE if goal.by_load else LOCATED)
-            if goal.by_load and end.stiffness > 0.0:  # the load is lowest nearer to the end
+            if goal.by_load and end.stiffness > 0.0:  # the minimum of the load is closer to the end
                 end = self._search(end, new, i, value, LOCATED)
         if goal.by_load and state.stiffness > 0.0:
             if end.stiffness <= 0.0 or not new.holds:
@@ -116,12 +116,12 @@ class Unloading(Loading):
             self._leave(end, goal)
 
     def _within(self, state: State, new: State, i: int) -> bool:
-        """Whether no other contact changes much more than the one whose radius is set."""
+        """Return whether no contact radius changes by more than twice the relative change of contact i."""
         change = np.abs(new.a / state.a - 1.0)
         return bool(change.max() <= 2.0 * change[i])
 
     def _at_radius(self, state: State, i: int, radius: float) -> State | None:
-        """Solve for a radius of contact i from the tangent."""
+        """Solve for a state with a given radius of contact i, from the prediction of the tangent."""
         shift = (radius - state.a[i]) / state.rate[i]
         change = state.rate * shift
         a, p = np.maximum(state.a + change, 0.3 * state.a), state.p + state.linear.along(change)
@@ -130,7 +130,7 @@ class Unloading(Loading):
     def _search(
         self, state: State, new: State, i: int, value: Callable[[State], float], part: float
     ) -> State:
-        """Return the last state before a value changes sign, to a fraction of the radius of contact i."""
+        """Return the last state before `value` changes sign; part: tolerance over the radius of contact i."""
         width = state.a[i] - new.a[i]
 
         def at(radius: float) -> State:
@@ -149,7 +149,7 @@ class Unloading(Loading):
         return state if before >= state.a[i] else at(before)
 
     def _between(self, state: State, end: State, goal: Goal) -> State:
-        """Return the state at a goal between two states."""
+        """Return the state at a goal that lies between two states."""
         share = (goal.measure(state) - goal.value) / (goal.measure(state) - goal.measure(end))
         found = self._blend(state, end, share, goal.condition())
         if found is None:
@@ -157,7 +157,7 @@ class Unloading(Loading):
         return found
 
     def _leave(self, state: State, goal: Goal) -> None:
-        """Break the contact that shrinks fastest, and those that break with it, at the same approach."""
+        """Break the contact that shrinks fastest, and all that break with it, at the same approach."""
         rate = np.abs(state.rate / state.a)
         closed, a, p = state.closed, state.a, state.p
         while len(closed):
@@ -174,10 +174,10 @@ class Unloading(Loading):
 
 
 def _turning(i: int) -> Callable[[State], float]:
-    """Return the derivative of the approach by the radius of contact i: 0 at the end of a branch."""
+    """Return a function of a state: dx/da of contact i, which is 0 at the end of its branch."""
     return lambda state: float(1.0 / state.rate[i])
 
 
 def _holding(state: State) -> float:
-    """Return a value whose sign says whether the contacts are stable at a given approach."""
+    """Return 1 if the contacts are stable at fixed approach, and -1 otherwise."""
     return 1.0 if state.holds else -1.0

@@ -1,1 +1,1 @@
-"""Resolved contacts: the pressure on cells of a grid."""
+"""Resolved contacts: pressures on the cells of a grid."""

@@ -1,12 +1,14 @@
-"""Load and contact area of each asperity from a resolved pressure, all in units of the cell.
+"""Load and contact area of each asperity from a resolved pressure; all lengths are in cells.
 
-The second moments of the pressure about its centroid have ``s = sqrt(<x^2><y^2> - <xy>^2)``, and the
-pressure on a Hertzian ellipse has the area ``5 pi s``. For other caps s = M/(2 P), and their law then gives
-the area. The area of any other contact is found from its edge, near which p^2 falls linearly. The squared
-pressure, divided by the square of the law's smooth factor, is extrapolated outwards by quadratic functions
-along rows, columns and diagonals. The two outermost rings of cells, which collocation distorts, are left
-out. The area is the region where the result, linear in triangles between the centres of the cells, is
-positive.
+The area follows from ``s = sqrt(<x^2><y^2> - <xy>^2)``, with the second moments of the pressure about its
+centroid. A Hertzian ellipse has the area ``5 pi s``. For other caps M = 2 s P, and their law gives the area
+for this second moment M.
+
+The area of a contact with another shape is found from its edge, near which p^2 decreases linearly to zero.
+The pressure is divided by the smooth factor of the law, squared, and extrapolated outwards by quadratic
+functions along rows, columns and diagonals. The extrapolation does not use the two outermost rings of cells,
+whose pressure is distorted by collocation. The result is interpolated linearly in triangles between the
+centres of the cells, and the contact area is the region where it is positive.
 """
 
 from __future__ import annotations
@@ -22,28 +24,30 @@ from metafem.models.boundary_elements.patches import IntArray, Patch
 from metafem.models.boundary_elements.summits import Summits
 
 # Number of rings of cells at the edge whose pressure is replaced by the extrapolation, and number of rings
-# that are filled: the same and three outside.
+# that the extrapolation fills: these and three more outside.
 DISTORTED, FILLED = 2, 5
 
-# In a Hertz contact the edge is found this many cells outside the true one, and the area is smaller by this
-# number of cells: means of six offsets, with 5 to 80 cells per radius.
+# Systematic errors of the area within the edge, for Hertz contacts: the edge lies EDGE cells outside the true
+# edge, and the area is too small by CURVED cells. Both are means over six offsets with 5 to 80 cells per
+# radius.
 EDGE, CURVED = 0.009, 0.22 * math.pi
 
-# With n cells per radius the areas of a Hertz contact from the edge and from the moments differ by up to the
-# first value plus the second times n, in cells over pi (measured at the same offsets); those of other caps
-# by up to twice as much (powers from 1 to 8, spheres and tables).
+# Largest difference, in cells, between the areas of a Hertz contact from its edge and from its moments: pi
+# times the sum of the first value and the second times n, with n cells per radius (measured at the same
+# offsets). For other caps the difference is up to twice as large (powers from 1 to 8, spheres and tables).
 DIFFERENCE, DIFFERENCE_BY_CELL, OTHER_CAPS = 0.5, 0.002, 2.0
 
-# In a gap between two contacts, up to twice this number of cells wide, the level of an open cell is at most
-# this negative multiple of that of an adjacent closed cell: the edge is up to 0.62 cells beyond the centre of
-# a closed cell. The pressure rises so steeply there that the quadratic functions find the edge farther out.
+# In a gap between two contacts that is at most 2 NARROW cells wide, the level of an open cell is limited to
+# -BOUND times the level of an adjacent closed cell. The edge is then at most 0.62 cells beyond the centre of
+# a closed cell. Without this limit the edge would be too far out, because the pressure is so steep there.
 NARROW, BOUND = 6, 0.61
 
-# With fewer cells than this, 4.7 per radius, the area is the number of cells, corrected at the edge.
+# For contacts of fewer cells than this, 4.7 per radius, the area is the number of cells with a correction at
+# the edge.
 SMALL = 70
 
-# A pressure on whole cells extends this far beyond the edge, in cells (measured on one Hertz contact with 12
-# to 100 cells per radius).
+# Distance by which the cells with pressure extend beyond the edge, in cells (measured for one Hertz contact
+# with 12 to 100 cells per radius).
 RIM = 0.115
 
 # Steps to the neighbours of a cell.
@@ -52,17 +56,17 @@ STEPS = ((1, 0), (0, 1), (1, 1), (1, -1), (-1, 0), (0, -1), (-1, -1), (-1, 1))
 
 @dataclass(frozen=True, eq=False)
 class Contacts:
-    """Loads and areas of the asperities (n,), in units of the cell."""
+    """Loads and areas of the asperities (n,); lengths are in cells."""
 
-    load: FloatArray  # sum of p/E* over the cells on which the asperity is the highest
+    load: FloatArray  # sum of p/E* over the cells in which the asperity is the highest
     area: FloatArray  # contact area on these cells
-    # whether the area is that within the edge instead of the law's area for the second moments
+    # whether the area is the area within the edge instead of the law's area for the second moments
     deformed: NDArray[np.bool_]
-    merged: IntArray  # pairs of asperities whose contacts share an edge of a cell, (m, 2)
+    merged: IntArray  # pairs of asperities with adjacent cells in contact, (m, 2)
 
 
 def measure(patches: list[Patch], pressure: list[FloatArray], summits: Summits) -> Contacts:
-    """Sum the pressure of each asperity, and find merged contacts."""
+    """Return the loads and areas of the asperities, and the merged contacts."""
     count = len(summits.radius)
     load, area, spread, shift = np.zeros((4, count))
     pairs = []
@@ -87,7 +91,7 @@ def measure(patches: list[Patch], pressure: list[FloatArray], summits: Summits) 
 
 
 def _moments(density: FloatArray) -> tuple[float, FloatArray]:
-    """Return s, the root of the determinant of a pressure's second moments, and the centroid (2,)."""
+    """Return s, the square root of the determinant of the second moments, and the centroid (2,)."""
     x, y = (np.arange(n, dtype=np.float64) for n in density.shape)
     along_x, along_y = density.sum(axis=1), density.sum(axis=0)
     centroid = np.array([x @ along_x, y @ along_y])
@@ -97,8 +101,8 @@ def _moments(density: FloatArray) -> tuple[float, FloatArray]:
 
 
 def _areas(pressure: FloatArray, owner: IntArray, count: int) -> FloatArray:
-    """Return the area within the edges of the contacts on the cells of each asperity, (n,)."""
-    # room for the rings outside and three more cells
+    """Return the contact area within the edges on the cells of each asperity, (n,)."""
+    # padding for the rings outside and three more cells
     pressure, owner = np.pad(pressure, FILLED + 3), np.pad(owner, FILLED + 3, mode="edge")
     closed = pressure > 0.0
     edges = np.sum([closed & ~np.roll(closed, step, (0, 1)) for step in STEPS if 0 in step], axis=0)
@@ -113,7 +117,7 @@ def _areas(pressure: FloatArray, owner: IntArray, count: int) -> FloatArray:
 
 
 def _extrapolated(pressure: FloatArray, closed: NDArray[np.bool_]) -> FloatArray:
-    """Return squares of the pressure within the contacts and around them; slightly negative far from them."""
+    """Return the extrapolated square of the pressure in and near contacts; slightly negative elsewhere."""
     inner = closed
     for _ in range(DISTORTED):
         inner = inner & _surrounded(inner)
@@ -137,7 +141,7 @@ def _extrapolated(pressure: FloatArray, closed: NDArray[np.bool_]) -> FloatArray
 
 
 def _between(closed: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return the open cells that have closed cells nearby on opposite sides."""
+    """Return whether each cell is open and has closed cells nearby on opposite sides."""
     between = np.zeros_like(closed)
     for dx, dy in STEPS[:4]:
         ahead, behind = (
@@ -149,12 +153,12 @@ def _between(closed: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _surrounded(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return whether all neighbours of each cell are among the cells."""
+    """Return whether all eight neighbours of each cell belong to `cells`."""
     return np.asarray(np.logical_and.reduce([np.roll(cells, step, (0, 1)) for step in STEPS]))
 
 
 def _covered(level: FloatArray, owner: IntArray, count: int) -> FloatArray:
-    """Return the area of each asperity, (n,), where the level is positive."""
+    """Return the area with a positive level on the cells of each asperity, (n,)."""
     corners = (np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[1:, 1:], np.s_[:-1, 1:])
     used = np.flatnonzero(np.maximum.reduce([level[corner] for corner in corners]).ravel() > 0.0)
     values = [level[corner].ravel()[used] for corner in corners]

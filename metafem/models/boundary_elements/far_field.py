@@ -1,14 +1,14 @@
-"""Displacement of one patch by the pressure on another, through Chebyshev expansions.
+"""Displacement of one patch by the pressure on another, computed by Chebyshev expansions.
 
-Between two separate boxes the influence is smooth: ``G(|x - y|) = sum C_kl T_k(x) T_l(y)`` with
-tensor Chebyshev polynomials, where C comes from the values at Chebyshev nodes. The far field of a patch then
-depends only on its q^2 Chebyshev moments. An expansion with q terms per side has an error of about rate^-q,
-where the rate is that of the Bernstein ellipse through the nearest singularity. The images of a layer have
-their singularities farther away than 1/r, so the same order serves all substrates. Trefethen, Approximation
-Theory and Approximation
-Practice (2020), theorem 8.2, doi:10.1137/1.9781611975949; Fong and Darve, J. Comput. Phys. 228, 8712
-(2009), doi:10.1016/j.jcp.2009.08.031. The result equals the sum over all pairs of cells within
-`TOLERANCE`.
+Between two separate boxes the influence is smooth, and is expanded in tensor Chebyshev polynomials:
+``G(|x - y|) = sum C_kl T_k(x) T_l(y)``, where C is computed from values at Chebyshev nodes. The far field of
+a patch then depends only on its q^2 Chebyshev moments. With q terms per side the error is about rate^-q,
+where the rate is the parameter of the Bernstein ellipse through the nearest singularity. The regular part of
+a layer has its singularities farther away than 1/r, so the same order is sufficient for all substrates. The
+result equals the sum over all pairs of cells within `TOLERANCE`.
+
+Trefethen, Approximation Theory and Approximation Practice (2020), theorem 8.2, doi:10.1137/1.9781611975949;
+Fong and Darve, J. Comput. Phys. 228, 8712 (2009), doi:10.1016/j.jcp.2009.08.031.
 """
 
 from __future__ import annotations
@@ -23,20 +23,21 @@ from numpy.typing import NDArray
 from metafem._kernels.expansion import apply_pairs
 from metafem._validate import FloatArray
 
-# Error of the influence of a pair relative to its value. The estimate is conservative: the measured errors of
-# sums over all cells were below 3e-10.
+# Largest estimated relative error of the influence between two patches. The estimate is conservative:
+# measured errors of sums over all cells were below 3e-10.
 TOLERANCE = 1e-8
 
-# Offset of two points per side whose mean is that over 1/sqrt(2) of a cell. Applied to both source and
-# target it keeps the influence symmetric and reproduces Love's far field to fourth order, G + h^2/24 lap G.
+# Offset [cells] of two points along each side of a cell. The points represent a cell of side 1/sqrt(2) and
+# are used for both source and target. The influence then remains symmetric and equals Love's far field, G +
+# h^2/24 lap G, to fourth order.
 HALF_SPREAD = 1.0 / math.sqrt(24.0)
 
 
 def convergence_rate(centre: FloatArray, half: FloatArray) -> FloatArray:
-    """Return the factor by which each further term reduces the error between boxes, (m, m).
+    """Return the factor by which each additional term reduces the error between boxes, (m, m).
 
-    `centre`, `half`: (m, 2). Along each axis of the target the nearest singularity lies at the
-    distance to the source box: real along that axis, imaginary across it.
+    centre, half: centres and half widths, (m, 2). Along each axis of the target, the nearest singularity is
+    determined by the distance to the source box: its real part along the axis, its imaginary part across it.
     """
     apart = np.abs(centre[:, None, :] - centre[None, :, :])
     along = np.maximum(apart - half[None, :, :], 0.0)
@@ -48,20 +49,20 @@ def convergence_rate(centre: FloatArray, half: FloatArray) -> FloatArray:
 
 
 def orders(rate: FloatArray) -> NDArray[np.int64]:
-    """Return the number of terms per side with which rate^-q is below the tolerance."""
+    """Return the number of terms q per side for which rate^-q is below the tolerance."""
     return np.asarray(np.ceil(math.log(1.0 / TOLERANCE) / np.log(rate)).astype(np.int64) + 1)
 
 
 def table_bytes(rate: FloatArray) -> int:
-    """Return the memory that the expansions of these pairs will take."""
+    """Return the memory that the expansions between pairs with these rates need [bytes]."""
     return int(8 * (orders(rate).astype(np.float64) ** 4).sum())
 
 
 class FarField:
     """Expansions between all pairs of patches.
 
-    influence: displacement in cells per unit pressure on one cell, of the distance in cells; centre: (m, 2)
-    in cells; shape: rows and columns of each patch.
+    influence: displacement [cells] by unit pressure p/E* on one cell, as a function of the distance [cells].
+    centre: centres of the patches, (m, 2) [cells]; shape: rows and columns of each patch.
     """
 
     def __init__(
@@ -89,19 +90,19 @@ class FarField:
         return np.asarray(x.T @ pressure @ y)
 
     def local(self, moments: FloatArray) -> FloatArray:
-        """Return every patch's coefficients of the displacement by the others, (m, size, size)."""
+        """Return the coefficients of each patch's displacement by the other patches, (m, size, size)."""
         result = np.zeros_like(moments)
         apply_pairs(self.first, self.second, self.order, self.start, self.table, moments, result)
         return result
 
     def displacement(self, local: FloatArray, k: int) -> FloatArray:
-        """Return the displacement of patch k from its coefficients."""
+        """Return the displacement of the cells of patch k from its coefficients."""
         x, y = self.bases[k]
         return np.asarray(x @ local @ y.T)
 
 
 def _basis(count: int, size: int) -> FloatArray:
-    """Chebyshev polynomials on the cells of one side, (count, size), spread over each cell."""
+    """Return Chebyshev polynomials along one side, averaged over each cell, (count, size)."""
     position = np.arange(count) - 0.5 * (count - 1)
     below, above = (chebvander(2.0 * (position + s) / count, size - 1) for s in (-HALF_SPREAD, HALF_SPREAD))
     return np.asarray(0.5 * (below + above))
@@ -114,7 +115,7 @@ def _coefficients(
     half_source: FloatArray,
     q: int,
 ) -> FloatArray:
-    """Coefficients of T_k(x) T_l(y) for target (axes 0, 1) and source (axes 2, 3), (q, q, q, q)."""
+    """Return the coefficients C, (q, q, q, q); axes 0 and 1 belong to the target, 2 and 3 to the source."""
     node = np.cos(math.pi * (np.arange(q) + 0.5) / q)
     transform = (2.0 / q) * chebvander(node, q - 1).T
     transform[0] *= 0.5

@@ -1,4 +1,4 @@
-"""Pressure, gap and displacement of resolved contacts, on their cells."""
+"""Pressure, gap and displacement of resolved contacts on their cells."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ if TYPE_CHECKING:
 class ContactField(Value):
     """Fields on the cells of `metafem.BoundaryElements`, arrays (k,) over all cells.
 
-    The cells are squares of one common grid, in m rectangular patches around the contacts, with no cells
-    between the patches. Arrays hold one patch after the other, each row by row along y, so that
-    ``field.pressure[field.patch == 0].reshape(field.shape[0])`` is the first patch, x along its first axis.
+    The cells are squares of one common grid. They form m rectangular patches around the contacts; there are
+    no cells between the patches. The arrays contain one patch after the other. Thus
+    ``field.pressure[field.patch == 0].reshape(field.shape[0])`` is the pressure on the first patch, with x
+    along the first axis and y along the second.
 
     Attributes
     ----------
@@ -31,20 +32,21 @@ class ContactField(Value):
     x, y : ndarray, (k,)
         Centres of the cells [mm].
     pressure : ndarray, (k,)
-        p [MPa], not negative; 0 outside the contacts. ``cell**2 * pressure.sum()`` is the load [N].
+        Contact pressure [MPa], not negative; 0 outside the contacts. ``cell**2 * pressure.sum()`` is the load
+        [N].
     gap : ndarray, (k,)
-        Distance from the deformed surface to the plane [mm]: not negative and 0 in contact, within 1e-9 of
-        the largest indentation.
+        Distance from the deformed surface to the plane [mm]. It is 0 in contact and not negative elsewhere,
+        with errors up to 1e-9 of the largest indentation.
     displacement : ndarray, (k,)
         Displacement of the surface away from the plane, into the block [mm].
     patch : ndarray of int, (k,)
-        Number of the patch of each cell, from 0.
+        Index of the patch of each cell, from 0.
     shape : ndarray of int, (m, 2)
-        Cells of each patch along x and along y.
+        Number of cells of each patch along x and along y.
     corner : ndarray, (m, 2)
-        Centre of each patch's first cell [mm].
+        Centre of the first cell of each patch [mm].
     undeformed_gap : ndarray, (k,)
-        Distance from the undeformed surface to the plane [mm], negative where they would overlap.
+        Distance from the undeformed surface to the plane [mm]; negative where they would overlap.
 
     Examples
     --------
@@ -79,7 +81,7 @@ class ContactField(Value):
 
     @cached_property
     def patch(self) -> IntArray:
-        """Number of the patch of each cell, (k,)."""
+        """Index of the patch of each cell, (k,)."""
         return np.repeat(np.arange(len(self.shape)), self.shape.prod(axis=1))
 
     @cached_property
@@ -102,12 +104,12 @@ class ContactField(Value):
         return np.asarray(self.corner[self.patch, axis] + self.cell * np.concatenate([np.zeros(0), *steps]))
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the pressure in the contacts, seen from above.
+        """Draw the contact pressure as seen from above, and return the axes.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Axes to draw on; default: those of a new figure of ``matplotlib.pyplot``.
+            Axes to draw on; default: the axes of a new ``matplotlib.pyplot`` figure.
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""Products with the influence matrix of all cells, which is never stored, and its preconditioner."""
+"""Products with the influence matrix of all cells, without storing this matrix, and a preconditioner."""
 
 from __future__ import annotations
 
@@ -15,21 +15,22 @@ from metafem.models._resources import THREADS
 from metafem.models.boundary_elements.far_field import FarField
 from metafem.models.boundary_elements.patches import Patch
 
-# Aliases per side in the symbol of the preconditioner: the terms decrease as the cube of their index.
+# Number of aliases on each side in the symbol of the preconditioner; their terms decrease as the cube of the
+# index.
 ALIASES = 3
 
-# Mean over a cell of a function that is smooth on the scale of a cell: two Gauss points per side.
+# Gauss points, two per side, for the mean over a cell of a function that is smooth on the scale of a cell.
 GAUSS_POINTS = [
     (x, y) for x in (-math.sqrt(1 / 12), math.sqrt(1 / 12)) for y in (-math.sqrt(1 / 12), math.sqrt(1 / 12))
 ]
 
 
 class Influence:
-    """Displacement of every cell by the pressure p/E* on every cell, in cells.
+    """Displacement [cells] of every cell by the pressures p/E* on all cells.
 
-    Within a patch: Love's solution and the substrate's regular part, by an FFT padded to twice the
-    patch, which is exact. Between patches: expansions. Vectors hold the cells of all patches, one
-    patch after the other.
+    Within a patch, Love's solution and the substrate's regular part are convolved with the pressure by FFT.
+    The padding to twice the patch makes this exact. Between patches, expansions are used. Vectors contain the
+    cells of all patches, one patch after the other.
     """
 
     def __init__(
@@ -57,14 +58,14 @@ class Influence:
         return int(self.edges[-1])
 
     def split(self, vector: FloatArray) -> list[FloatArray]:
-        """Return views of the part of each patch, in the shape of the patch."""
+        """Return views of a vector's part for each patch, in the shape of the patch."""
         return [
             vector[a:b].reshape(s)
             for a, b, s in zip(self.edges[:-1], self.edges[1:], self.shapes, strict=True)
         ]
 
     def product(self, pressure: FloatArray) -> FloatArray:
-        """Return the displacement of every cell."""
+        """Return the displacement of every cell [cells] by pressures p/E*."""
         self.products += 1
         result = np.empty_like(pressure)
         sources, targets = self.split(pressure), self.split(result)
@@ -88,7 +89,7 @@ class Influence:
         return result
 
     def precondition(self, vector: FloatArray) -> FloatArray:
-        """Apply the inverse symbol of the half-space to the part of each patch."""
+        """Return an approximate solution on each patch: the inverse symbol of the half-space is applied."""
         result = np.empty_like(vector)
         sources, targets = self.split(vector), self.split(result)
 
@@ -107,17 +108,17 @@ class Influence:
 
 
 def _fast(shape: tuple[int, int]) -> tuple[int, int]:
-    """Sizes for a fast transform, at least those of the shape."""
+    """Return sizes for a fast transform, at least as large as the shape."""
     return fft.next_fast_len(shape[0]), fft.next_fast_len(shape[1], real=True)
 
 
 def _padded(shape: tuple[int, int]) -> tuple[int, int]:
-    """Padded sizes at which the wrap-around of a convolution does not reach the shape."""
+    """Return padded sizes for which the wrap-around of a convolution does not affect the result."""
     return _fast((2 * shape[0] - 1, 2 * shape[1] - 1))
 
 
 def _spectrum(quadrant: FloatArray) -> FloatArray:
-    """Transform of the even extension of a quadrant of influences: real."""
+    """Return the real transform of the even extension of a quadrant of influences."""
     n0, n1 = quadrant.shape
     m0, m1 = _padded((n0, n1))
     full = np.zeros((m0, m1))
@@ -128,7 +129,7 @@ def _spectrum(quadrant: FloatArray) -> FloatArray:
 
 
 def _convolve(source: FloatArray, spectrum: FloatArray, target: FloatArray) -> None:
-    """Write the convolution; lines that contain only padding are not transformed."""
+    """Write the convolution to `target`; lines that contain only padding are not transformed."""
     rows, columns = source.shape
     m0, m1 = _padded((rows, columns))
     work = fft.fft(fft.rfft(source, m1, axis=1), m0, axis=0, overwrite_x=True)
@@ -138,10 +139,11 @@ def _convolve(source: FloatArray, spectrum: FloatArray, target: FloatArray) -> N
 
 
 def _symbol(shape: tuple[int, int]) -> FloatArray:
-    """Inverse symbol of Love's solution on a periodic grid, ``|k|/2`` at long waves.
+    """Return the inverse symbol of Love's solution on a periodic grid, ``|k|/2`` for long waves.
 
-    The symbol 2/|k| of the half-space times that of the cell, summed over the aliases. The mean is given the
-    wavelength of twice the patch, which is sufficient for a preconditioner.
+    The symbol is the product of 2/|k|, the symbol of the half-space, and the symbol of the cell, summed over
+    the aliases. The mean, k = 0, is treated as a wave of twice the patch length, which suffices for a
+    preconditioner.
     """
     k0 = 2.0 * math.pi * np.fft.fftfreq(shape[0])[:, None]
     k1 = 2.0 * math.pi * np.fft.rfftfreq(shape[1])[None, :]

@@ -1,4 +1,4 @@
-"""Resolved contacts: the pressure on cells of a grid, without any law for a single contact."""
+"""Resolved contacts: pressures on the cells of a grid, without a law for single contacts."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from metafem.surface import Surface
 
 
 def resolvable(contact: object) -> bool:
-    """Whether a contact is an elastic cap without adhesion, whose profile can be resolved by cells."""
+    """Return whether a contact law is an elastic cap without adhesion, with a profile for the cells."""
     if isinstance(contact, type) or not isinstance(contact, Contact):
         return False
     return contact.largest_order == 3 and not contact.adhesive and hasattr(contact, "depth_at")
@@ -38,41 +38,43 @@ def resolvable(contact: object) -> bool:
 class BoundaryElements(WithoutGradients):
     """Elastic contact of caps with a rigid plane, resolved by cells of constant pressure.
 
-    Finds the pressures with ``p >= 0, u + gap - approach >= 0, p (u + gap - approach) = 0``, where u
-    is Love's displacement of all cells plus what the substrate adds to a half-space. Cells cover the
-    neighbourhoods of the contacts only. With n cells per contact radius the relative error of a Hertz
-    contact at any position is at most 0.12/n^2 in load and 0.37/n^2 in area: 5e-5 and 1.5e-4 at n = 50.
-    Areas come from the second moments of each contact's pressure, ``A = 5 pi sqrt(<x^2><y^2> - <xy>^2)``,
-    which is exact for Hertzian ellipses. For other caps the factor 2/m with m = M/(P a^2) = 2/5 becomes that
-    of their law under an extra curvature. For contacts of another shape and merged contacts, the area within
-    the edges is used, with an error of up to seven cells for each asperity; a note says so. The stiffness is
-    that of flat punches on the cells in contact. Johnson, Contact Mechanics (1985), section 5.9,
+    The pressures satisfy ``p >= 0, u + gap - approach >= 0, p (u + gap - approach) = 0``. The displacement u
+    is the sum of Love's solutions for all cells and the regular part of the substrate. Only the
+    neighbourhoods of the contacts have cells. With n cells per contact radius the relative error of a Hertz
+    contact at any position is at most 0.12/n^2 in load and 0.37/n^2 in area: 5e-5 and 1.5e-4 at n = 50. The
+    stiffness is that of flat punches on the cells in contact. Johnson, Contact Mechanics (1985), section 5.9,
     doi:10.1017/CBO9781139171731.
 
-    With fine cells the time for one load grows about as the number of cells, fourfold when the cell is
-    halved: half a million cells in contact take seconds. The memory is 128 bytes for each cell of the
-    neighbourhoods, 384 more for each cell of the largest one (merged contacts share one), and 128 n^2 for n
-    asperities, 13 GB for 10,000. A scene that needs more memory than the machine has raises an error.
+    The contact areas are computed from the second moments of the pressure of each contact. For paraboloids
+    ``A = 5 pi sqrt(<x^2><y^2> - <xy>^2)``, which is exact for Hertzian ellipses; for other caps the factor
+    follows from their law with an extra curvature. If a contact has another shape or has merged, the area
+    within its edge is used, with an error of up to seven cells per asperity, and a note states this.
+
+    With fine cells the time for one load is about proportional to the number of cells, and thus increases
+    fourfold if the cell is halved: half a million cells in contact take seconds. The memory is 128 bytes for
+    each cell, 384 more for each cell of the largest neighbourhood (merged contacts have a common one), and
+    128 n^2 for n asperities, which is 13 GB for 10,000. An error is raised if a scene needs more memory than
+    the machine has.
 
     Parameters
     ----------
     cell : float
-        Side of the cells [mm], positive. InvalidInput is raised at a load where the largest contact has
-        fewer than four cells per radius. If only smaller contacts have fewer, a note states their share of
-        the load.
+        Side of the cells [mm], positive. If the largest contact has fewer than four cells per radius at a
+        load, order 3 is used at this load; InvalidInput is raised if this applies to all loads. If only
+        smaller contacts have fewer cells, a note states their share of the load.
     substrate : HalfSpace or BondedLayer
-        A substrate whose influence depends only on the distance. `metafem.fe.Block3D`, whose
-        influence depends on the position in the block, is refused; use `Interacting` with it.
+        A substrate whose influence depends only on the distance. The influence of `metafem.fe.Block3D`
+        depends on the position in the block; use `Interacting` with this substrate.
     contact : Contact
-        Elastic cap without adhesion, whose profile is used: `Hertz()` (default), `PowerCap(...)`,
+        Elastic cap without adhesion; its profile is used: `Hertz()` (default), `PowerCap(...)`,
         `SphericalCap()`, `AxisymmetricCap(...)` or another class with `depth_at`.
 
     Raises
     ------
     InvalidInput
-        For a cell that is not positive, and another kind of substrate or contact. When solving: for a cell
-        too coarse for the largest contact, a contact wider than the profile, and a scene that needs more
-        memory than the machine has.
+        If the cell is not positive, or the substrate or contact is of another kind. When solving: if the
+        cells are too coarse for the largest contact, a contact is wider than its profile, or the scene needs
+        more memory than the machine has.
 
     Examples
     --------
@@ -105,10 +107,10 @@ class BoundaryElements(WithoutGradients):
     def curve(
         self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
     ) -> Curve:
-        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
+        """Return equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
 
-        At light loads, where the cells are too coarse, order 3 is used: the contacts are then far
-        smaller than their distances, and order 3 is more accurate.
+        At light loads, for which the cells are too coarse, order 3 is used. It is more accurate there,
+        because the contacts are far smaller than their distances.
         """
         values, by_load = controlled(load, approach)
         scene = Scene(surface, self.cell, self.substrate, cast("Hertz | ElasticCap", self.contact))
@@ -126,7 +128,7 @@ class BoundaryElements(WithoutGradients):
         return Curve.joined(parts)
 
     def _light(self, surface: Surface, values: FloatArray, by_load: bool) -> Curve:
-        """Return the part of a curve whose contacts are too small for the cells, by order 3."""
+        """Return the part of a curve at light loads, for which the cells are too coarse, by order 3."""
         model = self.gradient_model
         first = model.curve(surface, values) if by_load else model.curve(surface, approach=values)
         end = surface.material.composite_modulus * first.load[-1]
@@ -137,7 +139,7 @@ class BoundaryElements(WithoutGradients):
         return replace(first, notes=(*first.notes, note))
 
     def _point(self, scene: Scene, guess: Curve | None, value: float, by_load: bool) -> Curve:
-        """Return the equilibrium at one load [mm^2] or approach [mm]."""
+        """Return the equilibrium at one load [mm^2] or approach [mm] as a curve."""
         if guess is None:  # no load, or no contact
             row = (0.0 if by_load else value, 0.0, 0.0, 0.0, 0.0)
             last = partial(self._open, scene.surface, row[0])
@@ -161,7 +163,7 @@ class BoundaryElements(WithoutGradients):
     def _last(self, scene: Scene, solution: Solution) -> RescaledState:
         surface, h = scene.surface, self.cell
         load = h**2 * solution.contacts.load
-        # the indentation of point loads: what remains after the displacement by all of them
+        # indentation for point loads: the approach minus gap and displacement by all other point loads
         indentation = h * solution.minimum.multiplier - surface.gap - scene.coupling @ load
         return RescaledState(
             load=load,
@@ -189,7 +191,7 @@ def _field(scene: Scene, solution: Solution) -> ContactField:
 
 
 def _notes(scene: Scene, solution: Solution) -> tuple[Note, ...]:
-    """Return notes on the region that the cells cover, and on less accurate areas or cells."""
+    """Return notes on the number of cells, on contacts of other shapes, and on contacts with few cells."""
     patches, contacts = solution.patches, solution.contacts
     cells = sum(p.gap.size for p in patches)
     corner = np.array([p.corner for p in patches])

@@ -1,7 +1,7 @@
-"""Cells of one common grid, only in the neighbourhoods of the contacts.
+"""Patches of cells around the contacts, on one common grid.
 
-All lengths are in cells. The grid's origin is the centre of the box around all summits, so that it
-moves with the surface; cell (i, j) has its centre at (i, j).
+All lengths are in cells. The origin of the grid is the centre of the bounding box of all summits, so that the
+grid moves with the surface. Cell (i, j) has its centre at (i, j).
 """
 
 from __future__ import annotations
@@ -19,42 +19,43 @@ from metafem.models.boundary_elements.summits import Summits
 
 IntArray = NDArray[np.int64]
 
-# Boxes are joined into one patch if the expansion between them converges more slowly than this per term. At
-# this rate 23 terms per side reach the tolerance of the far field; their table costs as much as the patch.
+# Boxes are merged into one patch if each term of the expansion between them reduces the error by less than
+# this factor. At this rate 23 terms per side are needed for the tolerance of the far field, and their table
+# costs as much as the patch.
 SLOWEST_RATE = 2.4
 
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """A rectangle of cells around one contact, or around several that are close."""
+    """A rectangle of cells around one contact or several close contacts."""
 
-    corner: IntArray  # grid index of its first cell, (2,)
+    corner: IntArray  # grid indices of the first cell, (2,)
     gap: FloatArray  # depth of the undeformed surface below the tallest summit, (rows, columns), in cells
-    owner: IntArray  # number of the asperity whose surface is highest in each cell, (rows, columns)
+    owner: IntArray  # index of the asperity with the highest surface in each cell, (rows, columns)
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns."""
+        """Numbers of rows and columns."""
         rows, columns = self.gap.shape
         return rows, columns
 
     @property
     def centre(self) -> FloatArray:
-        """Middle of the rectangle, (2,)."""
+        """Centre of the rectangle, (2,)."""
         return np.asarray(self.corner + 0.5 * (np.array(self.shape) - 1))
 
 
 def box_rate(first: IntArray, last: IntArray) -> FloatArray:
-    """Return the rate of the far field's expansions between boxes of cells, (m, m)."""
+    """Return the convergence rates of expansions between boxes of cells, (m, m)."""
     centre = np.asarray(0.5 * (first + last), dtype=np.float64)
     half = np.asarray(0.5 * (last - first + 1), dtype=np.float64)
     return convergence_rate(centre, half)
 
 
 def boxes(summits: Summits, half_width: FloatArray) -> tuple[list[IntArray], IntArray, IntArray]:
-    """Return members, first cells (m, 2) and last cells (m, 2) of the patches.
+    """Return the members (summits), first cells (m, 2) and last cells (m, 2) of the patches.
 
-    `half_width` (n,) is the extent of the cells around each summit; 0 for none.
+    half_width: half the width of the box of cells around each summit, (n,); 0 if it has no cells.
     """
     used = np.flatnonzero(half_width > 0.0)
     first = np.floor(summits.position[used] - half_width[used, None]).astype(np.int64)
@@ -75,7 +76,7 @@ def boxes(summits: Summits, half_width: FloatArray) -> tuple[list[IntArray], Int
 
 
 def patch(summits: Summits, members: IntArray, first: IntArray, last: IntArray) -> Patch:
-    """Return the patch of cells from `first` to `last`, with the depth of the surface on them."""
+    """Return the patch with the cells from `first` to `last`, and the depth of the surface on these cells."""
     inside = np.flatnonzero(((summits.position >= first) & (summits.position <= last)).all(axis=1))
     x, y = (np.arange(a, b + 1, dtype=np.float64) for a, b in zip(first, last, strict=True))
     gap = np.full((len(x), len(y)), np.inf)

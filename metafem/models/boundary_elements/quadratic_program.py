@@ -1,14 +1,16 @@
 """Bound-constrained quadratic programs by projected, preconditioned conjugate gradients.
 
-Minimise ``p.A p / 2 + p.(g - z)`` over p >= 0, or over p >= 0 with a given sum, where z is then the
-multiplier. Conjugate gradients run on the cells that carry pressure; a step that would leave the
-bounds is projected, and cells that overlap the plane are released when their violation exceeds the
-error on the others (proportioning: Dostál, Optimal Quadratic Programming Algorithms (2009), chapter 5,
-doi:10.1007/b138610). A projected step is taken only if it lowers the energy. Otherwise it is replaced by a
-sufficiently short projected gradient step. The energy decreases at every step, so no set of cells
-is minimised on twice. The program is strictly convex. The residual of its optimality conditions,
-recomputed on the pressure that is returned, certifies the solution. Polonsky and Keer, Wear 231, 206 (1999),
-doi:10.1016/S0043-1648(99)00113-1, take projected steps unconditionally.
+Minimises ``p.A p / 2 + p.(g - z)`` for p >= 0, where z is given, or for p >= 0 with a fixed sum, where z is
+the Lagrange multiplier. Conjugate gradients are applied on the cells that carry pressure. A step that
+violates the bounds is projected. Cells that overlap the plane are added when their violation exceeds the
+error on the other cells (proportioning: Dostál, Optimal Quadratic Programming Algorithms (2009), chapter 5,
+doi:10.1007/b138610).
+
+A projected step is accepted only if it decreases the energy; otherwise a sufficiently short projected
+gradient step replaces it. Since the energy decreases at every step, no set of cells recurs.
+The program is strictly convex. The residual of its optimality conditions is recomputed for the returned
+pressure and certifies the solution. In contrast, Polonsky and Keer, Wear 231, 206 (1999),
+doi:10.1016/S0043-1648(99)00113-1, accept all projected steps.
 """
 
 from __future__ import annotations
@@ -22,26 +24,27 @@ from metafem._kernels import vectors as kernel
 from metafem._validate import FloatArray
 from metafem.models.boundary_elements.influence import Influence
 
-# Maximum number of halvings of a gradient step: 2^-40 of the first step is below rounding.
+# Maximum number of halvings of a gradient step; 2^-40 of the first step is below rounding.
 MAX_HALVINGS = 40
 
-# Maximum number of passes of the projection on a sum: each removes cells, and a few are enough.
+# Maximum number of passes in the projection with a fixed sum. Each pass removes cells, and a few usually
+# suffice.
 MAX_PASSES = 100
 
 
 @dataclass(frozen=True, eq=False)
 class Minimum:
-    """Result of the solver."""
+    """Pressure and gap on all cells that minimise the energy."""
 
     pressure: FloatArray  # not negative
     gradient: FloatArray  # A p + g - z, recomputed: the gap
     multiplier: float  # z
-    error: float  # largest gap under pressure, or overlap without pressure
+    error: float  # largest |gap| of a cell with pressure, or overlap of a cell without
     iterations: int
 
 
 def project(trial: FloatArray, total: float | None) -> FloatArray:
-    """Return the nearest point with no negative entry and, if given, the sum `total`.
+    """Return the nearest vector without negative entries and, unless `total` is None, with this sum.
 
     The positive entries of `trial` must sum to at least `total`.
     """
@@ -68,10 +71,10 @@ def minimise(
     tolerance: float,
     max_iterations: int,
 ) -> Minimum:
-    """Solve the program from a start `pressure` that satisfies its constraints.
+    """Return the solution of the program; `pressure` is an initial guess that satisfies the constraints.
 
-    operator: A, with its approximate inverse; gap: g; multiplier: z, or a first guess of it if the sum
-    `total` of the pressure is given. Stops at an error within the tolerance, in the units of g.
+    operator: A and its preconditioner; gap: g; multiplier: z, or a first guess of z if the pressure has a
+    fixed sum `total`. The iteration stops when the error, in the units of g, is within the tolerance.
     """
     problem = _Problem(operator, gap, total, multiplier)
     p = pressure
@@ -115,9 +118,10 @@ def minimise(
 def solve_on(
     operator: Influence, face: NDArray[np.bool_], right: FloatArray, tolerance: float, max_iterations: int
 ) -> FloatArray:
-    """Solve A q = right on the face, with q = 0 elsewhere, by preconditioned conjugate gradients.
+    """Return q with A q = right on the face and q = 0 elsewhere, by preconditioned conjugate gradients.
 
-    Stops when the largest error of the equations is within `tolerance`, or after `max_iterations`.
+    The iteration stops when the largest error of the equations is within `tolerance`, or after
+    `max_iterations`.
     """
     q = np.zeros_like(right)
     rest = np.where(face, right, 0.0)
@@ -138,7 +142,7 @@ def solve_on(
 
 
 class _Problem:
-    """The data, and the multiplier as it is updated."""
+    """The data of the program, and the current multiplier."""
 
     def __init__(self, operator: Influence, gap: FloatArray, total: float | None, multiplier: float) -> None:
         self.operator = operator
@@ -148,15 +152,15 @@ class _Problem:
         self._ones: tuple[NDArray[np.bool_], FloatArray, float] | None = None
 
     def face(self, p: FloatArray, v: FloatArray) -> NDArray[np.bool_]:
-        """Cells that carry pressure or overlap the plane; with a given sum the multiplier is updated."""
+        """Return whether each cell has pressure or overlaps the plane; with a fixed sum, update z first."""
         if self.total is not None:
             self.multiplier = float(v[p > 0.0].mean())
         return np.asarray((p > 0.0) | (v < self.multiplier))
 
     def direction(self, v: FloatArray, face: NDArray[np.bool_]) -> FloatArray:
-        """Preconditioned descent direction on the face; with a given sum, one that preserves it.
+        """Return a preconditioned descent direction on the face, which preserves the sum if this is fixed.
 
-        The multiplier is set such that the sum of the direction is zero.
+        In that case the multiplier is set such that the sum of the direction is zero.
         """
         s = self._restricted(self.multiplier - v, face)
         if self.total is None:
@@ -173,14 +177,17 @@ class _Problem:
         return np.where(face, self.operator.precondition(np.where(face, vector, 0.0)), 0.0)
 
     def energy_change(self, step: FloatArray, before: FloatArray, after: FloatArray) -> float:
-        """Energy after a step minus that before, from both gradients, without cancellation."""
+        """Return the change of the energy by a step, from both gradients, without cancellation."""
         return float(0.5 * kernel.dot(step, before + after)) - self.multiplier * float(step.sum())
 
 
 def _projected_step(
     problem: _Problem, p: FloatArray, v: FloatArray, trial: FloatArray
 ) -> tuple[FloatArray, FloatArray, bool]:
-    """Take the projected trial step if it lowers the energy, else a projected gradient step that does."""
+    """Return pressure and A p + g after the projected trial step, or a projected gradient step, and success.
+
+    The trial step is used if it decreases the energy; otherwise the gradient step is halved until it does.
+    """
     operator, gap = problem.operator, problem.gap
     step, length = np.zeros(0), 0.0
     for halvings in range(MAX_HALVINGS):

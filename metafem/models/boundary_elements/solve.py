@@ -1,4 +1,4 @@
-"""Resolved solution of one surface: its cells and the pressure on them."""
+"""Resolved solution of one surface: its cells and their pressure."""
 
 from __future__ import annotations
 
@@ -24,58 +24,63 @@ from metafem.models.interacting.model import Interacting
 from metafem.substrate import Radial
 from metafem.surface import Surface
 
-# Largest gap under pressure, or overlap without pressure, relative to the largest indentation.
+# Largest |gap| of a cell with pressure, or overlap of a cell without, relative to the largest indentation.
 TOLERANCE = 1e-9
 
-# With n cells per contact radius the error is up to 0.1/n^2 in load and 0.3/n^2 in area (measured on one
-# Hertz contact at six offsets, n = 4 to 12): with this many, 0.6 % and 2 %.
+# Minimum number of cells per radius of the largest contact. With n cells per radius the error is up to
+# 0.1/n^2 in load and 0.3/n^2 in area (measured for one Hertz contact at six offsets, n = 4 to 12), so that
+# this number gives 0.6 % and 2 %.
 COARSEST = 4.0
 
-# Free cells around the expected contact, and the same as a fraction of its radius. For contacts that do not
-# touch, the error of the edge from point loads is smaller.
+# Margin of cells around the expected contact, in cells and as a fraction of the contact radius. If contacts
+# do not overlap, the error of the edge predicted by point loads is smaller.
 MARGIN_CELLS = 3.0
 MARGIN_SHARE = 0.03
 
-# Extent of the cells around a summit on a slope, over the distance at which its contact begins.
+# Extent of the cells around a summit on a slope, divided by the distance from the summit at which its contact
+# begins.
 LIFTED = 1.5
 
-# Expected gaps up to this fraction of the largest indentation are covered by cells too, as they may close.
+# Summits with expected gaps up to this fraction of the largest indentation have cells too, as their gaps may
+# close.
 NEARLY_CLOSED = 0.01
 
-# Growth factor of a patch when a contact reaches its edge, and maximum number of growths: nine times in all.
+# Growth factor of a patch when a contact reaches its edge, and maximum number of solutions on growing
+# patches.
 GROWTH = 1.25
 MAX_GROWTHS = 10
 
-# Maximum number of iterations: conjugate gradients take 10 to 60 unless the tolerance is below rounding.
+# Maximum number of iterations. Conjugate gradients need 10 to 60, unless the tolerance is below rounding.
 MAX_ITERATIONS = 1000
 
-# Relative error of the equations for the stiffness; the error of the stiffness is its square.
+# Relative error of the equations for the stiffness; the relative error of the stiffness is its square.
 STIFFNESS_TOLERANCE = 1e-3
 
-# Vectors of doubles in a solution, and the memory of a transform per cell of the largest patch (four times
-# the cells, complex, three arrays, in two threads).
+# Number of vectors in a solution, and memory of a transform per cell of the largest patch [bytes]: three
+# complex arrays with four times the cells, in each of two threads.
 VECTORS = 16
 TRANSFORM_BYTES = 4 * 16 * 3 * 2
 
-# Matrices of all pairs of asperities in memory at once: influence, its derivatives, distances and the rates
-# of the expansions.
+# Number of matrices over all pairs of asperities in memory at once: the influence, its derivatives, the
+# distances and the convergence rates of the expansions.
 PAIR_MATRICES = 16
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Pressure of one load, all in units of the cell."""
+    """Solution at one load; all lengths are in cells."""
 
     minimum: quadratic_program.Minimum
     contacts: Contacts
     patches: list[Patch]
     covered: bool  # no contact reaches the edge of its patch, and no asperity without cells is in contact
-    indentation: float  # largest indentation of undisturbed contacts with these areas: unit of the residuals
-    stiffness: float  # derivative of the load by the approach on the cells that carry pressure
+    # largest indentation of isolated contacts with these areas; residuals are relative to it
+    indentation: float
+    stiffness: float  # derivative of the load by the approach, with fixed cells under pressure
 
 
 class Scene:
-    """One surface on one substrate, with the data that all loads share."""
+    """One surface on one substrate, with the data that are common to all loads."""
 
     def __init__(self, surface: Surface, cell: float, substrate: Radial, law: Hertz | ElasticCap) -> None:
         self.surface = surface
@@ -88,9 +93,9 @@ class Scene:
         self.slope_x, self.slope_y, self.laplacian = self.substrate.influence_derivatives(surface)
 
     def initial_guess(self, value: float, by_load: bool) -> Curve:
-        """Return the solution of coupled point loads at a load P/E* [mm^2] or an approach [mm].
+        """Return the solution of order 1 at a load P/E* [mm^2] or an approach [mm].
 
-        On very thin layers no such solution exists, and independent asperities are used.
+        On very thin layers this solution does not exist, and independent asperities are used.
         """
         load, approach = (np.array([value]), None) if by_load else (None, np.array([value]))
         try:
@@ -100,15 +105,15 @@ class Scene:
             return Independent(self.law).curve(self.surface, load, approach=approach)
 
     def largest(self, guess: Curve) -> float:
-        """Return the radius of the largest contact of an initial guess [mm]."""
+        """Return the largest contact radius of an initial guess [mm]."""
         return float(self.law.contact_radius(guess.last.indentation, self.surface.radius).max())
 
     def resolves(self, guess: Curve) -> bool:
-        """Whether the cells are fine enough for the largest contact of an initial guess."""
+        """Return whether the cells are fine enough for the largest contact of an initial guess."""
         return self.largest(guess) >= COARSEST * self.cell
 
     def solve(self, guess: Curve, load: float | None = None) -> Solution:
-        """Solve from an initial guess, at its approach or a load, on patches that cover every contact."""
+        """Return the solution at a load, or at the initial guess's approach, with cells on all contacts."""
         if not self.resolves(guess):
             largest = self.largest(guess)
             raise InvalidInput(
@@ -123,7 +128,7 @@ class Scene:
         patches = self._patches(half_width)
         pressure = self._expected(d, patches)
         if not pressure.any():
-            pressure += 1.0  # all summits lie below the surface of other caps: any initial guess works
+            pressure += 1.0  # no summit is the highest surface at its site: any initial guess works
         indentation = float(d.max()) / self.cell
         for _ in range(MAX_GROWTHS):
             operator = self._influence(patches)
@@ -148,18 +153,18 @@ class Scene:
         return Solution(minimum, contacts, patches, covered, indentation, float(rise.sum()))
 
     def _lift(self, load: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Increase [mm] of the indentations by the slopes of point loads, and where it is [cells], (n,)."""
+        """Return the increase [mm] of the indentations by the field's slopes, and where [cells], (n,)."""
         gain, distance = self.summits.lift(np.hypot(self.slope_x @ load, self.slope_y @ load))
         return self.cell * gain, distance
 
     def _reach(self, indentation: FloatArray, factor: float) -> FloatArray:
-        """Extent of the cells around summits with these indentations."""
+        """Return the extent of the cells around summits with these indentations, (n,) [cells]."""
         most = self.law.largest_indentation(self.surface.radius)
         radius = self.law.contact_radius(np.minimum(indentation, most), self.surface.radius)
         return np.asarray(factor * (radius / self.cell) + MARGIN_CELLS)
 
     def require_extent(self, contacts: Contacts) -> None:
-        """Raise InvalidInput where a contact is wider than the profile."""
+        """Raise InvalidInput if a contact is wider than its profile."""
         radius = self.cell * np.sqrt(contacts.area / math.pi)
         most = self.cell * self.summits.widest()
         if (radius > most).any():
@@ -186,10 +191,11 @@ class Scene:
         )
 
     def _expected(self, indentation: FloatArray, patches: list[Patch]) -> FloatArray:
-        """Hertz's pressure in contacts with the radii of the law, corrected for the field of the neighbours.
+        """Return Hertz's pressure for the law's contact radii, corrected for the neighbours' field.
 
-        Half of the Laplacian of the field adds to the curvature of the summit. The slope of the field shifts
-        the contact down the slope by R times the slope. Neighbours too near for point loads are left out.
+        Half of the Laplacian of the field is added to the curvature of the summit. The slope of the field
+        shifts the contact down the slope by R times the slope; shifts above half of the contact radius are
+        omitted.
         """
         surface, h = self.surface, self.cell
         contact_radius = self.law.contact_radius(indentation, surface.radius)
@@ -237,7 +243,7 @@ class Scene:
         contacts: Contacts,
         minimum: quadratic_program.Minimum,
     ) -> FloatArray:
-        """Return wider neighbourhoods where a contact reaches the edge or a summit without cells closes."""
+        """Return half widths (n,), increased where a contact reaches the edge or a summit lacks cells."""
         result = half_width.copy()
         for region, p in zip(patches, pressure, strict=True):
             rim = p > 0.0
@@ -245,7 +251,7 @@ class Scene:
             cells, owner = np.argwhere(rim) + region.corner, region.owner[rim]
             reach = np.abs(cells - self.summits.position[owner]).max(axis=1)
             for i in np.unique(owner):
-                # the patch of a summit within the cells of others already contains its contact
+                # if a summit lies within the cells of others, its contact belongs to their patch
                 result[i] = GROWTH * max(half_width[i], reach[owner == i].max()) + MARGIN_CELLS
         load = self.cell**2 * contacts.load
         d = minimum.multiplier * self.cell - self.surface.gap - self.coupling @ load
@@ -255,7 +261,7 @@ class Scene:
 
 
 def _moved(old: list[Patch], pressure: list[FloatArray], new: list[Patch]) -> FloatArray:
-    """Return the pressure on new patches of the same grid, zero where there was no cell."""
+    """Return the pressure on new patches of the same grid; zero in new cells."""
     parts = []
     for region in new:
         part = np.zeros(region.shape)

@@ -1,4 +1,4 @@
-"""The caps of a surface in units of the cell, and the pressure of their contact law for resolved contacts."""
+"""The caps of a surface and properties of their contact law; lengths are in cells."""
 
 from __future__ import annotations
 
@@ -15,30 +15,33 @@ from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import area_change
 from metafem.surface import Surface
 
-# Largest indentation over R for laws without a largest one of their own (there a sphere has the contact
-# radius R within 1e-8); and halvings of the contact radius, down to rounding.
+# Largest indentation, divided by R, for laws without a limit (a sphere then has the contact radius R within
+# 1e-8); and number of bisections of the contact radius, which reach rounding.
 DEEPEST = 10.0
 BISECTIONS = 52
 
-# A contact radius below this multiple of the largest one is zero within rounding.
+# Contact radii below this multiple of the largest one are zero within rounding.
 ROUNDING = 1e-12
 
-# Smallest distance, over the largest contact radius, at which a contact on a slope may begin.
+# Smallest distance from the summit, divided by the largest contact radius, at which a contact on a slope may
+# begin.
 FLATTEST = 1e-3
 
-# Load of the undisturbed contact with the radius of a contact, over the load of that contact: the field of
-# neighbours flattens a summit by less. Below this the equation for the radius is monotone for all power caps.
+# Upper bound for the load of an isolated contact divided by the load of a contact of the same radius in the
+# field of its neighbours, which flatten the summit. Below this bound the equation for the radius is monotonic
+# for all power caps.
 MOST_LOAD = 2.0
 
-# Nodes of the quadrature for the shape of a pressure; number of distances at which it is computed; and the
-# smallest and largest of these over the contact radius. Between them it is a power of the distance.
+# Number of quadrature nodes for the shape of a pressure; number of distances at which the shape is computed;
+# and the smallest and largest of these distances, divided by the contact radius. Between two distances the
+# shape is interpolated by a power of the distance.
 NODES, DISTANCES = 16, 100
 NEAREST, FARTHEST = 0.1, 2.0
 
 
 @dataclass(frozen=True, eq=False)
 class Summits:
-    """Asperities in units of the cell: positions (n, 2), summit depths (n,), radii (n,), and their cap."""
+    """Positions (n, 2), summit depths (n,) and radii (n,) of asperities, in cells, and their cap."""
 
     position: FloatArray
     depth: FloatArray
@@ -48,36 +51,37 @@ class Summits:
 
     @classmethod
     def of(cls, surface: Surface, cap: Hertz | ElasticCap, cell: float) -> Summits:
-        """Measure a surface in cells."""
+        """Return the summits of a surface, with lengths divided by the cell."""
         low, high = surface.position.min(axis=0), surface.position.max(axis=0)
-        # halved before the sum, so that a corner far from the origin costs no digits
+        # relative to the corner, so that no digits are lost if the surface is far from the origin
         position = ((surface.position - low) - 0.5 * (high - low)) / cell
         return cls(position, surface.gap / cell, surface.radius / cell, cap, cell)
 
     @property
     def paraboloids(self) -> bool:
-        """Whether the caps are paraboloids, for which closed forms hold."""
+        """Whether the caps are paraboloids, for which closed forms exist."""
         return self.cap == PARABOLOID
 
     def depth_beside(self, i: int, square: FloatArray) -> FloatArray:
-        """Depth of the cap of asperity i below its summit, over the square of the distance."""
-        if self.paraboloids:  # without the square of a root
+        """Return the depth of the cap of asperity i below its summit at squared distances `square`."""
+        if self.paraboloids:  # closed form, without a square root
             return np.asarray(square / (2.0 * self.radius[i]))
         distance = self.cell * np.sqrt(square)
         return np.asarray(self.cap.depth_at(distance, self.cell * self.radius[i]) / self.cell)
 
     def widest(self) -> FloatArray:
-        """Largest contact radii that the law describes, (n,)."""
+        """Return the largest contact radii that the law describes, (n,)."""
         radius = self.cell * self.radius
         most = self.cap.largest_indentation(radius)
         deepest = np.where(np.isfinite(most), most, DEEPEST * radius)
         return np.asarray(self.cap.contact_radius(deepest, radius) / self.cell)
 
     def lift(self, slope: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Increase of the indentation by a slope of the field, and the distance of the contact then, (n,).
+        """Return the increase of the indentation by slopes g of the field, and its distance rho, (n,).
 
-        The maximum of ``g rho - f(rho)``. A contact on a flat summit begins far from its axis. That of a
-        paraboloid contains the axis, and its increase R g^2/2 is less than the gaps covered by cells: 0.
+        The increase is the maximum of ``g rho - f(rho)``. The contact on a flat summit begins far from the
+        axis. The contact of a paraboloid contains the axis, and its increase R g^2/2 is smaller than the gaps
+        that have cells, so that 0 is returned.
         """
         if self.paraboloids:
             return np.zeros(slope.shape), np.zeros(slope.shape)
@@ -88,7 +92,7 @@ class Summits:
         return beside * gain[best] / self.cell, beside * distance[best] / self.cell
 
     def bluntness(self, contact_radius: FloatArray) -> FloatArray:
-        """Radius, divided by R, of the paraboloid with the same contact radius and indentation, (n,)."""
+        """Return the radius, divided by R, of paraboloids with equal contact radius and indentation, (n,)."""
         if self.paraboloids:
             return np.ones(contact_radius.shape)
         inside = np.minimum(contact_radius, self.widest())
@@ -97,15 +101,15 @@ class Summits:
         return np.where(closed, inside**2 / np.where(closed, self.radius * depth, 1.0), 1.0)
 
     def areas(self, spread: FloatArray, load: FloatArray, shift: FloatArray) -> FloatArray:
-        """Areas of contacts with the second moment M = 2 s P of the pressure and the load P, (n,).
+        """Return the areas of contacts with loads P and second moments M = 2 s P of the pressure, (n,).
 
-        shift: distances from the summits to the centroids of the pressure. M is about the centroid.
+        M is about the centroid. shift: distances from the summits to the centroids of the pressure.
 
-        The field of the neighbours adds an unknown curvature. Its contribution to M is 2/5 a^2 times that to
-        P, as for a paraboloid. So ``M - 2/5 P a^2 = M0(a) - 2/5 P0(a) a^2``, with the undisturbed contact on
-        the right; bisection gives a. The slope g of the field moves the centroid by ``4/3 a^3 g/P`` and
-        changes the area by the fraction `area_change`, but the area from M by the fraction
-        ``(10 - 20/3 a^2 D'/P) (g/D')^2``: both are zero for paraboloids.
+        The field of the neighbours adds an unknown curvature, whose contribution to M is 2/5 a^2 times its
+        contribution to P, as for a paraboloid. Therefore ``M - 2/5 P a^2 = M0(a) - 2/5 P0(a) a^2`` with M0
+        and P0 of an isolated contact; bisection gives a. The slope g of the field moves the centroid by
+        ``4/3 a^3 g/P``. It changes the area by the fraction `area_change`, and the area computed from M by
+        the fraction ``(10 - 20/3 a^2 D'/P) (g/D')^2``. Both fractions are zero for paraboloids.
         """
         if self.paraboloids:
             return 5.0 * math.pi * spread
@@ -129,10 +133,11 @@ class Summits:
     def pressure_shape(
         self, corner: NDArray[np.int64], owner: NDArray[np.int64], contact_radius: FloatArray
     ) -> FloatArray | float:
-        """Pressure over sqrt(a^2 - rho^2) on the cells of a patch, up to a factor; smooth across the edge.
+        """Return the smooth factor p/sqrt(a^2 - rho^2) of the pressure on a patch, up to a constant.
 
         ``p = 1/pi int_rho^a D'(s)/sqrt(s^2 - rho^2) ds`` is ``sqrt(a^2 - rho^2)/pi`` times the mean of D'/s
-        over u with ``s^2 = rho^2 + (a^2 - rho^2) u^2``, 0 < u < 1. It is 1 for paraboloids.
+        over 0 < u < 1 with ``s^2 = rho^2 + (a^2 - rho^2) u^2``. The factor is smooth across the edge of the
+        contact, and is 1 for paraboloids.
         """
         if self.paraboloids:
             return 1.0

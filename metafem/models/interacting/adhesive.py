@@ -1,4 +1,4 @@
-"""Adhesive asperities that interact: the curves of `Interacting` under adhesive laws."""
+"""Adhesive asperities that interact: the curves of `Interacting` with adhesive laws."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from metafem.models.interacting.coupled import Coupled
 from metafem.models.interacting.influence import coupling_between
 from metafem.notes import Note
 
-# Largest number of asperities: one state then takes a second, and every asperity may jump.
+# Largest number of asperities. With this number one state takes a second, and every asperity may jump.
 MOST = 1000
 
 
@@ -40,7 +40,7 @@ class Followed:
         return np.array([none if state is None else value(state) for state in self.states])
 
     def curve(self, compute_last: Callable[[], RescaledState], notes: tuple[Note, ...]) -> Curve:
-        """Return the curve."""
+        """Return the states as a curve."""
         approach = self._each(lambda state: state.x)
         open_ones = np.array([state is None for state in self.states])
         approach[open_ones] = self.control[open_ones]
@@ -65,14 +65,14 @@ class Followed:
         return load, area, self.indentation(state)
 
     def indentation(self, state: State | None) -> FloatArray:
-        """Return the indentations (n,) [mm] of a state; minus the gap for an open asperity."""
+        """Return the indentations (n,) [mm] of a state; minus the gap of an open asperity."""
         found = np.zeros(len(self.scene.gap))
         if state is not None:
             found[state.closed], found[state.contacts.others] = state.found.indentation, state.overlap
         return found
 
     def loads(self) -> FloatArray:
-        """Return the loads (k, n) [mm^2] of all states."""
+        """Return the loads of the asperities in all states, (k, n) [mm^2]."""
         found = np.zeros((len(self.states), len(self.scene.gap)))
         for row, state in zip(found, self.states, strict=True):
             if state is not None:
@@ -80,7 +80,7 @@ class Followed:
         return found
 
     def gradients(self) -> FloatArray:
-        """Return dA0/dh at fixed load [mm], (k, n), without the change of the pedestals."""
+        """Return dA0/dh at fixed load [mm], (k, n), without the change of the pedestal compliance."""
         found = np.zeros((len(self.states), len(self.scene.gap)))
         for row, state in zip(found, self.states, strict=True):
             if state is not None:
@@ -95,7 +95,7 @@ def follow(
     unloading: bool,
     modulus: float = 1.0,
 ) -> Followed:
-    """Follow interacting asperities through increasing loads or approaches (k,), or back from the largest."""
+    """Return states at increasing loads or approaches (k,), on loading or on unloading from the largest."""
     path = Loading(scene)
     if not unloading:
         return Followed(scene, [path.press(Goal(value, by_load)) for value in values], path.jumps, values)
@@ -109,7 +109,7 @@ def follow(
 
 
 def followed_near(scene: Scene, load: FloatArray) -> Followed:
-    """Follow interacting asperities through increasing loads (k,), each from independent asperities."""
+    """Return states at increasing loads (k,), each guessed from independent asperities at the same load."""
     start = equilibria(Asperities(scene.law, scene.radius, scene.gap), load)
     path = Loading(scene, record=False)
     pairs = zip(load, start.sums.contact_radius, strict=True)
@@ -118,12 +118,12 @@ def followed_near(scene: Scene, load: FloatArray) -> Followed:
 
 
 class AdhesiveCoupling(Coupled):
-    """Asperities of an adhesive law; every jump is computed."""
+    """Interacting asperities with an adhesive law."""
 
     law: JKR
 
     def path(self, values: FloatArray, by_load: bool, unloading: bool) -> Curve:
-        """Return equilibria at increasing loads or approaches (k,), or back from the largest."""
+        """Return equilibria at increasing loads or approaches (k,), on loading or on unloading."""
         surface = self.surface
         refuse_merging(self.law, surface)
         modulus = surface.material.composite_modulus
@@ -132,13 +132,13 @@ class AdhesiveCoupling(Coupled):
         return found.curve(partial(self._last, surface.height, found), notes)
 
     def solve(self, height: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
-        """Return approach, load, area and stiffness (m, k) of lists of heights (m, n) at loads (k,)."""
+        """Return approach, load, area and stiffness (m, k) for heights (m, n) at increasing loads (k,)."""
         curves = [self.sensitivity(heights, load).curve for heights in height]
         names = ("approach", "load", "area", "stiffness")
         return tuple(np.array([getattr(curve, name) for curve in curves]) for name in names)
 
     def sensitivity(self, height: FloatArray, load: FloatArray) -> Sensitivity:
-        """Return the law at increasing loads (k,) on loading, and dA0/dh at fixed load [mm], (k, n)."""
+        """Return the loading curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
         found = followed_near(self._scene(height, self.surface.radius), load)
         indentation = np.array([found.indentation(state) for state in found.states])
         curve = found.curve(partial(self._last, height, found), ())
@@ -147,7 +147,7 @@ class AdhesiveCoupling(Coupled):
         )
 
     def areas(self, height: FloatArray, radius: FloatArray | None, load: FloatArray) -> FloatArray:
-        """Return A0 [mm^2] (m, k) of lists of heights and radii (m, n) at loads (k,); nan if not found."""
+        """Return A0 [mm^2] (m, k) for heights and radii (m, n) at loads (k,); nan if not converged."""
         area = np.full((len(height), len(load)), np.nan)
         for row, heights in enumerate(height):
             scene = self._scene(heights, self.surface.radius if radius is None else radius[row])
@@ -159,7 +159,7 @@ class AdhesiveCoupling(Coupled):
         return area
 
     def _scene(self, height: FloatArray, radius: FloatArray) -> Scene:
-        """Return the asperities with their influence on each other."""
+        """Return asperities with heights and radii (n,), and their influence on each other."""
         if self.surface.count > MOST:
             raise InvalidInput(
                 f"{self.surface.count} adhesive asperities with interaction are too many: at most {MOST}; "

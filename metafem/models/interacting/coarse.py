@@ -1,4 +1,4 @@
-"""Coarse model of a large scene: a preconditioner for long waves."""
+"""Coarse model of a large scene, used as a preconditioner for long waves."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from metafem._validate import FloatArray
 from metafem.substrate import Radial
 
-# Number of cells of the coarse model: dense matrices of this size are factorised in a fraction of a
-# millisecond (100) to a tenth of a second (1600), which is short for a scene with EACH asperities per cell.
+# Number of cells of the coarse model. Dense matrices of this size are factorised in a fraction of a
+# millisecond (100) to a tenth of a second (1600). More than USUAL_CELLS are used if EACH asperities per cell
+# remain, for which this time is short.
 USUAL_CELLS = 100
 MAX_CELLS = 1600
 EACH = 200
@@ -22,27 +23,29 @@ EACH = 200
 # Minimum number of asperities per cell.
 FEWEST = 16
 
-# Points per side of a cell over which the mean influence is taken.
+# Number of points per side of a cell over which the influence is averaged.
 POINTS = 3
 
 
 @dataclass(frozen=True, eq=False)
 class Coarse:
-    """Square cells over the scene within which displacements are assumed uniform."""
+    """Square cells that cover the scene; displacements are assumed uniform within each cell."""
 
-    cell: NDArray[np.int64]  # the cell of each asperity, (n,)
-    count: int  # number of cells that contain any
+    cell: NDArray[np.int64]  # index of the cell of each asperity, (n,)
+    count: int  # number of cells that contain asperities
     influence: FloatArray  # mean influence of the cells on each other [1/mm], (count, count)
 
     def loads(self, load: FloatArray) -> FloatArray:
-        """Return the sums over the cells."""
+        """Return the sum of the loads in each cell, (count,)."""
         return np.asarray(np.bincount(self.cell, load, minlength=self.count), dtype=np.float64)
 
     def preconditioner(self, inverse: FloatArray) -> Callable[[FloatArray], FloatArray]:
-        """Return ``v -> D v - D E Q E' D v``, about (1/D + K)^-1 v by Woodbury's formula.
+        """Return a function that approximates (1/D + E K E')^-1 v by Woodbury's formula.
 
-        E spreads the cells over their asperities, ``Q = (K^-1 + E' D E)^-1``. It is positive for any D,
-        because no (E' D v)^2 exceeds D's sum over the cell times v.D v.
+        The function is ``v -> D v - D E Q E' D v`` with ``Q = (K^-1 + E' D E)^-1``, where D is `inverse`, K
+        is the influence of the cells on each other, and E assigns the value of a cell to its asperities. The
+        function is positive definite for any D > 0, because (E' D v)^2 in a cell is at most the sum of D over
+        the cell times v.D v.
         """
         root = np.sqrt(self.loads(inverse))
         inner = np.eye(self.count) + root[:, None] * self.influence * root
@@ -67,7 +70,7 @@ def coarsen(position: FloatArray, substrate: Radial) -> Coarse:
     columns = int(index[:, 0].max()) + 1
     used, cell = np.unique(index @ np.array([1, columns]), return_inverse=True)
     x, y = used % columns, used // columns
-    # mean over pairs of points of two cells, by their offset in whole cells
+    # mean over pairs of points in two cells, tabulated by the offset of the cells
     offset = np.arange(max(int(x.max()), int(y.max())) + 1)
     point = (np.arange(POINTS) + 0.5) / POINTS
     between = (point[:, None] - point).ravel()
@@ -76,7 +79,7 @@ def coarsen(position: FloatArray, substrate: Radial) -> Coarse:
         offset[None, :, None, None] + between[None, None, None, :],
     )
     r = size * np.hypot(dx, dy)
-    # coincident points represent subcells: the mean of 1/r over a square is 2.973 over its side
+    # coincident points represent subcells: the mean of 1/r over a square is 2.973 divided by its side
     r[r == 0.0] = size / POINTS / 2.973
     table = substrate.influence(r).mean(axis=(2, 3))
     return Coarse(cell, len(used), table[np.abs(x[:, None] - x), np.abs(y[:, None] - y)])

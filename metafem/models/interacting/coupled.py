@@ -1,4 +1,4 @@
-"""Asperities of one surface with their contact law and their influence on each other."""
+"""Common base of interacting asperities with and without adhesion."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from metafem.surface import Surface
 
 @dataclass(frozen=True)
 class Coupled:
-    """Common base of elastic and adhesive asperities."""
+    """Asperities of one surface with their contact law, substrate and order."""
 
-    model: Any  # that of the states
+    model: Any  # to which the states refer
     surface: Surface
     law: Contact  # for unit E*
     substrate: Substrate  # with the thickness and the material of the surface
@@ -26,11 +26,11 @@ class Coupled:
     pedestal: bool
 
     def pedestals(self, height: FloatArray, radius: FloatArray) -> FloatArray | float:
-        """Return the displacement of summits by their own caps, per unit of P/E* [1/mm]."""
+        """Return the displacement of each summit by the compliance of its cap, per unit of P/E* [1/mm]."""
         return pedestal_influence(height, radius)[0] if self.pedestal else 0.0
 
     def on_pedestals(self, gradient: FloatArray, height: FloatArray, load: FloatArray) -> FloatArray:
-        """Return dA0/dh (k, n) with the change of the pedestals under loads (k, n) [mm^2]."""
+        """Return dA0/dh (k, n) [mm] with the change of the caps' compliance, at loads (k, n) [mm^2]."""
         if not self.pedestal:
             return gradient
         return gradient * (1.0 - pedestal_influence(height, self.surface.radius)[1] * load)
@@ -44,8 +44,8 @@ class Coupled:
         notes: tuple[Note, ...] = (),
     ) -> RescaledState:
         """Return the state of asperities (n,)."""
-        # the foot of a cap sinks with the summit, the base next to it hardly sinks; the shift of a contact
-        # adds less than a micrometre to the base gap
+        # the foot of a cap sinks with its summit, while the adjacent base hardly sinks; the shift of a
+        # contact adds less than a micrometre to the base gap
         base = height - indentation - self.pedestals(height, self.surface.radius) * load
         tall = int((self.surface.height > TALLEST * self.surface.radius).sum())
         if self.pedestal and tall:

@@ -1,4 +1,4 @@
-"""Asperities without adhesion that interact."""
+"""Interacting asperities without adhesion."""
 
 from __future__ import annotations
 
@@ -34,43 +34,43 @@ from metafem.models.interacting.sensitivity import area_gradients
 from metafem.notes import Note, information
 from metafem.substrate import Radial
 
-# Largest residual of a converged state; the tolerance of the kernel is ten times smaller.
+# Largest residual of a converged state solved with dense matrices; the kernel has the same tolerance.
 TOLERANCE = 1e-12
 
-# Scenes up to these sizes are solved with all pairs in dense matrices; the first is that of a lattice by
-# order 3. Measured for each load of a curve of
-# order 3 on a layer, dense and by transforms of the lattice: 1.2 and 4.2 ms with 400 asperities, 6.3 and 8.8
-# with 900, 36 and 9.5 with 1600; with the gradients 6 and 11, 53 and 24, 247 and 25 ms. The matrices of
-# order 3 of 2000 need 0.5 GB.
+# Largest numbers of asperities that are solved with dense matrices over all pairs. The first number applies
+# to lattices with order 3, the second to all other scenes. Times per load of a curve of order 3 on a layer,
+# with dense matrices and with FFTs on the lattice: 1.2 and 4.2 ms for 400 asperities, 6.3 and 8.8 ms for 900,
+# 36 and 9.5 ms for 1600. With the gradients: 6 and 11, 53 and 24, 247 and 25 ms. For 2000 asperities the
+# matrices of order 3 need 0.5 GB.
 LATTICE_LIMIT, DENSE_LIMIT = 400, 2000
 
-# Pairs of asperities, times loads, below which a second thread does not pay: about a millisecond.
+# Number of pairs of asperities, times loads, below which a second thread saves no time: about a millisecond.
 PAIRS_PER_THREAD = 200_000
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Results (m, k) of m lists of heights, and the last heights (n,) with their last state."""
+    """Results (m, k) for m lists of heights, and the last list of heights (n,) with its last state."""
 
     results: kernel.Results
     height: FloatArray
     last: State
     tolerance: float
-    gradient: Callable[[], FloatArray]  # dA0/dh without the change of the pedestals, if requested
+    gradient: Callable[[], FloatArray]  # returns dA0/dh without the change of the pedestals
     notes: tuple[Note, ...] = ()
 
     @property
     def solved(self) -> np.ndarray:
-        """Whether each equilibrium is converged and finite, (m, k)."""
+        """Whether each equilibrium has converged to finite values, (m, k)."""
         return solved(self.results.residual, self.tolerance, self.results.load, self.results.area)
 
 
 class ElasticCoupling(Coupled):
-    """Asperities of any law without adhesion; dense matrices, or fast sums for larger scenes."""
+    """Interacting asperities without adhesion, solved with dense matrices, or fast sums for larger scenes."""
 
     @cached_property
     def summed(self) -> Radial | None:
-        """The substrate if fast sums take the place of matrices of all pairs."""
+        """The substrate if fast sums are used; None if dense matrices are used."""
         count, substrate = self.surface.count, self.substrate
         if count <= LATTICE_LIMIT or not isinstance(substrate, Radial):
             return None
@@ -85,7 +85,7 @@ class ElasticCoupling(Coupled):
         return self._curve(solution)
 
     def solve(self, height: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
-        """Return approach, load, area and stiffness (m, k) of lists of heights (m, n) at loads (k,)."""
+        """Return approach, load, area and stiffness (m, k) for heights (m, n) at increasing loads (k,)."""
         solution = self._solve(height, load, by_load=True)
         results = solution.results
         self._refuse_thin_layer(results)
@@ -98,7 +98,7 @@ class ElasticCoupling(Coupled):
         return results.approach, results.load, results.area, results.stiffness
 
     def sensitivity(self, height: FloatArray, load: FloatArray) -> Sensitivity:
-        """Return the law at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
+        """Return the curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
         indentation, room = np.zeros((2, len(load), self.surface.count))
         solution = self._solve(height[None, :], load, True, indentation, room)
 
@@ -109,7 +109,7 @@ class ElasticCoupling(Coupled):
         return Sensitivity(self._curve(solution), gradient, indentation)
 
     def areas(self, height: FloatArray, radius: FloatArray | None, load: FloatArray) -> FloatArray:
-        """Return A0 [mm^2] (m, k) of lists of heights and radii (m, n); nan if not converged."""
+        """Return A0 [mm^2] (m, k) for heights and radii (m, n) at loads (k,); nan if not converged."""
         if radius is not None and self.summed is not None:
             return areas_one_by_one(self.model.curve, self.surface, load, height, radius, None)
         solution = self._solve(height, load, True, radius=radius)
@@ -117,7 +117,7 @@ class ElasticCoupling(Coupled):
         return np.where(solution.solved, solution.results.area, np.nan)
 
     def response(self, z: FloatArray, approach: float) -> tuple[State, FloatArray]:
-        """Return the state of nominal indentations z (n,) [mm], and the errors of its equations (n,) [mm]."""
+        """Return the state at nominal indentations z (n,) [mm], and the errors of its equations (n,) [mm]."""
         surface = self.surface
         gap, self_term = surface.gap, np.zeros(surface.count) + self.pedestals(surface.height, surface.radius)
         law = tables(self.law, surface.radius)
@@ -154,10 +154,11 @@ class ElasticCoupling(Coupled):
         gradient: FloatArray = NOT_RECORDED,
         radius: FloatArray | None = None,
     ) -> Solution:
-        """Solve heights (m, n) at increasing loads or approaches (k,), with radii (m, n) or the surface's.
+        """Return the solution for heights (m, n) at increasing loads or approaches (k,).
 
-        The arrays (k, n) [mm] of nominal indentations of the last heights, and above the size limit of the
-        dense solver those of dA0/dh without the change of the pedestals, are filled unless empty.
+        radius: (m, n) [mm]; default: the surface's. `indentation` (k, n) [mm] is filled with the nominal
+        indentations of the last list of heights unless empty. If fast sums are used, `gradient` (k, n) [mm]
+        is filled with dA0/dh, without the change of the pedestals, unless empty.
         """
         gap = height.max(axis=1, keepdims=True) - height
         surface, bound = self.surface, self.substrate
@@ -197,7 +198,7 @@ class ElasticCoupling(Coupled):
         return Solution(results, height[-1], states[len(gap)], TOLERANCE, gradients)
 
     def _refuse_deep(self, law: Law, state: State) -> None:
-        """Raise InvalidInput where contacts are deeper than the range of their law."""
+        """Raise InvalidInput if an indentation exceeds the range of the law."""
         if not law.data.size:
             return
         limit = deepest(law)
@@ -209,9 +210,9 @@ class ElasticCoupling(Coupled):
             )
 
     def _refuse_thin_layer(self, results: kernel.Results) -> None:
-        """Raise InvalidInput where contacts are wider than the layer is thick: the expansion fails there."""
+        """Raise InvalidInput if a contact radius exceeds the layer thickness, where the expansion fails."""
         thickness = getattr(self.substrate, "thickness", None)
-        # the solution is not valid there, and neither are the radii of its contacts
+        # neither the solution nor its contact radii are accurate in this range
         if thickness is not None and float(results.radius.max()) > thickness:
             raise InvalidInput(
                 f"the layer of {thickness:g} mm is thinner than the contacts: order {self.order} holds for "

@@ -1,8 +1,9 @@
-"""Sums over scattered positions: near pairs directly, the smooth rest on a grid.
+"""Sums over scattered positions: near pairs are summed directly, the smooth remainder on a grid.
 
 Ewald's splitting is ``1/r = erfc(r/s)/r + erf(r/s)/r``. The first part decays within a few s and is summed
-over pairs. The second part, with the regular part of the substrate, has no waves shorter than the grid
-resolves: sources are spread by a smooth window, multiplied by the transform of the field, and gathered.
+over pairs. The second part and the regular part of the substrate contain only waves that the grid resolves.
+The sources are spread to the grid by a smooth window. Their Fourier transform is multiplied by the transform
+of the field, and the result is interpolated from the grid.
 """
 
 from __future__ import annotations
@@ -24,38 +25,42 @@ from metafem._validate import FloatArray
 from metafem.models._resources import THREADS
 from metafem.substrate import Radial
 
-# Pairs are summed up to REACH s, where erfc = 3e-11.
+# Largest distance of near pairs over s; there erfc = 3e-11.
 REACH = 4.7
 
-# Grid step over s. The waves of the field fall as exp(-(k s/2)^2). At a quarter wave per step, the limit of
-# the window's accuracy, they are 4e-11 of the longest.
+# Grid step over s. The Fourier components of the field decrease as exp(-(k s/2)^2). At four steps per
+# wavelength, the limit for which the window is accurate, they are 4e-11 of the longest component.
 STEP = 0.16
 
-# Radius of the near pairs in mean distances of the positions: pairs and grid then cost about the same.
+# Largest distance of near pairs, divided by the mean spacing of the positions. With this value pairs and grid
+# take about the same time.
 PAIRS = 9.0
 
-# Beyond the scene the distance levels off within this many grid steps, which closes the periodic grid
-# smoothly: an error function with 1/12 of them as its width. At both ends it is within 1e-17 of a kink. Its
-# waves are 1e-12 at the end of the band.
+# Number of grid steps beyond the scene within which the distance along each axis becomes constant, so that
+# the field on the periodic grid is smooth. The slope of the distance follows an error function with 1/12 of
+# these steps as its width. At both ends the remaining jump is 1e-17. At the end of the band, the Fourier
+# components are 1e-12.
 MARGIN = 80
 WIDTHS = 12.0
 
-# A layer's regular part falls as k t exp(-2 k t): 1e-12 at the end of the band with this t over the step.
+# Minimum number of grid steps per layer thickness t. The Fourier components of a layer's regular part
+# decrease as k t exp(-2 k t), to 1e-12 at the end of the band.
 LAYER_STEPS = 10.0
 
-# Beyond this many thicknesses the influence of a bonded layer is below 2e-11 of the half-space's, for any
-# Poisson ratio. If that is within the radius of the near pairs, the smooth rest is zero.
+# Distance, in layer thicknesses, beyond which the influence of a bonded layer is below 2e-11 of the influence
+# of a half-space for any Poisson's ratio. On thin layers only the pairs within this distance are summed.
 LAYER_REACH = 35.0
 
-# A grid fine enough for a thin layer costs more than near pairs within this multiple of the radius.
+# Only pairs are summed if the distance above is at most this multiple of the largest distance of near pairs.
+# A grid that is fine enough for such a thin layer would take more time.
 FARTHEST = 2.0
 
-# Rows that are summed exactly to certify a state.
+# Number of rows that are summed exactly to check the sums.
 SAMPLE = 64
 
 
 class ScatteredSums:
-    """Products with the influence matrix and its derivatives for any positions; see the module."""
+    """Products with the influence matrix and its derivatives, for any positions, by Ewald's method."""
 
     def __init__(self, position: FloatArray, substrate: Radial) -> None:
         self.substrate = substrate
@@ -80,7 +85,7 @@ class ScatteredSums:
 
     @property
     def note(self) -> str:
-        """Text of the note on the sums."""
+        """Text of the note that describes the sums."""
         if self._pairs_alone:
             return (
                 f"{len(self._position)} scattered positions: pairs beyond {self.reach:.3g} mm were left out, "
@@ -98,11 +103,11 @@ class ScatteredSums:
 
     @property
     def cells(self) -> int:
-        """Cells of the padded grid."""
+        """Number of cells of the padded grid."""
         return 0 if self._pairs_alone else math.prod(self._padded)
 
     def error(self, load: FloatArray) -> float:
-        """Return the largest error of G p on a sample of the loaded positions [mm]."""
+        """Return the largest error [mm] of G p at a sample of the loaded positions."""
         loaded = np.flatnonzero(load)
         rows = loaded[:: max(1, len(loaded) // SAMPLE)]
         worst, fast = 0.0, self.displacement(load)
@@ -117,7 +122,10 @@ class ScatteredSums:
     def displacement(
         self, load: FloatArray, size: FloatArray | None = None, *moment: FloatArray
     ) -> FloatArray:
-        """Return G p, and with sizes v and moments (w_x, w_y) of the sources + lap v + grad . w, (n,)."""
+        """Return G p, (n,) [mm]; with sizes v and moments w of the sources, return G p + lap v + grad . w.
+
+        load: p; size: v; moment: the two components of w. lap and grad are derivatives of G at the source.
+        """
         near = self._near[0]
         result = near @ load + near.T @ load - self._self_terms[0] * load
         sources, spectra = [load], [self._influence]
@@ -149,7 +157,7 @@ class ScatteredSums:
 
     @cached_property
     def _self_terms(self) -> tuple[float, float]:
-        """Smooth part at the position of the source itself, without the Laplacian of the substrate."""
+        """Smooth parts of G and its Laplacian at the source, to be subtracted; self_curvature is retained."""
         if self._pairs_alone:
             return 0.0, -2.0 * self.substrate.self_curvature
         constant = 2.0 / (self.split * math.pi**1.5) + self.substrate.self_influence
@@ -157,7 +165,7 @@ class ScatteredSums:
 
     @cached_property
     def _pairs(self) -> tuple[NDArray[np.int64], NDArray[np.int64], FloatArray, FloatArray]:
-        """Return both ends of the near pairs, x_i - x_j and y_i - y_j."""
+        """Indices i and j of the near pairs, and x_i - x_j and y_i - y_j [mm]."""
         i, j = scipy.spatial.cKDTree(self._position).query_pairs(self.reach, output_type="ndarray").T
         dx, dy = (self._position[i] - self._position[j]).T
         return i, j, dx, dy
@@ -177,7 +185,7 @@ class ScatteredSums:
 
     @cached_property
     def _near_derivatives(self) -> tuple[Any, Any, Any]:
-        """Laplacian and slopes at the first end of the near part."""
+        """Matrices of the near part's Laplacian and of its slopes along x and y at i."""
         _, _, dx, dy = self._pairs
         r, s = np.hypot(dx, dy), self.split
         if self._pairs_alone:
@@ -197,14 +205,14 @@ class ScatteredSums:
 
     @cached_property
     def _waves(self) -> tuple[FloatArray, FloatArray]:
-        """Wavenumbers of rows and columns [1/step]."""
+        """Wavenumbers along rows and columns [1/step]."""
         rows, columns = self._padded
         full, half = np.fft.fftfreq(rows), np.fft.rfftfreq(columns)
         return np.asarray(2.0 * math.pi * full[:, None]), np.asarray(2.0 * math.pi * half)
 
     @cached_property
     def _influence(self) -> FloatArray:
-        """Transform of the smooth field over the square of the window's (for spreading and gathering)."""
+        """Transform of the smooth field, divided by the square of the window's transform."""
         if self._pairs_alone:
             return np.empty((0, 0))
         axes = [self._bent(size, span) for size, span in zip(self._padded, self._span, strict=True)]
@@ -218,7 +226,7 @@ class ScatteredSums:
 
     @cached_property
     def _derivatives(self) -> tuple[NDArray[Any], ...]:
-        """Transforms of the Laplacian and of the derivatives at the source along x and y."""
+        """Transforms of the smooth field's Laplacian and of its derivatives at the source along x and y."""
         if self._pairs_alone:
             return (np.empty((0, 0)),) * 3
         ky, kx = (k / self.step for k in self._waves)
@@ -226,7 +234,7 @@ class ScatteredSums:
         return -(kx**2 + ky**2) * influence, -1j * kx * influence, -1j * ky * influence
 
     def _bent(self, size: int, span: float) -> FloatArray:
-        """Return distances along a cyclic axis [mm], exact up to `span` steps and then smoothly constant."""
+        """Return distances along a cyclic axis [mm], exact up to `span` steps, then smoothly constant."""
         x = np.abs(np.fft.fftfreq(size, 1.0 / size))
         width = MARGIN / WIDTHS
         y = (x - span - 0.5 * MARGIN) / width
@@ -246,7 +254,7 @@ class ScatteredSums:
 
 
 def _window_transform(wavenumber: FloatArray) -> FloatArray:
-    """Fourier transform of the spreading window at wavenumbers [1/step]."""
+    """Return the Fourier transform of the window at wavenumbers [1/step]."""
     node, weight = np.polynomial.legendre.leggauss(60)
     x = 0.25 * POINTS * (node + 1.0)
     value = np.exp(SHAPE * (np.sqrt(1.0 - (2.0 * x / POINTS) ** 2) - 1.0))

@@ -15,27 +15,29 @@ from metafem._validate import FloatArray
 from metafem.models._resources import THREADS
 from metafem.substrate import Radial
 
-# Allowed deviation of positions from the lattice over the pitch, in addition to the rounding of their values.
+# Largest deviation of a position from the lattice, divided by the pitch, in addition to the rounding of
+# coordinates.
 LATTICE_TOLERANCE = 1e-9
 
-# Cells of a grid above which a second thread pays: starting it takes as long as a transform of 80 x 80 cells.
+# Number of grid cells above which a second thread saves time. Starting a thread takes as long as the
+# transform of 80 x 80 cells.
 CELLS_PER_THREAD = 250_000
 
-# Largest fraction of missing sites; with more, the sums for scattered positions are used.
+# Smallest fraction of occupied sites; with fewer, the sums for scattered positions are used.
 FEWEST_SITES = 0.25
 
 
 @dataclass(frozen=True, eq=False)
 class Lattice:
-    """Sites of a square lattice, in whole steps along its two axes."""
+    """Sites of a square lattice, as whole numbers of steps along its two axes."""
 
     site: NDArray[np.int64]  # row and column of each position, from 0, (n, 2)
-    shape: tuple[int, int]  # rows and columns of the smallest rectangle that contains them
-    pitch: float  # distance of neighbours [mm]
+    shape: tuple[int, int]  # rows and columns of the smallest rectangle that contains all sites
+    pitch: float  # distance between adjacent sites [mm]
 
 
 def find_lattice(position: FloatArray) -> Lattice | None:
-    """Return the square lattice, in any direction, on which the positions (n, 2) lie, or None."""
+    """Return the square lattice, of any orientation, that contains the positions (n, 2), or None."""
     if len(position) < 2:
         return None
     centre = position - position.mean(axis=0)
@@ -43,14 +45,15 @@ def find_lattice(position: FloatArray) -> Lattice | None:
     distance, near = scipy.spatial.cKDTree(centre).query(first, k=2)
     step = centre[near[1]] - first
     extent = float(np.hypot(*centre.T).max())
-    # the axes are refined with the farthest positions: a short step gives the direction of a long row poorly
+    # refine the axes with ever farther positions: a single step gives the direction of a long row
+    # inaccurately
     for reach in (3.0 * distance[1], math.sqrt(distance[1] * extent), 2.0 * extent):
         square = step @ step
         axes = np.array([step, [-step[1], step[0]]]) / square
         exact = (centre - first) @ axes.T
         whole = np.rint(exact)
         inside = np.hypot(*(centre - first).T) <= reach
-        # least squares of the similarity x = step * whole, as complex numbers
+        # least-squares fit of positions = step * whole, as complex numbers
         positions = (centre - first)[inside] @ np.array([1.0, 1.0j])
         steps = whole[inside] @ np.array([1.0, 1.0j])
         weight = float((np.abs(steps) ** 2).sum())
@@ -62,7 +65,7 @@ def find_lattice(position: FloatArray) -> Lattice | None:
     axes = np.array([step, [-step[1], step[0]]]) / pitch**2
     exact = (centre - first) @ axes.T
     whole = np.rint(exact)
-    # whole numbers of steps from the position taken as the origin, apart from its own rounding
+    # the mean offset from whole numbers is the rounding of the position chosen as origin
     rounding = 8.0 * np.finfo(float).eps * float(np.abs(position).max()) / pitch
     offset = (exact - whole).mean(axis=0)
     if float(np.abs(exact - whole - offset).max()) > LATTICE_TOLERANCE + rounding:
@@ -78,9 +81,9 @@ def find_lattice(position: FloatArray) -> Lattice | None:
 
 
 class LatticeSums:
-    """Products with the influence matrix and its derivatives, by transforms of twice the lattice.
+    """Products with the influence matrix and its derivatives, by FFTs on twice the lattice.
 
-    With this padding the cyclic products equal those of the bounded lattice, exact to rounding.
+    With this padding the cyclic convolutions equal the products on the bounded lattice, to rounding.
     """
 
     def __init__(self, lattice: Lattice, substrate: Radial) -> None:
@@ -93,18 +96,21 @@ class LatticeSums:
 
     @property
     def note(self) -> str:
-        """Text of the note on the sums."""
+        """Text of the note that describes the sums."""
         rows, columns = self.lattice.shape
         return f"all pairs of the {rows} x {columns} lattice were summed by FFT, exact to rounding"
 
     def error(self, load: FloatArray) -> float:
-        """Return the error of G p [mm], which is only rounding."""
+        """Return the error [mm] of G p: zero, since the sums are exact to rounding."""
         return 0.0
 
     def displacement(
         self, load: FloatArray, size: FloatArray | None = None, *moment: FloatArray
     ) -> FloatArray:
-        """Return G p, and with sizes v and moments (w_x, w_y) of the sources + lap v + grad . w, (n,)."""
+        """Return G p, (n,) [mm]; with sizes v and moments w of the sources, return G p + lap v + grad . w.
+
+        load: p; size: v; moment: the two components of w. lap and grad are derivatives of G at the source.
+        """
         total = self._forward(load) * self._influence
         if size is not None:
             for source, spectrum in zip((size, *moment), self._derivatives, strict=True):
@@ -133,7 +139,7 @@ class LatticeSums:
         return np.asarray(field[:rows, :columns].ravel()[self._index])
 
     def _offsets(self, shape: tuple[int, ...]) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return y, x and r [mm] of the nearest image on a cyclic grid, r = pitch at the origin."""
+        """Return y, x and r [mm] of the nearest image on a cyclic grid, with r = pitch at the origin."""
         steps = [np.fft.fftfreq(size, 1.0 / size) * self.lattice.pitch for size in shape]
         y, x = np.meshgrid(*steps, indexing="ij")
         r = np.hypot(x, y)

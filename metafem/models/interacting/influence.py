@@ -1,4 +1,4 @@
-"""Influence of asperities on each other, cached for later calls on the same sites."""
+"""Influence of asperities on each other, cached for later calls with the same sites."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from metafem.models.interacting.sums import fast_sums
 from metafem.substrate import Radial, Substrate
 from metafem.surface import Surface
 
-# Number of cached influences, and largest scene for which one is cached: seven matrices of 256 sites take
-# 3.5 MiB.
+# Number of cached influences, and largest number of asperities for which the influence is cached. The seven
+# matrices of 256 sites take 3.5 MiB.
 KEPT_FIELDS, MOST_KEPT = 8, 256
 
-# The same for fast sums: the spectra of 10,000 sites take 0.7 MiB.
+# Largest number of asperities for which fast sums are cached. The spectra of 10,000 sites take 0.7 MiB.
 MOST_KEPT_SUMS = 10_000
 
 
 @dataclass(frozen=True)
 class _Sites:
-    """Sites of a surface, equal if all bits are equal."""
+    """Sites of a surface; two are equal if all their bits are."""
 
     position: bytes
     surface: Surface = field(compare=False)
@@ -47,9 +47,10 @@ def coupling_between(surface: Surface, bound: Substrate, order: int) -> tuple[Co
 
 
 def displacements(surface: Surface, bound: Substrate) -> Callable[[FloatArray], FloatArray]:
-    """Return the product with the influence and its regular self terms, for loads (m, n) [mm^2].
+    """Return a function that computes the displacements (m, n) [mm] of the summits by loads (m, n) [mm^2].
 
-    Few asperities have a matrix, and more of them fast sums on a substrate that has them.
+    They include the regular self terms. A dense matrix is used for few asperities and for substrates that are
+    not radial, otherwise fast sums.
     """
     if surface.count <= MOST_KEPT or not isinstance(bound, Radial):
         coupling, regular = coupling_between(surface, bound, 1)
@@ -63,7 +64,7 @@ def displacements(surface: Surface, bound: Substrate) -> Callable[[FloatArray], 
 
 
 def nearest_distance(surface: Surface) -> float:
-    """Return the smallest distance of two asperities [mm]; infinite for a single one."""
+    """Return the smallest distance between two asperities [mm]; infinite for one asperity."""
     return _nearest(_Sites(surface.position.tobytes(), surface)) if surface.count > 1 else math.inf
 
 
@@ -75,19 +76,19 @@ def _nearest(sites: _Sites) -> float:
 
 @lru_cache(maxsize=KEPT_FIELDS)
 def _kept(substrate: Radial, order: int, sites: _Sites) -> tuple[Coupling, FloatArray]:
-    """Return the influence between sites, computed once for all heights on them."""
+    """Return the cached influence between sites; it does not depend on the heights."""
     return _computed(substrate, order, sites.surface)
 
 
 @lru_cache(maxsize=KEPT_FIELDS)
 def _kept_sums(substrate: Radial, sites: _Sites) -> LatticeSums | ScatteredSums:
-    """Return the sums over sites, prepared once for all heights on them."""
+    """Return the cached sums over sites; they do not depend on the heights."""
     return fast_sums(sites.surface, substrate, 1)
 
 
 def _computed(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupling, FloatArray]:
-    """Compute the influence of the asperities on each other, and the regular self terms (n,)."""
-    # the matrices, those with exchanged ends, the Jacobian, and as much again during their computation
+    """Return the influence of the asperities on each other, and the regular self terms (n,), uncached."""
+    # the matrices, their transposes, the Jacobian, and temporary arrays of the same size
     require_memory(8 * surface.count**2 * (3 if order == 1 else 14), f"{surface.count} asperities")
     influence = np.array(substrate.influence_matrix(surface), dtype=np.float64, order="C")
     regular = np.diagonal(influence).copy()

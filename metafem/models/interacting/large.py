@@ -1,4 +1,4 @@
-"""Curves of scenes too large for dense matrices."""
+"""Curves of scenes that are too large for dense matrices."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from metafem.progress import each
 from metafem.substrate import Radial
 from metafem.surface import Surface
 
-# Placeholder for an array of results that are not recorded.
+# Empty array that is passed for results that are not recorded.
 NOT_RECORDED = np.empty((0, 0))
 
 
 class LargeScene:
-    """The sites of one surface, for any heights: a coarse model and fast sums."""
+    """Fast sums and a coarse model for the sites of one surface; they do not depend on the heights."""
 
     def __init__(self, surface: Surface, substrate: Radial, order: int) -> None:
         self.order, self.substrate = order, substrate
@@ -30,7 +30,7 @@ class LargeScene:
         self.coarse = coarsen(surface.position, substrate)
 
     def equations(self, law: Law, self_term: FloatArray, gap: FloatArray) -> ContactEquations:
-        """Return the equations of contacts with self terms (n,) [1/mm] beside those of the substrate."""
+        """Return the equations of the contacts; self_term (n,) [1/mm] is added to that of the substrate."""
         own = self_term + self.substrate.self_influence
         return ContactEquations(self.sums, self.order, law, own, np.ascontiguousarray(gap), self.coarse)
 
@@ -47,7 +47,8 @@ class LargeScene:
     ) -> State:
         """Fill the results (k,) at increasing loads or approaches, and return the last state.
 
-        The arrays (k, n) [mm] of nominal indentations and of dA0/dh at fixed load are filled unless empty.
+        indentation, gradient: (k, n) [mm]; filled with nominal indentations and dA0/dh at fixed load unless
+        empty.
         """
         equations = self.equations(law, self_term, gap)
         gap = equations.gap

@@ -29,43 +29,51 @@ from metafem.surface import Surface
 class Interacting:
     """Asperities coupled through an elastic substrate.
 
-    The indentations are ``d_i = h_i - delta - u_i`` with the displacement ``u_i`` by the other asperities.
-    Load and area of each contact follow from its law; for Hertz's, ``P_i = 4/3 E* sqrt(R_i) d_i^(3/2)``.
+    The indentations are ``d_i = h_i - delta - u_i``, where ``u_i`` is the displacement by the other
+    asperities. Load and area of each contact follow from its law; for Hertz's law
+    ``P_i = 4/3 E* sqrt(R_i) d_i^(3/2)``. Lengths are in mm, loads in N, moduli in MPa.
 
-    Order 1 represents the other asperities by point loads, ``u_i = sum_j P_j/E* G(r_ij)``. Order 3 adds
-    all three terms of the next order: the finite size of the sources, ``M_j/4 lap G`` with the second moment
-    M of their pressure, for Hertz contacts ``a_j^2/10 lap G`` per load; the curvature of the field,
-    ``sum_j P_j/E* lap G/2``, which adds to that of the summit; and its slope, which tilts the contact and
-    for Hertz contacts shifts it by ``-R grad u``. They are the gradient of one energy, to first order in the
-    shifts. For very flat contacts, with a slope D' at their edge below 0.005, D' = 0.005 is used in the tilt.
-    Both orders include the regular self terms of the substrate.
+    Order 1 represents the other asperities by point loads, ``u_i = sum_j P_j/E* G(r_ij)``. Order 3 adds the
+    three terms of the next order:
 
-    Against resolved contacts of paraboloids on a half-space, up to a/pitch = 0.32, the error of order 3 is at
-    most 0.03 % in the total load at fixed approach and 0.25 % in A0 at fixed load (0.12 % for up to nine
-    contacts); that of order 1 in A0 reaches 3 %. Of nine spheres or power caps, up to power 4, order 3 is off
-    by at most 0.04 % in the load and 0.4 % in A0.
-    On a bonded layer the error of order 3 in A0 is at most 0.2 % up to a/t = 0.3 with nu = 0.5, and less for
-    smaller Poisson's ratios; it grows as (a/t)^5. The notes of a state or law warn where contacts overlap and
-    where the estimated error of order 3 exceeds 4 % in A0, and state where a/r exceeds 0.32. Lengths are in
-    mm, loads in N, moduli in MPa.
+    - the finite size of the sources, ``M_j/4 lap G`` with the second moment M of their pressure, which is
+      ``a_j^2/10 lap G`` per load for Hertz contacts;
+    - the curvature of the field, ``sum_j P_j/E* lap G/2``, which is added to the curvature of the summit;
+    - the slope of the field, which tilts the contact and shifts Hertz contacts by ``-R grad u``.
+
+    To first order in the shifts, these terms are the gradient of one energy. For very flat contacts, whose
+    slope D' at the edge is below 0.005, D' = 0.005 is used in the tilt. Both orders include the regular self
+    terms of the substrate.
+
+    Errors are measured against resolved contacts. For paraboloids on a half-space, up to a/pitch = 0.32, the
+    error of order 3 is at most 0.03 % in the total load at fixed approach, and 0.25 % in A0 at fixed load
+    (0.12 % for up to nine contacts). The error of order 1 in A0 reaches 3 %. For nine spheres or power caps
+    with powers up to 4, the error of order 3 is at most 0.04 % in the load and 0.4 % in A0. On a bonded layer
+    with nu = 0.5 and up to a/t = 0.3, the error of order 3 in A0 is at most 0.2 %. This error increases as
+    (a/t)^5, and is smaller for smaller Poisson's ratios.
+
+    The notes of a state or law warn if contacts overlap, or if the estimated error of order 3 in A0 exceeds
+    4 %. They also state if a/r exceeds 0.32.
 
     Parameters
     ----------
     order : {1, 3}
+        Order of the coupling, as described above; default: 3.
     substrate : Substrate
-        `HalfSpace()`, `BondedLayer()`, or any other.
+        `HalfSpace()` (default), `BondedLayer()`, or any other substrate.
     contact : Contact
-        Law of one contact; default: `Hertz()`. Laws given only as P(d) and A(d) need order 1.
+        Law of one contact; default: `Hertz()`. Laws that consist only of P(d) and A(d) need order 1.
     pedestal : bool
-        Add the compliance of the caps themselves in the limit of light loads; tabulated up to h/R = 0.6.
+        Whether to add the compliance of the caps in the limit of light loads, tabulated up to h/R = 0.6;
+        default: False.
 
     Raises
     ------
     InvalidInput
-        For an unknown order, or a substrate or contact that cannot be used. When solving: on a
-        layer thinner than the contact radius.
+        If the order is unknown, or the substrate or contact cannot be used. When solving: if the layer is
+        thinner than a contact radius.
     NotConverged
-        When solving with `equilibrium`, `friction_law` and `Curve.checked`, if an equilibrium does not
+        When solving with `equilibrium`, `friction_law` or `Curve.checked`: if an equilibrium does not
         converge to the tolerance.
 
     Examples
@@ -114,7 +122,7 @@ class Interacting:
 
     @property
     def reference(self) -> Interacting:
-        """The same model of the largest order that its contact law allows."""
+        """The same model with the highest order that its contact law supports."""
         return replace(self, order=self.contact.largest_order)
 
     def bound(self, surface: Surface) -> ElasticCoupling | AdhesiveCoupling:
@@ -131,9 +139,10 @@ class Interacting:
         approach: FloatArray | None = None,
         unloading: bool = False,
     ) -> Curve:
-        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
+        """Return equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
 
-        unloading: the values are reached by unloading from the largest; adhesive loads may be negative.
+        unloading: whether the values are reached by unloading from the largest one. If the contacts adhere,
+        loads may then be negative.
         """
         values, by_load = controlled(load, approach)
         return self.bound(surface).path(values, by_load, unloading)
@@ -141,12 +150,12 @@ class Interacting:
     def curves(
         self, surface: Surface, height: ArrayLike, rescaled_load: ArrayLike
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Friction laws of many lists of heights on the sites of one surface, in compiled code.
+        """Return the friction laws of many lists of heights on the sites of one surface, by compiled code.
 
         Parameters
         ----------
         surface : Surface
-            Positions, radii, material and block; its own heights are not used.
+            Surface with the positions, radii, material and block; its heights are not used.
         height : array_like, (m, n) or (n,)
             Lists of summit heights [mm].
         rescaled_load : array_like, (k,)
@@ -155,16 +164,16 @@ class Interacting:
         Returns
         -------
         approach, load, area, stiffness : ndarray, (m, k)
-            Approach [mm], load recomputed at it [mm^2], real contact area [mm^2] and derivative of
-            the rescaled load by the approach [mm].
+            Approach [mm], load recomputed at this approach [mm^2], real contact area [mm^2], and derivative
+            of the rescaled load with respect to the approach [mm].
 
         Raises
         ------
         InvalidInput
-            For heights or loads outside their range, and a layer thinner than the contacts.
+            If heights or loads are outside their range, or the layer is thinner than a contact radius.
         NotConverged
-            If a residual exceeds 1e-12 (1e-9 above 2000 asperities, and by order 3 above 400 on a lattice);
-            all results are attached.
+            If a residual exceeds 1e-12, or 1e-9 if fast sums are used: above 2000 asperities, and for order 3
+            on a lattice above 400. All results are attached.
 
         Examples
         --------
@@ -188,11 +197,11 @@ class Interacting:
     def sensitivity(
         self, surface: Surface, load: FloatArray, height: FloatArray | None = None
     ) -> Sensitivity:
-        """Law at increasing rescaled loads (k,), and dA0/dh of each height at fixed load [mm], (k, n).
+        """Return the law at increasing rescaled loads (k,), and dA0/dh at fixed load [mm], (k, n).
 
-        The contact system is solved once per load for all heights; above the size limit of the dense
-        solver by conjugate gradients, to 1e-9.
-        height: summit heights (n,) [mm] that replace those of the surface; they are not checked.
+        The derivatives by all heights need one solution of a linear system per load. If fast sums are used,
+        it is solved by conjugate gradients to 1e-9.
+        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked.
         """
         heights = surface.height if height is None else height
         return self.bound(surface).sensitivity(heights, load)
@@ -205,10 +214,10 @@ class Interacting:
         radius: FloatArray | None = None,
         position: FloatArray | None = None,
     ) -> FloatArray:
-        """A0 [mm^2] at increasing rescaled loads (k,) for many surfaces, (m, k); nan if not converged.
+        """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k); nan if not converged.
 
-        height, radius: (m, n) [mm]; position: (m, n, 2) [mm]; default: those of the surface. With varying
-        positions, or varying radii above the size limit of the dense solver, surfaces are solved one by one.
+        height, radius: (m, n) [mm]; position: (m, n, 2) [mm]; default: the surface's. Surfaces are solved one
+        by one if positions are passed, or if radii are passed and fast sums are used.
         """
         if position is not None:
             return areas_one_by_one(self.curve, surface, load, height, radius, position)

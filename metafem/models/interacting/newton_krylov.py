@@ -1,4 +1,4 @@
-"""Newton-Krylov for many interacting contacts; `metafem._kernels.coupling` states the equations."""
+"""Newton-Krylov method for many interacting contacts; `metafem._kernels.coupling` states the equations."""
 
 from __future__ import annotations
 
@@ -15,29 +15,32 @@ from metafem.models.interacting.coarse import Coarse
 from metafem.models.interacting.ewald_sums import ScatteredSums
 from metafem.models.interacting.fft_sums import LatticeSums
 
-# Largest residual of a converged state with sums that are not exact to rounding, and the target residual.
+# Largest residual of a converged state, and residual at which Newton's method stops. They allow for the
+# errors of fast sums.
 TOLERANCE = 1e-9
 GOAL = 3e-10
 
-# Newton takes about 6 steps from a mean-field state.
+# Maximum number of Newton steps (about 6 are needed from independent contacts), of halvings of a step, and of
+# conjugate-gradient steps.
 MAX_STEPS = 60
 MAX_CUTS = 20
 MAX_INNER = 300
 
-# Loosest tolerance of the inner solver. Later ones follow the square of the reduction of the residual
-# (Eisenstat and Walker, SIAM J. Sci. Comput. 17, 16 (1996), doi:10.1137/0917003, choice 2).
+# Loosest tolerance of the linear solver, used for the first step. Later tolerances are proportional to the
+# square of the factor by which the last step reduced the residual (Eisenstat and Walker, SIAM J. Sci. Comput.
+# 17, 16 (1996), doi:10.1137/0917003, choice 2).
 LOOSEST = 0.1
 
-# Residual of the tangent; the stiffness has twice as many correct digits.
+# Relative residual of the tangent; the stiffness has twice as many correct digits.
 TANGENT = 1e-4
 
-# Residual of the sensitivities, relative to the right-hand side dA0/dp.
+# Largest residual of the equations for sensitivities, relative to their right-hand side dA0/dp.
 SENSITIVITY = 1e-9
 
 
 @dataclass
 class Iterate:
-    """Quantities at given nominal indentations."""
+    """The contacts at some nominal indentations, with the errors of their equations."""
 
     state: State
     residual: float = math.inf
@@ -51,7 +54,7 @@ class Iterate:
 
     @property
     def compliance(self) -> FloatArray:
-        """Derivative of the indentation by the load [1/mm]; 0 for open asperities."""
+        """Derivative of the indentation with respect to the load, (n,) [1/mm]; 0 for open asperities."""
         state = self.state
         return np.asarray(
             np.divide(state.bend, state.rate, out=np.zeros_like(state.bend), where=state.z > 0.0)
@@ -59,7 +62,7 @@ class Iterate:
 
 
 def open_state(gap: FloatArray) -> Iterate:
-    """Return the state without contact; gap: gaps of the summits, negative, (n,) [mm]."""
+    """Return the state without contact; gap: minus the gaps of the summits, (n,) [mm]."""
     state = empty_state(len(gap))
     state.z[:] = state.indentation[:] = gap
     return Iterate(state, 0.0)
@@ -69,7 +72,8 @@ def open_state(gap: FloatArray) -> Iterate:
 class ContactEquations:
     """The equations of the contacts of one surface, coupled by fast sums.
 
-    The inner solves of Newton's method use the Jacobian of order 1; order 3 changes it by only a percent.
+    Newton's method uses the Jacobian of order 1 also for order 3, which changes the Jacobian by only a
+    percent.
     """
 
     sums: LatticeSums | ScatteredSums
@@ -80,7 +84,7 @@ class ContactEquations:
     coarse: Coarse
 
     def respond(self, z: FloatArray, approach: float, target: float) -> Iterate:
-        """Return the iterate of given z with its residual."""
+        """Return the contacts at nominal indentations z (n,) [mm], with their residual."""
         state = empty_state(len(z))
         state.z[:] = z
         count = press(self.law, self.order, state)
@@ -104,7 +108,7 @@ class ContactEquations:
         return Iterate(state, residual, error)
 
     def newton(self, z: FloatArray, approach: float, target: float) -> tuple[Iterate, float]:
-        """Solve from z and an approach; a target load > 0 makes the approach an unknown."""
+        """Return the equilibrium at an approach or, if `target` > 0, at this load, and its approach."""
         state = self.respond(z, approach, target)
         forcing = LOOSEST
         for taken in range(MAX_STEPS):
@@ -112,7 +116,7 @@ class ContactEquations:
                 break
             if not state.closed.any():
                 state = self.respond(approach - self.gap, approach, target)
-            if self.diagonal(state).min() < 0.0:  # the regular self term exceeds the law's: ill-posed
+            if self.diagonal(state).min() < 0.0:  # ill-posed: the self term outweighs the contact law
                 state.residual = max(state.residual, 1.0)
                 break
             missing = target - float(state.state.load.sum()) if target > 0.0 else None
@@ -134,13 +138,13 @@ class ContactEquations:
         return state, approach
 
     def diagonal(self, state: Iterate) -> FloatArray:
-        """Return the diagonal of the Jacobian dF/dp; 0 for open asperities."""
+        """Return the diagonal of the Jacobian dF/dp, (n,) [1/mm]; 0 for open asperities."""
         return np.asarray(np.where(state.closed, state.compliance + self.self_term, 0.0))
 
     def tangent(self, state: Iterate) -> tuple[float, FloatArray]:
         """Return dP/dx [mm] and dz/dx (n,) at an equilibrium."""
         diagonal = self.diagonal(state)
-        # initial guess: independent contacts share a load in proportion to their stiffness
+        # scale of the tolerance: the compliance of independent contacts in parallel
         alone = 1.0 / float((1.0 / diagonal[state.closed]).sum())
         none = np.zeros_like(diagonal)
         share, shift, rest = self.solve(state, none, 1.0, TANGENT * alone, exact=True)
@@ -149,9 +153,10 @@ class ContactEquations:
         return -1.0 / float(share @ rest), rate
 
     def area_gradient(self, state: Iterate) -> FloatArray:
-        """Return dA0/dh at fixed load [mm] at an equilibrium, by the equations of `interacting.sensitivity`.
+        """Return dA0/dh at fixed load at an equilibrium, (n,) [mm].
 
-        ``H l = c + x 1`` with the x for which the l of the contacts sum to zero.
+        The method solves ``H l = c + x 1`` with the x for which the sum of l over the contacts is zero; see
+        `interacting.sensitivity`.
         """
         closed, found, none = state.closed, state.state, np.zeros_like(self.gap)
         widen(self.law, found, int(closed.sum()))
@@ -164,7 +169,7 @@ class ContactEquations:
         return change
 
     def jacobian(self, state: Iterate, loads: FloatArray, exact: bool) -> FloatArray:
-        """Return dF/dp times a change of the loads, without the diagonal of the law and self terms."""
+        """Return dF/dp times a change of the loads, (n,), without the diagonal of the law and self terms."""
         if self.order == 1 or not exact:
             return self.sums.displacement(loads)
         found = state.state
@@ -188,10 +193,11 @@ class ContactEquations:
         goal: float,
         exact: bool = False,
     ) -> tuple[FloatArray, float, FloatArray]:
-        """Solve for the loads of the contacts, with a fixed sum if a total load is given.
+        """Return changes of loads (n,) and approach for the linearised equations, and the residual (n,).
 
-        Preconditioned conjugate gradients with the constraint in the preconditioner, as in
-        `metafem._kernels.projected_cg`. Return the loads, the approach and the residual on every row.
+        If `total` is not None, it is the sum of the changes of the loads. Preconditioned conjugate gradients
+        are used, with the constraint in the preconditioner as in `metafem._kernels.projected_cg`. The
+        residual includes the rows of open asperities.
         """
         closed = state.closed
         diagonal = self.diagonal(state)
@@ -206,7 +212,8 @@ class ContactEquations:
                 rest -= self.jacobian(state, loads, exact) + np.where(closed, diagonal * loads, 0.0)
         direction, before = np.zeros_like(rhs), 0.0
         for _ in range(MAX_INNER):
-            inside = np.where(closed, rest + shift, 0.0)  # without the constant, to avoid its rounding error
+            # without the constant part, to avoid rounding errors
+            inside = np.where(closed, rest + shift, 0.0)
             ahead = precondition(inside)
             if total is not None:
                 more = -float(ahead.sum()) / uniform_load

@@ -1,8 +1,9 @@
 """Sensitivity of A0 to each height for interacting asperities.
 
-At an equilibrium dW/dp = 0, with the energy W of `_kernels.coupling`. A change dh of the heights moves
-the loads by ``H dp = dh - d delta`` on the asperities in contact, H = d2W/dp2, and d delta keeps the sum
-of the loads. With the gradient c of A0 by the loads, l = H^-1 c and m = H^-1 1,
+At an equilibrium dW/dp = 0, with the energy W of `_kernels.coupling`. A change dh of the heights changes the
+loads of the asperities in contact by dp, with ``H dp = dh - d delta`` and H = d2W/dp2. The change d delta of
+the separation is such that the sum of the loads is constant. With the gradient c = dA0/dp,
+l = H^-1 c and m = H^-1 1,
 
     dA0/dh = l - (1.l / 1.m) m.
 """
@@ -19,7 +20,8 @@ from metafem._kernels.contact.tabulated import Law
 from metafem._kernels.coupling import Coupling, State, empty_state, respond, widen
 from metafem._validate import FloatArray, IntArray
 
-# Asperities up to which the kernel is faster than LAPACK (measured: 2.7 times with 64, 1.2 times with 400).
+# Largest number of asperities for which the kernel is faster than LAPACK: 2.7 times with 64, 1.2 times with
+# 400.
 FEW = 400
 
 
@@ -30,7 +32,7 @@ def area_gradients(
     self_term: FloatArray,
     indentation: FloatArray,
 ) -> FloatArray:
-    """Return dA0/dh at fixed load [mm], (k, n), for equilibria of nominal indentations z (k, n)."""
+    """Return dA0/dh at fixed load [mm], (k, n), for equilibria with nominal indentations z (k, n)."""
     rows, count = indentation.shape
     if count > FEW:
         return general_gradients(field, order, law, self_term, indentation)
@@ -39,7 +41,7 @@ def area_gradients(
     solved = kernel.area_gradients(
         field, order, law, self_term, indentation, state, matrix, scratch, gradients
     )
-    if solved < rows:  # overlapping contacts may be in equilibrium at a saddle point of the energy
+    if solved < rows:  # an equilibrium of overlapping contacts may be a saddle point of the energy
         gradients[solved:] = general_gradients(field, order, law, self_term, indentation[solved:])
     return gradients
 
@@ -51,7 +53,7 @@ def general_gradients(
     self_term: FloatArray,
     indentation: FloatArray,
 ) -> FloatArray:
-    """As `area_gradients`, by a general linear solver, which needs no positive definite matrix."""
+    """Return the result of `area_gradients` by a general solver, without a positive definite matrix."""
     gradients = np.zeros_like(indentation)
     state = empty_state(indentation.shape[1])
     influences = _influences(field, order)
@@ -73,7 +75,7 @@ def general_gradients(
 
 
 def _influences(field: Coupling, order: int) -> FloatArray:
-    """Return displacements, and for order 3 curvatures and slopes, at i by the load of j, (m, n, n)."""
+    """Return displacements at i per unit load of j, and for order 3 Laplacians and slopes, (m, n, n)."""
     if order == 1:
         return np.asarray(field.influence[None])
     at = (field.laplacian_at, field.slope_x_at, field.slope_y_at)
@@ -83,10 +85,11 @@ def _influences(field: Coupling, order: int) -> FloatArray:
 def _system(
     influences: FloatArray, self_term: FloatArray, state: State, closed: IntArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return d2W/dp2 on the asperities in contact, every term of `coupling.quadratic_form`, and dA0/dp [-].
+    """Return d2W/dp2 [1/mm] and dA0/dp [-] for the asperities in contact.
 
-    Each load changes the radius of its own contact and, by the curvature, those of the others:
-    ``d a^2 = da^2/dp (dp - 2/3 a^3 dk)`` with twice the extra curvature k.
+    d2W/dp2 has all the terms of `coupling.quadratic_form`. A load changes its own contact radius and, through
+    the curvature of its field, the radii of other contacts: ``d a^2 = da^2/dp (dp - 2/3 a^3 d(2 k))`` with
+    the extra curvature k.
     """
     part = influences.take(closed, axis=1).take(closed, axis=2)
     matrix, rates = part[0], part[1:]

@@ -12,12 +12,12 @@ from metafem.surface import Surface
 
 
 def fast_sums(surface: Surface, substrate: Radial, order: int) -> LatticeSums | ScatteredSums:
-    """Return the sums for the positions of a surface: by FFT on a lattice, else for scattered positions."""
+    """Return the fast sums for a surface: by FFT if its positions form a lattice, else by Ewald's method."""
     lattice = find_lattice(surface.position)
     spectra, arrays = (1, 5) if order == 1 else (4, 12)
     if lattice is None:
         scattered = ScatteredSums(surface.position, substrate)
-        # near pairs: both ends, differences, and a value for each spectrum; and the grid
+        # indices, differences and matrix values of the near pairs, and arrays on the grid
         needed = scattered.pairs * (56 + 12 * spectra) + 8 * scattered.cells * arrays
         require_memory(needed, f"the sums over {surface.count} scattered positions")
         return scattered
