@@ -105,6 +105,10 @@ def test_little_height_shortens_the_range(template):
             mf.BilinearLaw((6.0, 3.9), 0.08, (0.04, 0.2)),
             r"slope 3.9 cannot follow slope 6 .* from 4 to 71.48",
         ),
+        (
+            mf.BilinearLaw((9.0, 16.0), 0.0572, (0.05, 0.7)),
+            r"slope 16 from 0.0572 mm\^2 .* cannot go on .* on friction",
+        ),
     ],
 )
 def test_what_no_surface_has_is_refused_with_what_is_reached(template, target, words):
@@ -114,11 +118,11 @@ def test_what_no_surface_has_is_refused_with_what_is_reached(template, target, w
 
 
 def test_a_range_of_a_few_per_cent_is_not_offered(template):
-    """The steeper branch of slope 16 ends 4 % behind the crossover."""
+    """A steeper branch of slope 30 ends less than 5 % beyond the crossover."""
     with pytest.raises(
-        mf.Infeasible, match=r"slope 16 from 0.0572 mm.2 .* cannot go on .* on friction"
+        mf.Infeasible, match=r"slope 30 from 0.0572 mm.2 .* cannot go on .* on friction"
     ) as caught:
-        mf.design(mf.BilinearLaw((9.0, 16.0), 0.0572, (0.05, 0.7)), template, limits=TALL)
+        mf.design(mf.BilinearLaw((9.0, 30.0), 0.0572, (0.05, 0.7)), template, limits=TALL)
     assert caught.value.nearest is None
     assert "the line is reached" not in str(caught.value)
 
