@@ -93,7 +93,7 @@ def broken_sample(
 
 
 def nearest_within(load: FloatArray, friction: FloatArray, weight: FloatArray, bounds: Bounds) -> FloatArray:
-    """Return frictions (k,) [mm^2] within the bounds, with minimal weighted relative differences from samples.
+    """Return frictions (k,) [mm^2] within the bounds, with minimal weighted differences from the samples.
 
     F/P^b cannot decrease, so the frictions follow from an isotonic regression. The regression remains optimal
     when clipped at bounds that are powers of the load with the same exponent b.

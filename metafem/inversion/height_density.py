@@ -100,7 +100,7 @@ def scale_from_slope(slope: float, radius: float, max_height: float, law: Contac
 
 
 def uniform_slope(radius: float, max_height: float, law: Contact = PARABOLOID) -> float:
-    """Return the slope A(h_m)/P(h_m) [-] of uniformly distributed heights, the smallest possible slope.
+    """Return the slope A(h_m)/P(h_m) [-] of uniformly distributed heights, the smallest of these densities.
 
     With Hertz contacts it is ``3 pi/4 sqrt(R/h_m)``.
     """
@@ -307,7 +307,7 @@ class ExponentialDensity:
 
 
 def equal_masses(scale: float, low: float, high: float, parts: int) -> FloatArray:
-    """Return the ends of intervals with equal masses of exp(-h/lambda) between two heights, (parts + 1,) [mm]."""
+    """Return the ends of intervals between two heights with equal masses of exp(-h/lambda), (parts + 1,)."""
     # e^(-(h - low)/lambda) decreases linearly with the mass between the lower end and h
     fallen = np.arange(1, parts) / parts * -math.expm1((low - high) / scale)
     return np.concatenate([[low], low - scale * np.log1p(-fallen), [high]])
