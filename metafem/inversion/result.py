@@ -210,7 +210,7 @@ class Design(Value):
 
     @property
     def largest_misfit(self) -> float:
-        """Largest misfit [-] that counts as reached: 1 % plus the errors of the target; 10 % for a density."""
+        """Largest misfit [-] that counts as reached: 1 % plus the target's errors, or 10 % for a density."""
         return largest_misfit(self.target_law, self.density is not None)
 
     @property

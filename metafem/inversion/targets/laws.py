@@ -348,7 +348,7 @@ def _levels(bounds: tuple[FloatArray, FloatArray], shape: FloatArray) -> tuple[f
 
 
 def _outside(difference: FloatArray, margin: float) -> str:
-    """Return a text on samples that no surface meets, from their differences (k,) [-] from the nearest law."""
+    """Return a text on samples that no surface meets; `difference` (k,) [-] is that from the nearest law."""
     rows, most = np.flatnonzero(np.abs(difference) > ROUNDING), int(np.abs(difference).argmax())
     which = f" ({', '.join(map(str, rows + 1))})" if len(rows) <= MOST_LISTED else ""
     largest = percent(float(abs(difference[most])))

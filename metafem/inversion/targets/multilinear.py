@@ -144,7 +144,7 @@ class MultilinearLaw(Target):
         return i > 0 and self.branches[i][1][0] == self.branches[i - 1][1][1]
 
     def curve(self) -> TargetLaw:
-        """Return the branches as a target law, with one free intercept for each group of connected branches."""
+        """Return the branches as a target law with a free intercept for each group of connected branches."""
         each = max(FEWEST_POINTS, POINTS // len(self.slopes))
         loads: list[FloatArray] = []
         base: list[FloatArray] = []
@@ -196,9 +196,9 @@ class MultilinearLaw(Target):
                 offset += (self.slopes[i - 1] - slope) * start
             else:
                 offset, low, high = 0.0, -math.inf, math.inf
-            # F = c + offset + slope p is straight, and both bounds are concave functions of p. The lower bound
-            # is therefore most restrictive at the ends or where its slope equals that of F, and the upper
-            # bound at the ends
+            # F = c + offset + slope p is straight, and both bounds are concave functions of p. The lower
+            # bound is therefore most restrictive at the ends or where its slope equals that of F, and the
+            # upper bound at the ends
             load = np.array([start, end, min(max(bounds.tangent_load(slope), start), end)])
             least, most = bounds.friction(load)
             low = max(low, float((least * (1.0 - slack) - offset - slope * load).max()))

@@ -46,7 +46,7 @@ class Target:
 
     @property
     def lines(self) -> tuple[tuple[float, float], ...]:
-        """Slope [-] of each line, and the load [mm^2] at which it starts: 0 or the end of the previous line."""
+        """Slope [-] of each line, and the load [mm^2] at which it starts; the first line starts at 0."""
         return ()
 
     @property
@@ -111,5 +111,5 @@ class Target:
         return Candidate(limits.top + height, radius, parameters, law, branches)
 
     def judged(self, problem: Problem, candidate: Candidate) -> Candidate:
-        """Return the refined candidate with notes on the target, or raise Infeasible if it misses the target."""
+        """Return the refined candidate with notes on the target, or raise Infeasible."""
         return candidate
