@@ -15,7 +15,7 @@ from metafem.inversion.search.target_law import TargetLaw
 from metafem.progress import each
 from metafem.surface import Surface
 
-# Before rounding, all heights are shifted by one of these fractions of a step. The shift does not change a law.
+# Before rounding, all heights are shifted by one of these fractions of a step, which does not change a law.
 SHIFTS = (0.0, 0.25, -0.25, 0.5, -0.5)
 
 # The changes of two heights are combined from this many changes of one height, those with the smallest sums.
@@ -24,9 +24,9 @@ PAIRED_STEPS = 64
 # Changes are tried only up to this number of asperities: with more, rounding errors average out.
 MOST_STEPPED = 512
 
-# If the misfit is the largest difference, the sum of this power of the differences is minimised. For a hundred
-# differences, the corresponding root of the sum is at most 1.8 times the largest difference. The exponent
-# must be a power of two.
+# If the misfit is the largest difference, the sum of this power of the differences is minimised. For a
+# hundred differences, the corresponding root of the sum is at most 1.8 times the largest difference. The
+# exponent must be a power of two.
 LARGEST_POWER = 8
 
 # If the misfit is the largest difference, changes are first compared at this number of loads, those with the
@@ -88,7 +88,7 @@ class _StepSearch:
         return self.law.residual(found.curve.area, found.gradient)
 
     def sums(self, trials: IntArray, law: TargetLaw) -> FloatArray:
-        """Return the sums over the loads of a law for level indices (m, n), (m,); infinite if not converged."""
+        """Return the sums over the loads of a law for level indices (m, n), (m,); inf if not converged."""
         none = np.empty((len(law.load), 0))
         areas = self.problem.model.gradient_model.areas(self.surface, law.load, self.heights(trials))
         rows = [law.residual(row, none)[0] if np.isfinite(row).all() else row + np.inf for row in areas]
@@ -111,8 +111,8 @@ class _StepSearch:
         """Return the result of `best` with fewer evaluations, if its sum is below `size`.
 
         The sum over the few loads with the largest current residuals is a close lower bound of the total sum.
-        Trials with the smallest lower bounds are evaluated first. Trials whose lower bound is not smaller than
-        the smallest sum found are not evaluated.
+        Trials with the smallest lower bounds are evaluated first. A trial whose lower bound is not smaller
+        than the smallest sum found is not evaluated.
         """
         sizes = np.full(len(trials), np.inf)
         largest = np.sort(np.argsort(-np.abs(residual))[:LARGEST_LOADS])
@@ -150,7 +150,7 @@ class _StepSearch:
         return index
 
     def trials(self, index: IntArray, residual: FloatArray, jacobian: FloatArray) -> IntArray:
-        """Return level indices (m, n) after the steps of one or two heights with the smallest predicted sums."""
+        """Return level indices (m, n) after steps of one or two heights, for the smallest predicted sums."""
         levels = self.levels
         which = np.concatenate([np.arange(len(index))] * 2)
         by = np.repeat([1, -1], len(index))

@@ -25,7 +25,7 @@ continues from random changes of the best heights, which include added and remov
 
 If all prescribed heights equal the heights of their sites, the design remains unchanged. If they raise the
 misfit by less than about a tenth, the other heights remain unchanged, except for operating points. The search
-ends when the misfit equals that without prescribed heights.
+ends when it reaches the misfit without prescribed heights.
 """
 
 from __future__ import annotations
@@ -61,9 +61,9 @@ SAME = 1e-9
 # (measured: half or a third as much, with the same misfits).
 SMALL_STEPS = 1.0
 
-# The result of another initial guess or of a random change is accepted if its misfit is below this fraction of
-# the best misfit. If the prescribed heights raise the misfit by no more than the inverse of this factor, no
-# search is made and the other heights remain unchanged.
+# The result of another initial guess or of a random change is accepted if its misfit is below this fraction
+# of the best misfit. If the prescribed heights raise the misfit by no more than the inverse of this factor,
+# no search is made and the other heights remain unchanged.
 BETTER = 0.9
 
 
@@ -79,7 +79,7 @@ def with_pinned(
     """Return two candidates with the prescribed heights at their sites: on height steps, and not rounded.
 
     The other heights are adjusted. `plain` and `unrounded` are the corresponding candidates without the
-    prescribed heights, and `unpinned` is the misfit of `plain`.
+    prescribed heights. The results state the misfit of `plain` as `unpinned`.
     """
     pins, span = problem.pins, problem.limits.span
     unpinned = model_misfit(problem, plain)
