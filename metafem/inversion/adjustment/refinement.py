@@ -191,7 +191,7 @@ def filled(candidate: Candidate, problem: Problem) -> Candidate:
 
 
 def stretched(height: FloatArray, span: float = np.inf) -> list[FloatArray]:
-    """Return initial guesses with heights off the kinks of the law, where a level first touches, (n,) each."""
+    """Return heights moved off the kinks of the law, at which a level first touches; (n,) for each guess."""
     depth = height.max() - height
     return [height.max() - np.minimum(stretch * depth, span) for stretch in STRETCHES]
 

@@ -216,7 +216,7 @@ def _exchanged(problem: Problem, candidate: Candidate, rng: np.random.Generator)
 
 
 def _errors(tolerances: Tolerances, surface: Surface, unit: FloatArray) -> list[tuple[Surface, FloatArray]]:
-    """Return the surface with perturbed radii and positions and the height errors (n,) [mm], for each sample."""
+    """Return for each sample the surface with its radii and positions, and the height errors (n,) [mm]."""
     drawn = tolerances.perturbed(surface, unit)
     parts = [surface] * len(unit)
     for name in ("radius", "position"):

@@ -111,7 +111,8 @@ def arrange(
     and the prediction is recomputed. These steps are repeated from random changes of the best arrangement.
     Finally, only exchanges that lower the misfit under the model itself are made. If there are empty sites,
     a second search starts from the best result and includes them. The misfit never increases, and the search
-    ends at a misfit of 1e-4. With more than 128 sites there are fewer trials; thousands of sites take minutes.
+    ends at a misfit of 1e-4. With more than 128 sites there are fewer trials. Thousands of sites take
+    minutes.
 
     Parameters
     ----------
@@ -196,9 +197,9 @@ class _Search:
     rng: np.random.Generator
 
     def affordable(self, most: int) -> int:
-        """Return the number of trials, which decreases with the square of the number of sites.
+        """Return the number of trials: `most` up to 128 sites, fewer for more sites.
 
-        The time for a trial grows at least with this square.
+        The time for a trial grows at least with the square of the number of sites.
         """
         return min(most, most * FEW_SITES**2 // len(self.open_sites) ** 2)
 

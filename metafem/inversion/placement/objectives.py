@@ -19,7 +19,8 @@ from metafem.models import Independent, Model
 from metafem.models.model import contact_of
 from metafem.surface import STEEPEST, Surface
 
-# Default misalignment [rad]. Aymard et al. state the change of their laws for it, doi:10.1126/science.adk4234.
+# Default misalignment [rad]: Aymard et al. state the change of their laws for this angle,
+# doi:10.1126/science.adk4234.
 TILT = math.radians(0.1)
 
 # Number of evenly spaced directions of the tilt. Five or more give the exact mean square over all directions
