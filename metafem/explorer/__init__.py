@@ -1,7 +1,7 @@
-"""The explorer: a page in the browser on which a target law is drawn and the surface follows.
+"""The explorer: a page in the browser where the user draws a target law and sees the designed surface.
 
-The text of a specification is the state of the page. Each answer is computed from that text alone, as by
-``metafem design``, so that both give the same design to the bit. The browser keeps the state and its history.
+The state of the page is the text of a specification. Each design is computed from that text only, as
+``metafem design`` does, so both designs agree to the last bit. The browser stores the state and its history.
 """
 
 from metafem.explorer.start import explore

@@ -1,4 +1,4 @@
-"""Who may see the page: programs of this machine that know the token in its address."""
+"""Access to the page: only programs on this machine that know the token in its address may open it."""
 
 from __future__ import annotations
 
@@ -14,15 +14,17 @@ Application = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 REFUSED = "This page needs the token in the address that `metafem explore` printed. Open that address."
 
-# The address with its token is not sent to other pages, and no other page may show this one in a frame.
+# Headers of every answer: the browser sends no other page the address, which contains the token, and no other
+# page may show this page in a frame.
 HEADERS = ((b"referrer-policy", b"no-referrer"), (b"x-frame-options", b"DENY"))
 
 
 class Guard:
     """Middleware that refuses requests without the token, from other origins, and for other hosts.
 
-    The token is the first part of each path. A page of another origin could otherwise send requests to the
-    loopback address, also by a name of its own that it resolves to that address.
+    The token is the first part of each path. Without these checks a page of another origin could send
+    requests to the loopback address, either directly or through its own host name that resolves to that
+    address (DNS rebinding).
     """
 
     def __init__(self, app: Application, token: str, port: int) -> None:
@@ -30,7 +32,7 @@ class Guard:
         self.hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass an allowed request on, and refuse any other."""
+        """Pass an allowed request to the application, and refuse any other request."""
         if scope["type"] not in ("http", "websocket"):
             await self.app(scope, receive, send)
         elif self.allowed(scope):
@@ -39,7 +41,7 @@ class Guard:
             await _refuse(scope, receive, send)
 
     async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on; that nobody waits for its answer any longer is no error."""
+        """Pass a request to the application; ignore its error if the client has already disconnected."""
         left = False
 
         async def heard() -> Any:
@@ -55,7 +57,7 @@ class Guard:
                 raise
 
     def allowed(self, scope: Scope) -> bool:
-        """Whether a request knows the token and is sent by a page of this server, or by no page."""
+        """Return whether a request has the token and comes from a page of this server or from no page."""
         headers = {name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]}
         host, token = headers.get("host", ""), scope["path"].split("/")[1]
         own = host in self.hosts and headers.get("origin", f"http://{host}") == f"http://{host}"

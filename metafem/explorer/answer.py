@@ -1,4 +1,4 @@
-"""The answer to a state: the design of its specification, or what is wrong with it."""
+"""The answer to a state of the page: the design of its specification, or the problems in it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from metafem.inversion.targets.wording import Wording
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What a page shows of a state.
+    """What the page shows for a state.
 
     Attributes
     ----------
@@ -27,25 +27,25 @@ class Answer:
     specification : Specification or None
         None if the text has problems.
     design : Design or None
-        The last surface that was found, also where this state has problems or is refused.
+        The design of this state; if this state has problems or is refused, the last design found before it.
     problems : mapping of str to str
-        What is wrong with a key of the specification, "" for the file as a whole.
+        Error messages by key of the specification; the key "" is for the whole file.
     reasons : mapping of str to str
-        The problems without their keys and values, where these stand beside them.
+        The same messages by key, without key and value, for fields of the page that already show both.
     refusal : str
-        Why no surface reaches the target; "" if one does.
+        Why no surface reaches the target; "" if a surface does.
     nearest : tuple of ndarray or None
-        Rescaled load and friction [mm^2] of the nearest law that can be designed, where one is known.
+        Rescaled load and friction [mm^2] of the nearest law that can be designed; None if it is not known.
     nearest_target : Target or None
-        The target of that law.
+        The target that has this nearest law.
     milliseconds : float
-        Duration of the computation.
+        Duration of the computation [ms].
     draft : bool
-        Whether the design is that of a quick search, while a handle is moved.
+        Whether the design comes from the quick search that runs while the user drags a handle.
     undecided : bool
-        Whether a draft has found no surface although no bound excludes one: the whole search decides.
+        Whether a draft found no surface although no bound excludes one. The full search then decides.
     failed : bool
-        Whether the computation failed for a specification that may be correct.
+        Whether the computation failed although the specification may be correct.
     """
 
     number: int
@@ -64,20 +64,20 @@ class Answer:
 
     @property
     def current(self) -> bool:
-        """Whether the design is that of the state, or a draft of it."""
+        """Whether the design, full or draft, belongs to this state and not to an earlier one."""
         return self.design is not None and not self.problems and not self.refusal
 
     @property
     def refused(self) -> str:
-        """Why there is no design of the state, in words; "" if there is one."""
+        """Why this state has no design, in words; "" if it has one."""
         return self.refusal or "\n".join(self.problems.values())
 
 
 def answered(state: State, number: int, before: Answer | None = None, draft: bool = False) -> Answer:
-    """Return the answer to a state; the design of the answer before stays where there is no new one.
+    """Return the answer to a state; if no design is found, it contains the design of the answer `before`.
 
-    A draft is the design of a quick search. Where that finds none although no bound excludes the target, the
-    answer is undecided, so that a draft refuses nothing for good that can be designed.
+    A draft is designed by a quick search. If the quick search finds no design although no bound excludes the
+    target, the answer is undecided: the full search may still find a design.
     """
     start = time.perf_counter()
     if before is not None and before.current and _serves(before, state, draft):
@@ -109,13 +109,13 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
 
 def specification_of(state: State) -> Specification:
     """Return the specification of a state, or raise InvalidInput."""
-    # half a pair of surrogates, which a browser can send, is then refused as not UTF-8
+    # a browser can send a lone surrogate; with "surrogatepass" the parser then refuses it as invalid UTF-8
     tables = {name: text.encode("utf-8", "surrogatepass") for name, text in state.tables.items()}
     return parsed(state.text, tables)
 
 
 def _in_units_of(state: State, specification: Specification, error: Infeasible) -> str:
-    """Return a refusal of points in the unit of the axes."""
+    """Return the text of a refusal; for operating points and sampled laws, in the units of the axes."""
     target, template = specification.target, specification.template
     if template.friction is None or not isinstance(target, (OperatingPoints, SampledLaw)):
         return str(error)
@@ -123,12 +123,12 @@ def _in_units_of(state: State, specification: Specification, error: Infeasible) 
 
 
 def _serves(before: Answer, state: State, draft: bool) -> bool:
-    """Whether the design of an answer is that of another state, too."""
+    """Return whether the design of an earlier answer is also the design of this state."""
     return before.state.designs_the_same(state) and (draft or not before.draft)
 
 
 def _problems(error: InvalidInput) -> tuple[dict[str, str], dict[str, str]]:
-    """Return the problems of a refused specification by their keys, with and without key and value."""
+    """Return the problems of a specification by key: full messages, and messages without key and value."""
     found: dict[str, list[InvalidInput]] = {}
     for problem in error.problems or (error,):
         found.setdefault(_known(problem.key), []).append(problem)
@@ -137,7 +137,7 @@ def _problems(error: InvalidInput) -> tuple[dict[str, str], dict[str, str]]:
 
 
 def _known(key: str) -> str:
-    """Return a key, or the longest part of it that a specification can have: "" for none."""
+    """Return the longest leading part of a key that a specification can have; "" if there is none."""
     forms = section_forms()
     known = {f"{form.name}.{key.name}" for form in forms for keys in form.keys.values() for key in keys}
     known |= {name for form in forms for name in (form.name, f"{form.name}.kind")}
@@ -148,7 +148,7 @@ def _known(key: str) -> str:
 
 
 def _reason(key: str, problems: Sequence[InvalidInput]) -> str:
-    """Return what is wrong with a key where its name and value stand beside it, as a sentence."""
+    """Return the problem of a key as a sentence without the name and value of the key."""
     if len(problems) > 1 or "." not in key or key != problems[0].key:
         return "\n".join(map(str, problems))
     words = problems[0].must
@@ -158,7 +158,11 @@ def _reason(key: str, problems: Sequence[InvalidInput]) -> str:
 def _law_of(
     specification: Specification, target: Target, draft: bool
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return the law of a target; where only slopes are given, that of its design."""
+    """Return rescaled load and friction (k,) [mm^2] of the law of a target.
+
+    If the target has open parameters or no load range, the law of its design is returned, or None if there is
+    no such design.
+    """
     try:
         law = target.curve()
         if not law.is_open:

@@ -1,4 +1,4 @@
-"""What the browser keeps of a page: the history, for the time that its tab is open."""
+"""Storage in the browser: the history of a page, as long as its tab is open."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ from metafem.explorer.turns import Turns
 
 
 class Browser(Element, component="browser.js"):
-    """Reads the history and the address when the page has opened, and keeps each later state.
+    """Element that reads the stored history and the address when the page opens, and stores each later state.
 
-    The fragment of the address is the link of the state that is shown. A page without a server says so.
+    The fragment of the address is a link to the current state. The element also shows a message while the
+    connection to the server is lost.
     """
 
     def __init__(
@@ -31,7 +32,7 @@ class Browser(Element, component="browser.js"):
         self.on("part", lambda event: self._part(event.args))
 
     async def _part(self, part: dict[str, Any]) -> None:
-        """Take a part of what the browser tells; large messages come in several, in any order."""
+        """Collect the parts of a message, which can arrive in any order; handle the complete message."""
         parts = self.parts.setdefault(part["number"], {})
         parts[part["i"]] = part["text"]
         if len(parts) == part["count"]:
@@ -40,7 +41,7 @@ class Browser(Element, component="browser.js"):
             await self.told[part["name"]](await asyncio.to_thread(json.loads, text))
 
     def keep(self, session: Session, asked: int) -> None:
-        """Keep the state that a history shows, its place, and the number of its request."""
+        """Store in the browser the current state, its position in the history, and its request number."""
         state, first, at = session.state, session.first, session.at
         place = {"first": first, "end": first + len(session.states), "at": first + at, "asked": asked}
 
@@ -50,7 +51,7 @@ class Browser(Element, component="browser.js"):
         background_tasks.create(self.turns.take(kept, self._keep))
 
     def busy(self, busy: bool) -> None:
-        """Tell the browser whether a change is computed."""
+        """Tell the browser whether a change is being computed."""
         self.run_method("wait", busy)
 
     def _keep(self, kept: dict[str, Any]) -> None:

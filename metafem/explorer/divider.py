@@ -1,4 +1,4 @@
-"""The line between the plots and the workshop, which can be moved."""
+"""The movable line between the plots and the workshop."""
 
 from __future__ import annotations
 
@@ -6,4 +6,4 @@ from nicegui.element import Element
 
 
 class Divider(Element, component="divider.js"):
-    """Sets the height of the workshop, which the browser keeps."""
+    """Element that the user drags to set the height of the workshop; the browser stores the height."""

@@ -1,4 +1,4 @@
-"""What follows the answers of a page at its own pace."""
+"""Parts of the page that show the answers at their own pace."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ Data = TypeVar("Data")
 
 
 class Follower(Generic[Data]):
-    """Shows answers, one in so many seconds while a point is dragged, and always the last one.
+    """Shows at most one answer in `pace` seconds while a point is dragged, and always the last answer.
 
-    `prepare` is called off the event loop, `show` with its result, both only while it is seen. Answers to
-    states before the last change that was made here are not shown: the browser already shows that one.
+    `prepare` is called in a thread, and `show` with its result in the event loop. Nothing is shown while
+    `seen()` is False. If a change was made through this follower, answers to older requests are not shown,
+    because the browser already shows the change.
     """
 
     def __init__(
@@ -38,14 +39,14 @@ class Follower(Generic[Data]):
         page.listen(self.put)
 
     def put(self, answer: Answer) -> None:
-        """Show an answer, unless a newer one follows."""
+        """Show an answer, unless a newer answer arrives first."""
         if self.changes:
-            self.held = answer  # until it is known whether the change is made
+            self.held = answer  # until the change is made or replaced
         elif self._wanted(answer):
             self.newest.put(answer)
 
     async def change(self, change: Coroutine[Any, Any, int | None]) -> int | None:
-        """Make a change of the page; return the number of its request, None where another one replaced it."""
+        """Make a change of the page; return its request number, or None if a newer change replaced it."""
         self.changes += 1
         try:
             number = await change

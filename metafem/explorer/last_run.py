@@ -1,4 +1,4 @@
-"""Token and port of the last run, so that an open page finds a server that was started again."""
+"""Token and port of the last run, so that an open page finds the server after a restart."""
 
 from __future__ import annotations
 
@@ -16,19 +16,21 @@ from metafem.errors import InvalidInput
 
 HOST = "127.0.0.1"
 
-# Bytes of a token: no program guesses 128 bits.
+# Length of a token [bytes]. No program can guess 16 bytes (128 bits).
 TOKEN_BYTES = 16
 
 
-# The lock of this run, which is held until the process ends.
+# The lock of this run, which the process holds until its end.
 _HELD: list[FileLock] = []
 
 
 def token_and_port(wanted: int | None) -> tuple[str, int]:
-    """Return the token, and the wanted port, that of the last run, or any that is free; keep both.
+    """Return token and port for this run, and save both for the next run.
 
-    They are kept in the cache folder, readable by the user alone. Where that is impossible, they are new. Of
-    several runs at once, the first alone has the port of the last run and keeps its own.
+    The port is `wanted` or, if this is None, the port of the last run or any free port. Token and port are
+    saved in the cache folder in a file that only the user can read; if that is impossible, each run has new
+    ones. Of several simultaneous runs, only the first reuses the port of the last run and saves its own port.
+    A run with `wanted` always saves its port.
     """
     token, last = _kept()
     first = wanted is not None or _is_first()
@@ -39,20 +41,20 @@ def token_and_port(wanted: int | None) -> tuple[str, int]:
 
 
 def _is_first() -> bool:
-    """Whether no other run holds the lock, which this one then does."""
+    """Acquire the lock and return True; return False if another run holds it or its file is unusable."""
     try:
         path = cache_folder() / "explorer.lock"
         path.parent.mkdir(parents=True, exist_ok=True)
         lock = FileLock(path)
         lock.acquire(timeout=0.0)
-    except OSError:  # another run holds it, or it cannot be made
+    except OSError:  # another run holds the lock, or the file cannot be created
         return False
     _HELD.append(lock)
     return True
 
 
 def _kept() -> tuple[str, int]:
-    """Return token and port of the last run; a new token and port 0 if there is none."""
+    """Return token and port of the last run; without a usable record, a new token and port 0."""
     with suppress(OSError, ValueError, KeyError, TypeError):
         record = json.loads(_file().read_text("utf-8"))
         token, port = record["token"], record["port"]
@@ -82,7 +84,7 @@ def _first_free(port: int) -> int:
 
 
 def _free(port: int) -> int:
-    """Return a port at which nothing listens: this one, or any for 0."""
+    """Return `port` or, if it is 0, any free port; raise InvalidInput if the port cannot be used."""
     with socket.socket() as trial:
         trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:

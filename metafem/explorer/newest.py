@@ -1,4 +1,4 @@
-"""One request at a time: of those that wait, only the newest is answered."""
+"""Requests that are answered one at a time; of the waiting requests, only the newest one is answered."""
 
 from __future__ import annotations
 
@@ -10,18 +10,19 @@ from typing import Generic, TypeVar
 
 from metafem.progress import listening
 
-# Seconds after which a computation ends for a newer request. Quicker ones are finished, so that what is shown
-# follows a steady stream of requests; ten frames a second still look like motion.
+# Time after which a computation is dropped if a newer request waits [s]. Quicker computations are finished,
+# so that the page follows a steady stream of requests; ten frames a second still look like motion.
 PATIENCE = 0.1
 
-# Seconds that a draft has while newer drafts are asked for. A drag asks for them faster than a large surface
-# is designed: without it nothing would be shown until the hand rests; with more, a hand at rest would wait.
+# Time after which a draft is dropped if a newer draft waits [s]. A drag requests drafts faster than a large
+# surface can be designed. With a shorter time, nothing would be shown until the pointer rests; with a longer
+# time, a pointer at rest would wait too long for the newest draft.
 PATIENCE_WITH_DRAFTS = 5.0
 
-# Seconds without a newer request after which a better answer is computed: a hand that moves asks more often.
+# Time without a newer request after which a better answer is computed [s]. A drag sends requests more often.
 REST = 0.2
 
-# Errors of the program are written to the terminal, with the place where they happened.
+# Program errors are written to the terminal with their traceback.
 LOG = logging.getLogger(__name__)
 
 Request = TypeVar("Request")
@@ -29,19 +30,22 @@ Result = TypeVar("Result")
 
 
 class Dropped(BaseException):
-    """The end of a computation whose result nobody waits for; no handler of errors catches it."""
+    """Raised to end a computation whose result is not needed.
+
+    It is a BaseException, so that handlers of `Exception` do not catch it.
+    """
 
 
 class Newest(Generic[Request, Result]):
-    """Answers requests off the event loop, in threads.
+    """Answers requests in threads, outside the event loop.
 
-    A request that arrives while another is computed replaces the one that waits, and ends the running one at
-    its next step of progress, when that has had the seconds of `patience(running, waiting)`. An error of the
-    program is logged and handed to `failed` with its request; the next request is answered all the same.
-    `step` is what is computed at the moment, in words. Between two answers it rests for `pause` seconds.
+    A new request replaces the waiting request. While a request waits, the running computation ends at its
+    first progress step after `patience(running, waiting)` seconds. A program error is logged and passed to
+    `failed` with its request; the next request is still answered. `step` names the current step of the
+    computation. After each answer, a pause of `pause` seconds follows.
 
-    Where no newer request follows an answer for a moment, that to `better(request)` is computed, unless this
-    is None.
+    If no newer request arrives within `REST` seconds of an answer, the request `better(request)` is answered,
+    unless it is None.
     """
 
     def __init__(
@@ -62,7 +66,7 @@ class Newest(Generic[Request, Result]):
         self.step = ""
 
     def put(self, request: Request) -> None:
-        """Ask for an answer, with which `done` is called unless a newer request replaces it."""
+        """Request an answer; `done` is called with it unless a newer request replaces this request."""
         self.waiting = request
         self.asked.set()
         if not self.running:
@@ -91,7 +95,7 @@ class Newest(Generic[Request, Result]):
             self.running = False
 
     async def _rest(self, request: Request) -> None:
-        """Wait for a newer request; where none comes in time, the better one takes its place."""
+        """Wait for a newer request; if none arrives within `REST`, queue the better request."""
         better = self.better(request)
         if better is None:
             return
@@ -115,9 +119,9 @@ class Newest(Generic[Request, Result]):
 
 
 def all_told(listeners: Iterable[Callable[[Result], None]], value: Result) -> str:
-    """Call functions with a value; return the errors of those that failed, in words, "" for none.
+    """Call functions with a value; return the errors of the failed functions in words, "" if none failed.
 
-    One that fails is logged, and the others are called all the same.
+    An error is logged, and the remaining functions are still called.
     """
     failures: list[str] = []
     for listener in listeners:
@@ -132,7 +136,7 @@ def all_told(listeners: Iterable[Callable[[Result], None]], value: Result) -> st
 def prepared(
     prepare: Callable[[Request], Result], show: Callable[[Request, Result], None], value: Request
 ) -> Callable[[Request], None]:
-    """Return a listener that shows what is prepared of a value; an error of the preparation is one of it."""
+    """Prepare data from a value; return a listener that shows the data, or raises the error of `prepare`."""
     try:
         result = prepare(value)
     except Exception as error:
@@ -146,7 +150,7 @@ def prepared(
 
 
 def in_words(error: Exception) -> str:
-    """Return an error of the program as a sentence of the page."""
+    """Return a program error as a text for the page."""
     return (
         f"This is an error of the program, not of your input: {type(error).__name__}: {error}. The terminal "
         "of metafem explore shows where it happened. Undo leads back."

@@ -1,4 +1,4 @@
-"""The page: what it shows, and how an edit becomes an answer."""
+"""The page: what it shows, and how it answers an edit."""
 
 from __future__ import annotations
 
@@ -36,15 +36,15 @@ Told = TypeVar("Told")
 
 Listener = Callable[[Answer], None]
 
-# Number, state, and whether a draft is enough.
+# Number of the request, state to answer, and whether a draft is enough.
 Request = tuple[int, State, bool]
 
-# The look of the page, and of its head and fields.
+# Style sheets of the page, and of its header and fields.
 STYLES = ("page.css", "workshop/workshop.css")
 
 
 class Page:
-    """One tab of the browser: its history, the newest answer, and the panels that listen for it."""
+    """One tab of the browser: its history, its newest answer, and the panels that show each answer."""
 
     def __init__(self, first: State) -> None:
         self.first = first
@@ -77,19 +77,19 @@ class Page:
     def listen_prepared(
         self, prepare: Callable[[Answer], Result], show: Callable[[Answer, Result], None]
     ) -> None:
-        """Call a function with every new answer and with what is computed of it off the event loop."""
+        """Call `show` with every new answer and the data that `prepare` computes from it in a thread."""
         self.listeners.append(partial(prepared, prepare, show))
 
     def listen_late(self, callback: Callable[[Answer], None]) -> None:
-        """Call a function when more is known of the answer that is shown: its drawn tolerance band."""
+        """Call a function with the current answer when its tolerance band from random draws is known."""
         self.late_listeners.append(callback)
 
     def listen_tab(self, callback: Callable[[str], None]) -> None:
-        """Call a function with the name of the tab that is opened."""
+        """Call a function with the name of each tab that the user opens."""
         self.tab_listeners.append(callback)
 
     def complete(self) -> None:
-        """Show what has become known of the answer that is shown."""
+        """Show the results that arrived after the current answer was shown."""
         self._tell(self.late_listeners, self.answer)
 
     def open_tab(self, name: str) -> None:
@@ -97,57 +97,60 @@ class Page:
         self._tell(self.tab_listeners, name)
 
     def listen_warnings(self, callback: Callable[[Mapping[str, list[str]]], None]) -> None:
-        """Call a function with the warnings of an answer by where they belong, when they are known."""
+        """Call a function with the warnings of an answer, by part of the page, when they are known."""
         self.warning_listeners.append(callback)
 
     def warn(self, places: Mapping[str, list[str]]) -> None:
-        """Show the warnings of the answer that is shown."""
+        """Show the warnings of the current answer."""
         self._tell(self.warning_listeners, places)
 
     def edit(self, text: str, *, released: bool = True) -> int:
-        """Answer another text of the specification; a released one is a step of the history.
+        """Answer a new text of the specification; return the number of the request.
 
-        The answer to one that is not released is a draft; after a moment without another, that of the whole
-        search follows. Returns the number of the request.
+        If `released`, the text becomes a step of the history. Otherwise the user is still dragging and the
+        answer is a draft. If no newer edit follows soon, the answer of the full search replaces the draft.
         """
         return self._ask(replace(self.state, text=text), released)
 
     def change(self, **members: Any) -> int:
-        """Answer a state with other members."""
+        """Answer the state with some members replaced; return the number of the request."""
         return self._ask(replace(self.state, **members), True)
 
     def look(self, **members: Any) -> int:
-        """Answer a state that differs in how it is looked at, which is no step of the history."""
+        """Answer the state with new display settings, without a step of the history; return the number."""
         self.session.replace(replace(self.state, **members))
         return self._ask(self.state, True)
 
     async def make(self, change: Callable[..., str], *given: Any, released: bool = True) -> int | None:
-        """Answer the text that a function of the state gives; it is called off the event loop in its turn.
+        """Answer the text that `change(state, *given)` returns in a thread, after all earlier changes.
 
-        Returns the number of the request; None for a draft in whose place a newer change was asked for.
+        Returns the number of the request, or None for a draft that a newer change replaced.
         """
         return await self.turns.take(
             lambda: change(self.state, *given), partial(self.edit, released=released), draft=not released
         )
 
     async def choose_kind(self, kind: str) -> int | None:
-        """Answer a target of another kind near the law that is shown, unless another change is asked for."""
+        """Answer a target of another kind that is close to the current law; return the number of the request.
+
+        Returns None, and changes nothing, if another change is requested meanwhile.
+        """
         return await self.turns.aside(lambda: with_kind(self.state, self.answer.design, kind), self.edit)
 
     async def alter(self, **members: Any) -> int | None:
-        """Answer a state with other members, after earlier changes."""
+        """Answer the state with some members replaced, after earlier changes; return the number."""
         return await self.turns.take(nothing, lambda _: self.change(**members))
 
     async def undo(self) -> None:
-        """Return to the state before."""
+        """Go back to the state before the current one."""
         await self.turns.take(nothing, lambda _: self._moved(self.session.undo))
 
     async def redo(self) -> None:
-        """Return to the state that was undone."""
+        """Go forward to the state that was undone last."""
         await self.turns.take(nothing, lambda _: self._moved(self.session.redo))
 
     async def in_thread(self, function: Callable[..., Result], *given: Any) -> Result:
-        """Return the value of a function that is computed off the event loop."""
+        """Call a function in a thread, outside the event loop; return its value."""
         return await asyncio.to_thread(function, *given)
 
     def _moved(self, move: Callable[[], bool]) -> None:
@@ -174,23 +177,23 @@ class Page:
         self._tell(listeners, self.answer)
 
     def _failed(self, request: Request, error: Exception) -> None:
-        """Show an error of the program, with the last surface that was found."""
+        """Show a program error together with the last surface that was found."""
         number, state, _ = request
         failed = Answer(number, state, None, self.answer.design, {"": in_words(error)}, failed=True)
         self._show(self._prepared(failed))
 
     def not_shown(self, request: object, error: Exception) -> None:
-        """Say that a part of the page does not follow."""
+        """Show an error that prevented a part of the page from showing an answer."""
         self._say_failure(in_words(error))
 
     def _tell(self, listeners: Iterable[Callable[[Told], None]], value: Told) -> None:
-        """Call listeners, and say which errors they made."""
+        """Call listeners with a value, and show the errors that they raised."""
         failures = all_told(listeners, value)
         if failures:
             self._say_failure(failures)
 
     def wrong(self, error: Exception) -> None:
-        """Show an error of the program in what answers a hand or a clock; it is logged elsewhere."""
+        """Show a program error that an event handler or a timer raised; the error is already logged."""
         self._say_failure(in_words(error))
 
     def _say_failure(self, words: str) -> None:
@@ -198,14 +201,14 @@ class Page:
             ui.notify(words, type="negative", multi_line=True, close_button="Close", timeout=0)
 
     async def open_link(self, link: str) -> None:
-        """Show the state of a link, as a step of the history."""
+        """Show the state in a link as a new step of the history."""
         try:
             await self.turns.take(partial(from_link, link), lambda state: self._ask(state, True))
         except InvalidInput as error:
             ui.notify(str(error), type="warning")
 
     async def _restored(self, kept: Any) -> None:
-        """Show what the browser kept and what the address holds, or the first state."""
+        """Show the state from the history in the browser or from the address, otherwise the first state."""
         await self.turns.take(partial(restored, kept, self.session), self._begin)
 
     def _begin(self, found: tuple[Session, str]) -> None:
@@ -216,13 +219,14 @@ class Page:
 
 
 def nothing() -> None:
-    """Compute nothing: a change of the history alone."""
+    """Compute nothing, for changes that need no computation."""
 
 
 def patience(running: Request, waiting: Request) -> float:
-    """Return the seconds that a computation has while a newer request waits.
+    """Return how long a computation may run while a newer request waits [s].
 
-    A whole search ends at once for a hand that moves on, and goes on for a handle that is released there.
+    A full search ends at once when a draft for another state waits, because the drag has gone on. It is
+    finished when the waiting request is for the same state, because the handle was released there.
     """
     if running[2]:
         return PATIENCE_WITH_DRAFTS if waiting[2] else PATIENCE
@@ -232,13 +236,13 @@ def patience(running: Request, waiting: Request) -> float:
 
 
 def whole_of(request: Request) -> Request | None:
-    """Return the request of the whole search for the state of a draft, which a hand at rest waits for."""
+    """Return the request for the full search that follows a draft when the pointer rests; otherwise None."""
     number, state, draft = request
     return (number, state, False) if draft else None
 
 
 def build(first: State) -> Page:
-    """Make the elements of a page that begins with a state."""
+    """Create the elements of a page that begins with a state; return the page."""
     for style in STYLES:
         ui.add_css(Path(__file__).parent.joinpath(style).read_text("utf-8"))
     page = Page(first)
@@ -257,7 +261,7 @@ def build(first: State) -> Page:
 
 
 def _part(name: str, label: str) -> Element:
-    """Return a part of the page, to which the first link of the page can lead."""
+    """Return a section of the page that can receive the keyboard focus from a skip link."""
     return ui.element("section").classes(name).props(f'aria-label="{label}" tabindex=-1')
 
 

@@ -10,17 +10,17 @@ from metafem.explorer.access import Guard
 from metafem.explorer.last_run import HOST, token_and_port
 from metafem.explorer.session import State
 
-# Seconds for which a page whose connection broke finds its own state on the server; later it is loaded again,
-# with the state that the browser kept.
+# Time for which the server holds a page after its connection is lost [s]. A later reconnection loads the page
+# again, with the state that the browser stored.
 RECONNECTION = 10.0
 
-# Seconds between two looks at whether the server listens: the address is shown no sooner.
+# Interval between checks whether the server has started [s]. The address is printed only after the start.
 POLLED = 0.01
 
-# Exit code of uvicorn where it could not listen.
+# Exit code of uvicorn if it cannot listen at the port.
 STARTUP_FAILURE = 3
 
-# Messages to a page that are sent again after its connection broke; each drag sends two of some 20 kB.
+# Number of messages that are sent again after a lost connection. A step of a drag sends two of about 20 kB.
 HISTORY = 100
 
 
@@ -45,7 +45,7 @@ def serve(first: State, port: int | None, show: bool) -> None:
             webbrowser.open(address)
 
     async def warm_up() -> None:
-        # the first design loads compiled kernels, while the browser still loads the page
+        # design once to load the compiled kernels while the browser loads the page
         await asyncio.to_thread(answered, first, 0)
 
     app.add_middleware(Guard, token=token, port=port)

@@ -1,4 +1,4 @@
-"""The state of a page, which the browser keeps, and its history."""
+"""The state of a page and its history, which the browser stores."""
 
 from __future__ import annotations
 
@@ -9,28 +9,29 @@ from typing import Any
 
 from metafem.errors import InvalidInput
 
-# States of the history: the browser keeps them, some kilobytes each, and allows some megabytes for a page.
+# Largest number of states in the history. The browser stores them and allows a few megabytes for each page;
+# each state needs a few kilobytes.
 MOST_STATES = 200
 
 
 @dataclass(frozen=True)
 class State:
-    """All that a page shows.
+    """The complete input of a page.
 
     Attributes
     ----------
     text : str
-        The specification.
+        The text of the specification.
     tables : mapping of str to str
-        Names and texts of the tables that it names.
+        Names and texts of the table files that the specification refers to.
     measured, measured_name : str
-        Text and name of a table of a measured law; "" for none.
+        Text and name of the table with a measured law; "" without such a table.
     newtons : bool
         Whether the axes are in newtons.
     models : tuple of str
-        Models whose laws are shown beside that of the design.
+        Names of further models whose laws are plotted with the law of the design.
     load : float or None
-        Rescaled load at which contacts are shown [mm^2]; None for the largest load of the law.
+        Rescaled load at which the contacts are shown [mm^2]; None for the largest load of the law.
     """
 
     text: str
@@ -42,7 +43,7 @@ class State:
     load: float | None = None
 
     def designs_the_same(self, other: State) -> bool:
-        """Whether another state has the same specification and tables, and so the same design."""
+        """Return whether another state has the same specification and tables, and so the same design."""
         return self.text == other.text and self.tables == other.tables
 
     def to_json(self) -> str:
@@ -51,7 +52,7 @@ class State:
 
     @classmethod
     def from_json(cls, text: str) -> State:
-        """Return the state of a JSON text; raises InvalidInput for any other text."""
+        """Return the state that a JSON text describes; raise InvalidInput if the text describes no state."""
         try:
             record = json.loads(text)
         except (ValueError, RecursionError):
@@ -64,7 +65,7 @@ class State:
         return found
 
     def valid(self) -> bool:
-        """Whether all members are of their kinds."""
+        """Return whether every member has its type and the load is positive and finite."""
         texts: list[Any] = [self.text, self.measured, self.measured_name, *self.models]
         tables = isinstance(self.tables, dict)
         texts += [*self.tables, *self.tables.values()] if tables else []
@@ -77,9 +78,9 @@ def _names(given: Any) -> tuple[Any, ...]:
 
 
 class Session:
-    """The states of a page in their order, and which of them is shown.
+    """The history of a page: its states in order, and the index `at` of the current state.
 
-    The states are numbered from the start of the history; `first` is the number of the oldest one here.
+    States are numbered from the start of the history; `first` is the number of the oldest state in the list.
     """
 
     def __init__(self, *states: State, at: int = 0, first: int = 0) -> None:
@@ -91,7 +92,7 @@ class Session:
         return self.states[self.at]
 
     def commit(self, state: State) -> None:
-        """Add a state after the one that is shown; those that were undone are dropped."""
+        """Add a state after the current state, and drop the states that were undone."""
         if state == self.state:
             return
         states = [*self.states[: self.at + 1], state]
@@ -100,15 +101,15 @@ class Session:
         self.at = len(self.states) - 1
 
     def replace(self, state: State) -> None:
-        """Replace the state that is shown by one that differs in what undo leaves alone."""
+        """Replace the current state by a state that differs only in members that undo ignores."""
         self.states[self.at] = state
 
     def undo(self) -> bool:
-        """Show the state before; return whether there is one."""
+        """Go back to the previous state; return whether there is a previous state."""
         return self._move(-1)
 
     def redo(self) -> bool:
-        """Show the state that was undone last; return whether there is one."""
+        """Go forward to the state that was undone last; return whether there is such a state."""
         return self._move(1)
 
     def _move(self, step: int) -> bool:
@@ -119,7 +120,7 @@ class Session:
 
     @classmethod
     def restored(cls, record: Any) -> Session | None:
-        """Return the history that the browser kept, None if it kept none; raises InvalidInput for others."""
+        """Return the stored history, or None if none is stored; raise InvalidInput if it is damaged."""
         if not isinstance(record, dict) or not record.get("states"):
             return None
         states, first, at = record["states"], record.get("first"), record.get("at")

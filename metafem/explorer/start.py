@@ -18,15 +18,15 @@ LAST_PORT = 65535
 def explore(path: str | Path | None = None, *, port: int | None = None, show: bool = True) -> None:
     """Open the explorer in the browser, and serve it until Ctrl-C.
 
-    The page is served to this machine alone: at the loopback address, and only to those who know the token
-    in its address, which is printed.
+    The server listens only at the loopback address of this machine, and answers only requests whose address
+    contains a secret token. The complete address is printed.
 
     Parameters
     ----------
     path : str or Path, optional
         A specification, or a result folder with a ``spec.toml``; default: the demo ``operating-points``.
     port : int, optional
-        Port of the loopback address; default: that of the last run, or a free one.
+        Port of the server; default: the port of the last run, or any free port.
     show : bool
         Whether to open the browser. Default: True.
 
@@ -46,7 +46,7 @@ def explore(path: str | Path | None = None, *, port: int | None = None, show: bo
 
 
 def first_state(path: str | Path | None) -> State:
-    """Return the state with which a page begins: that of a specification or of a result folder."""
+    """Return the first state of a page, from a specification, a result folder or, for None, the demo."""
     from metafem.files import demo_text, read_spec
 
     if path is None:

@@ -1,4 +1,4 @@
-"""The changes of a page in their order; they are computed off the event loop."""
+"""The changes of a page: they are computed in threads and applied in order."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ Used = TypeVar("Used")
 
 
 class Turns:
-    """Computes changes in threads, and uses them in the event loop in the order in which they were asked for.
+    """Computes changes in threads and applies them in the event loop, in the order of the requests.
 
-    `busy` is called with True when a change is begun, and with False when none is left; drafts do not count.
+    `busy` is called with True when the first change begins and with False when no change remains. Drafts do
+    not count.
     """
 
     def __init__(self, busy: Callable[[bool], None] = lambda busy: None) -> None:
@@ -29,9 +30,9 @@ class Turns:
     async def take(
         self, compute: Callable[[], Result], use: Callable[[Result], Used], *, draft: bool = False
     ) -> Used | None:
-        """Compute a change after those before it, so that it begins with what they have left.
+        """Compute a change after all earlier changes are applied, and apply it; return the value of `use`.
 
-        A draft is left out, and None returned, where a newer change waits behind it.
+        A draft is skipped, and None returned, if a newer change is already waiting.
         """
         number = self._ask()
         with self._counted(draft):
@@ -41,9 +42,10 @@ class Turns:
                 return use(await asyncio.to_thread(compute))
 
     async def aside(self, compute: Callable[[], Result], use: Callable[[Result], Used]) -> Used | None:
-        """Compute a change that holds up no other one; None where any other was asked for meanwhile.
+        """Compute a change without delaying later changes, and apply it; return the value of `use`.
 
-        It ends at its next step of progress when it is no longer wanted.
+        If another change is requested meanwhile, the computation ends at its next progress step, and None is
+        returned.
         """
         number = self._ask()
 
@@ -57,7 +59,7 @@ class Turns:
 
         with self._counted():
             async with self.turn:
-                pass  # those before it are made
+                pass  # wait until the earlier changes are applied
             if number < self.asked:
                 return None
             try:

@@ -142,29 +142,40 @@ class Automatic(WithoutGradients):
         """Return the curve of the first sufficient asperity model, its estimated error and its title."""
         if load is not None:
             curve, error = self._independent(surface, load)
-            if error <= self.tolerance:
+            if curve is not None:
                 return curve, error, "independent asperities"
         curve, error = self._order_1(surface, load, approach)
-        if curve is not None and error <= self.tolerance:
+        if curve is not None:
             return curve, error, "order 1"
         return *self._order_3(surface, load, approach), "order 3"
 
     def _independent(self, surface: Surface, load: FloatArray) -> tuple[Curve | None, float]:
-        """Return the curve of independent asperities on a sinking base, with its largest estimated error."""
+        """Return the curve of independent asperities on a sinking base, or None above the tolerance.
+
+        The second value is the largest estimated error.
+        """
         curve = self._uncoupled.curve(surface, load)
         rows = probed(load, surface.count)
         if not rows.size or not curve.converged:
-            return curve, 0.0 if curve.converged else math.inf
+            return (curve, 0.0) if curve.converged else (None, math.inf)
         equation = load_equation(self.contact.for_material(surface.material), self._uncoupled)
         bound = self.substrate.for_surface(surface)
-        error, sinking = independent_errors(equation, surface, curve, rows, bound)
+        for some in (rows[-1:], rows):  # the error is usually largest at the last load
+            error, sinking = independent_errors(equation, surface, curve, some, bound)
+            if error.max() > self.tolerance:
+                return None, math.inf
         return sunk(curve, np.interp(load, load[rows], sinking)), float(error.max())
 
     def _order_1(
         self, surface: Surface, load: FloatArray | None, approach: FloatArray | None
     ) -> tuple[Curve | None, float]:
-        """Return the curve of order 1 with its largest estimated error, or None if it fails."""
+        """Return the curve of order 1 with its largest estimated error, or None above the tolerance."""
         point = self._point_loads
+        values, by_load = controlled(load, approach)
+        if len(values) > 1:  # the error is usually largest at the last load
+            last = (values[-1:], None) if by_load else (None, values[-1:])
+            if self._order_1(surface, *last)[0] is None:
+                return None, math.inf
         try:
             if load is None:
                 curve = point.curve(surface, approach=approach)
@@ -177,7 +188,8 @@ class Automatic(WithoutGradients):
         error = truncation(surface, curve.last.area, self.substrate, self.contact)
         if not curve.converged or error > self.tolerance:
             return None, math.inf
-        return curve, error + order_1_error(self.gradient_model, surface, curve, indentation)
+        error += order_1_error(self.gradient_model, surface, curve, indentation)
+        return (curve, error) if error <= self.tolerance else (None, math.inf)
 
     def _order_3(
         self, surface: Surface, load: FloatArray | None, approach: FloatArray | None

@@ -1,1 +1,1 @@
-"""How sure the design is: misfit, interaction, tolerances, validity."""
+"""The reliability of the design: misfit, interaction, tolerances and validity."""

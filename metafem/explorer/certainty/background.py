@@ -1,7 +1,7 @@
-"""Long computations of a page, each in a process of its own that can be stopped.
+"""Long computations of a page, each in a separate process that can be stopped.
 
-A process is a new interpreter: a fork of the server would copy its threads' locks. It ends with the server,
-also where that is killed, because it then reads the end of its input.
+Each process is a new interpreter, because a fork of the server would copy the locks of its threads. It ends
+when the server ends or is killed, because its input then closes.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from metafem.errors import MetafemError
 from metafem.explorer.certainty.worker import DONE, STEP, main
 from metafem.explorer.newest import in_words
 
-# Errors of the program are written to the terminal, with the place where they happened.
+# Program errors are written to the terminal with their traceback.
 LOG = logging.getLogger(__name__)
 
 OnStep = Callable[[str, float | None], None]
@@ -34,15 +34,15 @@ OnError = Callable[[MetafemError], None]
 
 
 def nothing(*_: Any) -> None:
-    """Do nothing with a report."""
+    """Ignore a report."""
 
 
 class Background:
-    """One call of a function in a process of its own, which begins when it is made.
+    """One call of a function in a separate process, which starts when the object is created.
 
-    The function must be importable, and its arguments and result picklable. The other functions are called in
-    the event loop in which this is made: `on_step` with the name of a step and the fraction that is done,
-    then once either `on_done` with the result or `on_error` with the error. None is called after `stop`.
+    The function must be importable, and its arguments and result picklable. The callbacks run in the event
+    loop in which the object is created: `on_step` with the name of each step and the completed fraction, then
+    once either `on_done` with the result or `on_error` with the error. No callback runs after `stop`.
     """
 
     def __init__(
@@ -64,18 +64,18 @@ class Background:
 
     @property
     def process_id(self) -> int | None:
-        """Number of the process; None before it has begun."""
+        """Process ID; None before the process has started."""
         return None if self._process is None else self._process.pid
 
     def stop(self) -> None:
-        """End the process; may be called at any time, and more than once."""
+        """End the process; this method may be called at any time, and more than once."""
         with self._lock:
             self.running = False
             if self._process is not None and self._process.returncode is None:
                 self._process.kill()
 
     def _run(self, function: Callable[..., Any], given: tuple[Any, ...]) -> None:
-        """Start the process, and hand on what it sends."""
+        """Start the process, and pass its messages to the callbacks."""
         try:
             request = pickle.dumps((function, given))
             with self._lock:
@@ -83,12 +83,12 @@ class Background:
                     return
                 self._process = process = subprocess.Popen(
                     [sys.executable, "-c", _program()], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                    cwd=_folder(), start_new_session=True,  # Ctrl-C in the terminal is for the server alone
+                    cwd=_folder(), start_new_session=True,  # Ctrl-C in the terminal reaches only the server
                 )  # fmt: skip
         except (OSError, pickle.PicklingError, TypeError, AttributeError) as error:
             self._report(self._end, self.on_error, MetafemError(f"no process could be started: {error}"))
             return
-        # closing the input of a process that has ended writes what is left of the request
+        # closing the input flushes the rest of the request, which fails if the process has ended
         with suppress(BrokenPipeError), process:
             self._exchange(process, request)
             process.kill()
@@ -115,7 +115,7 @@ class Background:
             self._report(self._end, self.on_done if kind == DONE else self.on_error, value)
 
     def _report(self, function: Callable[..., None], *given: Any) -> None:
-        """Call a function in the event loop, if that still runs."""
+        """Call a function in the event loop, if the loop still runs."""
         try:
             self._loop.call_soon_threadsafe(partial(function, *given))
         except RuntimeError:  # the loop is closed
@@ -131,7 +131,7 @@ class Background:
             self._told(function, value)
 
     def _told(self, function: Callable[..., None], *given: Any) -> None:
-        """Call a function of the page; an error of it ends the computation as one of that would."""
+        """Call a callback of the page; if it fails, stop the computation and report the error."""
         try:
             function(*given)
         except Exception as error:
@@ -142,7 +142,7 @@ class Background:
 
 
 class Tasks:
-    """The background computations of a page, at most one of each name."""
+    """The background computations of a page, at most one for each name."""
 
     def __init__(self) -> None:
         self._tasks: dict[str, Background] = {}
@@ -156,22 +156,22 @@ class Tasks:
         on_done: OnDone = nothing,
         on_error: OnError = nothing,
     ) -> Background:
-        """Start a computation in place of that with the same name; the arguments are those of Background."""
+        """Start a computation, and stop the previous one with the same name; arguments as in `Background`."""
         self.stop(name)
         self._tasks[name] = Background(function, given, on_step, on_done, on_error)
         return self._tasks[name]
 
     def running(self, name: str) -> bool:
-        """Whether a computation of that name runs."""
+        """Return whether the computation with this name is running."""
         return name in self._tasks and self._tasks[name].running
 
     def stop(self, name: str) -> None:
-        """Stop the computation of that name, if there is one."""
+        """Stop the computation with this name, if there is one."""
         if name in self._tasks:
             self._tasks.pop(name).stop()
 
     def stop_all(self) -> None:
-        """Stop all computations: the page was closed."""
+        """Stop all computations, because the page was closed."""
         for name in tuple(self._tasks):
             self.stop(name)
 
@@ -186,7 +186,7 @@ def _stop_every_one() -> None:
 
 
 def _folder() -> str | None:
-    """Return a folder in which a process can begin: None for that of this one, unless it has been removed."""
+    """Return the working folder for a new process: None for the current one, or another if it was removed."""
     try:
         os.getcwd()
     except OSError:
@@ -195,5 +195,5 @@ def _folder() -> str | None:
 
 
 def _program() -> str:
-    """Return the program of a process, which finds modules where this one does."""
+    """Return the Python code of a process, which searches modules in the same paths as this process."""
     return f"import sys; sys.path[:] = {sys.path!r}; from {main.__module__} import main; main()"

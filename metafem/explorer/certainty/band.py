@@ -1,8 +1,8 @@
-"""The tolerance band: how far the laws of made surfaces scatter around that of the design.
+"""The tolerance band: the scatter of the laws of manufactured surfaces about the law of the design.
 
-Linear response gives it at once: with the derivatives dA0/dh and the covariance of the errors of the heights.
-Draws of made surfaces also have the second-order effects, which count where contacts open, and the errors of
-the radii and the sites; they take longer.
+Linear response gives the band at once, from the derivatives dA0/dh and the covariance of the height errors.
+Random draws of manufactured surfaces take longer. They also include second-order effects, which matter where
+contacts open, and the errors of radii and positions.
 """
 
 from __future__ import annotations
@@ -24,39 +24,40 @@ from metafem.models import Model
 from metafem.prediction import Tolerances
 from metafem.surface import Surface
 
-# Every n-th load of a law is enough for a band: 34 of 100.
+# A band is computed at every n-th load of the law: at 34 of 100 loads.
 EVERY = 3
 
-# Largest number of asperities whose band is computed at once. Coupled ones need the solution of n equations
-# at each load: 13 ms for 64 of them, and about a second for this number.
+# Largest numbers of independent and of coupled asperities for a band by linear response. Coupled asperities
+# require the solution of n equations at each load, which takes 13 ms for 64 asperities and about a second for
+# the largest number.
 MOST_ALONE, MOST_COUPLED = 100_000, 400
 
-# Draws, the fewest with a solution, and the seed of all.
+# Number of draws, smallest number of draws with a solution, and random seed.
 DRAWS, FEWEST, SEED = 200, 100, 0
 
-# Draws that are solved first, to see how long they take; seconds between two questions whether they are still
-# wanted, in which a newer law waits for them; and the longest time of all draws.
+# Number of draws solved first to measure their duration; time between two checks whether the draws are still
+# needed [s], which can delay a newer law by this time; and longest time of all draws [s].
 FIRST, PART, LONGEST = 2, 0.05, 20.0
 
 Band = tuple[FloatArray, FloatArray, FloatArray]
 
-# Rescaled load, A0 and its standard deviation [mm^2].
+# Rescaled load, A0 and the standard deviation of A0 [mm^2].
 Linear = tuple[FloatArray, FloatArray, FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """Moments of the laws of drawn surfaces over the rescaled load [mm^2]."""
+    """Mean and standard deviation of A0 of random surfaces at each rescaled load [mm^2], arrays (k,)."""
 
     load: FloatArray
     mean: FloatArray  # of A0 [mm^2]
     sd: FloatArray
-    linear: FloatArray  # the standard deviation by linear response
+    linear: FloatArray  # standard deviation by linear response
     count: int
 
     @property
     def difference(self) -> float:
-        """Root mean square of the difference of linear response from the draws, over that of the draws."""
+        """Rms error of the standard deviation by linear response, relative to the rms value by draws."""
         return float(np.sqrt(((self.linear - self.sd) ** 2).sum() / (self.sd**2).sum()))
 
 
@@ -64,7 +65,10 @@ Value = TypeVar("Value")
 
 
 class Known(Generic[Value]):
-    """What is known of designs, as long as they live; to hash a design would compute all of its notes."""
+    """Values by design, each stored as long as its design exists.
+
+    The key is the identity of the design, because hashing a design would compute all of its notes.
+    """
 
     def __init__(self) -> None:
         self._values: dict[int, Value] = {}
@@ -73,24 +77,27 @@ class Known(Generic[Value]):
         return id(design) in self._values
 
     def get(self, design: Design | None) -> Value | None:
-        """Return what is known of a design, or None."""
+        """Return the value stored for a design, or None."""
         return self._values.get(id(design))
 
     def keep(self, design: Design, value: Value) -> Value:
-        """Keep and return a value of a design."""
+        """Store a value for a design, and return the value."""
         if design not in self:
             finalize(design, self._values.pop, id(design), None)
         self._values[id(design)] = value
         return value
 
 
-# What is known of the designs that are shown.
+# Linear responses and finished draws of the designs on open pages.
 _LINEAR: Known[Linear | None] = Known()
 _DRAWN: Known[Drawn] = Known()
 
 
 def tolerances_of(answer: Answer) -> Tolerances | None:
-    """Return the errors of the part in a specification: ``[robust]``, or else ``limits.height_sd``."""
+    """Return the manufacturing errors that a specification states; None if it states none.
+
+    These are the errors in ``[robust]`` or, without this section, ``limits.height_sd``.
+    """
     design = answer.design
     if design is None:
         return None
@@ -101,7 +108,7 @@ def tolerances_of(answer: Answer) -> Tolerances | None:
 
 
 def tolerance_words(tolerances: Tolerances) -> str:
-    """Return the errors of the part in words.
+    """Return the manufacturing errors of the part in words.
 
     Examples
     --------
@@ -123,10 +130,11 @@ def tolerance_words(tolerances: Tolerances) -> str:
 
 
 def tolerance_band(answer: Answer) -> Band | None:
-    """Return rescaled load, and A0 of made surfaces one standard deviation below and above [mm^2].
+    """Return rescaled load, and A0 of manufactured surfaces one standard deviation below and above [mm^2].
 
-    By draws where `draw` has finished for this answer, by linear response otherwise. None where the part has
-    no stated errors, or too many asperities to have a band at once.
+    The band comes from draws if `draw` has finished for this answer, otherwise from linear response. The
+    result is None without draws if the specification states no errors, the surface has too many asperities or
+    the model has no solution.
     """
     drawn = drawn_of(answer)
     if drawn is not None:
@@ -139,7 +147,7 @@ def tolerance_band(answer: Answer) -> Band | None:
 
 
 def band_words(answer: Answer) -> str:
-    """Return what the band of an answer is: "" without one."""
+    """Return the description of the band of an answer; "" if the specification states no errors."""
     tolerances = tolerances_of(answer)
     if tolerances is None:
         return ""
@@ -152,12 +160,12 @@ def band_words(answer: Answer) -> str:
 
 
 def drawn_of(answer: Answer) -> Drawn | None:
-    """Return the finished draws of an answer."""
+    """Return the finished draws for the design of an answer, or None."""
     return _DRAWN.get(answer.design)
 
 
 def linear(answer: Answer) -> Linear | None:
-    """Return rescaled load, A0 and its standard deviation by linear response [mm^2]; None as for the band."""
+    """Return rescaled load, A0 and its standard deviation by linear response [mm^2]; None if unavailable."""
     design, tolerances = answer.design, tolerances_of(answer)
     if design is None or tolerances is None:
         return None
@@ -179,19 +187,19 @@ def _linear(design: Design, tolerances: Tolerances) -> Linear | None:
 def deviations(tolerances: Tolerances, surface: Surface, gradient: FloatArray) -> FloatArray:
     """Return the standard deviations of linear functions of the heights, (k,)."""
     variance = np.diagonal(tolerances.linear_covariance(surface, gradient))
-    return np.asarray(np.sqrt(np.maximum(variance, 0.0)))  # rounding
+    return np.asarray(np.sqrt(np.maximum(variance, 0.0)))  # rounding can make a variance negative
 
 
 def loads_of(design: Design) -> FloatArray:
-    """Return the rescaled loads of a band, the last of the law among them [mm^2]."""
+    """Return the rescaled loads of a band [mm^2]: every n-th load of the law, including the last load."""
     return np.asarray(design.law.rescaled_load[::-EVERY][::-1])
 
 
 def draw(answer: Answer, wanted: Callable[[], bool]) -> Drawn | None:
-    """Draw made surfaces of an answer, and keep their moments as its band.
+    """Draw random surfaces within the tolerances; store and return the mean and scatter of their laws.
 
-    None, and nothing is kept, where they are no longer wanted or would take long, the part has no stated
-    errors, or too few surfaces have a solution.
+    Returns None, and stores nothing, if `wanted()` becomes False, the draws would take too long, no errors
+    are stated, or too few surfaces have a solution.
     """
     design, tolerances = answer.design, tolerances_of(answer)
     if design is None or tolerances is None:
@@ -205,7 +213,7 @@ def draw(answer: Answer, wanted: Callable[[], bool]) -> Drawn | None:
             return None
         try:
             parts.append(_areas(model, design.surface, load, tolerances, unit[done : done + size]))
-        except MetafemError:  # the model does not hold for a drawn surface
+        except MetafemError:  # the model is not valid for a drawn surface
             return None
         done += size
         each = (time.monotonic() - start) / done
@@ -224,6 +232,6 @@ def draw(answer: Answer, wanted: Callable[[], bool]) -> Drawn | None:
 def _areas(
     model: Model, surface: Surface, load: FloatArray, tolerances: Tolerances, unit: FloatArray
 ) -> FloatArray:
-    """Return A0 (m, k) of drawn surfaces [mm^2], nan where there is no solution."""
+    """Return A0 of random surfaces [mm^2], (m, k); nan where there is no solution."""
     heights, radii, positions = tolerances.perturbed(surface, unit)
     return np.asarray(model.areas(surface, load, heights, radii, positions))

@@ -1,6 +1,6 @@
-"""How sure a design is: a few numbers, each with its bound and what to do about it.
+"""Key figures for the reliability of a design, each with its bound and a remedy.
 
-Each number is that of the function that computes it for reports and studies.
+Reports and studies compute these numbers with the same functions.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from metafem.substrate import HalfSpace
 
 
 class Standing(Enum):
-    """How a number stands to its bound; the value is the word that is shown."""
+    """Rating of a number against its bound; the value is the word that the page shows."""
 
     GOOD = "good"
     WARNING = "warning"
@@ -48,17 +48,17 @@ class Standing(Enum):
 
 @dataclass(frozen=True)
 class Figure:
-    """One number that says how sure the design is.
+    """One number that shows how reliable the design is.
 
     Attributes
     ----------
     name, value, bound : str
-        What it is, the number with its unit, and that with which it is compared.
+        Name of the number, its value with its unit, and the bound with which it is compared.
     standing : Standing
     sentence : str
-        What it means, and the remedy where there is one.
+        Meaning of the number, and a remedy if there is one.
     places : tuple of str
-        Where a warning belongs: "law", "surface", or keys of the specification.
+        Where the page shows a warning: "law", "surface", or keys of the specification.
     """
 
     name: str
@@ -70,12 +70,12 @@ class Figure:
 
     @property
     def warns(self) -> bool:
-        """Whether the number is beyond its bound."""
+        """Whether the number is rated as a warning."""
         return self.standing is Standing.WARNING
 
 
 def figures(answer: Answer) -> tuple[Figure, ...]:
-    """Return the figures of the surface that an answer shows; none without one."""
+    """Return the figures for the surface in an answer; an empty tuple without a surface."""
     design = answer.design
     if design is None:
         return ()
@@ -128,7 +128,7 @@ def _slopes(design: Design) -> list[Figure]:
 
 
 def _interaction(design: Design) -> Figure:
-    """State how much the interaction of the asperities changes A0, at equal load."""
+    """Return the figure for the change of A0 by elastic interaction of the asperities at equal load."""
     name, surface, model = "effect of elastic interaction", design.surface, design.law.model
     law, load = contact_of(model), design.law.rescaled_load
     most = MOST_ADHESIVE if law.adhesive else MOST_COUPLED
@@ -158,7 +158,7 @@ def _interaction(design: Design) -> Figure:
 
 
 def _scatter(answer: Answer, design: Design) -> list[Figure]:
-    """State how much the laws of made surfaces and their slopes scatter."""
+    """Return the figures for the scatter of the law and of its slope among manufactured surfaces."""
     name, tolerances = "scatter of the law of made surfaces", band.tolerances_of(answer)
     if tolerances is None:
         words = 'State the errors of the part, for example limits.height_sd = "0.9 um".'
@@ -187,7 +187,7 @@ def _scatter(answer: Answer, design: Design) -> list[Figure]:
     if linear is None:
         words = "It is not computed at once for so many asperities; draw surfaces below."
         return found or [Figure(name, "unknown", "", Standing.UNKNOWN, words)]
-    if np.ptp(design.surface.height) == 0.0:  # a slope has no default range of loads
+    if np.ptp(design.surface.height) == 0.0:  # with equal heights a slope has no default load range
         return found
     fit = Slope.of(design.surface, None, design.law.model)
     response = design.law.model.gradient_model.sensitivity(design.surface, fit.load)
@@ -200,7 +200,7 @@ def _scatter(answer: Answer, design: Design) -> list[Figure]:
 
 
 def _base(design: Design) -> Figure:
-    """State the load at which the plane touches the base between the summits."""
+    """Return the figure for the load at which the plane touches the base between the summits."""
     modulus, last = design.surface.material.composite_modulus, design.law.load[-1]
     onset = modulus * base_contact_load(design.surface, design.law.model)
     free = onset > last
@@ -216,14 +216,17 @@ def _base(design: Design) -> Figure:
 
 
 def _widths(design: Design) -> list[Figure]:
-    """State how wide the contacts are at the largest load, against their radii and their distances."""
+    """Return the figures for the contact radius at the largest load.
+
+    The radius is compared with the radius of curvature and with the distance to the neighbouring contact.
+    """
     surface, law = design.surface, contact_of(design.law.model)
     model = design.law.model.gradient_model
     area = model.curve(surface, design.law.rescaled_load[-1:]).checked().last.area
     wide = float((np.sqrt(area / math.pi) / surface.radius).max())
     overlaps, near = crowding(surface, area, law)
     newtons = f"at {three_digits(design.law.load[-1])} N"
-    # pairs that are far apart are not evaluated
+    # `near` is 0 if no pair is close enough to be evaluated
     ratio = f"{near:.2f}" if near else f"below {COMPARED:g}"
     words = f"Small strain holds up to about {WIDEST:g}, with a fitted modulus."
     remedy = " Use lighter loads, more asperities or larger radii."
@@ -245,7 +248,7 @@ def _widths(design: Design) -> list[Figure]:
 
 
 def _plasticity(design: Design) -> list[Figure]:
-    """State the plasticity index, if the specification has a hardness."""
+    """Return the figure for the plasticity index; an empty list if the specification has no hardness."""
     index = design.parameters.get("plasticity_index")
     if index is None:
         return []

@@ -1,4 +1,4 @@
-"""Studies of the shown surface that take seconds to minutes; each runs in a process of its own."""
+"""Studies of the current surface that take seconds to minutes; each runs in a separate process."""
 
 from __future__ import annotations
 
@@ -24,33 +24,33 @@ if TYPE_CHECKING:
     from metafem.report.comparison import Comparison
     from metafem.studies import Summary
 
-# Standard deviations of the heights that are studied, in multiples of that of the part; and where none is
-# stated, those of a good and of a common machine [mm].
+# Standard deviations of the height errors that are studied: multiples of the stated standard deviation of the
+# part or, if none is stated, the values of a precise machine and of a common machine [mm].
 MULTIPLES, DEVIATIONS = (0.5, 1.0, 2.0), (0.001, 0.003)
 
-# Draws; the largest angle of Fig. S2 of the source paper, doi:10.1126/science.adk4234, in degrees; and the
-# random placements that it is compared with, as by `metafem study misalignment`.
+# Number of draws; largest tilt [degrees], as in Fig. S2 of the source paper, doi:10.1126/science.adk4234; and
+# number of random placements for comparison, as in `metafem study misalignment`.
 DRAWS, ANGLE, SHUFFLES = 1000, 0.1, 20
 
-# Loads at which contacts are resolved, as fractions of the largest.
+# Loads at which contacts are resolved, as fractions of the largest load.
 RESOLVED_LOADS = (0.2, 0.6, 1.0)
 
 
 @dataclass(frozen=True)
 class Found:
-    """What a study found, in words, numbers and a picture; all are plain texts."""
+    """The result of a study: an answer in words, a table and a picture, all as text."""
 
     answer: str
     title: str
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     notes: tuple[Note, ...] = ()
-    picture: str = ""  # an SVG element, whose colours are those of the page
+    picture: str = ""  # an SVG element with the colours of the page
 
 
 @dataclass(frozen=True)
 class LongStudy:
-    """A study: its question, how long it takes with 64 asperities, and the function that runs it."""
+    """A study: its title, its question, its duration with 64 asperities, and the function that runs it."""
 
     title: str
     question: str
@@ -60,7 +60,7 @@ class LongStudy:
 
 
 def made_surfaces(design: Design, tolerances: Tolerances | None) -> Found:
-    """Draw surfaces with errors of their heights, radii and sites."""
+    """Study random surfaces with errors in heights, radii and positions; return the scatter of their laws."""
     from metafem.report.study_figures import manufacturing_figure
     from metafem.studies import manufacturing, summary
 
@@ -72,7 +72,7 @@ def made_surfaces(design: Design, tolerances: Tolerances | None) -> Found:
 
 
 def misaligned(design: Design, tolerances: Tolerances | None) -> Found:
-    """Tilt the surface."""
+    """Study the tilted surface; return how its law changes with the angle."""
     from metafem.report.study_figures import misalignment_figure
     from metafem.studies import misalignment, summary
 
@@ -81,7 +81,7 @@ def misaligned(design: Design, tolerances: Tolerances | None) -> Found:
 
 
 def true_block(design: Design, tolerances: Tolerances | None) -> Found:
-    """Compare the law under all models, that of the true block among them."""
+    """Compare the laws under all models, including the true block; return the changes of A0."""
     from metafem.report.comparison import compared
     from metafem.report.figures import comparison_figure
     from metafem.studies import fidelity, summary
@@ -101,7 +101,7 @@ def true_block(design: Design, tolerances: Tolerances | None) -> Found:
 
 
 def resolved(design: Design, tolerances: Tolerances | None) -> Found:
-    """Resolve the contacts by boundary elements at a few loads."""
+    """Resolve the contacts with boundary elements at a few loads; return the changes of A0."""
     from metafem.drawing.inline import drawn
     from metafem.files.specification.models import model_named
     from metafem.models import Independent, Interacting
@@ -147,7 +147,7 @@ def resolved(design: Design, tolerances: Tolerances | None) -> Found:
 
 
 def element_checks(design: Design, tolerances: Tolerances | None) -> Found:
-    """Check the finite elements, and press the tallest cap of the design."""
+    """Check the finite elements against closed forms and press the tallest cap; return the checks."""
     from metafem.report.elements import elements_section
 
     section = elements_section(design)
@@ -201,7 +201,10 @@ STUDIES: dict[str, LongStudy] = {
 
 
 def run(name: str, design: Design, tolerances: Tolerances | None) -> Found:
-    """Run a study by its name, in a process that runs nothing else; its warnings are notes."""
+    """Run a study by name; return its result, with warnings added as notes.
+
+    The function changes the warning filters, so it must run in a separate process.
+    """
     reason = STUDIES[name].hindered(design)
     if reason:
         raise InvalidInput(reason)

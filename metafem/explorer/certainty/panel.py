@@ -1,4 +1,4 @@
-"""The panel that says how sure the design is."""
+"""The panel that shows how reliable the design is."""
 
 from __future__ import annotations
 
@@ -25,15 +25,16 @@ STYLE = Path(__file__).with_name("certainty.css")
 
 TAB = "How sure"
 
-# Errors of the program are written to the terminal, with the place where they happened.
+# Program errors are written to the terminal with their traceback.
 LOG = logging.getLogger(__name__)
 
-# Seconds without a new answer after which the figures are computed, and after which surfaces are drawn.
+# Time without a new answer after which the figures are computed, and after which random surfaces within the
+# tolerances are drawn [s].
 PAUSE, REST = 0.3, 1.0
 
 
 class SureFigures(Element, component="sure_figures.js"):
-    """The table of the figures; emits ``ready`` when it can be written."""
+    """The table of the figures; emits ``ready`` when it can receive data."""
 
 
 class SureStudies(Element, component="sure_studies.js"):
@@ -45,11 +46,11 @@ class SureStudies(Element, component="sure_studies.js"):
 
 
 class PlaceWarnings(Element, component="place_warnings.js"):
-    """The warnings that belong to a part of the page."""
+    """The warnings for one part of the page."""
 
 
 class Rest:
-    """Starts a task when nothing has happened for some seconds; `failed` is called with its errors."""
+    """Starts a task `seconds` after the last call of `begin`; `failed` is called with its errors."""
 
     def __init__(
         self,
@@ -61,7 +62,7 @@ class Rest:
         self.timer: asyncio.TimerHandle | None = None
 
     def begin(self) -> None:
-        """Wait from now on."""
+        """Restart the waiting time."""
         self.end()
         self.timer = asyncio.get_running_loop().call_later(self.seconds, self.start)
 
@@ -77,13 +78,13 @@ class Rest:
             self.failed(error)
 
     def end(self) -> None:
-        """Wait no longer."""
+        """Cancel the waiting time."""
         if self.timer is not None:
             self.timer.cancel()
 
 
 class Certainty:
-    """Figures and studies of one page; both follow its answers at their own pace."""
+    """The figures and studies of one page; they are updated some time after the last answer."""
 
     def __init__(self, page: Page) -> None:
         self.page, self.visible, self.ready = page, False, False
@@ -111,7 +112,7 @@ class Certainty:
             self.pause.begin()
 
     def _opened(self) -> None:
-        """The elements are in the page: the browser makes them when the tab is first opened."""
+        """Show the figures; the browser creates these elements only when the tab is first opened."""
         self.ready = self.visible = True
         self.pause.start()
 
@@ -120,7 +121,10 @@ class Certainty:
         self.rest.end()
 
     async def _figures(self) -> None:
-        """Show what is known of the answer: its warnings always, the figures where they are seen."""
+        """Compute and show the warnings of the answer and, if the tab is open, its figures.
+
+        While the tab is closed, a large surface gets only the warnings about its part.
+        """
         answer, seen = self.page.answer, self.visible and self.ready
         if self.client.is_deleted:
             return
@@ -136,7 +140,7 @@ class Certainty:
             self.studies.run_method("follow", studies)
 
     async def _draw(self) -> None:
-        """Draw made surfaces while nothing changes, for the band of the law."""
+        """Draw random surfaces within the tolerances for the band of the law, until the design changes."""
         answer = self.page.answer
 
         def wanted() -> bool:
@@ -178,19 +182,19 @@ class Certainty:
             self._tell(name, {"running": False})
 
     def _tell(self, name: str, change: dict[str, Any]) -> None:
-        """Change what is shown of a study."""
+        """Send changed data of a study to the browser."""
         if not self.client.is_deleted:
             self.studies.run_method("change", name, change)
 
 
 def certainty_panel(page: Page) -> None:
-    """Make the figures of the design's errors, and the studies that tell more."""
+    """Create the table of the figures and the list of long studies."""
     ui.add_css(STYLE.read_text("utf-8"))
     Certainty(page)
 
 
 def place_warnings(page: Page, place: str) -> None:
-    """Make the line of warnings of a part of the page, "law" or "surface"."""
+    """Create the warning line of a part of the page, "law" or "surface"."""
     line = PlaceWarnings()
     shown: list[str] = []
 

@@ -1,4 +1,4 @@
-"""The figures of an answer as data of their table."""
+"""The key figures of an answer as data for their table."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from metafem.explorer.certainty.places import remarks
 from metafem.explorer.session import State
 
 NOT_CURRENT = "These are the figures of the last surface that was found, not of the target law that is shown."
-# What needs attention stands first.
+# Order of the rows: figures that need attention come first.
 ORDER = (Standing.WARNING, Standing.REMARK, Standing.UNKNOWN, Standing.GOOD)
 
 NO_DESIGN = "No surface has been found yet, so there is nothing to judge."
 
 
 def figure_data(answer: Answer) -> dict[str, Any]:
-    """Return rows, notes and the words above them."""
+    """Return the rows of the table, the notes, the text above them and the description of the band."""
     words = NO_DESIGN if answer.design is None else "" if answer.current else NOT_CURRENT
     return {
         "words": words,
@@ -40,12 +40,12 @@ def figure_data(answer: Answer) -> dict[str, Any]:
 
 
 def at_once(answer: Answer) -> bool:
-    """Whether the figures of an answer take some tens of milliseconds."""
+    """Return whether the figures of an answer can be computed within some tens of milliseconds."""
     return answer.design is not None and answer.design.surface.count <= band.MOST_COUPLED
 
 
 def study_data(answer: Answer) -> dict[str, Any]:
-    """Return the state that is shown, by a hash, and why each study cannot run, "" where it can."""
+    """Return a hash of the current state, and for each study why it cannot run, "" if it can."""
     design = answer.design
     reason = "It needs a surface: correct the specification or the target first."
     hindered = {
@@ -64,12 +64,12 @@ def list_data() -> list[dict[str, str]]:
 
 
 def found_data(found: Found, fingerprint: str) -> dict[str, Any]:
-    """Return what a study found of the state with a fingerprint."""
+    """Return the result of a study as data, with the fingerprint of the state that was studied."""
     notes = [{"text": str(note), "warns": note.warns} for note in found.notes]
     return {**vars(found), "notes": notes, "of": fingerprint}
 
 
 def fingerprint(state: State) -> str:
-    """Return a hash of all that the design of a state depends on."""
+    """Return a hash of the specification and tables of a state, which determine its design."""
     parts = [state.text, *(part for name in sorted(state.tables) for part in (name, state.tables[name]))]
     return sha256("\0".join(parts).encode("utf-8")).hexdigest()[:16]

@@ -1,4 +1,4 @@
-"""Where the warnings of a design belong on the page."""
+"""The parts of the page where the warnings of a design are shown."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from metafem.models.model import contact_of
 from metafem.notes import Note
 from metafem.report import all_notes
 
-# Beginnings of notes that state what a figure states.
+# First words of notes that repeat a figure of the table; these notes are not shown again as warnings.
 SHOWN_AS_FIGURES = (
     "the base plane would touch",
     "the widest contact",
@@ -18,7 +18,7 @@ SHOWN_AS_FIGURES = (
     "the elastic interaction",
 )
 
-# Keys of the specification by the remedies that notes name.
+# Words that name a remedy in a note, and the key of the specification for each.
 KEYS = {
     "max_height": "limits.max_height",
     "offset": "limits.offset",
@@ -32,12 +32,12 @@ KEYS = {
     "tilt": "layout.tilt",
 }
 
-# Words of notes about the part and its contacts; the others are about the law.
+# Words that occur in notes about the surface; notes without them are about the law.
 OF_THE_SURFACE = ("summit", "caps", "contacts ", "base plane", "the block", "tools")
 
 
 def remarks(answer: Answer) -> tuple[Note, ...]:
-    """Return the notes of the design that an answer shows, warnings first."""
+    """Return the notes on the design of an answer, warnings first."""
     if answer.design is None:
         return ()
     hardness = None if answer.specification is None else answer.specification.hardness
@@ -45,7 +45,7 @@ def remarks(answer: Answer) -> tuple[Note, ...]:
 
 
 def part_problem(answer: Answer) -> str:
-    """Return why no part can be made of the design of an answer, "" where one can."""
+    """Return why no part can be made from the design of an answer; "" if a part can be made."""
     design, specification = answer.design, answer.specification
     if not answer.current or design is None or specification is None:
         return ""
@@ -57,16 +57,16 @@ def part_problem(answer: Answer) -> str:
 
 
 def part_warnings(answer: Answer) -> dict[str, list[str]]:
-    """Return why no part can be made at the places where it is told; nothing where one can."""
+    """Return why no part can be made, by part of the page; an empty dictionary if a part can be made."""
     problem = part_problem(answer)
     return {"surface": [problem], "take": [problem]} if problem else {}
 
 
 def warnings_by_place(answer: Answer) -> dict[str, list[str]]:
-    """Return the warnings of an answer by where they belong: "law", "surface", "take", or keys.
+    """Return the warnings of an answer by part of the page: "law", "surface", "take" or a specification key.
 
-    "take" is the tab of the files. One warning can belong to several places. Those of an earlier surface,
-    which an answer shows where it has none of its own, are none of the present specification.
+    "take" is the tab of the files. A warning can belong to several parts. A surface of an earlier state has
+    no warnings, because they would not apply to the current specification.
     """
     if not answer.current:
         return {}

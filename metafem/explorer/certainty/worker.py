@@ -1,4 +1,4 @@
-"""What a background process does: one call, whose steps and result it sends to the process that waits."""
+"""Program of a background process: it calls one function and sends its progress and result to the server."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from typing import Any, BinaryIO
 from metafem.errors import MetafemError
 from metafem.progress import listening
 
-# Seconds between two reports of progress; a page shows no more of them.
+# Shortest time between two progress reports [s]. The page needs no more.
 SHOWN_EVERY = 0.25
 
-# Niceness of the process: the page, whose designs are awaited at every move of a point, comes first.
+# Niceness of the process. The server has a higher priority: it computes a design at every step of a drag.
 NICENESS = 5
 
 STEP, DONE, FAILED = "step", "done", "failed"
 
 
 def main() -> None:
-    """Read a function and its arguments, and write its steps and its result or error."""
+    """Read a function and its arguments, call the function, and write its steps and its result or error."""
     requests, answers = sys.stdin.buffer, os.fdopen(os.dup(sys.stdout.fileno()), "wb")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what the function prints is no answer
-    if sys.platform != "win32":  # which has no niceness
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # printed output must not mix with the answers
+    if sys.platform != "win32":  # Windows has no niceness
         os.nice(NICENESS)
     function, given = pickle.load(requests)
     threading.Thread(target=_end_with_parent, args=(requests,), daemon=True).start()
@@ -41,7 +41,7 @@ def main() -> None:
 def computed(
     function: Callable[..., Any], given: tuple[Any, ...], on_step: Callable[[str, float | None], None]
 ) -> tuple[str, Any]:
-    """Return that a function is done, and its result; or that it failed, and a MetafemError."""
+    """Call a function; return `DONE` and its result, or `FAILED` and a MetafemError."""
     shown = -SHOWN_EVERY
 
     def step(name: str, done: float | None) -> None:
@@ -66,12 +66,12 @@ def computed(
 
 
 def _send(answers: BinaryIO, kind: str, value: Any) -> None:
-    content = pickle.dumps((kind, value))  # whole, before a byte of it is written
+    content = pickle.dumps((kind, value))  # pickled completely before a byte is written
     answers.write(content)
     answers.flush()
 
 
 def _end_with_parent(requests: BinaryIO) -> None:
-    """End this process when the one that started it has ended, and its end of the pipe with it."""
+    """End this process when its input closes, which happens when the server process ends."""
     requests.read()
     os._exit(1)

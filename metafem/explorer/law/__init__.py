@@ -1,1 +1,1 @@
-"""The law: points to drag, the target and the achieved law."""
+"""The plot of the law: handles to drag, the target and the achieved law."""

@@ -1,4 +1,4 @@
-"""What is drawn beside the law a moment later: the tolerance band, and the laws under further models."""
+"""Curves that are added to the plot after the law: the tolerance band and the laws under further models."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from metafem.explorer.law.tools import block_data
 from metafem.explorer.newest import Newest, in_words
 from metafem.inversion import Design
 
-# An answer, its tolerance band and what that is, and the laws under further models.
+# An answer, its tolerance band, a description of the band, and the laws under further models.
 More = tuple[Answer, Band | None, str, tuple[Other, ...]]
 
 
 class Beside:
-    """Computes off the event loop what is shown beside the newest law, and hands it to the plot."""
+    """Computes in a thread the additional curves of the newest answer, and passes them to the plot."""
 
     def __init__(self, tasks: Tasks, draw: Callable[[dict[str, Any]], None]) -> None:
         self.draw = draw
@@ -31,12 +31,12 @@ class Beside:
         self.last: More | None = None
 
     def put(self, answer: Answer) -> None:
-        """Compute what belongs to an answer, unless a newer one follows."""
+        """Compute the additional curves of an answer, unless a newer answer replaces it."""
         if answer.design is not None:
             self.newest.put(answer)
 
     def _computed(self, answer: Answer) -> More:
-        """Return what is shown beside an answer; laws of the design before are used again."""
+        """Return the additional curves of an answer; laws already computed for the same design are reused."""
         design = answer.design
         assert design is not None
         laws = self.laws if design is self.design else {}
@@ -51,7 +51,7 @@ class Beside:
         self._renew()
 
     def _failed(self, answer: Answer, error: Exception) -> None:
-        """Say that nothing can be shown beside an answer."""
+        """Show the error, and no additional curves of the answer."""
         self.draw(
             {
                 "number": answer.number,
@@ -63,7 +63,7 @@ class Beside:
         )
 
     def _renew(self) -> None:
-        """Draw what is known."""
+        """Draw the curves that are known."""
         if self.last is None:
             return
         answer, band, words, laws = self.last

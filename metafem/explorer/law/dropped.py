@@ -1,4 +1,4 @@
-"""Measured points from a table that was dropped onto the law."""
+"""Measured points from a table file that the user drops onto the plot of the law."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from metafem.inversion import Design
 from metafem.progress import listening
 from metafem.surface import Friction, Material
 
-# Most points of a table: more are not told apart on a plot.
+# Largest number of points of a table. More points could not be distinguished on a plot.
 MOST = 2000
 
-# What a table of a target law has and one of a measured law has not.
+# Column that only the table of a target law has; a table of a measured law does not have it.
 RESCALED = "rescaled_load"
 
-# Names of the columns of a measured law, each with a unit and the form in which people write it otherwise.
+# Column names that people often use, each with the matching column title of a measured law and its unit.
 KNOWN = {
     "load": "load_N", "normal_load": "load_N", "normal_force": "load_N", "p": "load_N",
     "friction_force": "friction_force_N", "friction": "friction_force_N", "f": "friction_force_N",
@@ -39,16 +39,16 @@ KNOWN = {
     "load_sd": "load_sd_N", "friction_force_sd": "friction_force_sd_N", "area_sd": "area_sd_mm2",
 }  # fmt: skip
 
-# A title: a name, and a unit behind it, in brackets or not.
+# Title of a column: a name, and optionally a unit after it, with or without brackets.
 TITLE = re.compile(r"\s*(.*?)(?:[\s_]*[\[(]\s*(\S+?)\s*[\])]|[\s_]+([mkuµ]?N|[mcuµ]?m(?:\^?2|²)))?\s*")
 
-# Likeness of two names above which one is offered for the other, as `difflib` counts it.
+# Similarity of two names, as `difflib` computes it, from which one name is suggested for the other.
 LIKE = 0.6
 
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Points of a measured law, rescaled [mm^2], in the order of their loads; arrays (k,)."""
+    """Points of a measured law: rescaled loads, frictions and standard deviations [mm^2], arrays (k,)."""
 
     name: str
     load: FloatArray
@@ -58,9 +58,9 @@ class Points:
     remarks: tuple[str, ...] = ()
 
     def difference(self, design: Design) -> tuple[float, int]:
-        """Return the rms of the relative differences of a design's law, and at how many points.
+        """Return the rms relative difference between a design's law and the points, and the number compared.
 
-        They are points with a friction, within the loads of the law.
+        Only points with a positive friction and a load within the range of the law are compared.
         """
         law = design.law
         rows = (self.load >= law.rescaled_load[0]) & (self.load <= law.rescaled_load[-1])
@@ -71,7 +71,7 @@ class Points:
         return float(np.sqrt(((achieved / self.friction[rows] - 1.0) ** 2).mean())), int(rows.sum())
 
     def words(self, design: Design | None) -> str:
-        """Return the name of the points and how far the law of a design is from them."""
+        """Return the label of the points: their name, and how far a design's law differs from them."""
         count = len(self.load)
         if design is None:
             return f"{self.name}: {count} points"
@@ -82,7 +82,7 @@ class Points:
         return f"{self.name}: the achieved law differs by {percent(difference)} (rms at {at})"
 
     def data(self, units: Units, design: Design | None) -> dict[str, Any]:
-        """Return the points in the units that are shown."""
+        """Return the points in the units of the axes."""
         x_sd, y_sd = self.load_sd, self.friction_sd
         return {
             "name": self.words(design),
@@ -94,12 +94,12 @@ class Points:
 
 
 def read_points(name: str, text: str, material: Material, friction: Friction | None) -> Points:
-    """Return the points of a table of a measured law or of a target law.
+    """Return the points in a table of a measured law or of a target law.
 
     Raises
     ------
     InvalidInput
-        For every other text; the message names the table.
+        If the text is no such table or has too many points; the message names the table.
     """
     remarks: list[str] = []
     if "\0" in text:
@@ -113,9 +113,10 @@ def read_points(name: str, text: str, material: Material, friction: Friction | N
 
 
 def as_target(answer: Answer, found: Points) -> str:
-    """Return the text of an answer with the points as a target law, met in the least-squares sense.
+    """Return the text of an answer with the points as a sampled target law, to be met by least squares.
 
-    Points of equal loads are replaced by their mean, and those without load or friction are left out.
+    Points with equal loads are replaced by one point with their mean friction. Points are omitted if their
+    load or friction is not positive.
     """
     rows = (found.load > 0.0) & (found.friction > 0.0)
     load = np.unique(found.load[rows])
@@ -127,7 +128,7 @@ def as_target(answer: Answer, found: Points) -> str:
 
 
 def better_titles(header: Sequence[str]) -> dict[str, str]:
-    """Return titles of columns by which those of a table would be read, for titles that are not.
+    """Return a suggested title for each column title that is only similar to a known title.
 
     Examples
     --------
@@ -149,7 +150,7 @@ def better_titles(header: Sequence[str]) -> dict[str, str]:
 
 
 def _offer(text: str) -> str:
-    """Return what is added to the reason why the columns of a table are not known."""
+    """Return the suggestion to rename columns that follows the error message; "" if there is none."""
     header = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
     titles = [title.strip() for title in re.split(r"[,;\t]", header)]
     offers = [f"{better} instead of {title[:40]}" for title, better in better_titles(titles).items()]
@@ -177,7 +178,7 @@ def _measured(name: str, text: str, material: Material, friction: Friction | Non
 
 
 class Measured:
-    """The points of a state; they are read again only where they or the material pair have changed."""
+    """The measured points of a state; they are read again only if the table, material or friction changes."""
 
     def __init__(self) -> None:
         self.key: Any = None
@@ -185,9 +186,9 @@ class Measured:
         self.problem = ""
 
     def data(self, answer: Answer, units: Units) -> dict[str, Any] | None:
-        """Return the points of an answer in the units that are shown, None where it has none.
+        """Return the measured points of an answer in the units of the axes; None if no points can be read.
 
-        `problem` is then why they cannot be read.
+        If the points cannot be read, the attribute `problem` states the reason.
         """
         self._read(answer)
         return None if self.points is None else self.points.data(units, answer.design)

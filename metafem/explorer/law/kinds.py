@@ -1,4 +1,4 @@
-"""The kind of a target, and points as the values of a specification."""
+"""The kind of a target, and points as values in a specification."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from metafem.errors import InvalidInput
 from metafem.explorer.law.shown import Units
 from metafem.explorer.text.document import Document
 
-# Digits of points.
+# Significant digits of the loads and frictions of points.
 DIGITS = 4
 
 
 def kind_of(text: str) -> str:
-    """Return the kind of the target of a specification's text, "" where it has none."""
+    """Return the kind of the target that a text names; "" if it names none."""
     try:
         return str(Document(text).value("target.kind") or "")
     except InvalidInput:
@@ -22,7 +22,7 @@ def kind_of(text: str) -> str:
 def points(
     load: FloatArray, friction: FloatArray, units: Units, digits: int = DIGITS
 ) -> dict[str, list[str]]:
-    """Return the keys of points, rescaled or in newtons."""
+    """Return loads and frictions of points as quantities by key, rescaled [mm^2] or in newtons."""
     keys = ("load", "friction_force") if units.newtons else ("rescaled_load", "rescaled_friction")
     unit = "N" if units.newtons else "mm^2"
     values = (units.load * load, units.friction * friction)

@@ -1,4 +1,4 @@
-"""The law of an answer as data of its plot."""
+"""The law of an answer as data for the plot."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from metafem.explorer.text.handles import Handle, crowd, drawn
 from metafem.explorer.text.shape import Follows, Shift
 from metafem.inversion import OperatingPoints
 
-# What the shaded band is: its bounds are proven for independent asperities.
+# Labels of the shaded band. Its bounds are proven for independent asperities.
 INDEPENDENT = "reach at each load by itself"
 COUPLED = "reach of independent asperities at each load by itself"
 
-# What follows a refusal by a draft that no bound supports.
+# Text after the refusal of a draft if no bound proves the refusal.
 SEARCHED = "A longer search follows."
 
 
 def law_data(answer: Answer) -> dict[str, Any]:
-    """Return the curves and handles of an answer in the units that are shown."""
+    """Return the curves and handles of an answer in the units of the axes."""
     handles, shape = drawn(answer.state.text, answer.specification, answer.design)
     units = Units.of(answer, answer.state.newtons)
     own = Units.of_design(answer, answer.state.newtons)
@@ -30,7 +30,7 @@ def law_data(answer: Answer) -> dict[str, Any]:
     many = 0 if answer.specification is None else crowd(answer.specification)
     data: dict[str, Any] = {
         "number": answer.number,
-        # stands for the text: what is said below the plot is valid for it
+        # checksum of the text: messages below the plot are valid for this text only
         "state": crc32(answer.state.text.encode()),
         **units.axes(),
         "achieved": None,
@@ -40,10 +40,10 @@ def law_data(answer: Answer) -> dict[str, Any]:
         "marked": isinstance(target, OperatingPoints) and not many,
         "crowd": f"{many:,} points, too many to drag" if many else "",
         "nearest": None,
-        "offer": offer(answer),  # what a button that takes it says
+        "offer": offer(answer),  # label of the button that adopts the nearest law
         "refusal": f"{answer.refused} {SEARCHED}" if answer.undecided else answer.refused,
         "undecided": answer.undecided,
-        # None: those of a text with problems are not known
+        # None if the text has problems, because its handles are then unknown
         "handles": None if target is None else [_handle(handle, units) for handle in handles],
         "cursor": None if answer.state.load is None else numbers([own.load * answer.state.load], EDITED)[0],
     }
@@ -63,7 +63,7 @@ def law_data(answer: Answer) -> dict[str, Any]:
 
 
 def band_data(band: Band, units: Units) -> dict[str, Any]:
-    """Return a band of laws, its loads and its lowest and highest friction, in the units that are shown."""
+    """Return loads, lowest and highest friction of a band of laws, in the units of the axes."""
     load, low, high = band
     return {
         "x": numbers(units.load * load),
@@ -78,7 +78,7 @@ def _handle(handle: Handle, units: Units) -> dict[str, Any]:
 
 
 def _follows(follows: Follows, units: Units) -> dict[str, Any]:
-    """Return the factors from the move of a handle to those of corners and handles, as they are shown."""
+    """Return the factors by which corners and handles follow a move of a handle, in the units of the axes."""
 
     def factors(shift: Shift) -> list[float | None]:
         return numbers([shift.x, shift.across * units.friction / units.load, shift.y], EDITED)

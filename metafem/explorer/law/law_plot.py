@@ -1,4 +1,4 @@
-"""The plot of the law, whose points are dragged in the browser."""
+"""The plot of the law, on which the user drags points."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from nicegui.element import Element
 
 
 class LawPlot(Element, component="law_plot.js", esm={"metafem-law": "js"}):
-    """Draws the data of `law_data`, and emits what hands and keys do.
+    """Draws the data of `law_data`, and emits an event for each action of the pointer or the keyboard.
 
-    Each event has a handler of its name.
+    Each keyword argument is the handler of the event with its name.
     """
 
     def __init__(self, **handlers: Callable[[Any], Any]) -> None:
@@ -22,17 +22,17 @@ class LawPlot(Element, component="law_plot.js", esm={"metafem-law": "js"}):
 
     def draw(self, data: dict[str, Any]) -> None:
         """Draw the data of an answer."""
-        # sent as a statement: `run_method` sends a value to be returned, which the browser parses twice
+        # the browser parses a statement once, but the data of a `run_method` call twice
         self.client.run_javascript(f'runMethod({self.id}, "draw", [{json.dumps(data)}])')
 
     def more(self, data: dict[str, Any]) -> None:
-        """Draw what belongs beside an answer."""
+        """Draw the data of `Beside`: the tolerance band and the laws under further models."""
         self.run_method("more", data)
 
     def refuse(self, request: int, words: str) -> None:
-        """Tell why a request of the plot changed nothing."""
+        """Show why a request of the plot changed nothing."""
         self.run_method("refuse", request, words)
 
     def say(self, words: str, *, wrong: bool = False) -> None:
-        """Say something below the plot."""
+        """Show a message below the plot, as an error if `wrong`."""
         self.run_method("say", words, wrong)

@@ -1,4 +1,4 @@
-"""The nearest law that can be designed, written as the target of a specification."""
+"""The nearest law that can be designed, as the target of a specification."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ from metafem.explorer.text.written import stated
 from metafem.files import Specification
 from metafem.inversion import OperatingPoints, SampledLaw, Target
 
-# Relative resolution of the values, and their digits: the nearest law is inside its bound by a millionth.
+# Relative resolution of the values, and their significant digits. Both are finer than 1e-6, the relative
+# distance of the nearest law from its bound.
 RESOLUTION, DIGITS = 1e-9, 10
 
 
 def offer(answer: Answer) -> str:
-    """Return what taking the nearest law of an answer does, "" where none is known."""
+    """Return the label of the button that adopts the nearest law of an answer; "" if none is known."""
     nearest = answer.nearest_target
     if nearest is None or answer.specification is None:
         return ""
@@ -38,13 +39,13 @@ def offer(answer: Answer) -> str:
 
 
 def _numbered(numbers: list[int]) -> str:
-    """Return points in words: ``points 1 and 2``."""
+    """Return the numbers of points in words, such as ``points 1 and 2``."""
     *first, last = map(str, numbers)
     return f"points {', '.join(first)} and {last}" if first else f"point {last}"
 
 
 def with_nearest(answer: Answer) -> str:
-    """Return the text of a refused answer with the nearest law that can be designed as its target."""
+    """Return the text of a refused answer, with the nearest law that can be designed as the target."""
     target, specification = answer.nearest_target, answer.specification
     if target is None or specification is None:
         raise InvalidInput("no nearest law is known")
@@ -60,12 +61,12 @@ def with_nearest(answer: Answer) -> str:
 def _points(
     section: Mapping[str, Any], specification: Specification, target: OperatingPoints | SampledLaw
 ) -> dict[str, Any]:
-    """Return the keys of points, in the units of those before."""
+    """Return the keys and values of the points, in the units of the previous points."""
     given = [(target.rescaled_load, True), (target.rescaled_friction, False)]
     names = ("load", "friction_force") if "load" in section else ("rescaled_load", "rescaled_friction")
     if names[0] not in section:  # the points of a table
         return {"file": None, **points(target.rescaled_load, target.rescaled_friction, Units(), DIGITS)}
-    # the nearest law may end at the point that is not met
+    # the nearest law may have fewer points: it may end at the first point that cannot be met
     return {
         name: _stated(column, section[name][: len(column)], specification, loads)
         for name, (column, loads) in zip(names, given, strict=True)
@@ -73,7 +74,7 @@ def _points(
 
 
 def _parameters(section: Mapping[str, Any], specification: Specification, target: Target) -> dict[str, Any]:
-    """Return the keys of the parameters of a law that differ from those of the text."""
+    """Return the keys and values of the law parameters that differ from the text."""
     values: dict[str, Any] = {}
     for name in ("exponent", "prefactor", "slope", "slopes", "crossover_load", "load_range"):
         new = getattr(target, name, None)
@@ -95,7 +96,7 @@ def _parameters(section: Mapping[str, Any], specification: Specification, target
 def _stated(
     values: FloatArray | list[float], like: list[str], specification: Specification, loads: bool
 ) -> list[str]:
-    """Return rescaled loads or frictions in the units of others."""
+    """Return rescaled loads or frictions as quantities in the units of the quantities `like`."""
     template = specification.template
     stress: float | None = template.material.composite_modulus
     if not loads:

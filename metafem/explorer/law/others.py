@@ -1,4 +1,4 @@
-"""Laws of the surface that is shown under further models."""
+"""Laws of the current surface under further models."""
 
 from __future__ import annotations
 
@@ -18,16 +18,18 @@ from metafem.models import Model
 from metafem.prediction import friction_law
 from metafem.surface import Surface
 
-# Models whose laws take milliseconds, and the one whose process takes seconds to a minute the first time.
+# Models whose laws take milliseconds, and the model whose law is computed in a separate process that takes
+# between seconds and a minute the first time.
 QUICK, SLOW = ("independent", "half-space", "layer"), "block"
 
-# Every n-th load of the law is solved: 34 of 100, between which a law is drawn as a line.
+# The further laws are solved at every n-th load of the design's law: at 34 of 100 loads. Straight lines are
+# drawn between them.
 EVERY = 3
 
 
 @dataclass(frozen=True, eq=False)
 class Other:
-    """The law of a surface under a further model, or why there is none."""
+    """The law of a surface under a further model, or the reason why it could not be computed."""
 
     name: str
     load: FloatArray  # rescaled [mm^2]
@@ -37,25 +39,25 @@ class Other:
 
     @property
     def words(self) -> str:
-        """The model and how far its law is from that of the design."""
+        """Label of the curve: the model, and the difference of its law from the law of the design."""
         return f"{self.name}, differs by {percent(self.difference)} (rms)"
 
 
 def own_name(design: Design) -> str:
-    """Return the name of the model of a design in specifications, "" for one with other options."""
+    """Return the name of the design's model in specifications; "" if no name selects exactly this model."""
     model = design.law.model
     names = (*QUICK, SLOW)
     return next((name for name in names if chosen_model(model, name, None) == model), "")
 
 
 def law_under(surface: Surface, model: Model, load: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return rescaled loads and the friction of a surface under a model at loads P [N]."""
+    """Return rescaled load and rescaled friction [mm^2] of a surface under a model at loads P [N]."""
     law = friction_law(surface, model, load=load)
     return law.rescaled_load, law.rescaled_friction
 
 
 def other_law(design: Design, name: str) -> Other:
-    """Return the law of a design's surface under another model with the same law of contacts."""
+    """Return the law of a design's surface under another model with the same contact law."""
     try:
         return compared(design, name, law_under(*given(design, name)))
     except MetafemError as error:
@@ -69,14 +71,14 @@ def given(design: Design, name: str) -> tuple[Surface, Model, FloatArray]:
 
 
 def compared(design: Design, name: str, found: tuple[FloatArray, FloatArray]) -> Other:
-    """Return the law of another model with its difference from the law of the design."""
+    """Return the law `found` under another model, with its difference from the law of the design."""
     load, friction = found
     own = design.law.area[::-EVERY][::-1]
     return Other(name, load, friction, float(np.sqrt(((friction / own - 1.0) ** 2).mean())))
 
 
 class Block:
-    """The law of the block, computed in a process that can be stopped."""
+    """The law under the block model, computed in a process that can be stopped."""
 
     def __init__(self, tasks: Tasks, changed: Callable[[], None]) -> None:
         self.tasks, self.changed = tasks, changed
@@ -86,32 +88,32 @@ class Block:
 
     @property
     def running(self) -> bool:
-        """Whether the law is computed."""
+        """Whether the law is being computed."""
         return self.tasks.running(SLOW)
 
     def start(self, design: Design) -> None:
-        """Begin the law of a design."""
+        """Start computing the law of a design."""
         self.design, self.law, self.step = design, None, "starting"
         self.tasks.start(SLOW, law_under, given(design, SLOW), self._stepped, self._found, self._failed)
         self.changed()
 
     def stop(self) -> None:
-        """End the computation, and show its law no longer."""
+        """Stop the computation, and remove its law from the plot."""
         self.tasks.stop(SLOW)
         self.design = self.law = None
         self.changed()
 
     def of(self, design: Design | None) -> Other | None:
-        """Return the law for a design, None where it was computed for another one."""
+        """Return the law of a design; None if no law was computed for this design."""
         return self.law if self._is_of(design) else None
 
     def state(self, design: Design | None) -> dict[str, Any]:
-        """Return what the page says of it."""
+        """Return whether the computation runs, its current step in words, and whether its law is shown."""
         words = f"The law under the block: {self.step} …" if self.running else ""
         return {"running": self.running, "step": words, "shown": self.of(design) is not None}
 
     def _is_of(self, design: Design | None) -> bool:
-        """Whether the law was computed for a design; after undo that is an equal one."""
+        """Return whether the law belongs to a design; after undo, an equal design is a different object."""
         return self.design is not None and (design is self.design or design == self.design)
 
     def _stepped(self, name: str, done: float | None) -> None:

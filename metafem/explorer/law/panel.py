@@ -1,4 +1,4 @@
-"""The panel of the law: what hands do becomes edits, and answers are drawn."""
+"""The panel of the law: it turns actions of the user into edits, and draws the answers."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ Event = dict[str, Any]
 
 
 def law_panel(page: Page) -> None:
-    """Make the plot of the law."""
+    """Create the plot of the law."""
     ui.add_css(STYLE.read_text("utf-8"))
     LawPanel(page)
 
@@ -43,7 +43,7 @@ def law_panel(page: Page) -> None:
 def telling(
     handler: Callable[[LawPanel, Event], Awaitable[None]],
 ) -> Callable[[LawPanel, Event], Coroutine[Any, Any, None]]:
-    """Return an event handler that says below the plot why an event changed nothing."""
+    """Return an event handler that shows each InvalidInput error of `handler` below the plot."""
 
     @wraps(handler)
     async def handle(panel: LawPanel, event: Event) -> None:
@@ -78,16 +78,16 @@ class LawPanel:
         self.band_shown: Any = None
         self.measured = Measured()
         self.beside = Beside(page.tasks, self.plot.more)
-        # numbers of the page's requests, and of the plot's that they belong to
+        # request number of the plot for each request number of the page
         self.requests: dict[int, int] = {}
-        # what the text of the shown state says, with its design: every step of a drag begins from them
+        # text, specification and design of the current state: every step of a drag starts from them
         self.base: tuple[str, Specification, Design | None] | None = None
         self.refused: Answer | None = None
         page.listen_prepared(self.prepared, self.show)
         page.listen_late(self.beside.put)
 
     def prepared(self, answer: Answer) -> dict[str, Any]:
-        """Return what is drawn of an answer."""
+        """Return the data of an answer that the plot draws."""
         specification = answer.specification
         data = law_data(answer)
         units = Units.of(answer, answer.state.newtons)
@@ -103,7 +103,7 @@ class LawPanel:
         """Draw an answer."""
         of_plot = [number for number in self.requests if number <= answer.number]
         request = max((self.requests[number] for number in of_plot), default=None)
-        if not answer.undecided:  # else the whole search answers the same request
+        if not answer.undecided:  # otherwise the full search answers the same request
             for number in of_plot:
                 del self.requests[number]
         specification, text = answer.specification, answer.state.text
@@ -155,14 +155,14 @@ class LawPanel:
 
     @telling
     async def on_nearest(self, event: Event) -> None:
-        """Take the nearest law of the last refusal as the target."""
+        """Set the nearest law of the last refusal as the target."""
         refused = self.refused
         if refused is not None:
             await self.page.make(lambda state: with_nearest(refused))
 
     @telling
     async def on_kind(self, event: Event) -> None:
-        """Take a target of another kind."""
+        """Change the kind of the target."""
         await self.page.choose_kind(event["kind"])
 
     def on_axes(self, event: Event) -> None:
@@ -170,13 +170,13 @@ class LawPanel:
         self.page.look(newtons=bool(event["newtons"]))
 
     def on_model(self, event: Event) -> None:
-        """Show the law under another model, or no longer."""
+        """Show or hide the law under another model."""
         rest = tuple(name for name in self.page.state.models if name != event["name"])
         self.page.look(models=(*rest, str(event["name"])) if event["on"] else rest)
 
     @telling
     async def on_block(self, event: Event) -> None:
-        """Start the law under the block, or stop or hide it."""
+        """Start the computation of the law under the block model, or stop it and hide its law."""
         design = self.page.answer.design
         if event["on"] and design is not None:
             self.beside.block.start(design)
@@ -198,7 +198,7 @@ class LawPanel:
 
     @telling
     async def on_measured(self, event: Event) -> None:
-        """Take the measured points as the target, or remove them."""
+        """Use the measured points as the target, or remove them."""
         answer, points = self.page.answer, self.measured.points
         if event["action"] == "remove":
             await self.page.alter(measured="", measured_name="")
@@ -212,7 +212,7 @@ class LawPanel:
         return self._units().rescaled(float(event["x"]), float(event["y"]))
 
     def _base(self, state: State) -> tuple[str, Specification, Design | None]:
-        """Return the text of a state, what it says, and the design from which a drag begins."""
+        """Return the text and specification of a state, and the design from which a drag starts."""
         base = self.base
         if base is None or base[0] != state.text:
             self.base = base = state.text, specification_of(state), self.page.answer.design

@@ -1,4 +1,4 @@
-"""The band of all laws that a surface within the limits can have."""
+"""The band that contains the law of every surface within the limits."""
 
 from __future__ import annotations
 
@@ -13,24 +13,25 @@ from metafem.inversion.bounds import Bounds
 from metafem.inversion.limits import Radii
 from metafem.models.model import contact_of
 
-# Loads of the band, evenly spaced in the logarithm over this range below the largest. Neighbours differ by
-# 8 %, and between them a line is within 0.1 % of a power 2/3.
+# Number of loads of the band, and the smallest load as a fraction of the largest. The loads are spaced evenly
+# in the logarithm: neighbours differ by 8 %, and a straight line between them is within 0.1 % of a power law
+# with exponent 2/3.
 LOADS, LEAST = 120, 1e-4
 
 Band = tuple[FloatArray, FloatArray, FloatArray]
 
 
 class Reach:
-    """The band of the last specification; it is computed again only where what it depends on has changed."""
+    """The band of the last specification, which is computed again only if one of its inputs has changed."""
 
     def __init__(self) -> None:
         self.key: Any = None
         self.band: Band | None = None
 
     def of(self, specification: Specification) -> Band | None:
-        """Return loads, lowest and highest friction (k,) [mm^2]; None where no bound is known.
+        """Return rescaled load, and lowest and highest rescaled friction (k,) [mm^2]; None without a bound.
 
-        They are proven for independent asperities.
+        The bounds are proven for independent asperities.
         """
         template = specification.template
         count = template.count - sum(height is None for height in specification.pinned.values())
@@ -44,7 +45,7 @@ class Reach:
 
 
 def band_of(specification: Specification, count: int) -> Band | None:
-    """Return the band of `count` asperities."""
+    """Return rescaled load, lowest and highest friction (k,) [mm^2] of `count` asperities, or None."""
     template = specification.template
     members = {name: getattr(template, name)[:count] for name in ("position", "height", "radius")}
     template = template.replaced(**members)

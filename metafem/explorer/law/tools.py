@@ -1,4 +1,4 @@
-"""The choices above the plot, as data."""
+"""Data of the controls above the plot."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from metafem.explorer.law.others import QUICK, SLOW, Block, own_name
 from metafem.explorer.text.kinds import kind_names
 from metafem.inversion import Design
 
-# Why the axes cannot be in newtons, and why there is no law under the block.
+# Why the axes cannot be in newtons, and why the law under the block model cannot be computed.
 NO_FORCES = "Newtons need the section [friction] with shear_strength and area_ratio in the specification."
 NO_BLOCK = "The block needs the section [block] with width, length and thickness in the specification."
 
 
 def tools_data(answer: Answer) -> dict[str, Any]:
-    """Return the kinds of targets, axes and models that can be chosen, and which are.
+    """Return the available target kinds, axes and models, and the current choices.
 
-    ``block`` says whether the law under the block is one of them, see `block_data`.
+    ``block`` says whether the law under the block model is available, see `block_data`.
     """
     design = answer.design
     template = None if design is None else design.template
@@ -34,6 +34,6 @@ def tools_data(answer: Answer) -> dict[str, Any]:
 
 
 def block_data(block: Block, design: Design | None) -> dict[str, Any]:
-    """Return what can be done with the law under the block."""
+    """Return the state of the law under the block model, and why it cannot be computed, "" if it can."""
     missing = design is None or design.template.block is None
     return {**block.state(design), "missing": NO_BLOCK if missing else ""}

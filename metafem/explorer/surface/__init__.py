@@ -1,1 +1,1 @@
-"""The surface: heights as a map and in three dimensions."""
+"""The view of the surface: its heights as a map and as a three-dimensional picture."""

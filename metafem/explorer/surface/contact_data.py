@@ -1,4 +1,4 @@
-"""The contacts of a surface at one load, and the sensitivity of the law to each height there."""
+"""Contacts of a surface at one load, and the sensitivity of the friction at this load to each height."""
 
 from __future__ import annotations
 
@@ -15,15 +15,16 @@ from metafem.prediction.contact_state import MILLINEWTONS
 
 PERCENT = 100.0
 
-# Decimals of a contact radius [mm], of a pressure [MPa], of a load [mN] and of a sensitivity [% per um].
+# Decimals of contact radii [mm], pressures [MPa], loads [mN] and sensitivities [% per um].
 RADIUS_DECIMALS, PRESSURE_DECIMALS, LOAD_DECIMALS, SENSITIVITY_DECIMALS = 4, 5, 3, 5
 
 
 def contact_data(design: Design, rescaled_load: float | None, sensitive: bool = False) -> dict[str, Any]:
-    """Return the contacts under the model of the design at a load, by default the largest of its law.
+    """Return the contacts under the model of the design at a load; default: the largest load of its law.
 
-    radius [mm], pressure [MPa] (mean of each contact) and force [mN] at the sites; separation [um];
-    sensitivity: relative change of the friction force by each height [% per um], if `sensitive`.
+    The data contain the contact radius [mm], the mean contact pressure [MPa] and the load [mN] at each site,
+    and the separation [um]. If `sensitive`, they also contain the relative change of the friction force with
+    each height [% per um].
     """
     modulus = design.surface.material.composite_modulus
     load = float(design.law.load[-1]) if rescaled_load is None else rescaled_load * modulus
@@ -58,7 +59,10 @@ def _words(design: Design, state: ContactState) -> str:
 
 
 def _sensitivity(design: Design, rescaled_load: float, state: ContactState) -> dict[str, Any]:
-    """Return 100 (dF/dh) / F = 100 (dA0/dh) / A0; models without derivatives use those of another one."""
+    """Return the sensitivities 100 (dF/dh) / F = 100 (dA0/dh) / A0 [% per um] at the sites, and a note.
+
+    A model without derivatives uses the derivatives of its `gradient_model`, which the note names.
+    """
     model = design.law.model.gradient_model
     if not state.area > 0.0:
         return {"sensitivity": at_sites(design, np.zeros(design.surface.count), 0), "note": ""}

@@ -1,4 +1,4 @@
-"""Edits of single sites, as the map asks for them."""
+"""Edits of single sites that the user makes on the map."""
 
 from __future__ import annotations
 
@@ -11,12 +11,15 @@ from metafem.explorer.surface.sites_text import emptied_text, pinned_text, relea
 from metafem.explorer.surface.surface_data import kept_height
 from metafem.inversion import Design
 
-# A number without a unit, which is one of micrometres.
+# A number without a unit; it is in micrometres.
 NUMBER = re.compile(r"\d+\.?\d*|\.\d+")
 
 
 def edited(text: str, design: Design | None, given: Any) -> str:
-    """Return the text after an edit of sites: {"action", "sites", "height"}; height is "" for that shown."""
+    """Return the text after an edit of sites, `given` as {"action", "sites", "height"}.
+
+    With the height "", the action "pin" fixes each site at its current height.
+    """
     if design is None:
         raise InvalidInput("there is no surface yet whose sites could be changed")
     action, sites, typed = _checked(given, design.template.count)
@@ -36,9 +39,10 @@ def edited(text: str, design: Design | None, given: Any) -> str:
 
 
 def typed_height(typed: str) -> str:
-    """Return a typed height as a quantity: one without a unit is in micrometres.
+    """Return a typed height as a quantity; a number without a unit is in micrometres.
 
-    The specification is read afterwards and says what is wrong with any other quantity.
+    Text that does not begin with a number raises InvalidInput. Other invalid quantities are reported when the
+    specification is read.
     """
     words = typed.strip()
     if NUMBER.fullmatch(words):
@@ -49,7 +53,7 @@ def typed_height(typed: str) -> str:
 
 
 def _checked(given: Any, count: int) -> tuple[str, Sequence[int], str]:
-    """Return action, sites and height of an event of the browser."""
+    """Return action, sites and height from a browser event; raise InvalidInput if one is not valid."""
     try:
         action, sites, typed = given["action"], given["sites"], given["height"]
         known = action in ("pin", "empty", "release") and isinstance(typed, str)

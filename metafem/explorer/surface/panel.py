@@ -1,4 +1,4 @@
-"""The panel of the surface."""
+"""The panel that shows the surface."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ STYLE = Path(__file__).with_name("surface.css")
 
 
 class Views:
-    """The pictures of a page's surface: sends what has changed, the contacts after the heights."""
+    """The pictures of the surface: sends changed data to the browser, heights first and contacts second."""
 
     def __init__(self, page: Page) -> None:
         self.page = page
@@ -41,7 +41,7 @@ class Views:
         page.listen_prepared(self.prepared, self.show)
 
     def prepared(self, answer: Answer) -> dict[str, Any]:
-        """Return what has changed on the surface of an answer."""
+        """Return the surface data of an answer that differ from the data shown."""
         shown = answer.design, answer.state.text
         again = all(one is other for one, other in zip(shown, self.shown, strict=True))
         data = message_data(answer) if again else site_data(answer)
@@ -63,7 +63,7 @@ class Views:
         return contact_data(answer.design, answer.state.load, self.sensitive)
 
     async def _edit(self, given: Any) -> None:
-        """Keep heights or empty sites, as the menu says."""
+        """Fix, empty or release sites, as chosen in the menu."""
 
         def change(state: State) -> str:
             return edited(state.text, self.page.answer.design, given)
@@ -80,6 +80,6 @@ class Views:
 
 
 def surface_panel(page: Page) -> None:
-    """Make the map and the picture in three dimensions."""
+    """Create the map and the three-dimensional picture."""
     ui.add_css(STYLE.read_text("utf-8"))
     Views(page)

@@ -1,4 +1,4 @@
-"""Kept heights and empty sites in the text of a specification."""
+"""Fixed heights and empty sites in the text of a specification."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from metafem.explorer.text.document import Document
 
 @dataclass(frozen=True)
 class Asked:
-    """What a specification says of single sites.
+    """The fixed heights and empty sites of a specification.
 
     Attributes
     ----------
     empty : frozenset of int
         Sites that stay empty.
     pinned : mapping of int to str
-        Sites whose heights are kept, with these heights as written.
+        Heights, as written in the text, of the sites whose heights are fixed.
     """
 
     empty: frozenset[int] = frozenset()
@@ -27,7 +27,7 @@ class Asked:
 
 
 def asked_sites(text: str) -> Asked:
-    """Return what a text says of single sites; entries of a wrong kind are left out."""
+    """Return the fixed heights and empty sites in a text; entries of a wrong type are ignored."""
     try:
         section = tomllib.loads(text).get("sites")
     except (tomllib.TOMLDecodeError, RecursionError):
@@ -40,20 +40,20 @@ def asked_sites(text: str) -> Asked:
 
 
 def pinned_text(text: str, heights: Mapping[int, str]) -> str:
-    """Return the text that keeps the heights of sites, given as quantities such as "150 um"."""
+    """Return the text with the heights of sites fixed at quantities such as "150 um"."""
     asked = asked_sites(text)
     return _written(text, asked.empty - heights.keys(), {**asked.pinned, **heights})
 
 
 def emptied_text(text: str, sites: Collection[int]) -> str:
-    """Return the text that leaves sites empty."""
+    """Return the text with these sites empty."""
     asked = asked_sites(text)
     kept = {site: height for site, height in asked.pinned.items() if site not in sites}
     return _written(text, asked.empty.union(sites), kept)
 
 
 def released_text(text: str, sites: Collection[int]) -> str:
-    """Return the text that leaves sites to the design, neither kept nor empty."""
+    """Return the text in which the design chooses these sites: neither fixed nor empty."""
     asked = asked_sites(text)
     kept = {site: height for site, height in asked.pinned.items() if site not in sites}
     return _written(text, asked.empty.difference(sites), kept)

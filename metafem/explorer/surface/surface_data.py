@@ -1,4 +1,4 @@
-"""The surface of an answer as data of its pictures."""
+"""The surface of an answer as data for the pictures."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from metafem.inversion import Design, DesignStatus
 from metafem.inversion.assessment import misfit_text
 from metafem.surface import Surface
 
-# Decimals of a height [um], of a position [mm] and of a contact radius [mm]; a pixel shows less.
+# Decimals of heights [um] and positions [mm]. One unit of the last decimal is smaller than a pixel.
 HEIGHT_DECIMALS, POSITION_DECIMALS = 2, 4
 
 
 def layout_data(design: Design) -> dict[str, Any]:
-    """Return the sites [mm], their least distance [mm] and the block [mm], which change rarely."""
+    """Return the data that rarely change: sites, their smallest distance and block size, all in [mm]."""
     template = design.template
     block = template.block
     return {
@@ -32,12 +32,12 @@ def layout_data(design: Design) -> dict[str, Any]:
 
 
 def same_layout(one: Surface, other: Surface) -> bool:
-    """Whether two templates have the same sites and block."""
+    """Return whether two templates have the same sites and block."""
     return one.block == other.block and np.array_equal(one.position, other.position)
 
 
 def least_distance(surface: Surface) -> float:
-    """Return the least distance between two sites [mm]; of a single one, four radii."""
+    """Return the smallest distance between two sites [mm]; for a single site, four radii."""
     if surface.count == 1:
         return 4.0 * float(surface.radius[0])
     from scipy.spatial import KDTree
@@ -46,10 +46,10 @@ def least_distance(surface: Surface) -> float:
 
 
 def site_data(answer: Answer) -> dict[str, Any]:
-    """Return the heights [um] and radii [mm] at the sites, None where there is no asperity.
+    """Return the heights [um] and radii [mm] at the sites, None at sites without an asperity.
 
-    ``pinned`` holds the sites whose heights are kept, as written; ``empty`` those that the specification
-    leaves empty; ``limits`` the lowest and the largest height of the colours.
+    ``pinned`` contains the fixed heights as written, by site; ``empty`` the sites that the specification
+    leaves empty; ``limits`` the smallest and the largest height of the colour scale [um].
     """
     data: dict[str, Any] = message_data(answer)
     design = answer.design
@@ -71,13 +71,17 @@ def site_data(answer: Answer) -> dict[str, Any]:
 
 
 def message_data(answer: Answer) -> dict[str, Any]:
-    """Return what is said of the surface, and whether it is one of an earlier state."""
+    """Return the message about the surface, and whether the surface belongs to an earlier state."""
     old = answer.design is not None and not answer.current
     return {"number": answer.number, "message": message(answer), "old": old}
 
 
 def message(answer: Answer) -> str:
-    """Return what has to be said of the surface that is shown: that it is older, or misses the target."""
+    """Return the message about the surface, or "".
+
+    The message states that there is no surface, that the surface belongs to an earlier state, or that it
+    misses the target with the fixed and empty sites.
+    """
     if answer.design is None:
         return "There is no surface yet." if answer.problems or answer.refusal else ""
     asked = asked_sites(answer.state.text)
@@ -97,7 +101,7 @@ def _any(asked: Asked) -> bool:
 
 
 def kept_height(design: Design, site: int) -> str | None:
-    """Return the height of a site as a quantity rounded to 0.1 um, within the limits; None if it is empty."""
+    """Return the height of a site as a quantity, rounded to 0.1 um within the limits; None if it is empty."""
     found = np.flatnonzero(design.sites == site)
     if not len(found):
         return None
@@ -111,7 +115,7 @@ def kept_height(design: Design, site: int) -> str | None:
 
 
 def at_sites(design: Design, values: FloatArray, decimals: int) -> list[float | None]:
-    """Return values of the asperities at the sites of the template, None where there is none."""
+    """Return values of the asperities by site of the template, None at sites without an asperity."""
     listed: list[float | None] = [None] * design.template.count
     for site, value in zip(design.sites.tolist(), _rounded(values, decimals), strict=True):
         listed[site] = value

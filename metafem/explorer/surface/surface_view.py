@@ -1,4 +1,4 @@
-"""The element that shows the surface in the browser."""
+"""The browser element that draws the surface."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from nicegui.element import Element
 
 
 class SurfaceView(Element, component="surface_view.js", esm={"metafem-surface": "js"}):
-    """Draws the data of `site_data` and `contact_data`, and emits ``sites`` and ``colour``."""
+    """Draws the data of `site_data` and `contact_data`, and emits the events ``sites`` and ``colour``."""
 
     def on_event(self, name: str, handler: Callable[[Any], Any]) -> None:
-        """Call a function with the data of an event."""
+        """Call `handler` with the data of each event of this name."""
         self.on(name, lambda event: handler(event.args))
 
     def show(self, data: dict[str, Any]) -> None:
@@ -25,5 +25,5 @@ class SurfaceView(Element, component="surface_view.js", esm={"metafem-surface": 
         self._call("contact", data)
 
     def _call(self, name: str, data: dict[str, Any]) -> None:
-        # as a statement, which the browser reads once; `run_method` lets it read thousands of numbers twice
+        # the browser parses a statement once, but the thousands of numbers in a `run_method` call twice
         self.client.run_javascript(f"runMethod({self.id}, {name!r}, [{json.dumps(data)}])")

@@ -1,1 +1,1 @@
-"""Files of the design, and the command that gives the same result."""
+"""Files of the design, and the command that produces the same result."""

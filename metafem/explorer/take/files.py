@@ -20,15 +20,17 @@ from metafem.report.figures import law_figure
 
 SPECIFICATION, ZIPPED = "spec.toml", "specification.zip"
 
-# Date of all entries of an archive, the first that the format can state: equal contents give equal archives.
+# Date of all entries of an archive, so that equal contents give equal archives. It is the earliest date that
+# the zip format can store.
 DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def specification_file(state: State) -> tuple[str, bytes]:
-    """Return name and content of the specification; with its tables it is an archive.
+    """Return name and content of the specification file or, if it has tables, of a zip archive with them.
 
-    A link can name tables that lie elsewhere, which would be unpacked there. They are then named as in a
-    result folder, without folders. Half a character, which has no bytes, becomes a question mark.
+    A link can contain table names that point outside the folder of the archive, where the tables would be
+    unpacked. In this case, all tables are renamed as in a result folder, without folders. A lone surrogate,
+    which has no UTF-8 bytes, becomes a question mark.
     """
     text = state.text.encode("utf-8", "replace")
     if not state.tables:
@@ -37,18 +39,18 @@ def specification_file(state: State) -> tuple[str, bytes]:
     if not all(map(_lies_within, state.tables)):
         try:
             return ZIPPED, archive(specification_of(state).files)
-        except InvalidInput:  # the text cannot be read, so no table is known to be wanted
+        except InvalidInput:  # the text cannot be read, so the tables that it needs are unknown
             files = {}
     return ZIPPED, archive({**files, SPECIFICATION: text})
 
 
 def _lies_within(name: str) -> bool:
-    """Whether a file of an archive is unpacked into its folder, beside the specification."""
+    """Return whether a file is unpacked inside the folder of its archive and is not the specification."""
     return name != SPECIFICATION and not re.search(r"^[/.]|\\|:|(^|/)\.\.?(/|$)|/$|^$", name)
 
 
 def tables_of(answer: Answer) -> dict[str, bytes]:
-    """Return the tables of the design of an answer, none if there is no design of its state."""
+    """Return the tables of an answer's design, by file name; empty if its state has no full design."""
     if not answer.current or answer.draft or answer.design is None or answer.specification is None:
         return {}
     tables = result_tables(answer.design, answer.specification.part)
@@ -56,12 +58,12 @@ def tables_of(answer: Answer) -> dict[str, bytes]:
 
 
 def law_picture(design: Design) -> bytes:
-    """Return the figure of the law of a report as an SVG file."""
+    """Return the content of an SVG file with the figure of the law, as in a report."""
     return (svg(law_figure(design), design.target.title) + "\n").encode("utf-8")
 
 
 def made_files(state: State) -> dict[str, bytes]:
-    """Return all files of the result folder of a state, as ``metafem design`` writes them."""
+    """Return all files of the result folder of a state, by file name, as ``metafem design`` writes them."""
     specification = specification_of(state)
     with TemporaryDirectory() as parent:
         folder = Path(parent, "surface")
@@ -73,7 +75,7 @@ def made_files(state: State) -> dict[str, bytes]:
 
 
 def archive(files: Mapping[str, bytes]) -> bytes:
-    """Return a zip archive of files by name."""
+    """Return the content of a zip archive with these files."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as written:
         for name, each in files.items():

@@ -1,27 +1,27 @@
-"""Why files of a design cannot be taken."""
+"""Reasons why files of a design cannot be downloaded."""
 
 from __future__ import annotations
 
 from metafem.explorer.answer import Answer
 
-# Files that state the design alone; all others are files of a part, or are written with one.
+# Files that need only the design. All other files describe the part, or are written together with it.
 OF_THE_DESIGN = ("heights.csv", "law.csv", "law.svg")
 
-# What is said above the files.
+# Messages above the files.
 NO_DESIGN = (
     "There is no surface for the specification as it stands, and so there are no files of one. "
     "The specification itself can be downloaded."
 )
 NO_PART = "The tables of the design and the specification can be downloaded."
-# What is said of a file; the first two are told in full above the files.
+# Messages beside a file. A message above the files states the first two in full.
 NEEDS_DESIGN, NEEDS_PART = "needs a surface", "needs a part that can be made"
 NO_BLOCK = "needs the section [block] with width, length and thickness"
 
 
 def hindrance(name: str, answer: Answer, problem: str = "") -> str:
-    """Return why a file of an answer cannot be taken, "" where it can.
+    """Return why a file of an answer cannot be downloaded; "" if it can.
 
-    `problem` is why no part can be made, "" where one can.
+    `problem` states why no part can be made; it is "" if a part can be made.
     """
     if not answer.current:
         return NEEDS_DESIGN
@@ -39,7 +39,7 @@ def hindrance(name: str, answer: Answer, problem: str = "") -> str:
 
 
 def said_above(answer: Answer, problem: str = "") -> str:
-    """Return what is said above the files: why none or some of them can be taken, "" where all can."""
+    """Return the message above the files: why none or some of them can be downloaded; "" if all can."""
     if not answer.current:
         return f"{NO_DESIGN} {answer.refused}".strip()
     return f"{problem[:1].upper()}{problem[1:]}. {NO_PART}" if problem else ""

@@ -1,4 +1,4 @@
-"""The panel of the files."""
+"""The panel with the files of the design."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 
 
 class File(NamedTuple):
-    """A file of the result folder: its name, and what it is for."""
+    """A file of the result folder: its name and its meaning."""
 
     name: str
     meaning: str
 
 
-# Tables of the design that is shown, and files that take some seconds.
+# Tables of the current design, which are written at once, and files that take some seconds.
 TABLES = (
     File("mould.csv", "Mould table: position, depth and tool radius of each hole"),
     File("heights.csv", "Heights: site, position, height and radius of each summit"),
@@ -47,13 +47,13 @@ PICTURE = File("law.svg", "Picture of the law, with its difference from the targ
 
 SPECIFICATION_FILE = File("spec.toml", "Specification, with the tables that it names")
 
-# What a link is for, and what was copied.
+# Message beside the link, and message after the link is copied.
 LINK = "The address of this page, for this machine; colleagues need spec.toml"
 COPIED = (
     "It opens the same state on this machine while metafem explore runs. For another machine take spec.toml."
 )
 
-# What is said where there is no whole design of the state.
+# Message if the state has no full design.
 NOTHING = "There is no design to take: the target or a field must be changed first."
 
 # Name of the background computation, and of the archive.
@@ -61,7 +61,7 @@ TASK, ARCHIVE = "files", "surface.zip"
 
 
 class Making:
-    """The files of a state: made once, by a process beside the page, and kept until the state changes."""
+    """The files of a state, which a background process writes once. They are stored for further downloads."""
 
     def __init__(self, page: Page) -> None:
         self.page = page
@@ -75,7 +75,7 @@ class Making:
         self.stop.set_visibility(False)
 
     async def take(self, name: str) -> None:
-        """Download a file of the design that is shown, or the archive of all."""
+        """Download a file of the current design or the archive of all files; if needed, write them first."""
         state = self.page.answer.state
         if not self.page.answer.current or self.page.answer.draft:
             self.say(NOTHING)
@@ -90,17 +90,17 @@ class Making:
             )
 
     def stepped(self, step: str, done: float | None) -> None:
-        """Show the step."""
+        """Show the current step of the process."""
         self.say(f"The files are being written: {step}.")
 
     def made(self, state: State, files: dict[str, bytes]) -> None:
-        """Keep the files, and download the wanted one."""
+        """Store the files, and download the requested file."""
         self.state, self.files = state, files
         self.stop.set_visibility(False)
         background_tasks.create(self.download(self.wanted))
 
     def failed(self, error: MetafemError) -> None:
-        """Say why the files cannot be written."""
+        """Show why the files cannot be written."""
         self.stop.set_visibility(False)
         self.say(f"The files were not written: {error}")
 
@@ -126,19 +126,19 @@ class Making:
         self.say(f"{name} was downloaded ({len(content) / 1e3:,.0f} kB).")
 
     def say(self, text: str) -> None:
-        """Show a sentence about the design that is shown."""
+        """Show a message about the current design."""
         self.told = self.page.answer.state
         if self.label.text != text:
             self.label.text = text
 
     def follow(self, answer: Answer) -> None:
-        """Forget what was said of another design, but for files that are being written."""
+        """Remove the message if it is about another design, except while files are being written."""
         if self.told is not None and not self.stop.visible and not self.told.designs_the_same(answer.state):
             self.told, self.label.text = None, ""
 
 
 def take_panel(page: Page) -> None:
-    """Make the buttons that download the design, and the command that gives the same result."""
+    """Create the buttons that download the design, and the command that produces the same result."""
     ui.add_css(Path(__file__).with_name("take.css"))
     above = ui.label().classes("warn").props('role="status"')
     above.set_visibility(False)
@@ -158,7 +158,7 @@ def take_panel(page: Page) -> None:
             _button(SPECIFICATION_FILE, partial(_specification, page, making))
             copy = ui.button("Copy link", icon="link", on_click=partial(_copied, making))
             copy.props("no-caps flat dense align=left")
-            # in the browser, which allows it within the click alone
+            # runs in the browser, which allows copying only in the handler of a click
             copy.on("click", js_handler="() => navigator.clipboard.writeText(location.href)")
             ui.label(LINK).classes("small")
             add(MADE[0])
@@ -172,7 +172,7 @@ def take_panel(page: Page) -> None:
             _lines(making, "script", script_of())
 
     def offer() -> None:
-        """Offer the files that there are, and say why there are no others."""
+        """Enable the available files, and show why the other files are not available."""
         for each in offered:
             each.offer(hindrance(each.file.name, page.answer, problem))
         words = said_above(page.answer, problem)
@@ -196,15 +196,15 @@ def take_panel(page: Page) -> None:
 
 
 class Offered(NamedTuple):
-    """A button that downloads a file, and the words beside it."""
+    """A button that downloads a file, and its label."""
 
     file: File
     button: ui.button
     label: ui.label
 
     def offer(self, hindrance: str) -> None:
-        """Offer the file, or say why it cannot be taken."""
-        own = hindrance not in ("", NEEDS_DESIGN, NEEDS_PART)  # else it is told above the files
+        """Enable the button, or disable it and show why the file cannot be downloaded."""
+        own = hindrance not in ("", NEEDS_DESIGN, NEEDS_PART)  # these reasons appear above the files
         words = f"{self.file.meaning}: {hindrance}" if own else self.file.meaning
         if self.label.text != words:
             self.label.text = words
@@ -213,7 +213,7 @@ class Offered(NamedTuple):
 
 
 def _card(title: str) -> Element:
-    """Return a group of files with its title."""
+    """Return the element of a group of files, with its title."""
     card = ui.element("section").classes("card take")
     with card, ui.element("h3"):
         ui.label(title)
@@ -221,14 +221,14 @@ def _card(title: str) -> Element:
 
 
 def _button(file: File, take: Callable[[], Awaitable[None]]) -> Offered:
-    """Return a button that downloads a file, with its meaning beside it."""
+    """Return a button that downloads a file, with the meaning of the file as its label."""
     button = ui.button(file.name, icon="download", on_click=take)
     button.props(f'no-caps flat dense align=left data-take="{file.name}"')
     return Offered(file, button, ui.label(file.meaning).classes("small"))
 
 
 def _lines(making: Making, name: str, text: str) -> ui.label:
-    """Return lines of text as they are, with a button that copies them."""
+    """Return a label that shows the text unchanged, next to a button that copies the text."""
     with ui.element("div").classes("lines"):
         lines = ui.label(text)
         copy = ui.button(icon="content_copy", on_click=lambda: making.say(f"The {name} was copied."))
@@ -244,7 +244,7 @@ def _copied(making: Making) -> None:
 
 
 async def _table(page: Page, making: Making, name: str) -> None:
-    """Download a table of the design that is shown; one of a mould only where it can be made."""
+    """Download a table of the current design; the mould table only if the part can be made."""
     answer = page.answer
     tables = await page.in_thread(tables_of, answer)
     problem = await page.in_thread(part_problem, answer) if name == "mould.csv" else ""
@@ -269,7 +269,7 @@ async def _picture(page: Page, making: Making) -> None:
 
 
 async def _specification(page: Page, making: Making) -> None:
-    """Download the specification, also where it has problems."""
+    """Download the specification, even if it has problems."""
     name, content = await page.in_thread(specification_file, page.answer.state)
     ui.download.content(content, name)
     making.say(f"{name} was downloaded.")

@@ -1,1 +1,1 @@
-"""The specification's text: edits, handles of the target, fields, links."""
+"""The text of the specification: edits, handles of the target, fields and links."""

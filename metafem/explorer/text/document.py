@@ -1,4 +1,4 @@
-"""Edits of a specification's text that keep its comments, its order and its formatting."""
+"""Edits of the text of a specification that preserve its comments, order and formatting."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ HEADER = re.compile(r"^[ \t]*\[.*$", re.MULTILINE)
 
 
 class Document:
-    """The text of a specification, whose values are read and set by dotted keys.
+    """The text of a specification, with methods that read and set values by dotted keys.
 
     Parameters
     ----------
     text : str
-        A specification, or any other TOML.
+        A specification, or any other TOML text.
 
     Raises
     ------
@@ -50,25 +50,25 @@ class Document:
         self.table = toml_table(text)
 
     def value(self, key: str) -> Any:
-        """Return the value of a dotted key, None where there is none."""
+        """Return the value of a dotted key; None if the text does not have the key."""
         found: Any = self.table
         for part in key.split("."):
             found = found.get(part) if isinstance(found, dict) else None
         return found
 
     def with_value(self, key: str, value: Any) -> str:
-        """Return the text with another value of a dotted key; its section is made where it is missing."""
+        """Return the text with a new value of a dotted key; a missing section is added."""
         return self.with_values({key: value})
 
     def without(self, key: str) -> str:
-        """Return the text without a key, and without its section if nothing is left that must stay."""
+        """Return the text without a key; its section is also removed if it is then empty and optional."""
         return self.with_values({key: None})
 
     def with_kind(self, section: str, kind: str, values: Mapping[str, Any] | None = None) -> str:
-        """Return the text with a section of another kind.
+        """Return the text with a section changed to another kind.
 
-        Keys that the kind does not have are removed. `values` are those of its keys; default: the examples
-        of the manual for the keys that it needs, where the text has none.
+        `values` are the keys and values of the new section. Default: the present values of the keys that the
+        new kind has, and the examples of the manual for missing required keys. All other keys are removed.
         """
         now = self.value(section)
         present = now if isinstance(now, dict) else {}
@@ -80,12 +80,12 @@ class Document:
         return self.with_values({f"{section}.{name}": value for name, value in keys.items()})
 
     def with_values(self, values: Mapping[str, Any]) -> str:
-        """Return the text with other values of dotted keys; None removes a key.
+        """Return the text with new values of dotted keys; the value None removes a key.
 
         Raises
         ------
         InvalidInput
-            If the text is written so that a value cannot be set without changing others.
+            If a value cannot be set without changing other values of the text.
         """
         wanted = copy.deepcopy(self.table)
         for key, value in values.items():
@@ -108,7 +108,7 @@ class Document:
     def _edited(
         self, values: Mapping[str, Any], emptied: list[str], wanted: dict[str, Any], careful: bool
     ) -> str | None:
-        """Return the edited text if it is read as wanted, None otherwise."""
+        """Return the edited text if its values are those in `wanted`, otherwise None."""
         import tomlkit
         from tomlkit.exceptions import TOMLKitError
 
@@ -159,14 +159,14 @@ def _set_plain(table: dict[str, Any], parts: list[str], value: Any) -> None:
 
 
 def _sections_of(values: Mapping[str, Any]) -> list[str]:
-    """Return the sections of keys that are removed, inner ones first."""
+    """Return the sections of the removed keys and their outer sections, inner sections first."""
     found = {key.rpartition(".")[0] for key, value in values.items() if value is None and "." in key}
     found |= {key.rpartition(".")[0] for key in found if "." in key}
     return sorted(found, key=lambda key: -key.count("."))
 
 
 def _is_emptied(table: dict[str, Any], key: str) -> bool:
-    """Whether a section has no keys left, and is not one that every specification has."""
+    """Return whether a section has no keys left and is optional or unknown."""
     inner: Any = table
     for part in key.split("."):
         inner = inner.get(part) if isinstance(inner, dict) else None
@@ -175,9 +175,9 @@ def _is_emptied(table: dict[str, Any], key: str) -> bool:
 
 
 def _same(first: dict[str, Any], second: dict[str, Any]) -> bool:
-    """Whether two tables hold the same values of the same types; also where one is not a number.
+    """Return whether two tables have equal values of equal types; nan counts as equal to nan.
 
-    A section without keys counts as none: dotted keys cannot state it.
+    An empty section counts as no section, because dotted keys cannot describe an empty section.
     """
     filled = [{name: value for name, value in table.items() if value != {}} for table in (first, second)]
     texts = [json.dumps(table, sort_keys=True, default=repr) for table in filled]
@@ -185,7 +185,7 @@ def _same(first: dict[str, Any], second: dict[str, Any]) -> bool:
 
 
 def _without_section(text: str, key: str) -> str:
-    """Return the text without a section that has no keys left; comments after a blank line stay."""
+    """Return the text without a section that has no keys left; comments after a blank line remain."""
     name = r"[ \t]*\.[ \t]*".join(
         rf"(?:{re.escape(part)}|[\"']{re.escape(part)}[\"'])" for part in key.split(".")
     )
@@ -205,7 +205,7 @@ def _without_section(text: str, key: str) -> str:
 
 
 def _examples(section: str, kind: str, kept: Mapping[str, Any]) -> dict[str, Any]:
-    """Return examples of the keys that a kind needs and a text does not have."""
+    """Return example values for the required keys of a kind that are not in `kept`."""
     form = form_of(section)
     keys = form.keys.get(kind, ()) if form else ()
     begun = [key.choice for key in keys if key.choice is not None and key.name in kept]

@@ -1,4 +1,4 @@
-"""Changes of single values in a document of tomlkit."""
+"""Changes of single values in a tomlkit document."""
 
 from __future__ import annotations
 
@@ -11,15 +11,16 @@ from tomlkit.items import Array, Item, String, Table
 
 from metafem.explorer.text.order import key_order, section_order
 
-# A comma without a space, which tomlkit leaves where it adds an entry, and what is not a list of numbers, in
-# which a comma could be one of a text or of a comment.
+# A comma without a space after it, which tomlkit writes when it adds an entry; and a character that does not
+# occur in a list of integers. In lists with such characters no space is added, because their strings or
+# comments may contain commas.
 CLOSE, OTHER = re.compile(r",(?! )"), re.compile(r"[^\d, \[\]]")
 
 
 def set_value(
     document: tomlkit.TOMLDocument, parts: list[str], value: Any, wanted: dict[str, Any], careful: bool
 ) -> None:
-    """Set the value of a dotted key; new keys and sections stand in the order of the manual if `careful`."""
+    """Set the value of a dotted key; if `careful`, add new keys and sections in the order of the manual."""
     *sections, name = parts
     container: Any = document
     plain: Any = wanted
@@ -45,14 +46,14 @@ def set_value(
 
 
 def _align(old: Any, new: Item) -> None:
-    """Keep the column of the comment behind a value."""
+    """Adjust the space after a new value so that its comment stays in the same column."""
     gap = new.trivia.comment_ws
     if new.trivia.comment and len(gap) > 1 and not gap.strip(" "):
         new.trivia.comment_ws = " " * max(1, len(gap) + len(old.as_string()) - len(new.as_string()))
 
 
 def removed(document: tomlkit.TOMLDocument, parts: list[str]) -> None:
-    """Remove a dotted key if it is there."""
+    """Remove a dotted key if the document has it."""
     container: Any = document
     for section in parts[:-1]:
         if section not in container:
@@ -63,7 +64,7 @@ def removed(document: tomlkit.TOMLDocument, parts: list[str]) -> None:
 
 
 def separate(document: tomlkit.TOMLDocument, names: list[str]) -> None:
-    """Add an empty line behind new sections that another one follows."""
+    """Add an empty line after each new section that is followed by another section."""
     places = [key.key for key, _ in document.body if key is not None]
     for name in names:
         section = document[name]
@@ -72,7 +73,7 @@ def separate(document: tomlkit.TOMLDocument, names: list[str]) -> None:
 
 
 def _item(value: Any, old: Any = None) -> Item:
-    """Return a value as an item of tomlkit; a text has the quotes of the one before where it can."""
+    """Return a value as a tomlkit item; a string keeps the single quotes of the `old` string if possible."""
     quoted = isinstance(old, String) and old.as_string().startswith("'")
     if quoted and isinstance(value, str) and "'" not in value and value.isprintable():
         return tomlkit.string(value, literal=True)
@@ -85,7 +86,7 @@ def _item(value: Any, old: Any = None) -> Item:
 
 
 def _update(array: Array, values: list[Any]) -> None:
-    """Change the entries of a list that differ, so that the others keep their form and their comments."""
+    """Change only the entries of a list that differ; the others keep their format and their comments."""
     old = array.unwrap()
     least = min(len(old), len(values))
     start = next((i for i in range(least) if old[i] != values[i]), least)
@@ -103,7 +104,7 @@ def _update(array: Array, values: list[Any]) -> None:
 
 
 def _add_section(document: tomlkit.TOMLDocument, name: str, careful: bool) -> None:
-    """Add an empty section: behind the one that precedes it in the manual, or at the end."""
+    """Add an empty section, after the section that precedes it in the manual or at the end."""
     section = tomlkit.table()
     order = section_order()
     before = order[: order.index(name)] if careful and name in order else ()
@@ -116,7 +117,7 @@ def _add_section(document: tomlkit.TOMLDocument, name: str, careful: bool) -> No
 
 
 def _insert(container: Any, name: str, item: Item, order: tuple[str, ...], careful: bool) -> None:
-    """Add a key behind the one that precedes it in an order, or at the end."""
+    """Add a key, after the nearest existing key that precedes it in `order` or at the end."""
     body = container.value if isinstance(container, Table) else container
     before = order[: order.index(name)] if name in order else ()
     last = next((other for other in reversed(before) if other in container), None)

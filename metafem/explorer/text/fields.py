@@ -1,4 +1,4 @@
-"""Values of a specification as a form shows them, and as a person types them."""
+"""Values of a specification as the form shows them, and as the user types them."""
 
 from __future__ import annotations
 
@@ -11,22 +11,24 @@ from metafem.explorer.text.document import Document
 from metafem.explorer.text.order import form_of
 from metafem.files import KeyForm, SectionForm, toml_table
 
-# A decimal number that TOML refuses for want of a digit before or behind the point.
+# A decimal number without a digit before or after the point; TOML does not accept this form.
 SHORT_NUMBER = re.compile(r"[+-]?(\d+\.|\.\d+)")
 
-# What separates the entries of a list; rows and columns also a cross, or an x that belongs to no word.
+# Separators of the entries of a list. Lists of integers (rows and columns) also accept a cross, or an x that
+# is not part of a word.
 SEPARATORS = re.compile(r"[,;\n]")
 CROSS = re.compile(r"[,;\n×]|(?<![^\W\d])[xX](?![^\W\d])")
 
-# Brackets that group two entries of a list.
+# Brackets around a group of entries, such as a pair.
 GROUPS = re.compile(r"\[[^\[\]]*\]")
 
 
 def with_field(text: str, key: str, typed: str) -> str:
-    """Return the text with what a person typed into the field of a key; nothing removes the key.
+    """Return the text with the value that the user typed for a key; an empty value removes the key.
 
-    The value is written as it was typed, so that reading the specification states what is wrong with it. Keys
-    of another choice are removed, and with another kind the keys that it does not have.
+    An invalid value is also written as typed, so that the reader of the specification reports the error. If
+    the key belongs to one of several choices, the keys of the other choices are removed. If the key is a
+    kind, the keys that the new kind does not have are removed.
 
     Raises
     ------
@@ -62,7 +64,7 @@ def with_field(text: str, key: str, typed: str) -> str:
 
 
 def with_section(text: str, name: str) -> str:
-    """Return the text with a section, in which the keys that it needs have the examples of the manual."""
+    """Return the text with a new section, whose required keys have the example values of the manual."""
     document, form = Document(text), form_of(name)
     if form is None or document.value(name) is not None:
         return text
@@ -82,7 +84,7 @@ def without_section(text: str, name: str) -> str:
 
 
 def shown(value: Any) -> str:
-    """Return a value of a specification as a field shows it: without quotes, lists without brackets.
+    """Return a value of a specification as a field shows it: strings without quotes, lists without brackets.
 
     Examples
     --------
@@ -101,7 +103,7 @@ def shown(value: Any) -> str:
 
 
 def typed_value(form: KeyForm, typed: str) -> Any:
-    """Return what a person typed as a value of TOML; a text that is not of the form stays as it is.
+    """Return typed text as a TOML value; text that does not match the type of the key stays a string.
 
     Examples
     --------
@@ -111,7 +113,7 @@ def typed_value(form: KeyForm, typed: str) -> Any:
     """
     if not form.listed:
         return _typed_entry(form, typed)
-    # groups are set aside, so that the commas in them separate nothing
+    # take groups out first, so that their commas do not separate entries of the list
     groups = [_typed_list(form, group[1:-1]) for group in GROUPS.findall(typed)] if form.pairs else []
     rest = GROUPS.sub("[]", typed) if form.pairs else typed.strip().removeprefix("[").removesuffix("]")
     entries = _split(form, rest)
@@ -142,7 +144,7 @@ def _typed_entry(form: KeyForm, typed: str) -> Any:
 
 
 def _keys(form: SectionForm, document: Document) -> tuple[KeyForm, ...]:
-    """Return the keys of a section of the kind that it has in the text; none of an unknown kind."""
+    """Return the keys of a section for its kind in the text; none if the kind is unknown."""
     kind = document.value(f"{form.name}.kind") if form.kinds else ""
     return form.keys.get(kind, ()) if isinstance(kind, str) else ()
 

@@ -1,4 +1,4 @@
-"""Handles of a target law: the points at which it is dragged, and the text after they have moved."""
+"""Handles of a target law: the points that the user drags, and the text after a handle has moved."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from metafem.inversion import Design, OperatingPoints, SampledLaw
 
 __all__ = ["Handle", "added", "crowd", "drawn", "handles", "moved", "removed"]
 
-# Relative resolution of a value that is dragged: a pixel of a plot of a thousand.
+# Relative resolution of a dragged value: one pixel of a plot that is a thousand pixels wide.
 RESOLUTION = 1e-3
 
-# Most points that are handles. More are closer together on a plot than the marks of two, and a hand that
-# moves one of them makes a spike.
+# Largest number of points that have handles. With more points, the marks would overlap on the plot, and
+# moving a single point would make a spike in the law.
 MOST = 200
 
 MARKS: dict[str, type[Marks]] = {
@@ -34,16 +34,16 @@ MARKS: dict[str, type[Marks]] = {
 
 
 def handles(text: str, specification: Specification | None, design: Design | None) -> tuple[Handle, ...]:
-    """Return the handles of the target of a specification; none if it has problems or a crowd of points.
+    """Return the handles of a target; none if the specification has problems or the target too many points.
 
     Parameters
     ----------
     text : str
         The text of the specification.
     specification : Specification or None
-        What the text holds, None if it has problems.
+        The specification in the text; None if the text has problems.
     design : Design or None
-        The last design, which has the intercepts that a target leaves open.
+        The last design, which supplies the intercepts that the target leaves open.
 
     Examples
     --------
@@ -58,7 +58,10 @@ def handles(text: str, specification: Specification | None, design: Design | Non
 def drawn(
     text: str, specification: Specification | None, design: Design | None
 ) -> tuple[tuple[Handle, ...], Shape | None]:
-    """Return the handles of a target and its curve; none of a specification that has problems."""
+    """Return the handles and the curve of a target; no handles and None if the specification has problems.
+
+    A target with too many points has a curve but no handles.
+    """
     if specification is None:
         return (), None
     marks = _marks(text, specification, design)
@@ -67,7 +70,7 @@ def drawn(
 
 
 def crowd(specification: Specification) -> int:
-    """Return the number of points of a target that has too many for handles, else 0."""
+    """Return the number of points of the target if it has too many points for handles, otherwise 0."""
     target = specification.target
     count = len(target.rescaled_load) if isinstance(target, (OperatingPoints, SampledLaw)) else 0
     return count if count > MOST else 0
@@ -84,9 +87,9 @@ def moved(
 ) -> str:
     """Return the text after a handle has moved to a rescaled load and friction [mm^2].
 
-    Values keep their units. Loads stay between those of their neighbours, and so does the friction of points.
-    All steps of one drag are given the text, specification and design with which the drag began: a later
-    design has other intercepts, and the result then depends on the path of the hand.
+    Values keep their units. The load of a handle stays between the loads of its neighbours, and so does the
+    friction of a point. Every step of a drag must use the text, specification and design from the start of
+    the drag: a later design has other intercepts, so the result would depend on the path of the pointer.
 
     Raises
     ------
@@ -116,12 +119,12 @@ def added(
     friction: float,
     resolution: float = RESOLUTION,
 ) -> str:
-    """Return the text with a further point of the target at a rescaled load and friction [mm^2].
+    """Return the text with one more point of the target at a rescaled load and friction [mm^2].
 
     Raises
     ------
     InvalidInput
-        For a target that is not given by points.
+        If the target does not consist of points, or for values that are negative or not finite.
     """
     _refuse_negative(load, friction)
     marks = _marks(text, specification, None)
@@ -129,12 +132,12 @@ def added(
 
 
 def removed(text: str, specification: Specification | None, id: str) -> str:
-    """Return the text without a point of the target, or without what is optional.
+    """Return the text without a point or an optional parameter of the target.
 
     Raises
     ------
     InvalidInput
-        For the only point, and for a handle of something that the target needs.
+        For the last remaining point, and for the handle of a required parameter.
     """
     marks = _marks(text, specification, None)
     return marks.scene.written(marks.removed(id))

@@ -1,4 +1,4 @@
-"""A target of another kind near the law of the last design."""
+"""Targets of another kind that are close to the law of the last design."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from metafem.inversion.targets.wording import RESCALED, Wording
 from metafem.models import Independent
 from metafem.models.model import contact_of
 
-# What a page calls the kinds.
+# Names of the kinds on the page.
 NAMES: Mapping[str, str] = {
     "operating-points": "operating points",
     "linear": "straight line (linear)",
@@ -33,41 +33,43 @@ NAMES: Mapping[str, str] = {
     "sampled": "curve (sampled)",
 }
 
-# Numbers of operating points to try, and the number of samples of a law.
+# Numbers of operating points to try, in this order, and the number of samples of a law.
 POINTS, SAMPLES = (4, 3, 2, 1), 8
 
-# Relative resolution of a target that is stated in other units: its law stays the same on any screen.
+# Relative resolution of a target after a change of units. The change of the law is too small to see.
 RESTATED = 1e-6
 
-# The first load of a law that is given at one load alone, relative to that load.
+# First load of the new target if the present target has a single load, as a fraction of that load.
 START = 0.25
 
-# Distance from the bound of what can be reached in units of the resolution: rounding moves by half of one.
+# Distance of a value from the bound of the reachable values, in units of the resolution. Rounding moves a
+# value by at most half a unit.
 INSIDE = 4.0
 
-# Most sites for which designs are tried: with more, each takes longer than a person waits for a click.
+# Largest number of sites for which designs are tried. With more sites, the user would wait too long.
 MOST_TRIED = 256
 
-# The members of a target of each kind: slopes and loads in mm^2.
+# Members of a target by name: slopes [-], loads and frictions [mm^2].
 Numbers = dict[str, Any]
 
 
 def kind_names() -> dict[str, str]:
-    """Return the kinds of targets with what a page calls them, in the order of the manual."""
+    """Return the names of the target kinds on the page, by kind, in the order of the manual."""
     form = form_of("target")
     return {} if form is None else {kind: NAMES.get(kind, kind) for kind in form.kinds}
 
 
 def with_kind(state: State, design: Design | None, kind: str) -> str:
-    """Return the text of a state with a target of another kind near the law of the last design.
+    """Return the text of a state with a target of another kind that is close to the law of the last design.
 
-    The units stay. Up to 256 sites it can be reached by independent asperities where one of the attempts can.
-    Without a design, and where the text has problems, the values are the examples of the manual.
+    The values keep their units. With up to 256 sites, several targets are tried, each also with its nearest
+    reachable values. The result is the first target that independent asperities reach, or the first of all if
+    they reach none. Without a design, or if the text has problems, the values are the examples of the manual.
 
     Raises
     ------
     InvalidInput
-        For an unknown kind, and for a text that is not valid TOML.
+        If the kind is unknown or the text is not valid TOML.
 
     Examples
     --------
@@ -87,7 +89,7 @@ def with_kind(state: State, design: Design | None, kind: str) -> str:
         if design is not None:
             return _near(document, specification, design, kind)
     except MetafemError:
-        pass  # a text with problems
+        pass  # the text has problems
     return document.with_kind("target", kind)
 
 
@@ -98,7 +100,7 @@ def _near(
     kind: str,
     resolution: float = RESOLUTION,
 ) -> str:
-    """Return a text with a target of another kind near the law of a design."""
+    """Return the text with a target of another kind that is close to the law of a design."""
     scene, tables = Scene(document, specification, design), _tables(document, specification)
     wording, template, first = scene.target.wording, specification.template, ""
     law, low, high = _present(design)
@@ -119,7 +121,7 @@ def _near(
 
 
 def restated(document: Document, specification: Specification, newtons: bool) -> dict[str, Any]:
-    """Return the keys of the same target rescaled or by forces; none where a force is not known."""
+    """Return the keys of the same target in newtons or rescaled; no keys for newtons without a friction."""
     scene, friction = Scene(document, specification, None), specification.template.friction
     if newtons and friction is None:
         return {}
@@ -133,7 +135,7 @@ def restated(document: Document, specification: Specification, newtons: bool) ->
 
 
 def _present(design: Design) -> tuple[Callable[[FloatArray], FloatArray], float, float]:
-    """Return the law of a design, and the loads from which and to which its target is given [mm^2]."""
+    """Return the law of a design as a function, and the smallest and largest load of its target [mm^2]."""
     law, ends = design.law, design.target_law.load[[0, -1]]
     low, high = (float(end) for end in ends)
     return (
@@ -147,7 +149,7 @@ Law = Callable[[FloatArray], FloatArray]
 
 
 def _with_bends(numbers: Numbers, law: Law, target: Target) -> Numbers:
-    """Return points of a law of which some are at the crossover loads of the target before."""
+    """Return points of a law, with inner points moved to the crossover loads of the previous target."""
     edges = [load for _, ends in target.branches for load in ends][1:-1]
     load = np.array(numbers["rescaled_load"])
     for bend in edges or [start for _, start in target.lines[1:]]:
@@ -214,7 +216,7 @@ def _slope(law: Law, low: float, high: float) -> float:
 
 
 def _written(numbers: Numbers, scene: Scene, wording: Wording, resolution: float) -> dict[str, Any]:
-    """Return the keys of a target in the units of a wording."""
+    """Return the keys and values of a target in the units of a `Wording`."""
     rescaled, forces = wording.composite_modulus is None, wording.per_slope is not None
     found: dict[str, Any] = {}
     for name, value in numbers.items():
@@ -238,7 +240,10 @@ def _written(numbers: Numbers, scene: Scene, wording: Wording, resolution: float
 
 
 def _nearest(text: str, tables: Mapping[str, bytes]) -> Any:
-    """Return None if independent asperities reach the target of a text, otherwise the nearest."""
+    """Return None if independent asperities reach the target of a text, otherwise the nearest target.
+
+    If no nearest target is known, an empty tuple is returned.
+    """
     try:
         specification = parsed(text, tables)
         model = Independent(contact_of(specification.model))
@@ -251,7 +256,7 @@ def _nearest(text: str, tables: Mapping[str, bytes]) -> Any:
 
 
 def _beyond(wanted: Any, nearest: Any, resolution: float) -> Any:
-    """Return numbers of the nearest target, a little further from the wanted ones; None for none."""
+    """Return the numbers `nearest`, moved slightly further from `wanted`; None if their shapes differ."""
     if nearest is None or np.shape(nearest) != np.shape(wanted):
         return None
     near = np.asarray(nearest, dtype=np.float64)
@@ -260,7 +265,7 @@ def _beyond(wanted: Any, nearest: Any, resolution: float) -> Any:
 
 
 def _tables(document: Document, specification: Specification) -> dict[str, bytes]:
-    """Return the tables that a text names, by their names there."""
+    """Return the contents of the tables that a text refers to, by the names in the text."""
     places = ("target", "contact", "contact.cap")
     names = [name for place in places if (name := document.value(f"{place}.file"))]
     return dict(zip(names, list(specification.files.values())[1:], strict=True))

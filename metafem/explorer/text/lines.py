@@ -1,4 +1,4 @@
-"""Handles of targets that are made of straight lines."""
+"""Handles of targets that consist of straight lines."""
 
 from __future__ import annotations
 
@@ -12,18 +12,19 @@ from metafem.explorer.text.marks import Handle, Marks
 from metafem.explorer.text.shape import Branch, Point, Shape, shape_of
 from metafem.explorer.text.written import between
 
-# Share of the rescaled load "sites x largest height x radius" at which a line is dragged before there is any
-# design: near the largest loads of the paper's surfaces.
+# Estimate of the largest rescaled load of a surface before there is a design, as a fraction of
+# "number of sites x largest height x radius". It is near the largest loads of the paper's surfaces.
 BEFORE_ANY_DESIGN = 0.1
 
-# A line is not turned through points nearer to its pivot than this share of the distance of its handle, where
-# a slope would be out of all proportion.
+# Smallest load difference between pointer and pivot at which a line is turned through the pointer, as a
+# fraction of the load difference between handle and pivot. Closer to the pivot, a small move would change the
+# slope far too much.
 NEAREST = 0.2
 
 
 @dataclass(frozen=True)
 class Line:
-    """A branch of a target: its slope, where it is dragged, and the point about which it turns [mm^2]."""
+    """A branch of a target: its slope, and the load and friction of its handle and of its pivot [mm^2]."""
 
     slope: float
     load: float
@@ -31,7 +32,7 @@ class Line:
     pivot: tuple[float, float]
 
     def turned(self, load: float, friction: float) -> float:
-        """Return the slope of the line through another point."""
+        """Return the slope of the line after its handle has moved to a load and friction [mm^2]."""
         run = load - self.pivot[0]
         if run < NEAREST * (self.load - self.pivot[0]):
             run = self.load - self.pivot[0]
@@ -39,14 +40,15 @@ class Line:
 
 
 class LineHandles(Marks):
-    """Linear, bilinear and multilinear laws: slopes, crossover loads and the ends of the range.
+    """Handles for the slopes, crossover loads and range ends of linear, bilinear and multilinear laws.
 
-    A slope is dragged at the middle of its branch. The first line turns about its intercept, which is 0 for
-    lines through the origin and otherwise that of the design; other lines turn about their crossover.
+    The handle of a slope is at the middle of its branch. The first line turns about its intercept, which is 0
+    for lines through the origin and otherwise the intercept of the design. Each other line turns about the
+    crossover at its start.
     """
 
     def handles(self) -> tuple[Handle, ...]:
-        """Return a handle for each slope, crossover load and end of the range."""
+        """Return a handle for each slope, each crossover load and each end of the range."""
         scene, found = self.scene, []
         several = len(self.lines) > 1
         for i, line in enumerate(self.lines):
@@ -71,13 +73,13 @@ class LineHandles(Marks):
         return self._at(handle.id, placed, fine)
 
     def removed(self, id: str) -> dict[str, Any]:
-        """Return the keys that change without the range of loads, where the law can be without it."""
+        """Return the keys that change when the load range is removed, if the law does not require it."""
         if id.startswith("range-") and self.scene.kind != "multilinear":
             return {"load_range": None}
         return super().removed(id)
 
     def shape(self) -> Shape:
-        """Return the branches, with the intercepts nearest to the last design."""
+        """Return the curve of the branches, with the intercepts that are closest to the last design."""
         path = {id: Point(self._branch_of(id), load) for id, load, _ in self.path}
         return shape_of(self._branches(), path)
 
@@ -97,7 +99,7 @@ class LineHandles(Marks):
         return found
 
     def _branch_of(self, id: str) -> int:
-        """Return the number of the branch that ends, or else begins, at a load of the path."""
+        """Return the number of the branch whose end the handle `id` of the path moves."""
         if id.startswith("range-"):
             return 0 if id == "range-low" else len(self.slopes) - 1
         _, number, *end = id.split("-")
@@ -111,7 +113,7 @@ class LineHandles(Marks):
 
     @property
     def lines(self) -> list[Line]:
-        """The branches, as they are drawn with the last design."""
+        """The branches, with the intercepts of the last design."""
         target, found = self.scene.target, []
         starts = [low for _, (low, _) in target.branches] or [low for _, low in target.lines]
         for i, (slope, start) in enumerate(zip(self.slopes, starts, strict=True)):
@@ -127,7 +129,7 @@ class LineHandles(Marks):
 
     @property
     def path(self) -> list[tuple[str, float, str]]:
-        """Handle, rescaled load and label of the crossover loads and the ends of the range, increasing."""
+        """Handle id, rescaled load [mm^2] and label of all crossover loads and range ends, by load."""
         target: Any = self.scene.target
         pairs = getattr(target, "crossover_loads", ())
         if hasattr(target, "crossover_load"):
@@ -150,7 +152,7 @@ class LineHandles(Marks):
         ]
 
     def _friction(self, load: float) -> float:
-        """Return the friction of the target at a load [mm^2]: on the line that ends there."""
+        """Return the rescaled friction of the target at the load of a handle of the path [mm^2]."""
         target = self.scene.target
         if target.branches:
             return float(self._drawn(np.array([load]))[0])
@@ -158,7 +160,10 @@ class LineHandles(Marks):
         return line.friction + line.slope * (load - line.load)
 
     def _drawn(self, load: FloatArray) -> FloatArray:
-        """Return the target over its range, with the intercepts nearest to the last design [mm^2]."""
+        """Return the rescaled friction of a target with a load range at rescaled loads [mm^2].
+
+        The intercepts that the target leaves open are those closest to the last design.
+        """
         law = self.scene.target.curve()
         friction = law.base
         if law.is_open:
@@ -167,7 +172,7 @@ class LineHandles(Marks):
         return np.asarray(np.interp(load, law.load, friction))
 
     def _of_density(self, i: int, slope: float) -> tuple[float, float]:
-        """Return the load and friction at which a line without a range is dragged [mm^2]."""
+        """Return the rescaled load and friction of the slope handle of a line without a range [mm^2]."""
         design = self.scene.design
         if design is None or len(design.fits) != len(self.slopes):
             template, limits = self.scene.specification.template, self.scene.specification.limits
@@ -183,7 +188,7 @@ class LineHandles(Marks):
         return middle, fit.intercept + fit.slope * middle + (slope - branch.slope) * (middle - pivot)
 
     def _turned(self, i: int, load: float, friction: float, resolution: float) -> dict[str, Any]:
-        """Return the keys after a line has turned through a point; its slope stays positive."""
+        """Return the keys that change when the slope handle of line `i` has moved, with a positive slope."""
         line = self.lines[i]
         value = self.scene.slope(max(line.turned(load, friction), resolution * line.slope), resolution)
         section = self.scene.section
@@ -194,7 +199,7 @@ class LineHandles(Marks):
         return {name: [value if j == i else other for j, other in enumerate(section[name])]}
 
     def _at(self, id: str, load: float, resolution: float) -> dict[str, Any]:
-        """Return the keys after a load of the path has moved."""
+        """Return the keys that change when a handle of the path has moved to a load."""
         section, scene = self.scene.section, self.scene
         if id.startswith("range-"):
             ends = [*section["load_range"]]
@@ -209,7 +214,7 @@ class LineHandles(Marks):
         if end:
             place = end == ["start"]
             entry[place] = scene.load(load, entry[place], resolution)
-        elif isinstance(entry, list):  # a pair of equal loads, or a list of one
+        elif isinstance(entry, list):  # a pair of equal loads, or a list with one load
             entries[int(number)] = [scene.load(load, each, resolution) for each in entry]
         else:
             entries[int(number)] = scene.load(load, entry, resolution)

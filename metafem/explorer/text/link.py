@@ -1,4 +1,4 @@
-"""The state of a page as a short text for the address, and back."""
+"""Links: conversion of the state of a page to a short text for the address, and back."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from typing import Any
 from metafem.errors import InvalidInput
 from metafem.explorer.session import Session, State
 
-# First characters of a link: the version of its form.
+# First characters of a link: the version of its format.
 VERSION = "1."
 
-# The characters of a link.
+# The characters that are allowed in a link.
 SAFE = re.compile(r"[A-Za-z0-9_-]*")
 
-# Longest link, which browsers still take in an address [characters], and largest state [bytes]. A state of
-# a thousand measured points has 40 kB.
+# Longest link that browsers accept in an address [characters], and largest state [bytes]. A state with a
+# thousand measured points has 40 kB.
 LONGEST, LARGEST = 2**20, 2**24
 
 
 def to_link(state: State) -> str:
-    """Return a state as a text of letters, digits, hyphens, underscores and a point.
+    """Return a state as a link of letters, digits, hyphens, underscores and a point.
 
     Raises
     ------
@@ -49,12 +49,12 @@ def to_link(state: State) -> str:
 
 
 def from_link(link: str) -> State:
-    """Return the state of a link, with or without a number sign before it.
+    """Return the state that a link contains; the link may begin with a number sign.
 
     Raises
     ------
     InvalidInput
-        For a link that is cut off, damaged, of another version or too long.
+        If the link is cut off, damaged, of another version or too long.
 
     Examples
     --------
@@ -90,7 +90,7 @@ def from_link(link: str) -> State:
 
 
 def link_of(state: State) -> str:
-    """Return the link of a state, "" of one that is too large for an address."""
+    """Return the link of a state; "" if the state is too large for an address."""
     try:
         return to_link(state)
     except InvalidInput:
@@ -98,9 +98,9 @@ def link_of(state: State) -> str:
 
 
 def restored(kept: Any, first: Session) -> tuple[Session, str]:
-    """Return the history that the browser kept, else another one, and what is wrong with it.
+    """Return the history that the browser stored, or else `first`, and the error messages, "" if none.
 
-    Where the address holds another state, this is its last step.
+    If the address contains a different state, this state becomes the last step of the history.
     """
     session, problems = first, list[str]()
     try:

@@ -1,4 +1,4 @@
-"""What the handles of all kinds of targets have in common."""
+"""Common base of the handles of all kinds of targets."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from metafem.inversion import Design, Target
 
 @dataclass(frozen=True)
 class Handle:
-    """A point of the plot that is dragged.
+    """A point of the plot that the user can drag.
 
     Attributes
     ----------
     id : str
     load, friction : float
-        Rescaled, where it is drawn [mm^2].
+        Rescaled load and friction at which the handle is drawn [mm^2].
     moves : str
-        "xy", "x" or "y": the directions in which it moves.
+        Directions in which the handle moves: "xy", "x" or "y".
     label : str
-        What it changes, in words.
+        The parameter that the handle changes, in words.
     """
 
     id: str
@@ -42,7 +42,7 @@ class Handle:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """The text of a specification, what it holds, and the last design."""
+    """The text of a specification, the specification itself, and the last design."""
 
     document: Document
     specification: Specification
@@ -55,7 +55,7 @@ class Scene:
 
     @cached_property
     def section(self) -> Mapping[str, Any]:
-        """The keys of the target in the text."""
+        """The keys and values of the target in the text."""
         section = self.document.value("target")
         return section if isinstance(section, dict) else {}
 
@@ -71,24 +71,27 @@ class Scene:
 
     @property
     def friction_stress(self) -> float | None:
-        """Force per rescaled friction [MPa], sigma B; None without a friction."""
+        """Force per rescaled friction [MPa]: sigma B; None without a friction."""
         friction = self.specification.template.friction
         return None if friction is None else friction.shear_strength * friction.area_ratio
 
     def load(self, rescaled: float, like: str, resolution: float) -> str:
-        """Return a rescaled load in the unit of another one."""
+        """Return a rescaled load [mm^2] as a quantity in the unit of the quantity `like`."""
         return stated(rescaled, like, self.load_stress, resolution)
 
     def friction(self, rescaled: float, like: str, resolution: float) -> str:
-        """Return a rescaled friction in the unit of another one."""
+        """Return a rescaled friction [mm^2] as a quantity in the unit of the quantity `like`."""
         return stated(rescaled, like, self.friction_stress, resolution)
 
     def slope(self, slope: float, resolution: float) -> float:
-        """Return a slope as the text states it: itself, or a friction coefficient."""
+        """Return a slope in the form of the text, as a slope or as a friction coefficient."""
         return rounded(self.target.wording.coefficient(slope), resolution)
 
     def achieved(self, rescaled_load: FloatArray) -> FloatArray | None:
-        """Return the friction of the last design at rescaled loads, proportional to them beyond its law."""
+        """Return the rescaled friction of the last design at rescaled loads [mm^2]; None without a design.
+
+        Outside the load range of the design's law, the friction is proportional to the load.
+        """
         if self.design is None:
             return None
         law = self.design.law
@@ -97,12 +100,12 @@ class Scene:
         return np.asarray(np.interp(inside, load, friction) * rescaled_load / inside)
 
     def written(self, values: Mapping[str, Any]) -> str:
-        """Return the text with other values of keys of the target."""
+        """Return the text with new values for keys of the target."""
         return self.document.with_values({f"target.{name}": value for name, value in values.items()})
 
 
 class Marks:
-    """The handles of a kind of targets."""
+    """Base class for the handles of one kind of target."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
@@ -112,7 +115,7 @@ class Marks:
         raise NotImplementedError
 
     def shape(self) -> Shape:
-        """Return the curve of the target, and what follows each handle."""
+        """Return the curve of the target, and the points that follow each handle."""
         raise NotImplementedError
 
     def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> dict[str, Any]:
@@ -120,12 +123,12 @@ class Marks:
         raise NotImplementedError
 
     def added(self, load: float, friction: float, resolution: float) -> dict[str, Any]:
-        """Return the keys of the target that change with a further point."""
+        """Return the keys of the target that change when a point is added."""
         raise InvalidInput(
             f"a {self.scene.kind} law is not given by points; choose the kind operating-points or sampled to "
             "add some"
         )
 
     def removed(self, id: str) -> dict[str, Any]:
-        """Return the keys of the target that change without the object of a handle."""
+        """Return the keys of the target that change when the point or parameter of a handle is removed."""
         raise InvalidInput(f"a {self.scene.kind} law needs what this handle changes; it cannot be removed")

@@ -6,7 +6,7 @@ from metafem.files import SectionForm, section_forms
 
 
 def form_of(section: str) -> SectionForm | None:
-    """Return the form of a section such as ``limits`` or ``contact.cap``, None for an unknown one.
+    """Return the form of a section such as ``limits`` or ``contact.cap``; None for an unknown section.
 
     Examples
     --------
@@ -17,12 +17,12 @@ def form_of(section: str) -> SectionForm | None:
 
 
 def section_order() -> tuple[str, ...]:
-    """Return the sections in the order of the manual, without those inside others."""
+    """Return the names of the top-level sections in the order of the manual."""
     return tuple(form.name for form in section_forms() if "." not in form.name)
 
 
 def key_order(section: str, kind: object = "") -> tuple[str, ...]:
-    """Return the keys of a section of a kind in the order of the manual; none of an unknown one.
+    """Return the keys of a section of a given kind in the order of the manual; none if either is unknown.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Handles of targets that are given by points."""
+"""Handles of targets that consist of points."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ OPTIONAL = ("weight", "relative_error")
 
 
 class PointHandles(Marks):
-    """Operating points and samples: each is a handle that moves freely between its neighbours."""
+    """Handles for operating points and samples. Each point moves freely between its neighbours."""
 
     @property
     def points(self) -> tuple[list[float], list[float]]:
@@ -36,16 +36,16 @@ class PointHandles(Marks):
         )
 
     def shape(self) -> Shape:
-        """Return the lines from each point to the next."""
+        """Return the curve of straight lines from each point to the next."""
         return Shape.through({each.id: (each.load, each.friction) for each in self.handles()})
 
     def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> dict[str, Any]:
-        """Return the points with one of them moved."""
+        """Return the keys of the target with one point moved."""
         values, i = self._listed(), int(handle.id.removeprefix("point-"))
         return self._placed(i, (i - 1, i + 1), values, (load, friction), resolution)
 
     def added(self, load: float, friction: float, resolution: float) -> dict[str, Any]:
-        """Return the points with one more."""
+        """Return the keys of the target with one more point."""
         values, loads = self._listed(), self.points[0]
         i = sum(other <= load for other in loads)
         near = min(i, len(loads) - 1)
@@ -55,7 +55,7 @@ class PointHandles(Marks):
         return self._placed(i, (i - 1, i), values, (load, friction), resolution)
 
     def removed(self, id: str) -> dict[str, Any]:
-        """Return the points without one of them."""
+        """Return the keys of the target without one of its points."""
         values, count = self._listed(), len(self.points[0])
         found = [handle.id for handle in self.handles()]
         if id not in found:
@@ -76,27 +76,30 @@ class PointHandles(Marks):
         at: tuple[float, float],
         resolution: float,
     ) -> dict[str, Any]:
-        """Return the lists with entry `i` at a load and friction, between those of the points `near` it."""
+        """Return the lists with point `i` moved to the load and friction `at`.
+
+        The new values stay between the values of the points with the indices `near`.
+        """
         for name, stated, numbers, value in zip(
             self._names(), (self.scene.load, self.scene.friction), self.points, at, strict=True
         ):
             low = numbers[near[0]] if near[0] >= 0 else 0.0
             high = numbers[near[1]] if near[1] < len(numbers) else math.inf
-            if low >= high:  # samples with noise may fall
+            if low >= high:  # the friction of noisy samples may decrease
                 low, high = 0.0, math.inf
             placed, fine = between(value, low, high, resolution)
-            placed = placed or resolution * numbers[0]  # of a single point
+            placed = placed or resolution * numbers[0]  # a single point must not reach 0
             values[name][i] = stated(placed, values[name][i], fine)
         return values
 
     def _names(self) -> tuple[str, str]:
-        """Return the keys of loads and frictions; those of a table have the units of its columns."""
+        """Return the keys of loads and frictions; for a table, the keys with the units of its columns."""
         section, forces = self.scene.section, self.scene.target.wording.shear_stress is not None
         rescaled = "rescaled_load" in section or ("load" not in section and not forces)
         return ("rescaled_load", "rescaled_friction") if rescaled else ("load", "friction_force")
 
     def _listed(self) -> dict[str, Any]:
-        """Return the lists of the points as they are written; those of a table replace its name."""
+        """Return the lists of the points as written; for a table, lists that replace the file name."""
         section, scene = self.scene.section, self.scene
         names = self._names()
         if "file" not in section:

@@ -13,14 +13,14 @@ from metafem.explorer.text.written import between, rounded
 
 
 class PowerHandles(Marks):
-    """Exponent, prefactor and the ends of the range.
+    """Handles for the exponent, the prefactor and the ends of the range.
 
-    The exponent is dragged between the middle of the range and its end, both in the logarithm of the load.
-    The law turns about the middle.
+    The handle of the exponent lies halfway between the middle and the upper end of the range; both midpoints
+    are taken in the logarithm of the load. Dragging this handle turns the law about the middle.
     """
 
     def handles(self) -> tuple[Handle, ...]:
-        """Return the handles of the exponent, of the prefactor if it is given, and of the ends."""
+        """Return the handles for the exponent, for the prefactor if the target has one, and for the ends."""
         target: Any = self.scene.target
         (low, high), middle = target.load_range, self._middle
         steep = math.sqrt(middle * high)
@@ -33,7 +33,7 @@ class PowerHandles(Marks):
         return tuple(found)
 
     def shape(self) -> Shape:
-        """Return the curve, which follows with the answers: it is not straight."""
+        """Return the curve. It is not straight, so it moves only with the answers and follows no handle."""
         target: Any = self.scene.target
         load = target.curve().load
         return Shape(load, self._prefactor * load**target.exponent)
@@ -44,12 +44,12 @@ class PowerHandles(Marks):
             return self._end(handle, load, resolution)
         try:
             return self._risen(handle, load, max(friction, resolution * handle.friction), resolution)
-        except ArithmeticError:  # a power beyond the range of double precision, or a range without a middle
+        except ArithmeticError:  # a power overflows double precision, or the range has no middle
             words = "the law cannot be moved by hand over this range of loads; change the keys of [target]"
             raise InvalidInput(f"target.load_range: {words}") from None
 
     def _risen(self, handle: Handle, load: float, friction: float, resolution: float) -> dict[str, Any]:
-        """Return the exponent or the prefactor of a law that has a friction at a load."""
+        """Return the keys that change so that the law has this friction at this load."""
         target: Any = self.scene.target
         middle = self._middle
         level = self._friction(middle)
@@ -63,7 +63,7 @@ class PowerHandles(Marks):
         return {"exponent": exponent, "prefactor": rounded(level / middle**exponent, resolution)}
 
     def removed(self, id: str) -> dict[str, Any]:
-        """Return the keys that change without the prefactor, which the design then chooses."""
+        """Return the keys that change when the prefactor is removed, which the design then chooses."""
         return {"prefactor": None} if id == "prefactor" else super().removed(id)
 
     @property
@@ -74,7 +74,7 @@ class PowerHandles(Marks):
 
     @cached_property
     def _prefactor(self) -> float:
-        """The prefactor; one that is left open is that of the last design."""
+        """The prefactor; if the target leaves it open, the prefactor of the last design."""
         target: Any = self.scene.target
         if target.prefactor is not None:
             return float(target.prefactor)
@@ -83,7 +83,7 @@ class PowerHandles(Marks):
         return 1.0 if achieved is None else float(law.law(achieved)[0] / law.free[0, 0])
 
     def _friction(self, load: float) -> float:
-        """Return the law at a load [mm^2]."""
+        """Return the rescaled friction of the law at a rescaled load [mm^2]."""
         target: Any = self.scene.target
         return float(self._prefactor * load**target.exponent)
 

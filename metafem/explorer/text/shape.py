@@ -1,4 +1,4 @@
-"""The curve of a target as its handles make it, and how both follow one that is dragged."""
+"""The curve of a target, and how its corners and handles follow a handle that is dragged."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from metafem._validate import FloatArray
 
 
 class Shift(NamedTuple):
-    """How a point follows a handle: it moves by x dP and by across dP + y dF, for a move of dP and dF."""
+    """How a point follows a handle move (dP, dF): the point moves by (x dP, across dP + y dF)."""
 
     x: float = 0.0
     across: float = 0.0
@@ -21,7 +21,7 @@ class Shift(NamedTuple):
 
 @dataclass(frozen=True)
 class Follows:
-    """What follows one handle: corners of the curve by number, and handles."""
+    """The shifts of the points that follow one handle: corners of the curve by number, and handles by id."""
 
     corners: Mapping[int, Shift]
     handles: Mapping[str, Shift]
@@ -29,14 +29,14 @@ class Follows:
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """The curve of a target: straight lines between corners, with gaps, and what follows each handle.
+    """The curve of a target, made of straight lines between corners, with gaps where a corner is nan.
 
     Attributes
     ----------
     load, friction : ndarray, (k,)
-        Corners, rescaled [mm^2]; not a number in a gap.
+        Rescaled load and friction of the corners [mm^2]; nan in a gap.
     follows : mapping of str to Follows
-        What moves with each handle before the answer is known.
+        The corners and handles that the browser moves with each handle before the answer is known.
     """
 
     load: FloatArray
@@ -45,12 +45,12 @@ class Shape:
 
     @property
     def alone(self) -> Shape:
-        """The curve, which follows no handle."""
+        """The curve without `follows`."""
         return Shape(self.load, self.friction)
 
     @classmethod
     def through(cls, points: Mapping[str, tuple[float, float]]) -> Shape:
-        """Return the lines from each of the points, which are handles, to the next."""
+        """Return the curve of straight lines from point to point, where each point is a handle."""
         free = Shift(1.0, 0.0, 1.0)
         follows = {id: Follows({i: free}, {}) for i, id in enumerate(points)}
         load, friction = np.array(list(points.values())).T
@@ -59,22 +59,23 @@ class Shape:
 
 @dataclass(frozen=True)
 class Branch:
-    """A straight line of a target as it is drawn.
+    """A straight branch of a target as the plot draws it.
 
     Attributes
     ----------
     slope : float
     at : float
-        Load of its handle, by which it turns about the point at the load `pivot` [mm^2].
-    pivot : float
+        Rescaled load of the handle [mm^2].
     friction : float
-        Where its handle is [mm^2].
+        Rescaled friction of the handle [mm^2].
+    pivot : float
+        Rescaled load of the point about which the handle turns the branch [mm^2].
     low, high : float
-        Loads from and to which it is drawn [mm^2].
+        Rescaled loads between which the branch is drawn [mm^2].
     joined : bool
-        Whether it begins at its pivot on the branch before it, which carries it.
+        Whether the branch begins at its pivot on the previous branch and moves with it.
     centred : bool
-        Whether its handle is in the middle between the loads of the target, which can be moved.
+        Whether the handle is at the middle of the load range that the target states for the branch.
     """
 
     slope: float
@@ -87,28 +88,28 @@ class Branch:
     centred: bool
 
     def friction_at(self, load: float) -> float:
-        """Return the friction of the line [mm^2]."""
+        """Return the rescaled friction of the branch at a rescaled load [mm^2]."""
         return self.friction + self.slope * (load - self.at)
 
     def turned(self, load: float) -> float:
-        """Return how far a point at a load is moved for each move of the handle."""
+        """Return the ratio of the friction change at a load to the friction change at the handle."""
         return (load - self.pivot) / (self.at - self.pivot)
 
 
 class Point(NamedTuple):
-    """A point of a branch that is given by its number."""
+    """A point on a branch: the number of the branch, and the rescaled load [mm^2]."""
 
     branch: int
     load: float
 
 
 def shape_of(branches: Sequence[Branch], path: Mapping[str, Point]) -> Shape:
-    """Return the shape of branches whose ends are dragged at the handles of `path`."""
+    """Return the shape of branches whose crossovers and ends are dragged with the handles in `path`."""
     corners: list[Point | None] = []
     for i, branch in enumerate(branches):
         starts = i == 0 or branch.low > branches[i - 1].high
         if i and starts and not branch.centred:
-            corners.append(None)  # without a range of loads the lines do not meet
+            corners.append(None)  # branches without a load range need not meet
         corners += [Point(i, branch.low)] * starts + [Point(i, branch.high)]
     load = [np.nan if each is None else each.load for each in corners]
     friction = [np.nan if each is None else branches[each.branch].friction_at(each.load) for each in corners]
@@ -119,7 +120,7 @@ def shape_of(branches: Sequence[Branch], path: Mapping[str, Point]) -> Shape:
         turns = id in slopes
         moved = {name: _shift(branches, points[id], turns, points[name], name in slopes) for name in points}
         if turns:
-            moved.pop(id)  # it is where the hand is
+            moved.pop(id)  # this handle is already at the pointer
         bent = {
             i: _shift(branches, points[id], turns, each, False)
             for i, each in enumerate(corners)
@@ -134,7 +135,11 @@ def shape_of(branches: Sequence[Branch], path: Mapping[str, Point]) -> Shape:
 
 
 def _shift(branches: Sequence[Branch], held: Point, turns: bool, point: Point, middle: bool) -> Shift:
-    """Return how a point follows the slope or the load that is held; a `middle` is one of its branch."""
+    """Return how `point` follows the dragged handle `held`.
+
+    `turns` is whether the handle changes a slope and not a load; `middle` is whether `point` is the slope
+    handle of its branch.
+    """
     i, j = held.branch, point.branch
     carried = j > i and all(branch.joined for branch in branches[i + 1 : j + 1])
     if turns:

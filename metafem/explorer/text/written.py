@@ -1,4 +1,4 @@
-"""Numbers as they are written in a specification: units kept, with as many digits as are seen."""
+"""Numbers as text in a specification, in the units of the text and with only the digits that are visible."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ import re
 from metafem.errors import InvalidInput
 from metafem.files import quantity
 
-# A number, the space behind it and its unit.
+# A number, the space after it, and its unit.
 QUANTITY = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?(\s*)(.*?)\s*", re.DOTALL)
 
-# Digits that double precision always keeps.
+# Number of significant digits that double precision always preserves.
 ALL_DIGITS = 15
 
-# Distance of a value from its neighbours in units of the resolution: rounding to the digits of the resolution
-# moves it by at most half of one.
+# Smallest distance of a value from its neighbours, in units of the resolution. Rounding moves a value by at
+# most half a unit.
 APART = 2.0
 
 
 def digits_of(resolution: float) -> int:
-    """Return the significant digits that a relative resolution needs.
+    """Return the number of significant digits for a relative resolution.
 
     Examples
     --------
@@ -33,7 +33,7 @@ def digits_of(resolution: float) -> int:
 
 
 def rounded(value: float, resolution: float) -> float:
-    """Return a number with the digits of a relative resolution."""
+    """Return a number rounded to the significant digits of a relative resolution."""
     number = float(f"{value:.{digits_of(resolution) - 1}e}")
     if not math.isfinite(number):
         raise InvalidInput(f"{value:g} is not a finite number")
@@ -41,9 +41,9 @@ def rounded(value: float, resolution: float) -> float:
 
 
 def stated(rescaled: float, like: str, stress: float | None, resolution: float) -> str:
-    """Return a rescaled load or friction [mm^2] as a quantity in the unit of another one.
+    """Return a rescaled load or friction [mm^2] as a quantity in the unit of the quantity `like`.
 
-    `stress` [MPa] is the force per rescaled value, for units of force: E* of loads, sigma B of friction.
+    For a unit of force, `stress` is the force per rescaled value [MPa]: E* for loads, sigma B for friction.
 
     Examples
     --------
@@ -62,7 +62,7 @@ def stated(rescaled: float, like: str, stress: float | None, resolution: float) 
 
 
 def between(value: float, low: float, high: float, resolution: float) -> tuple[float, float]:
-    """Return the value nearest to a given one that lies between two others, and the resolution to write it.
+    """Return the value between two bounds that is nearest to `value`, and the resolution for writing it.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Changes of a specification by choices of the form, which change several keys at once."""
+"""Changes of a specification by controls of the form that change several keys at once."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from metafem.explorer.text.kinds import restated
 from metafem.explorer.text.order import form_of
 from metafem.files import KeyForm, Specification
 
-# The choice of a target's keys that are forces or friction coefficients.
+# Number of the choice of target keys that are forces or friction coefficients.
 FORCES = 1
 
 
 def with_choice(text: str, section: str, choice: int, specification: Specification | None = None) -> str:
     """Return the text with the keys of another choice of a section.
 
-    A target keeps its law where the specification of the text is given; other keys begin with examples.
+    If `specification` is given, a target keeps its law. All other new keys have the examples of the manual.
 
     Examples
     --------
@@ -41,13 +41,13 @@ def with_choice(text: str, section: str, choice: int, specification: Specificati
 
 
 def with_section(text: str, section: str) -> str:
-    """Return the text with an optional section; radii to choose from replace the radius of the lattice."""
+    """Return the text with an optional section; the section ``radii`` replaces the key ``lattice.radius``."""
     text = fields.with_section(text, section)
     return Document(text).without("lattice.radius") if section == "radii" else text
 
 
 def without_section(text: str, section: str) -> str:
-    """Return the text without an optional section; without radii to choose from the lattice has one."""
+    """Return the text without an optional section; an example ``lattice.radius`` replaces ``radii``."""
     text = fields.without_section(text, section)
     document = Document(text)
     if section != "radii" or document.value("lattice.radius") is not None:
@@ -57,7 +57,7 @@ def without_section(text: str, section: str) -> str:
 
 
 def _keys(document: Document, section: str) -> tuple[KeyForm, ...]:
-    """Return the keys of a section of the kind that the text has."""
+    """Return the keys of a section for its kind in the text; none if the kind or section is unknown."""
     form = form_of(section)
     kind = document.value(f"{section}.kind") if form is not None and form.kinds else ""
     return () if form is None or not isinstance(kind, str) else form.keys.get(kind, ())

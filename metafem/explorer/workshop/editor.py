@@ -17,12 +17,12 @@ from metafem.files import DEMOS, demo_text
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
 
-# Seconds between two refreshes of the text while a point is dragged.
+# Shortest time between two updates of the text while a point is dragged [s].
 PACE = 0.3
 
 
 class Editor(Element, component="editor.js"):
-    """A text with its problems, which emits what is typed, loaded and chosen."""
+    """Text editor that marks the problems of the text; emits events for new text, loaded files and demos."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -30,7 +30,7 @@ class Editor(Element, component="editor.js"):
 
 
 class Specification:
-    """The text of a page's specification: it follows the answers while its tab is open."""
+    """The text of the specification of a page; it is updated with each answer while its tab is open."""
 
     def __init__(self, page: Page) -> None:
         self.page, self.editor = page, Editor()
@@ -58,14 +58,14 @@ class Specification:
 
 
 def _contents(answer: Answer) -> dict[str, Any]:
-    """Return the text of an answer with the places of its problems."""
+    """Return the text of an answer, its problems with their lines, and the names of its tables."""
     state = answer.state
     problems = placed(state.text, answer.problems, answer.refusal)
     return {"text": state.text, "problems": problems, "tables": list(state.tables)}
 
 
 async def load(page: Page, files: list[dict[str, Any]]) -> None:
-    """Show the specification of files, or say why they cannot be used."""
+    """Show the specification in loaded files, or a message why they cannot be used."""
     given = [Given(**each) for each in files]
     try:
         await page.turns.take(
@@ -77,5 +77,5 @@ async def load(page: Page, files: list[dict[str, Any]]) -> None:
 
 
 def editor_panel(page: Page) -> None:
-    """Make the editor of the text."""
+    """Create the text editor of the specification."""
     Specification(page)

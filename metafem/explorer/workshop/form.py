@@ -1,4 +1,4 @@
-"""The form of the workshop: its sections and fields, and what stands in them."""
+"""The form of the workshop: its sections and fields, and their contents."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from metafem.explorer.text.fields import shown
 from metafem.explorer.text.kinds import kind_names
 from metafem.files import KeyForm, SectionForm, section_forms
 
-# The columns of the form: their sections with titles, the frequent ones first.
+# Columns of the form: the sections of each column with their titles, most frequently used sections first.
 COLUMNS: tuple[dict[str, str], ...] = (
     {"target": "Target law", "part": "Part files"},
     {"lattice": "Sites and radius", "radii": "Choice of radii", "sites": "Given heights, empty sites",
@@ -24,7 +24,7 @@ COLUMNS: tuple[dict[str, str], ...] = (
 # Sections that are always open.
 COMMON = ("target", "lattice", "limits", "model", "contact", "contact.cap")
 
-# Names of keys in words, where the key alone does not say it.
+# Labels of keys whose names do not explain themselves.
 LABELS = {
     "lattice.shape": "rows, columns",
     "lattice.radius": "radius of curvature",
@@ -52,7 +52,7 @@ LABELS = {
     "sites.heights": "their heights",
 }
 
-# What a key means, for those who do not know the words of its short meaning.
+# Further explanations of keys, for readers who do not know the terms of the short meaning.
 FURTHER = {
     "target.rescaled_load": "P/E* is the load divided by the composite modulus, an area.",
     "target.rescaled_friction": "F/(σB) is the friction force divided by the shear strength and the area "
@@ -74,7 +74,7 @@ FURTHER = {
 
 
 def form() -> list[list[dict[str, Any]]]:
-    """Return the columns of the form with their sections and fields, as the browser needs them once."""
+    """Return the columns of the form with their sections and fields, which the browser needs only once."""
     forms = {each.name: each for each in section_forms()}
     known = [name for column in COLUMNS for name in column]
     rest = {name: name.rpartition(".")[2].capitalize() for name in forms if name not in known}
@@ -95,7 +95,7 @@ def _section(section: SectionForm, title: str) -> dict[str, Any]:
         "optional": section.optional,
         "inner": _inner(name),
         "common": name in COMMON,
-        # Its fields are shown also where the specification has no such section.
+        # Whether the fields are shown even if the specification does not have the section.
         "always": not section.optional or bare or bool(section.kinds),
         "kinds": section.kinds,
         "kind_names": kind_names() if name == "target" else {},
@@ -107,7 +107,7 @@ def _section(section: SectionForm, title: str) -> dict[str, Any]:
 
 
 def _inner(name: str) -> dict[str, str] | None:
-    """Return the key and the kind of the section around another one, which has it."""
+    """Return the key ``kind`` of the outer section and its kind that allows an inner section, or None."""
     outer, _, key = name.rpartition(".")
     for form in section_forms():
         for kind, keys in form.keys.items():
@@ -135,13 +135,13 @@ def _field(section: str, key: KeyForm) -> dict[str, Any]:
 
 
 def _default(key: KeyForm) -> str:
-    """Return the default of a key; one of a quantity is 0, in the unit of the example."""
+    """Return the default of a key as text; a quantity with the default 0 has the unit of its example."""
     text = shown(key.default)
     return f"0 {key.example.partition(' ')[2]}" if key.value == "quantity" and text == "0" else text
 
 
 def contents(text: str, problems: Mapping[str, str]) -> dict[str, Any]:
-    """Return what stands in the fields for a text of a specification, and what is wrong with it.
+    """Return the contents of the fields for the text of a specification, and its problems by key.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The head of the page."""
+"""The header of the page."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ if TYPE_CHECKING:
     from metafem.explorer.page import Page
 
 
-# Seconds after which a design that is not finished is announced.
+# Time after which the header announces an unfinished design [s].
 LATE = 0.5
 
 
-# What the steps of a design are.
+# Explanation of the steps of a design.
 SEARCH = "The search for heights begins from several surfaces and improves each of them in steps."
 
 
 class Header(Element, component="header.js", esm={"metafem-workshop": "js"}):
-    """Shows the data of `header_data`, and emits ``model``, ``undo`` and ``redo``."""
+    """Shows the data of `header_data`; emits ``model``, ``undo``, ``redo``, ``begin`` and ``load``."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -39,7 +39,7 @@ class Header(Element, component="header.js", esm={"metafem-workshop": "js"}):
 
 
 async def choose(page: Page, model: str) -> None:
-    """Design under another model."""
+    """Change the model of the design."""
     try:
         await page.make(lambda state: with_field(state.text, "model.kind", model))
     except InvalidInput as error:
@@ -47,7 +47,7 @@ async def choose(page: Page, model: str) -> None:
 
 
 async def begin(page: Page, name: str) -> None:
-    """Begin anew from an example, or as the page began ("first"), as one step of the history."""
+    """Start again from a demo, or from the first state of the page ("first"), as one step of the history."""
     if name == "first":
         await page.alter(**vars(page.first))
     elif name in DEMOS:
@@ -55,9 +55,9 @@ async def begin(page: Page, name: str) -> None:
 
 
 def header_panel(page: Page) -> Header:
-    """Make the head: the target in words, the status, the model, undo and redo, colours and help.
+    """Create the header: target in words, status, model, undo, redo, colours and help; return its element.
 
-    What is made within the returned element stands behind undo and redo.
+    Elements created inside the returned element are placed after undo and redo.
     """
     header = Header()
     header.on("undo", page.undo)
@@ -76,7 +76,7 @@ def header_panel(page: Page) -> Header:
             header.run_method("show", changed)
 
     def wait() -> None:
-        """Say that a design, or a change of the specification, takes longer."""
+        """Show that a design, or a change of the specification, takes longer than `LATE`."""
         late = (page.turns.asked if page.turns.under_way else 0, max(0, page.number - page.answer.number))
         if any(late) and late == waited.get("for"):
             step = page.newest.step
@@ -91,7 +91,7 @@ def header_panel(page: Page) -> Header:
         waited["for"] = late
 
     def warn(places: Mapping[str, list[str]]) -> None:
-        """Say that no part can be made."""
+        """Show why no part can be made; nothing if a part can be made."""
         part = " ".join(places.get("take", []))
         if shown.get("part", "") != part:
             shown["part"] = part

@@ -1,4 +1,4 @@
-"""What the head of the page says."""
+"""Data for the header of the page."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from metafem.explorer.answer import Answer
 from metafem.inversion import Design, DesignStatus
 from metafem.inversion.assessment import misfit_text
 
-# Words and kind of each status: "good", "warn" or neither.
+# Words for each status, and its kind: "good", "warn" or "" for neither.
 STATUS = {
     DesignStatus.EXACT: ("meets the target", "good"),
     DesignStatus.REACHED: ("meets the target", "good"),
@@ -24,7 +24,7 @@ STATUS = {
 
 
 def header_data(answer: Answer) -> dict[str, Any]:
-    """Return the target in words, the status with its kind, and the model of an answer."""
+    """Return the target in words, the status with its kind, the misfit and the model of an answer."""
     status, kind = _status(answer)
     data = {"status": status, "kind": kind, "measure": "", "meaning": answer.refused}
     if answer.current and answer.design is not None:
@@ -50,7 +50,7 @@ def _status(answer: Answer) -> tuple[str, str]:
 
 
 def _misfit(design: Design) -> dict[str, str]:
-    """Return what the misfit of a design measures and up to which value it is good, short and in full."""
+    """Return what the misfit of a design measures and its largest good value, as a short and a full text."""
     bound = percent(design.largest_misfit, ".3g")
     measure, meaning = design.misfit_meaning.partition(" from ")[0], design.misfit_meaning
     status = f"{design.status.value[:1].upper()}{design.status.value[1:]}"
@@ -61,7 +61,7 @@ def _misfit(design: Design) -> dict[str, str]:
 
 
 def _model(text: str) -> str | None:
-    """Return the model that a text names, also where it has other problems; None if it cannot be read."""
+    """Return the model kind in a text, even if the text has other problems; None if it cannot be read."""
     try:
         section = tomllib.loads(text).get("model", {})
     except (ValueError, RecursionError):

@@ -1,4 +1,4 @@
-"""Files that are loaded into a page: a specification with its tables, or a table that it names."""
+"""Files that the user loads into a page: a specification with its tables, or only tables."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from metafem.errors import InvalidInput
 from metafem.explorer.session import State
 from metafem.files import section_forms
 
-# The name of the specification in a result folder.
+# Name of the specification in a result folder.
 KEPT = "spec.toml"
 
 
 @dataclass(frozen=True)
 class Given:
-    """A file that was chosen or dropped: its text, or why it could not be read."""
+    """A file that the user selected or dropped: its name, and its text or why it could not be read."""
 
     name: str
     text: str = ""
@@ -26,12 +26,12 @@ class Given:
 
 
 def loaded(state: State, files: list[Given]) -> State:
-    """Return the state with the specification of files, or with tables that its specification names.
+    """Return the state with the specification in the files, or with new tables for the old specification.
 
     Raises
     ------
     InvalidInput
-        If there is no specification or table that can be used among them, with the reason for a person.
+        If no file is a specification or table that can be used; the message states the reason.
     """
     unread = [f"{each.name} {each.why}." for each in files if each.why]
     texts = {each.name: each.text for each in files if not each.why}
@@ -60,7 +60,7 @@ def loaded(state: State, files: list[Given]) -> State:
 
 
 def table_names(text: str) -> tuple[str, ...]:
-    """Return the names of the tables that a specification names.
+    """Return the file names of the tables that a specification refers to.
 
     Examples
     --------
@@ -79,7 +79,7 @@ def table_names(text: str) -> tuple[str, ...]:
 
 
 def _named(text: str, tables: Mapping[str, str]) -> dict[str, str]:
-    """Return the tables that a specification names, under the names by which it does."""
+    """Return the tables that a specification refers to, by the names in the specification."""
     last = {name: re.split(r"[/\\]", name)[-1] for name in table_names(text)}
     return {name: tables[part] for name, part in last.items() if part in tables}
 
@@ -93,7 +93,10 @@ def _unnamed(name: str, known: tuple[str, ...]) -> str:
 
 
 def _refuse_foreign(name: str, text: str) -> None:
-    """Refuse a text that has no section of a specification; one with errors is loaded and repaired here."""
+    """Raise InvalidInput for a text without any section of a specification.
+
+    A specification with errors is accepted, because the user can correct it on the page.
+    """
     sections = "|".join(form.name for form in section_forms() if "." not in form.name)
     if not re.search(rf"^[ \t]*(\[[ \t]*({sections})\b|({sections})[ \t]*[.=])", text, re.MULTILINE):
         raise InvalidInput(

@@ -1,4 +1,4 @@
-"""The panel of the fields."""
+"""The panel with the fields of the specification."""
 
 from __future__ import annotations
 
@@ -18,12 +18,13 @@ from metafem.explorer.workshop.form import contents, form
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
 
-# Seconds between two refreshes while a point is dragged: the law and the heights go first.
+# Shortest time between two updates of the fields while a point is dragged [s]. The plots of the law and the
+# surface have priority.
 PACE = 0.2
 
 
 class Fields(Element, component="fields.js"):
-    """The fields of `form`, which emit what is typed and chosen."""
+    """The fields of `form`; they emit events when the user types or selects a value."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -31,7 +32,7 @@ class Fields(Element, component="fields.js"):
 
 
 class Workshop:
-    """The fields of a page: they follow its answers, and change its specification."""
+    """The fields of a page: they show its answers and change its specification."""
 
     def __init__(self, page: Page) -> None:
         self.page, self.fields = page, Fields()
@@ -49,7 +50,7 @@ class Workshop:
         await self._change(key, with_field, text, released=released)
 
     async def _kind(self, section: str, kind: str) -> None:
-        """Change the kind of a section; a target of another kind is near the present law."""
+        """Change the kind of a section; a target of another kind is close to the current law."""
         if section == "target":
             await self._made("target.kind", self.page.choose_kind(kind))
         elif kind:
@@ -58,7 +59,7 @@ class Workshop:
             await self._change(section, without_section)
 
     async def _choice(self, section: str, choice: int) -> None:
-        """Change how a section is given."""
+        """Change which choice of keys a section uses."""
         await self._made(section, self.page.make(_given_by, section, choice))
 
     async def _change(self, key: str, change: Callable[..., str], *given: Any, released: bool = True) -> None:
@@ -66,21 +67,21 @@ class Workshop:
         await self._made(key, make)
 
     async def _made(self, key: str, change: Coroutine[Any, Any, int | None]) -> None:
-        """Make a change, or say at its field why it cannot be made."""
-        self.shown.pop("values", None)  # the browser shows what was typed, which the answer may not hold
+        """Make a change, or show at its field why the change is impossible."""
+        self.shown.pop("values", None)  # the browser shows the typed text, which the answer may not contain
         try:
             await self.follower.change(change)
         except InvalidInput as error:
             self.fields.run_method("refuse", {"key": key, "words": str(error)})
 
     def _warned(self, places: Mapping[str, list[str]]) -> None:
-        """Show the warnings that belong to fields."""
+        """Show the warnings for single fields."""
         warnings = {key: texts for key, texts in places.items() if "." in key}
         if warnings != self.shown.get("warnings", {}):
             self._show({"warnings": warnings})
 
     def _show(self, found: Mapping[str, Any]) -> None:
-        """Show what has changed."""
+        """Send the data that have changed to the browser."""
         changed = {name: value for name, value in found.items() if self.shown.get(name) != value}
         if changed:
             self.shown |= changed
@@ -92,7 +93,7 @@ def _contents(answer: Answer) -> dict[str, Any]:
 
 
 def _given_by(state: State, section: str, choice: int) -> str:
-    """Return the text with another choice of keys; one with problems has examples instead of its own law."""
+    """Return the text with another choice of keys; if it has problems, the target becomes an example."""
     try:
         specification = specification_of(state) if section == "target" else None
     except InvalidInput:
@@ -101,5 +102,5 @@ def _given_by(state: State, section: str, choice: int) -> str:
 
 
 def workshop_panel(page: Page) -> None:
-    """Make the fields of the specification."""
+    """Create the fields of the specification."""
     Workshop(page)

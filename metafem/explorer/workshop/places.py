@@ -1,4 +1,4 @@
-"""Where the problems of a specification stand in its text."""
+"""Positions of the problems of a specification in its text."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-# Places in the messages of a parser.
+# Line number in a message of the TOML parser.
 LINE = re.compile(r"\bline (\d+)")
 
 # A dotted key.
@@ -16,7 +16,7 @@ HEADER = re.compile(r"\s*\[\s*([^\[\]]+?)\s*\]\s*(?:#.*)?")
 
 
 def line_of(text: str, key: str) -> int:
-    """Return the line of a key, or else of its section, counted from 1; 0 if there is neither.
+    """Return the line number of a key or, if it is missing, of its section, from 1; 0 if both are missing.
 
     Examples
     --------
@@ -28,7 +28,7 @@ def line_of(text: str, key: str) -> int:
 
 
 def lines_of(text: str) -> dict[str, int]:
-    """Return the lines of the keys and sections of a text, counted from 1; 0 for the key ""."""
+    """Return the line numbers of the keys and sections of a text, from 1; 0 for the key ""."""
     section, found = "", {"": 0}
     for number, line in enumerate(text.splitlines(), 1):
         header = HEADER.fullmatch(line)
@@ -42,19 +42,19 @@ def lines_of(text: str) -> dict[str, int]:
 
 
 def _nearest(lines: Mapping[str, int], key: str) -> int:
-    """Return the line of a key or of the innermost section around it."""
+    """Return the line number of a key or, if it is missing, of the innermost section around it."""
     while key and key not in lines:
         key = key.rpartition(".")[0]
     return lines[key]
 
 
 def placed(text: str, problems: Mapping[str, str], refusal: str = "") -> list[dict[str, Any]]:
-    """Return the problems of a text with their lines, the first line first."""
+    """Return the problems of a text with their line numbers, in the order of the lines."""
     given = list(problems.items()) + ([("target", refusal)] if refusal else [])
     found, lines = [], lines_of(text)
     for key, words in given:
         for each in words.splitlines():
-            said, named = LINE.search(each), DOTTED.match(each)  # a key that is unknown stands in the words
+            said, named = LINE.search(each), DOTTED.match(each)  # the message itself names an unknown key
             line = int(said[1]) if said and not key else _nearest(lines, named[0] if named else key)
             found.append({"line": line, "key": key, "words": each})
     return sorted(found, key=lambda problem: int(problem["line"]))

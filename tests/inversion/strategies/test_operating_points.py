@@ -53,3 +53,26 @@ def test_empty_sites_have_a_reason_that_holds(template):
 def test_a_full_lattice_and_empty_sites_of_the_user_need_no_reason(template):
     design = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12, pinned={0: None}))
     assert "63 on 64 sites\n" in repr(design)
+
+
+COUPLED = [
+    mf.Interacting(1),
+    mf.Interacting(3),
+    mf.Interacting(3, mf.BondedLayer()),
+    mf.Interacting(contact=mf.SphericalCap()),
+]
+
+
+@pytest.mark.parametrize("model", COUPLED, ids=["order 1", "order 3", "layer", "spheres"])
+@pytest.mark.parametrize("spread", [0.0, 0.03])
+def test_points_of_a_surface_are_not_refused_under_its_own_model(model, spread):
+    """Equal heights have the largest friction of independent asperities; coupled ones have more."""
+    rng = np.random.default_rng(0)
+    surface = mf.Surface.square_lattice(
+        0.2 - rng.uniform(0.0, spread, 9), (3, 3), 1.5, radius=0.526, material=mf.Material(1.36, 0.5),
+        block=mf.Block(20.0, 20.0, 7.2),
+    )  # fmt: skip
+    for load in ([0.01, 0.05], [0.004, 0.02, 0.045]):
+        points = mf.OperatingPoints(load, model.curve(surface, np.array(load)).area)
+        found = mf.design(points, surface, model, mf.Limits(0.12, offset=0.08))
+        assert found.misfit < 1e-3
