@@ -52,7 +52,7 @@ ROUNDING = 1e-9
 # indentation to the largest.
 CONTACTS, SHALLOWEST = 400, 1e-12
 
-# Maximum number of load doublings in the search for the end of a line.
+# Maximum number of doublings, and of halvings, of the load in the search for the end of a line.
 MOST_DOUBLINGS = 60
 
 # Smallest and largest indentation over R in searches for the contact that has a certain pressure.
@@ -176,7 +176,7 @@ class Bounds:
         if not self.convex:
             return math.inf
         if self.law.power == 2.0:
-            # m (m p + b)^2 = (2/3) K p: the slope is possible between the two roots
+            # the slope m is possible between the two roots of m (m p + b)^2 = (2/3) K p
             highest = float(self.region(np.ones(1))[1][0]) * (1.0 + margin)
             shift = intercept / slope
             half = self.least_power * highest**3 / (2.0 * slope**3) - shift
@@ -236,7 +236,7 @@ def relative_depth(radii: Radii, power: float = 2.0) -> float:
 
 
 def depth_at_pressure(law: Contact, pressure: float, radius: float, *, tangent: bool = False) -> float:
-    """Return the indentation [mm] at which P/A of one contact, or dP/dA with `tangent`, is E* `pressure`.
+    """Return the indentation [mm] at which P/A of one contact, or dP/dA with `tangent`, is `pressure` E*.
 
     P/A and dP/dA increase with the indentation. For a pressure [-] outside their range, the result is 0 or
     the largest indentation.

@@ -288,7 +288,7 @@ def draw_target(design: Design, ax: Axes, load: FloatArray, friction: FloatArray
 
 
 def _draw_density(design: Design, ax: Axes) -> None:
-    """Draw the law of the height density, and straight lines with the target slopes along its branches."""
+    """Draw the law of the height density, and straight lines with the target slopes next to its branches."""
     law, words = design.target_law, "law of the height density"
     ax.plot(law.load, law.base, color="black", ls=(0, (2, 3)), lw=1.0, label=words)
     for i, (branch, fit) in enumerate(design.fits):

@@ -18,7 +18,7 @@ from metafem.surface import Surface
 # Before rounding, all heights are shifted by one of these fractions of a step, which does not change a law.
 SHIFTS = (0.0, 0.25, -0.25, 0.5, -0.5)
 
-# The changes of two heights are combined from this many changes of one height, those with the smallest sums.
+# Changes of two heights combine this number of changes of one height, those with the smallest predicted sums.
 PAIRED_STEPS = 64
 
 # Changes are tried only up to this number of asperities: with more, rounding errors average out.

@@ -204,7 +204,7 @@ class _Search:
         return min(most, most * FEW_SITES**2 // len(self.open_sites) ** 2)
 
     def best(self, first: _Measured) -> _Measured:
-        """Return the best arrangement found from the initial one by exchanges between `open_sites`."""
+        """Return the best arrangement found by exchanges between `open_sites`, starting from `first`."""
         best, independent = first, Independent(contact=contact_of(self.model))
         tries = range(max(1, self.affordable(MOST_ROUNDS)))
         for k in each("round", tries, at_most=True):

@@ -104,7 +104,7 @@ class TargetLaw:
         return residual, jacobian()
 
     def late_residual(self, area: FloatArray, gradient: Callable[[], FloatArray]) -> LateResidual:
-        """Return the same differences, and a function that returns their Jacobian when needed."""
+        """Return the differences of `residual` (k,) [-], and a function that returns their Jacobian."""
         law = self.law(area)
         scale = np.sqrt(self.weight) / law
         residual = scale * (area - law)

@@ -129,7 +129,7 @@ class Step:
         return np.asarray(depth)
 
     def _deepest(self, widest: float, radius: FloatArray) -> FloatArray:
-        """Return the indentations [mm] at a contact radius, or the largest ones of the law, (q,)."""
+        """Return the indentations at a contact radius, at most the largest of the law, (q,) [mm]."""
         most = np.minimum(self.law.largest_indentation(radius), MOST_DEPTH * widest)
         inside = np.minimum(widest, self.law.contact_radius(most, radius))
         return np.asarray(np.minimum(self.law.indentation(inside, radius), most))

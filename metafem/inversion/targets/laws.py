@@ -81,7 +81,7 @@ class OperatingPoints(Value, Target):
 
     @property
     def title(self) -> str:
-        """The target in one line."""
+        """Description of the target in one line."""
         return f"Friction law through {len(self.rescaled_load)} operating points"
 
     @property
@@ -177,7 +177,7 @@ class SampledLaw(Value, Target):
 
     @property
     def title(self) -> str:
-        """The target in one line."""
+        """Description of the target in one line."""
         return f"Friction law given by {len(self.rescaled_load)} samples"
 
     @property
@@ -282,7 +282,7 @@ class PowerLaw(Target):
 
     @property
     def title(self) -> str:
-        """The target in one line."""
+        """Description of the target in one line."""
         loads = self.wording.title_loads(*self.load_range)
         return f"Power law of exponent {self.exponent:.4g} from {loads}"
 

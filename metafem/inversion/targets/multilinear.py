@@ -112,12 +112,12 @@ class MultilinearLaw(Target):
 
     @property
     def friction_coefficients(self) -> tuple[float, ...] | None:
-        """Friction coefficients dF/dP [-] if the law was defined by them or by forces; otherwise None."""
+        """Friction coefficients dF/dP [-]; None unless the law was defined by them or by forces."""
         return self.wording.coefficients(self.slopes)
 
     @property
     def title(self) -> str:
-        """The target in one line."""
+        """Description of the target in one line."""
         return f"Friction law of {self.wording.slopes(*self.slopes)}"
 
     @property

@@ -147,12 +147,12 @@ class LinearLaw(StraightLaw):
 
     @property
     def friction_coefficient(self) -> float | None:
-        """Friction coefficient mu [-] if the law was defined by it or by forces; otherwise None."""
+        """Friction coefficient mu [-]; None unless the law was defined by it or by forces."""
         return None if self.wording.per_slope is None else self.wording.coefficient(self.slope)
 
     @property
     def title(self) -> str:
-        """The target in one line."""
+        """Description of the target in one line."""
         words = self.wording.slopes(self.slope)
         if self.load_range is None:
             return f"Linear friction law of {words}"
@@ -245,12 +245,12 @@ class BilinearLaw(StraightLaw):
 
     @property
     def friction_coefficients(self) -> tuple[float, ...] | None:
-        """Friction coefficients dF/dP [-] if the law was defined by them or by forces; otherwise None."""
+        """Friction coefficients dF/dP [-]; None unless the law was defined by them or by forces."""
         return self.wording.coefficients(self.slopes)
 
     @property
     def title(self) -> str:
-        """The target in one line."""
+        """Description of the target in one line."""
         words = f"Bilinear friction law of {self.wording.slopes(*self.slopes)}"
         if self.load_range is None:
             return words

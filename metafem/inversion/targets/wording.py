@@ -20,7 +20,7 @@ LoadRange = tuple[float, float]
 # digits is then reproduced after conversion to its rescaled value and back.
 DIGITS = 15
 
-# Digits of a bound in a message.
+# Number of digits of a bound in a message.
 BOUND_DIGITS = 4
 
 
