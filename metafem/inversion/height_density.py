@@ -100,9 +100,9 @@ def scale_from_slope(slope: float, radius: float, max_height: float, law: Contac
 
 
 def uniform_slope(radius: float, max_height: float, law: Contact = PARABOLOID) -> float:
-    """Return the slope A(h_m)/P(h_m) [-] of uniformly distributed heights, the smallest of these densities.
+    """Return the slope A(h_m)/P(h_m) [-] of uniformly distributed heights.
 
-    With Hertz contacts it is ``3 pi/4 sqrt(R/h_m)``.
+    Exponential densities have larger slopes. With Hertz contacts the slope is ``3 pi/4 sqrt(R/h_m)``.
     """
     found = _contact(law, max_height, radius)
     return float(found.area / found.load)

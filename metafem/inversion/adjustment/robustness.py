@@ -11,7 +11,7 @@ heights can cancel this difference.
 
 Linear response. For independent asperities of one radius R, n of them in contact with indentations d_i, the
 sensitivities of A0 at fixed load are ``g_i = pi R (1 - sqrt(d_i)/<sqrt(d)>)``, see `Independent`. As
-``A0 = pi R n <d>`` and ``A0' = dA0/d(P/E*) = pi sqrt(R)/(2 <sqrt(d)>)``, the sum of their squares is
+``A0 = pi R n <d>`` and ``A0' = dA0/d(P/E*) = pi sqrt(R)/(2 <sqrt(d)>)``, the sum of the squares of g_i is
 
     sum_i g_i^2 = (4/pi) A0 A0'^2 - (pi R)^2 n.                                            (2)
 
@@ -244,7 +244,7 @@ def _lowered(problem: Problem, start: Candidate, unit: FloatArray) -> tuple[Cand
             rows.append(np.column_stack([jacobian, r]))
         stacked = np.concatenate(rows)
         factor = np.asarray(np.linalg.qr(stacked, mode="r"))
-        factor *= math.sqrt(len(factor) / len(stacked))  # the same mean square
+        factor *= math.sqrt(len(factor) / len(stacked))  # so that the mean square is that of the stack
         return factor[:, -1], lambda: factor[:, :-1]
 
     found = descend(residual, start.height, held or Heights(limits.span), 0.0, options=options)

@@ -125,7 +125,7 @@ class Coupled:
         object.__setattr__(self, "fields", (self.left @ self.influence, self.right @ self.influence))
 
     def swapped(self, i: int, j: int) -> Coupled:
-        """Return the forecast with the asperities of two sites exchanged."""
+        """Return the forecast after an exchange of the asperities at two sites."""
         result = copy(self)
         pair, turned = [i, j], [j, i]
         between = self.influence[i] - self.influence[j]
@@ -143,7 +143,7 @@ class Coupled:
         return np.asarray((self.fields[0] * self.right).sum(axis=1))
 
     def changes(self, sites: IntArray) -> FloatArray:
-        """Return the changes of the residuals by the exchange of each pair of sites, (q, m, m)."""
+        """Return the changes of the residuals due to an exchange between each pair of sites, (q, m, m)."""
         influence = self.influence[np.ix_(sites, sites)]
         diagonal = np.diagonal(influence)
 
@@ -176,7 +176,7 @@ class Tilted:
     rate: FloatArray  # (k,), dA0/d(P/E*) [-]
 
     def swapped(self, i: int, j: int) -> Tilted:
-        """Return the forecast with the asperities of two sites exchanged."""
+        """Return the forecast after an exchange of the asperities at two sites."""
         order = np.arange(len(self.radius))
         swap(order, i, j)
         return replace(self, depth=self.depth[:, order], radius=self.radius[order])
@@ -187,7 +187,7 @@ class Tilted:
         return np.asarray((tilted - self._value(self.depth[None], self.radius)).sum(axis=-1).ravel())
 
     def changes(self, sites: IntArray) -> FloatArray:
-        """Return the changes of the residuals by the exchange of each pair of sites, (t k, m, m)."""
+        """Return the changes of the residuals due to an exchange between each pair of sites, (t k, m, m)."""
         # index [..., a, b]: the asperity of site a at site b
         depth = self.depth[:, sites]
         tilted = depth[None, :, :, None] + self.lift[:, sites][:, None, None, :]
@@ -211,7 +211,7 @@ class Joined:
     parts: tuple[Forecast, ...]
 
     def swapped(self, i: int, j: int) -> Joined:
-        """Return the forecast with the asperities of two sites exchanged."""
+        """Return the forecast after an exchange of the asperities at two sites."""
         return replace(self, parts=tuple(part.swapped(i, j) for part in self.parts))
 
     def residual(self) -> FloatArray:
@@ -219,7 +219,7 @@ class Joined:
         return np.concatenate([f * part.residual() for f, part in zip(self.factors, self.parts, strict=True)])
 
     def changes(self, sites: IntArray) -> FloatArray:
-        """Return the changes of the residuals by the exchange of each pair of sites, (q, m, m)."""
+        """Return the changes of the residuals due to an exchange between each pair of sites, (q, m, m)."""
         pairs = zip(self.factors, self.parts, strict=True)
         return np.concatenate([f * part.changes(sites) for f, part in pairs])
 

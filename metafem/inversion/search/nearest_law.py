@@ -184,7 +184,7 @@ class Asperities(Heights):
         return self.joined(np.maximum(height, height.max() - self.span), radius)
 
     def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
-        """Return the indices of the tallest height and of those `span` below it."""
+        """Return the index of the tallest height, and the indices of the heights `span` below it, (m,)."""
         return super().ends(unknowns[: len(unknowns) // 2])
 
     def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:

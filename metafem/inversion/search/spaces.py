@@ -46,7 +46,7 @@ class Heights:
         return np.asarray(np.maximum(unknowns, unknowns.max() - self.span))
 
     def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
-        """Return the indices of the tallest height and of those `span` below it."""
+        """Return the index of the tallest height, and the indices of the heights `span` below it, (m,)."""
         tallest = int(unknowns.argmax())
         return tallest, np.flatnonzero(unknowns <= unknowns[tallest] - self.span * (1.0 - AT_LIMIT))
 

@@ -26,9 +26,9 @@ class TargetLaw:
 
     load: FloatArray  # (k,) P/E* [mm^2], increasing
     base: FloatArray  # (k,), fixed part of F/(sigma B) [mm^2]
-    free: FloatArray  # (k, q), factors of the open parameters
+    free: FloatArray  # (k, q), factors of the free parameters
     weight: FloatArray  # (k,), weights of the squared relative differences, of mean 1
-    # whether the misfit is the largest difference (True) or their root mean square (False)
+    # whether the misfit is the largest relative difference (True) or the root mean square (False)
     pointwise: bool = False
     noise: float = 0.0  # weighted root mean square of the relative errors of the law itself
 

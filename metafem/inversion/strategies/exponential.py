@@ -162,7 +162,7 @@ def _scale(target: Any, mixture: Mixture, limits: Limits) -> float:
             nearest(bound * (1.0 + INSIDE)),
         )
     largest = ExponentialDensity(FINEST * limits.span, limits.span).asymptotic_slope(*single)
-    if slope > largest:  # for a law with a finite slope of its lightest contacts, such as cones
+    if slope > largest:  # occurs for contact laws with a finite dA/dP at zero load, such as that of cones
         reached = largest * (1.0 - INSIDE)
         raise Infeasible(
             f"{given} is above {wording.coefficient(largest):.6g}, the largest of asperities with this "

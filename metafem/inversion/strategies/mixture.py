@@ -32,7 +32,7 @@ MIXTURE_FRACTIONS = tuple(i / 16 for i in range(1, 16))
 
 @dataclass(frozen=True)
 class Mixture:
-    """Numbers of asperities of each radius [mm]; different radii require power caps.
+    """Numbers of asperities with each radius [mm]; different radii require power caps.
 
     If all radii have the same height density, Hertz contacts have ``A0 = pi N <R> <d>`` and
     ``P/E* = 4/3 N <sqrt R> <d^(3/2)>``. This is the law of ``N <sqrt R>^2/<R>`` asperities with the single
