@@ -158,7 +158,7 @@ class Bounds:
         return np.asarray(new + np.insert(friction, 0, 0.0)[:-1])
 
     def largest_load(self, limits: Limits) -> float:
-        """Return the load P/E* [mm^2] of N tallest summits when the plane reaches the base plane."""
+        """Return the load P/E* [mm^2] of N summits of maximum height when the plane reaches the base plane."""
         law, most = self.law.without_adhesion, 0.0
         for radius in (self.radii.low, self.radii.high):
             depth = min(limits.top, float(law.largest_indentation(radius)))
@@ -181,7 +181,7 @@ class Bounds:
             shift = intercept / slope
             half = self.least_power * highest**3 / (2.0 * slope**3) - shift
             return half + math.sqrt(max(half**2 - shift**2, 0.0))
-        # without an intercept the line ends at N times the load at which one asperity meets it
+        # without an intercept the line ends at N times the load at which one asperity meets the line
         end = self.count * load_at_pressure(self.law, (1.0 + margin) / slope, self.radii.high)
 
         def above(p: float) -> float:
@@ -236,7 +236,7 @@ def relative_depth(radii: Radii, power: float = 2.0) -> float:
 
 
 def depth_at_pressure(law: Contact, pressure: float, radius: float, *, tangent: bool = False) -> float:
-    """Return the indentation [mm] at which P/A of one contact, or dP/dA with `tangent`, is `pressure` E*.
+    """Return the indentation [mm] at which P/A, or dP/dA with `tangent`, of one contact is `pressure` times E*.
 
     P/A and dP/dA increase with the indentation. For a pressure [-] outside their range, the result is 0 or
     the largest indentation.

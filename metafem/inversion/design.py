@@ -104,10 +104,10 @@ def design(
         target, ``tried_radii`` [mm] and ``radius_misfits`` [-]. A note lists the radii that cannot reach the
         target, with the reason.
 
-        If the template has a friction, the parameters also include bounds on the friction coefficients of
-        linear laws with a single radius, for each of the ``tried_radii``: ``lowest_coefficients`` [-] and, if
-        `limits.height_sd` is given, ``highest_coefficients`` [-]. ``reachable_coefficients`` [-] are the two
-        bounds for mixtures of the radii.
+        With `radii` and a template that has a friction, the parameters also include ``lowest_coefficients``
+        [-] and, if `limits.height_sd` is given, ``highest_coefficients`` [-]. These are bounds on the
+        friction coefficients of linear laws with a single radius, for each of the ``tried_radii``. Without
+        `common_radius`, ``reachable_coefficients`` [-] are the two bounds for mixtures of the radii.
 
         With `robust`, the parameters include ``expected_misfit`` [-], the root of the expected squared misfit
         of the manufactured surface, and ``plain_expected_misfit`` [-], the same root for the design without

@@ -32,7 +32,7 @@ def design_for_hardness(
     common_radius: bool = False,
     **others: Any,
 ) -> Design:
-    """Return a design as `design` does, for elastic contacts if the plasticity index allows.
+    """Return a design with elastic contacts if its plasticity index allows, otherwise with plastic contacts.
 
     The plasticity index of the designed surface is ``psi = E*/H sqrt(s/R)``, where s is the standard
     deviation of its heights and R the mean radius. The function returns the first of these designs that
@@ -41,8 +41,8 @@ def design_for_hardness(
     1. The design under the elastic law of the model, if psi < 0.6.
     2. A design with one of the `radii` for all asperities, if psi < 0.6 and the target is reached. If there
        are several, it is the design with the smallest misfit.
-    3. The design under `KogutEtsion(hardness)`, whose interaction is of order 1. Its note states the
-       E*/H of a material below which contacts would stay elastic.
+    3. The design under `KogutEtsion(hardness)`, whose interaction is of order 1. Its note states the ratio
+       E*/H below which the contacts would stay elastic.
 
     Parameters
     ----------

@@ -37,10 +37,9 @@ ELASTIC_LIMIT = 0.6
 def broken_bound(
     load: FloatArray, friction: FloatArray, bounds: Bounds, margin: float
 ) -> tuple[int, str, float] | None:
-    """Return a violated bound: the index of the first such point, the bound in words, and in mm^2.
+    """Return the first point that violates a bound: its index, the bound in words, and the bound [mm^2].
 
-    The bound must be violated by more than a relative margin. If no point (k,) violates a bound, the result
-    is None.
+    Violations within a relative margin are ignored. The result is None if no point (k,) violates a bound.
     """
     low, high = bounds.friction(load)
     exponent, slack = bounds.least_exponent, margin + ROUNDING
@@ -109,7 +108,7 @@ def nearest_within(load: FloatArray, friction: FloatArray, weight: FloatArray, b
 
 
 def refuse_load(load: float, problem: Problem, wording: Wording) -> None:
-    """Raise Infeasible for a load beyond the load at which the plane reaches the base plane."""
+    """Raise Infeasible if a load exceeds the load at which the plane reaches the base plane."""
     most = problem.bounds.largest_load(problem.limits)
     if load > most:
         words = (
