@@ -158,7 +158,7 @@ class Bounds:
         return np.asarray(new + np.insert(friction, 0, 0.0)[:-1])
 
     def largest_load(self, limits: Limits) -> float:
-        """Return the load P/E* [mm^2] of N summits of maximum height when the plane reaches the base plane."""
+        """Return the load P/E* [mm^2] of N summits of maximum height with the plane at the base plane."""
         law, most = self.law.without_adhesion, 0.0
         for radius in (self.radii.low, self.radii.high):
             depth = min(limits.top, float(law.largest_indentation(radius)))
@@ -236,7 +236,7 @@ def relative_depth(radii: Radii, power: float = 2.0) -> float:
 
 
 def depth_at_pressure(law: Contact, pressure: float, radius: float, *, tangent: bool = False) -> float:
-    """Return the indentation [mm] at which P/A, or dP/dA with `tangent`, of one contact is `pressure` times E*.
+    """Return the indentation [mm] at which P/A, or with `tangent` dP/dA, of one contact is `pressure` E*.
 
     P/A and dP/dA increase with the indentation. For a pressure [-] outside their range, the result is 0 or
     the largest indentation.

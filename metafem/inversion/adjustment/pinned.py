@@ -15,9 +15,9 @@ that the law of the surface meets the target. The method uses three properties o
    distances, the height of the site itself is replaced, which leaves the other sites unchanged.
 
 From these initial guesses, the Levenberg–Marquardt method with exact sensitivities minimises the squares of
-the relative differences r(h) from the target law. The columns of the Jacobian for prescribed heights are
-zero. The same holds for a height at a limit if a step down the gradient ``J' r`` would move it beyond the
-limit (a projected gradient).
+the relative differences r(h) from the target law. The columns of the Jacobian for prescribed heights are set
+to zero. The same is done for a height at a limit if a step down the gradient ``J' r`` would move it beyond
+the limit (a projected gradient).
 
 Operating points must be met to rounding. Their searches start from heights that are shifted off the kinks of
 the law. If these searches fail, asperities are added on all sites. If the misfit remains large, the search
@@ -57,8 +57,8 @@ from metafem.progress import doing, each
 # fraction of the span. The tolerance excludes effects of rounding.
 SAME = 1e-9
 
-# Damping of the first step. It is larger than in other searches, so that the other heights change less
-# (measured: half or a third as much, with the same misfits).
+# Damping of the first step. It is larger than the default, so that the other heights change less (measured:
+# half or a third as much, with the same misfits).
 SMALL_STEPS = 1.0
 
 # The result of another initial guess or of a random change is accepted if its misfit is below this fraction
