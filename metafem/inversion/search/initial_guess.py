@@ -175,7 +175,7 @@ def _spread(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the heights and radii [mm] of an integer number of asperities.
 
-    The asperities of a level are spread evenly over the heights half-way to the neighbouring levels.
+    The asperities of a level are spread evenly over the heights up and down to half-way to the next levels.
     """
     ends = np.append(np.insert(0.5 * (levels[1:] + levels[:-1]), 0, levels[0]), 0.5 * (levels[-1] + plane))
     total = np.insert(np.cumsum(numbers), 0, 0.0)

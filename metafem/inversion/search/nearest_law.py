@@ -162,8 +162,8 @@ class Asperities(Heights):
     """Unknowns of a search: the heights (n,), followed by ``depth ln R`` (n,) for the radii, all [mm].
 
     If `depth` is the largest indentation, equal changes of both kinds of unknowns change the law about
-    equally. Only random changes change the radii of tools. There are at most `most` asperities, with heights
-    within `span`.
+    equally. Radii that must be those of tools change only in random changes. There are at most `most`
+    asperities, with heights within `span`.
     """
 
     radii: Radii

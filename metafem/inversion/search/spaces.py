@@ -90,7 +90,7 @@ class Bounded:
         return height
 
     def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
-        """Return no indices of the lowest heights, because `held` treats heights at a limit."""
+        """Return index 0 and no indices of lowest heights, because `held` treats heights at a limit."""
         return 0, np.empty(0, dtype=np.int64)
 
     def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:

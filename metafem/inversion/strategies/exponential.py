@@ -112,9 +112,9 @@ def law_of(density: ExponentialDensity, branches: tuple[Branch, ...], mixture: M
 def level_counts(density: ExponentialDensity, count: int, step: float) -> tuple[FloatArray, IntArray]:
     """Return levels at the middles of height steps, (l,) [mm], and the numbers of asperities on them, (l,).
 
-    The numbers are the expected numbers rounded to integers. If their sum is not `count`, single numbers are
-    changed by 1. Each time this is the number whose relative difference from its expectation is then
-    smallest. The highest level includes the mass up to the maximum height.
+    The numbers are the expected numbers rounded to integers. Until their sum is `count`, single numbers are
+    changed by 1. Each change is made where the relative difference from the expected number is then smallest.
+    The highest level includes the mass up to the maximum height.
     """
     number = max(1, math.floor(density.max_height / step + 0.5))
     levels = np.asarray(step * (np.arange(number) + 0.5), dtype=np.float64)
