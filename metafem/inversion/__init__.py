@@ -1,4 +1,4 @@
-"""From a target friction law to the heights that produce it."""
+"""Design of asperity heights that produce a target friction law."""
 
 from metafem.inversion.assessment import DesignStatus
 from metafem.inversion.design import design

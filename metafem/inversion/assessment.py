@@ -1,4 +1,4 @@
-"""Difference of a law from the target, and the resulting status."""
+"""Misfit between the law of a design and its target, and the resulting status."""
 
 from __future__ import annotations
 
@@ -22,30 +22,31 @@ from metafem.surface import Surface
 if TYPE_CHECKING:
     from metafem.inversion.result import Design
 
-# Tolerance of an exact design: relative error of the friction at each load of the target.
+# A design is exact if the relative error of its friction is within this tolerance at each load of the target.
 EXACT = 1e-9
 
-# Misfit at which a search for an exact design ends: a hundredth of that tolerance.
+# A search for an exact design ends at this misfit, a hundredth of `EXACT`.
 POINT_GOAL = 1e-11
 
-# A law of any shape counts as reached within this rms: manufacturing errors have a similar effect.
+# A target of any shape counts as reached within this rms misfit, because manufacturing errors change a law
+# about as much.
 REACHED = 0.01
 
-# A straight branch with few asperities misses its target beyond this misfit. Aymard et al. count 10 % on the
-# crossover load, the largest difference in their comparisons, as a success.
+# The heights of a density miss their target beyond this misfit. Aymard et al. regard an error of 10 % in the
+# crossover load, the largest error in their comparisons, as a success.
 MISSED = 0.1
 
-# Last load of a design's law over the last load of the target, and number of loads.
+# Ratio of the last load of a design's law to the last load of the target, and number of loads of the law.
 LAW_END, LAW_POINTS = 1.1, 100
 
-# Digits of a number in double precision.
+# Number of digits that identify any double-precision number.
 MOST_DIGITS = 17
 
 Fits = tuple[tuple[Branch, BranchFit], ...]
 
 
 class DesignStatus(Enum):
-    """How a design ended; the value is the message."""
+    """Status of a design; the value is the message."""
 
     EXACT = "exact: the law meets the target to 1e-9"
     REACHED = "reached: the law meets the target within 1 %"
@@ -53,7 +54,7 @@ class DesignStatus(Enum):
     REFINED = "refined: the heights were adjusted until the law met the target within 1 %"
     APPROXIMATE = "approximate: the heights follow a density whose law has the target's slopes at large loads"
     ROBUST = "robust: the made surface has the least expected misfit; the exact heights miss by more than 1 %"
-    # only in results of earlier versions
+    # occurs only in results that earlier versions saved
     UNCORRECTED = "uncorrected: designed for independent asperities; this model's law has the misfit"
     MISSED = (
         "missed: the misfit is above 1 % (and the errors of the samples), or above 10 % for the heights of a "
@@ -65,7 +66,7 @@ class DesignStatus(Enum):
 def assess(problem: Problem, candidate: Candidate, surface: Surface) -> dict[str, Any]:
     """Return the law, fits, misfit, status and parameters of a design with the heights of a candidate.
 
-    They follow from one curve at the loads of the law, of the target and of the fits.
+    The model is solved once, at the loads of the law, the target and the fits together.
     """
     target_law, branches, last = candidate.target_law, candidate.branches, problem.target.last_load
     if last is None:
@@ -93,9 +94,9 @@ def assess(problem: Problem, candidate: Candidate, surface: Surface) -> dict[str
 
 
 def reassessed(design: Design) -> Design:
-    """Return a design with the law, misfit and status recomputed from its heights.
+    """Return a design with its law, fits, misfit and status recomputed from its heights.
 
-    Notes and parameters of the inversion that do not apply to changed heights are omitted.
+    Notes of the inversion are omitted, and so are its parameters that do not apply to changed heights.
     """
     surface, status = design.surface, design.status
     candidate = Candidate(
@@ -115,10 +116,10 @@ def reassessed(design: Design) -> Design:
 
 
 def empty_sites_words(design: Design) -> str:
-    """Return the reason why some sites are empty although the law is met.
+    """Return the reason why some sites are empty although the law meets the target.
 
-    Without adhesion the area of one contact is a concave function of its load, so a further contact increases
-    A0 at a given load.
+    Without adhesion, the area of one contact is a concave function of its load, so an additional contact
+    increases A0 at a fixed load.
     """
     filled = design.surface.count + sum(height is None for height in design.pinned.values())
     unknown = design.status is DesignStatus.MISSED or contact_of(design.law.model).adhesive
@@ -128,7 +129,7 @@ def empty_sites_words(design: Design) -> str:
 
 
 def misfit_of(candidate: Candidate, area: Callable[[FloatArray], FloatArray]) -> float:
-    """Return the misfit of a candidate from its law A0 as a function of rescaled loads (k,) [mm^2]."""
+    """Return the misfit [-] of a candidate; `area` maps rescaled loads (k,) [mm^2] to A0 (k,) [mm^2]."""
     lists = [candidate.target_law.load, *(branch.load for branch in candidate.branches)]
     load, (at_target, *on_branches) = _united(lists)
     found = area(load)
@@ -137,19 +138,19 @@ def misfit_of(candidate: Candidate, area: Callable[[FloatArray], FloatArray]) ->
 
 
 def independent_misfit(problem: Problem, candidate: Candidate) -> float:
-    """Return the misfit of independent asperities; it does not depend on the sites."""
+    """Return the misfit [-] of a candidate for independent asperities; the sites do not affect it."""
     height, radius = candidate.height, candidate.radius
     return misfit_of(candidate, lambda load: problem.independent.curve_of(height, radius, load).area)
 
 
 def model_misfit(problem: Problem, candidate: Candidate) -> float:
-    """Return the misfit of a candidate under the model of the problem."""
+    """Return the misfit [-] of a candidate under the model of the problem."""
     surface = candidate.surface(problem.template)
     return misfit_of(candidate, lambda load: problem.model.curve(surface, load).checked().area)
 
 
 def _united(loads: list[FloatArray]) -> tuple[FloatArray, list[IntArray]]:
-    """Return the sorted union of the loads, and the indices of each list in it."""
+    """Return the sorted union of lists of loads, and for each list the indices of its loads in the union."""
     united = np.unique(np.concatenate(loads))
     return united, [np.searchsorted(united, part) for part in loads]
 
@@ -157,10 +158,12 @@ def _united(loads: list[FloatArray]) -> tuple[FloatArray, list[IntArray]]:
 def misfits(
     law: TargetLaw, branches: Sequence[Branch], difference: FloatArray, slopes: FloatArray
 ) -> FloatArray:
-    """Return the largest relative difference (m, k) of each law from the target or of a fitted slope, (m,).
+    """Return the misfit [-] of each of m laws, (m,).
 
-    If laws are compared pointwise, the deviation of a law is the largest at any load, which bounds the
-    slopes. Otherwise it is the root mean square. slopes: (m, b), fitted to each branch.
+    The relative differences of the laws from the target are `difference` (m, k). If laws are compared
+    pointwise, the misfit is the largest difference at any load, which also bounds the error of a slope.
+    Otherwise it is the root mean square of the differences, or the largest relative error of a fitted slope
+    if that is larger. `slopes` (m, b) are fitted to the b branches.
     """
     if law.pointwise:
         return np.asarray(np.abs(difference).max(axis=1))
@@ -170,7 +173,7 @@ def misfits(
 
 
 def _misfit(candidate: Candidate, area: FloatArray, slopes: list[float]) -> float:
-    """Return the misfit of a candidate whose law is A0 (k,), with the slopes of its branches."""
+    """Return the misfit [-] of a candidate from its A0 (k,) [mm^2] and the fitted slopes of its branches."""
     law, branches = candidate.target_law, candidate.branches
     return float(misfits(law, branches, law.difference(area)[None], np.array([slopes]))[0])
 
@@ -178,7 +181,7 @@ def _misfit(candidate: Candidate, area: FloatArray, slopes: list[float]) -> floa
 def misfit_text(misfit: float, digits: int = 2) -> str:
     """Return a misfit in percent, or a statement that it is within the tolerance of exact designs.
 
-    It has enough digits to show on which side of a limit it is: a misfit of 1.003 % is not "1 %".
+    The text has enough digits to show on which side of a limit the misfit lies: 1.003 % is not "1 %".
     """
     if misfit <= EXACT:
         return "below 1e-9"
@@ -187,12 +190,12 @@ def misfit_text(misfit: float, digits: int = 2) -> str:
 
 
 def _above(misfit: float) -> list[bool]:
-    """Return whether a misfit exceeds each of the limits of a status."""
+    """Return whether a misfit exceeds `REACHED`, and whether it exceeds `MISSED`."""
     return [misfit > limit for limit in (REACHED, MISSED)]
 
 
 def status_of(candidate: Candidate, misfit: float) -> DesignStatus:
-    """Return how a design ended; a misfit of nan counts as missed."""
+    """Return the status of a design; a misfit of nan counts as missed."""
     density = candidate.density is not None
     if not misfit <= largest_misfit(candidate.target_law, density):
         return DesignStatus.ROBUST if candidate.robust else DesignStatus.MISSED
@@ -206,5 +209,5 @@ def status_of(candidate: Candidate, misfit: float) -> DesignStatus:
 
 
 def largest_misfit(law: TargetLaw, density: bool = False) -> float:
-    """Return the largest misfit that counts as reached, including the errors of the target itself."""
+    """Return the largest misfit [-] that counts as reached, including the errors of the target."""
     return MISSED if density else REACHED + law.noise

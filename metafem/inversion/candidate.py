@@ -1,4 +1,4 @@
-"""Candidate heights of a problem, and the law with which they are compared."""
+"""Candidate heights for a problem, and the law to which their law is compared."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Parameter = float | int | FloatArray | IntArray
 # Number of loads at which the slope of a straight branch is fitted.
 BRANCH_POINTS = 76
 
-# Parameters of operating points that are not valid for moved heights.
+# Parameters of designs for operating points that are no longer valid after the heights change.
 LEVELS = ("counts", "levels", "adjustment_heights", "level_radii", "adjustment_radii")
 
 
@@ -27,7 +27,7 @@ LEVELS = ("counts", "levels", "adjustment_heights", "level_radii", "adjustment_r
 class Branch:
     """A straight branch of the target: slope [-] and intercept [mm^2] over a range of rescaled loads.
 
-    The intercept is None where the target leaves it open.
+    The intercept is None if the target leaves it free.
     """
 
     slope: float
@@ -36,7 +36,7 @@ class Branch:
 
     @property
     def load(self) -> FloatArray:
-        """Rescaled loads at which the slope is fitted [mm^2]."""
+        """Rescaled loads at which the slope is fitted, (76,) [mm^2]."""
         return np.linspace(*self.load_range, BRANCH_POINTS)
 
 
@@ -45,15 +45,19 @@ class Candidate:
     """Heights above the base plane (n,) [mm] with their radii, and data for the design.
 
     A strategy returns the heights of independent asperities, tallest first and without `sites`. The later
-    steps of a design assign them to sites of the template and may move them.
+    steps of a design assign the heights to sites of the template and may change them.
 
-    The law of the heights is compared with `target_law`, that of the target or of a height density.
-    `stepped` heights are already on the levels of the limits; `moved` heights differ from those of
-    independent asperities; `unrounded` is the misfit before heights were rounded to steps. `lowest_level`
-    [mm] is set for points that must be met exactly: asperities for another model can be added below it.
-    `sites` (n,) are those of the template, increasing. `robust` heights have a smaller expected misfit than
-    others that reach the target. `held` (k,) are sites with given, fixed heights; `unpinned` is the
-    misfit without them.
+    - `target_law`: law of the target or of a height density, to which the law of the heights is compared.
+    - `stepped`: whether the heights are already on the levels of the limits.
+    - `lowest_level` [mm]: set only if points must be met exactly. Asperities for another model can be added
+      below this height.
+    - `sites` (n,): sites of the asperities in the template, increasing.
+    - `moved`: whether the heights differ from those of independent asperities.
+    - `unrounded` [-]: misfit before the heights were rounded to steps.
+    - `robust`: whether the heights were chosen for a smaller expected misfit than other heights that reach
+      the target.
+    - `held` (k,): sites with prescribed heights.
+    - `unpinned` [-]: misfit without the prescribed heights.
     """
 
     height: FloatArray
@@ -74,22 +78,22 @@ class Candidate:
 
     @property
     def held_rows(self) -> IntArray:
-        """Indices of the fixed heights, (k,)."""
+        """Indices of the prescribed heights, (k,)."""
         return np.searchsorted(self.sites, self.held)
 
     def surface(self, template: Surface) -> Surface:
-        """Return the surface of the heights on their sites of a template."""
+        """Return the surface with the heights and radii on their sites of a template."""
         position = template.position[self.sites]
         return template.replaced(position=position, height=self.height, radius=self.radius)
 
     def placed(self, sites: IntArray, foot: float = -np.inf) -> Candidate:
-        """Return the heights on sites in any order (n,), clipped at the foot [mm] against rounding."""
+        """Return the candidate on sites (n,) in any order; heights below the foot [mm] are raised to it."""
         order = np.argsort(sites)
         height = np.maximum(self.height[order], foot)
         return replace(self, sites=sites[order], height=height, radius=self.radius[order])
 
     def with_heights(self, height: FloatArray) -> Candidate:
-        """Return the candidate with changed heights on the same sites, without levels as parameters."""
+        """Return the candidate with changed heights on the same sites, without the parameters of levels."""
         parameters = dict(self.parameters)
         if self.lowest_level is not None:
             rest = {name: value for name, value in parameters.items() if name not in LEVELS}
@@ -100,8 +104,8 @@ class Candidate:
 
 
 def below_limit(height: FloatArray, limits: Limits) -> FloatArray:
-    """Return heights shifted together so that the tallest is at the limit.
+    """Return heights shifted together so that the tallest has the largest allowed height, (n,) [mm].
 
-    The shift changes the law only of models that include the compliance of the caps.
+    The shift changes the law only if the model includes the compliance of the caps.
     """
     return np.asarray(np.maximum(limits.top - (height.max() - height), limits.foot))

@@ -31,10 +31,10 @@ from metafem.prediction.perturbation import Tolerances
 from metafem.progress import doing, each
 from metafem.surface import Surface
 
-# If more radii of a range than this are in use, only the smallest and the largest are stated.
+# If a design uses more radii of a range than this, only the smallest and the largest are stated.
 MOST_LISTED = 8
 
-# Number of radii of a range that are tried between the neighbours of the best one.
+# Maximum number of radii of a range that are tried between the best radius and its neighbours.
 NEXT_RADII = 4
 
 
@@ -50,70 +50,78 @@ def design(
     common_radius: bool = False,
     robust: Tolerances | None = None,
 ) -> Design:
-    """Find heights, and radii if several are allowed, whose friction law is the target.
+    """Return a design: heights, and radii if several are allowed, whose friction law meets the target.
 
     Parameters
     ----------
     target : OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw or MultilinearLaw
-        Linear and bilinear laws with a load range are lines through the origin. Without a load range
-        the heights follow a density whose law has the target slopes but its own intercept.
+        With a load range, a linear or bilinear law is a line through the origin over that range. Without a
+        load range the heights follow a density whose law has the target slopes but its own intercept.
     template : Surface
-        Sites, common radius, material, friction and block. Its heights are used only for the default of
-        `limits`, and its radii only if `radii` is not given.
+        Surface with the sites, common radius, material, friction and block. Its heights are used only for
+        the default of `limits`, and its radii only if `radii` is not given.
     model : Model, optional
-        Model under which the law must meet the target; default: ``Independent()``. Under a model with
-        interaction the heights of the independent inversion are refined by the Levenberg–Marquardt method
-        with exact sensitivities. Bounds and heights of independent asperities use the contact law of the
-        model. Adhesive asperities start from the heights without adhesion, and no bound is used for them.
+        Model under which the law must meet the target; default: ``Independent()``. For a model with
+        interaction, heights are first found for independent asperities with the contact law of the model.
+        The Levenberg–Marquardt method with exact sensitivities then refines them. Bounds use the same
+        contact law. For adhesive asperities the first heights are those without adhesion, and no bound is
+        used.
     limits : Limits, optional
         Manufacturing limits; default: heights up to the tallest of the template. With a `height_step` all
-        heights are on its levels, and the loss is stated in a note and in the parameters ``step_levels``
-        [mm], ``step_counts`` and ``step_loss`` [-]. For a linear law of independent asperities the numbers
-        of asperities per level are the integers nearest to those of the density. With `pinned` the other
-        heights are adjusted to the given ones, see Notes.
+        heights are on its levels. A note and the parameter ``step_loss`` [-] then state the increase of
+        the misfit, and the parameters ``step_levels`` [mm] and ``step_counts`` the levels. For a linear law
+        of independent asperities the numbers of asperities per level are the integers nearest to those of
+        the density. With `pinned` the other heights are adjusted to the prescribed heights, see Notes.
     rng : int or numpy Generator
         Seed of the random assignment of heights to sites, and of the random restarts of the search.
     layout : Layout, optional
-        Objective for assigning heights to sites, by `arrange` under the model and before any refinement.
-        Its misfits are the parameters ``layout_before`` and ``layout_after`` [-]. Default: a random
-        assignment.
+        Objectives for the assignment of heights to sites. `arrange` assigns them under the model, before
+        any refinement; the parameters ``layout_before`` and ``layout_after`` [-] are the misfits of the
+        objectives. Default: a random assignment.
     radii : RadiusRange or sequence of float, optional
-        Allowed radii of each asperity [mm]: any of a range, or a list of tool radii. One radius for all
-        is used if it reaches the target. Otherwise radii are mixed: linear and bilinear laws assign two
-        radii to the heights of one density, whose law is that of the single radius ``R = (<R>/<sqrt R>)^2``;
-        for operating points each level can have a different radius; for laws of any shape heights and radii
-        are searched together. The radii are found for independent asperities; under another model only the
-        heights are refined. With several radii the local exponent of a law can be below 2/3, and its slope
-        can be larger. Default: the common radius of the template.
+        Allowed radii of each asperity [mm]: any radius of a range, or a list of tool radii. All asperities
+        have the same radius if a single radius reaches the target. Otherwise radii are mixed. For linear and
+        bilinear laws two radii are assigned to the heights of one density, whose law is that of the single
+        radius ``R = (<R>/<sqrt R>)^2``. For operating points each level can have a different radius. For
+        other laws heights and radii are searched together. The radii are found for independent asperities;
+        under another model only the heights are refined. With several radii the local exponent of a law can
+        be below 2/3, and its slope can be larger. Default: the common radius of the template.
     common_radius : bool
-        Whether all asperities have the same radius, the one of `radii` with the least misfit. All radii of a
-        list are tried, and up to 11 of a range, without the layout and without `robust`.
+        Whether all asperities have the same radius, the radius of `radii` with the smallest misfit. All radii
+        of a list are tried, and up to 13 radii of a range. The trials use neither `layout` nor `robust`.
     robust : Tolerances, optional
-        Errors of the manufactured surface and of its alignment, for which the expected squared misfit is
-        minimised, see Notes. Default: None; the misfit of the exact heights is minimised.
+        Errors of the manufactured surface and of its alignment. The expected squared misfit over these
+        errors is minimised, see Notes. Default: None; the misfit of the exact heights is minimised.
 
     Returns
     -------
     Design
-        With `radii`, its parameters hold the radii in use, ``used_radii`` [mm], and the number of asperities
-        of each, ``radius_counts``; for many radii of a range ``lowest_radius`` and ``highest_radius`` [mm].
-        With `common_radius` they hold ``radius`` [mm] and, for all radii that can reach the target,
-        ``tried_radii`` [mm] and ``radius_misfits`` [-]; a note lists the radii that cannot, with the reason.
-        With a template that has a friction, they also hold the bounds of the friction coefficients of linear
-        laws with each single one of the ``tried_radii``, ``lowest_coefficients`` and, if `limits.height_sd`
-        is given, ``highest_coefficients`` and ``reachable_coefficients`` of mixtures.
-        With `robust`, they hold the root of the expected squared misfit of the manufactured surface,
-        ``expected_misfit`` [-], and that of the design without `robust`, ``plain_expected_misfit`` [-]; the
-        fraction by which the square is smaller, ``robust_gain`` [-], with its standard error
-        ``robust_gain_error`` [-]; and ``irreducible_share`` [-], the share of the square due to the linear
-        response to errors of single heights and radii, which no heights with this law can remove. If the gain
-        is below three standard errors, the design is the one without `robust`, and a note says so.
+        With `radii`, the parameters of the design include ``used_radii`` [mm], the radii in use, and
+        ``radius_counts``, the number of asperities of each radius. For many radii of a range they include
+        ``lowest_radius`` and ``highest_radius`` [mm] instead.
+
+        With `common_radius`, the parameters include ``radius`` [mm] and, for all radii that can reach the
+        target, ``tried_radii`` [mm] and ``radius_misfits`` [-]. A note lists the radii that cannot reach the
+        target, with the reason.
+
+        With `radii` and a template that has a friction, the parameters also include ``lowest_coefficients``
+        [-] and, if `limits.height_sd` is given, ``highest_coefficients`` [-]. These are bounds on the
+        friction coefficients of linear laws with a single radius, for each of the ``tried_radii``. Without
+        `common_radius`, ``reachable_coefficients`` [-] are the two bounds for mixtures of the radii.
+
+        With `robust`, the parameters include ``expected_misfit`` [-], the root of the expected squared misfit
+        of the manufactured surface, and ``plain_expected_misfit`` [-], the same root for the design without
+        `robust`. ``robust_gain`` [-] is the relative decrease of the expected squared misfit, and
+        ``robust_gain_error`` [-] its standard error. ``irreducible_share`` [-] is the fraction of the
+        expected squared misfit that is due to the linear response to errors of single heights and radii; no
+        heights with this law can remove this response. If the gain is below three standard errors, the design
+        without `robust` is returned, with a note.
 
     Raises
     ------
     Infeasible
         If no surface within the limits has the law, or no heights that meet the points were found. The
-        message states the reason, and the error holds the nearest target within the bounds.
+        message states the reason, and the attribute `nearest` holds the nearest reachable target, if known.
     InvalidInput
         For arguments outside their range or of the wrong kind.
 
@@ -122,17 +130,18 @@ def design(
     Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, equations S1 to S8.
 
     With `robust`, ``E |r(h + D)|^2`` is minimised, where r are the relative differences of the law from the
-    target, h the heights and D their errors. The expectation is a mean over fixed errors with both signs,
-    whose mean squares are exact in every direction. It is minimised by the Levenberg–Marquardt method with
-    exact sensitivities. If the tolerances have an angle, asperities are also exchanged between sites to
-    lower the response to tilts. The heights of more than 128 asperities are not changed. Under a model
-    without sensitivities the expectations are those of its `gradient_model`. In general, the misfit of the
-    exact heights increases.
+    target, h the heights and D their errors. The expectation is approximated by a mean over fixed errors of
+    both signs, whose mean square is exact in every direction. The Levenberg–Marquardt method with
+    exact sensitivities minimises this mean. If the tolerances include an angle, asperities are also exchanged
+    between sites to reduce the response to tilts. With more than 128 asperities the heights do not change.
+    If the model has no sensitivities, its `gradient_model` is used for the expectations. In general, the
+    misfit of the exact heights increases.
 
-    With `limits.pinned`, the heights and their layout are first found without the given heights. These then
-    replace the nearest heights, with their radii, and need not be on a height step. The others are adjusted
-    by the Levenberg–Marquardt method, each between the foot and the largest height, unless the misfit rises
-    by less than a tenth. A note states the misfits with and without the given heights.
+    With `limits.pinned`, the heights and their layout are first found without the prescribed heights. The
+    prescribed heights then replace the nearest heights and take over their radii. They need not be on a
+    height step. The other heights are adjusted by the Levenberg–Marquardt method, each between the foot and
+    the largest height. They remain unchanged if the prescribed heights raise the misfit by less than about a
+    tenth, except for operating points. A note states the misfits with and without the prescribed heights.
 
     Examples
     --------
@@ -142,7 +151,7 @@ def design(
     >>> round(result.parameters["scale"], 4), result.misfit < 0.03
     (0.0401, True)
 
-    A slope of 4.5 is out of reach of the larger tool. A local exponent below 2/3 needs both.
+    The larger tool cannot reach a slope of 4.5. A local exponent below 2/3 needs both tools.
 
     >>> tools = [0.3, 0.526]
     >>> mf.design(mf.LinearLaw(4.5), template, radii=tools, common_radius=True).parameters["radius"]
@@ -151,14 +160,14 @@ def design(
     >>> mf.design(target, template, limits=limits, radii=[0.2, 0.8]).parameters["used_radii"]
     array([0.2, 0.8])
 
-    Heights with errors of 3 um and a plane that is level within 0.05 degrees.
+    The heights have errors of 3 um, and the plane is tilted by up to 0.05 degrees about each axis.
 
     >>> target, tolerances = mf.PowerLaw(0.9, (0.1, 0.2)), mf.Tolerances(height_sd=0.003, angle=0.0009)
     >>> found = mf.design(target, template, robust=tolerances).parameters
     >>> found["robust_gain"] > 3.0 * found["robust_gain_error"]
     True
 
-    Site 9 has a height of 0.1 mm, and site 3 no asperity.
+    Site 9 has a summit of 0.1 mm, and site 3 has no asperity.
 
     >>> limits = mf.Limits(0.12, pinned={9: 0.1, 3: None})
     >>> result = mf.design(mf.PowerLaw(0.9, (0.1, 0.2)), template, limits=limits)
@@ -208,7 +217,7 @@ def design(
 
 
 def _refuse_infeasible(problem: Problem) -> None:
-    """Raise Infeasible for a target beyond its bounds by more than the interaction margin of the model."""
+    """Raise Infeasible if the target exceeds a bound by more than the interaction margin of the model."""
     try:
         problem.target.refuse(problem, 0.0)
     except Infeasible:
@@ -219,7 +228,7 @@ def _refuse_infeasible(problem: Problem) -> None:
 
 
 def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
-    """Return the design with the best common radius, which does not depend on the layout."""
+    """Return the design with the best common radius; the choice of the radius ignores layout and `robust`."""
     choice, pins, seed = problem.radii, problem.pins, rng.integers(2**63)
     found: dict[float, Design] = {}
     refused: dict[float, Infeasible] = {}
@@ -235,7 +244,7 @@ def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
                 refused[radius] = reason
 
     def rank(radius: float) -> tuple[float, float]:
-        """Return the misfit and the radius; misfits of exact designs are rounding and count as equal."""
+        """Return the misfit and the radius; misfits of exact designs are rounding errors and rank equally."""
         return max(found[radius].misfit, EXACT), radius
 
     attempt(choice.tried)
@@ -258,7 +267,7 @@ def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
 
 
 def _radii_in_use(problem: Problem, surface: Surface) -> dict[str, Parameter]:
-    """Return the parameters of a choice of radii."""
+    """Return the parameters that state the radii of a surface, and the friction coefficients they allow."""
     radii, template = problem.radii, problem.template
     used, counts = np.unique(surface.radius, return_counts=True)
     parameters: dict[str, Parameter] = {"used_radii": used, "radius_counts": counts.astype(np.int64)}
@@ -274,7 +283,7 @@ def _radii_in_use(problem: Problem, surface: Surface) -> dict[str, Parameter]:
 
 
 def _coefficients(problem: Problem, radii: FloatArray) -> dict[str, Parameter]:
-    """Return bounds of the friction coefficients of linear laws for each single radius."""
+    """Return bounds on the friction coefficients [-] of linear laws, separately for each radius."""
     if problem.template.friction is None:
         return {}
     template, limits, law = problem.template, problem.limits, problem.contact

@@ -21,18 +21,18 @@ from metafem.inversion.result import Design
 from metafem.inversion.strategies.proportional import reached_line
 from metafem.notes import Level, Note, information
 
-# Heights should be larger than the height errors by at least this factor.
+# Each height should be at least this many standard deviations of the height errors.
 HEIGHT_TO_ERROR = 10.0
 
-# The heights count as restricted by max_height if they leave less than this fraction of the range unused.
+# The heights use the whole allowed range if they leave less than this fraction unused.
 ALL_OF_IT = 1e-6
 
 
 def design_notes(problem: Problem, candidate: Candidate, found: Design) -> tuple[Note, ...]:
-    """Return all notes on a design: those of the candidate, of the heights and of the law.
+    """Return all notes on a design: the notes on the candidate, on the heights and on the law.
 
-    The notes on the heights state height steps, given heights, heights that are hard to make, and the part of
-    a missed line that can be met.
+    The notes on the heights state the effects of height steps and of prescribed heights, heights that are
+    hard to manufacture, and the loads at which a missed line can be met.
     """
     limits, before, unpinned = problem.limits, candidate.unrounded, candidate.unpinned
     surface = found.surface
@@ -68,7 +68,7 @@ def design_notes(problem: Problem, candidate: Candidate, found: Design) -> tuple
 
 
 def _pins(count: int, unpinned: float, found: Design) -> Note:
-    """Return a note on the misfit with and without the given heights."""
+    """Return a note on the misfits with and without `count` prescribed heights."""
     many = "the height of 1 site" if count == 1 else f"the heights of {count} sites"
     after, before = (misfit_text(misfit) for misfit in (found.misfit, unpinned))
     words = f"with {many} given the misfit is {after}; without, it is {before}"
@@ -78,7 +78,7 @@ def _pins(count: int, unpinned: float, found: Design) -> Note:
 
 
 def step_note(limits: Limits, before: float, after: float) -> Note:
-    """Return the note that states the misfits before and after the rounding."""
+    """Return the note that states the misfits before and after the rounding to height steps."""
     aside = ": the search over steps found a better law than that over free heights" if after < before else ""
     if after > REACHED >= before:
         aside = f"; a smaller height_step brings it below {percent(REACHED, 'g')}"
@@ -89,7 +89,7 @@ def step_note(limits: Limits, before: float, after: float) -> Note:
 
 
 def _density(problem: Problem, found: Design) -> Note:
-    """Return a note on the misfit of the density's heights, and on load_range for a line as target."""
+    """Return a note on the misfit of heights that follow a density; it recommends a load_range."""
     name, misfit = problem.target.wording.name(len(found.fits)), found.misfit
     return Note(
         f"the {found.misfit_meaning} is {misfit_text(misfit)}: the heights follow a density, whose law has "
@@ -100,7 +100,10 @@ def _density(problem: Problem, found: Design) -> Note:
 
 
 def _line(problem: Problem, held: bool) -> Note:
-    """Return a note on loads at which the line can be met, and other remedies; `held`: by max_height."""
+    """Return a note on the loads at which a line can be met, with other remedies.
+
+    `held` states whether max_height limits the heights.
+    """
     target: Any = problem.target
     wording, found = target.wording, reached_line(target, problem)
     if found is None or found.load_range is None:

@@ -1,4 +1,4 @@
-"""Designs with elastic contacts where possible, judged by the plasticity index."""
+"""Designs whose contacts stay elastic if possible, according to the plasticity index."""
 
 from __future__ import annotations
 
@@ -32,36 +32,38 @@ def design_for_hardness(
     common_radius: bool = False,
     **others: Any,
 ) -> Design:
-    """Design a surface as `design` does, with an elastic law if the contacts stay elastic.
+    """Return a design with elastic contacts if its plasticity index allows, otherwise with plastic contacts.
 
     The plasticity index of the designed surface is ``psi = E*/H sqrt(s/R)``, where s is the standard
-    deviation of its heights. The first of these cases that applies is used:
+    deviation of its heights and R the mean radius. The function returns the first of these designs that
+    exists:
 
-    1. psi < 0.6: the design under the elastic law of the model.
-    2. psi < 0.6 with one of the `radii` for all asperities: the one with the least misfit.
-    3. Otherwise the design under `KogutEtsion(hardness)`, which couples by order 1. Its note states the
-       largest E*/H of a material with which contacts would stay elastic.
+    1. The design under the elastic law of the model, if psi < 0.6.
+    2. A design with one of the `radii` for all asperities, if psi < 0.6 and the target is reached. If there
+       are several, it is the design with the smallest misfit.
+    3. The design under `KogutEtsion(hardness)`, whose interaction is of order 1. Its note states the ratio
+       E*/H below which the contacts would stay elastic.
 
     Parameters
     ----------
     hardness : float
         H of the softer material [MPa], positive.
     target, template, model, radii, common_radius
-        As in `design`. A plastic law of the model remains in use.
+        As in `design`. If the contact law of the model is plastic, it remains in use.
     others
         Further arguments of `design`: limits, rng, layout and robust.
 
     Returns
     -------
     Design
-        Its parameters also hold ``plasticity_index`` [-] of its surface and, unless all heights are equal,
-        ``largest_modulus_ratio``, the E*/H [-] at which the index of that surface is 0.6. Its first note
-        states which case was used.
+        Its parameters also include ``plasticity_index`` [-] and, unless all heights are equal,
+        ``largest_modulus_ratio`` [-], the E*/H at which the plasticity index of this surface would be 0.6.
+        Its first note states which of the three designs it is.
 
     Raises
     ------
     Infeasible
-        As in `design`; also if the target is reachable only with elastic contacts that would become plastic.
+        As in `design`; also if only elastic contacts could reach the target, but they would become plastic.
     InvalidInput
         For arguments outside their range or of the wrong kind.
 
@@ -128,7 +130,7 @@ def design_for_hardness(
 
 
 def _noted(found: Design, hardness: float, note: Note) -> Design:
-    """Return a design with its plasticity index and a first note."""
+    """Return a design with its plasticity index among the parameters, and with a note before the others."""
     rough = roughness(found.surface)
     index = found.surface.material.composite_modulus / hardness * rough
     parameters = {**found.parameters, "plasticity_index": index}

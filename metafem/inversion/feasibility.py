@@ -1,4 +1,4 @@
-"""Targets that violate a bound, and the range that surfaces of independent asperities can reach."""
+"""Checks of targets against bounds, and the range of laws that independent asperities can reach."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ from metafem.surface import Surface
 if TYPE_CHECKING:
     from metafem.inversion.problem import Problem
 
-# Relative distance of the nearest reachable target inside its bound.
+# The nearest reachable target is inside its bound by this relative distance.
 INSIDE = 1e-6
 
-# Limit of mostly elastic contact by Greenwood and Williamson.
+# Plasticity index below which contacts are mostly elastic, according to Greenwood and Williamson.
 ELASTIC_LIMIT = 0.6
 
 
 def broken_bound(
     load: FloatArray, friction: FloatArray, bounds: Bounds, margin: float
 ) -> tuple[int, str, float] | None:
-    """Return the first of points (k,) that violates a bound by more than a margin (relative), or None.
+    """Return the first point that violates a bound: its index, the bound in words, and the bound [mm^2].
 
-    The bound follows in words and in mm^2.
+    Violations within a relative margin are ignored. The result is None if no point (k,) violates a bound.
     """
     low, high = bounds.friction(load)
     exponent, slack = bounds.least_exponent, margin + ROUNDING
@@ -78,7 +78,7 @@ def broken_sample(
 ) -> Message | None:
     """Return a message on the first sample (k,) that violates a bound by more than a margin, or None.
 
-    point: the words before its load, between this and its friction, and after it.
+    `point` holds the words before the load of the sample, between its load and friction, and after both.
     """
     broken = broken_bound(load, friction, problem.bounds, margin)
     if broken is None:
@@ -92,10 +92,10 @@ def broken_sample(
 
 
 def nearest_within(load: FloatArray, friction: FloatArray, weight: FloatArray, bounds: Bounds) -> FloatArray:
-    """Return frictions (k,) within the bounds with the least weighted relative differences from samples.
+    """Return frictions (k,) [mm^2] within the bounds, with minimal weighted differences from the samples.
 
-    As F/P^b cannot decrease, this is an isotonic regression. It remains optimal when clipped at bounds that
-    are powers of the load with the same exponent b.
+    F/P^b cannot decrease, so the frictions follow from an isotonic regression. The regression remains optimal
+    when clipped at bounds that are powers of the load with the same exponent b.
     """
     if broken_bound(load, friction, bounds, 0.0) is None:
         return friction
@@ -108,7 +108,7 @@ def nearest_within(load: FloatArray, friction: FloatArray, weight: FloatArray, b
 
 
 def refuse_load(load: float, problem: Problem, wording: Wording) -> None:
-    """Raise Infeasible for a load beyond that at which the plane reaches the base plane."""
+    """Raise Infeasible if a load exceeds the load at which the plane reaches the base plane."""
     most = problem.bounds.largest_load(problem.limits)
     if load > most:
         words = (
@@ -131,18 +131,19 @@ def feasible_region(
     radii: RadiusRange | Sequence[float] | None = None,
     contact: Contact = PARABOLOID,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the lowest and highest friction that any surface of independent asperities has at each load.
+    """Return the lowest and highest friction of any surface of independent asperities at each load.
 
-    The lowest is that of one asperity of the smallest radius, for Hertz contacts
-    ``pi R (3p/(4 sqrt R))^(2/3)``; the highest is that of N equal asperities of the largest radius. Both are
-    nan above the load at which the plane reaches the base plane with N summits of the largest height. They
-    hold for every law whose load is a convex function of the area, see `metafem.inversion.bounds`. For other
-    laws, for adhesion, and for several radii of a law that does not scale with them, they are 0 and infinite.
+    One asperity of the smallest radius has the lowest friction; with a Hertz contact it is
+    ``pi R (3p/(4 sqrt R))^(2/3)``. N equal asperities of the largest radius have the highest friction. Both
+    values are nan above the load at which the plane reaches the base plane with N summits of the largest
+    height. They hold for every contact law whose load is a convex function of the area, see
+    `metafem.inversion.bounds`. They are 0 and infinite for other laws, with adhesion, and for several radii
+    if the law does not scale with the radius.
 
     Parameters
     ----------
     template : Surface
-        Only its number N of sites is used, and its common radius if `radii` is not given.
+        Surface of which only the number N of sites is used, and the common radius if `radii` is not given.
     rescaled_load : array_like, (k,)
         P/E* [mm^2], positive.
     limits : Limits
@@ -159,7 +160,7 @@ def feasible_region(
     Raises
     ------
     InvalidInput
-        For loads or radii that are not positive, or a template of several radii.
+        If a load or a radius is not positive, or if the template has several radii and `radii` is not given.
 
     Examples
     --------
@@ -191,13 +192,14 @@ def achievable_friction_coefficients(
     radii: RadiusRange | Sequence[float] | None = None,
     contact: Contact = PARABOLOID,
 ) -> tuple[float, float]:
-    """Bounds on the friction coefficient of a linear law from an exponential density of heights.
+    """Return the smallest and largest friction coefficient of linear laws from exponential height densities.
 
-    The lower bound is that of uniformly distributed heights, ``A(h_m)/P(h_m) sigma B / E*`` with area and
-    load of one contact, for Hertz contacts ``3 pi/4 sqrt(R/h_m) sigma B / E*``. The
-    upper bound is that of the smallest scale that can be made, ten times `limits.height_sd`; without a
-    `height_sd` it is infinite. If several radii are allowed, the lower bound is that of the smallest radius
-    and the upper bound that of the largest; mixtures reach all values between.
+    Uniformly distributed heights have the smallest coefficient, ``A(h_m)/P(h_m) sigma B / E*`` with the area
+    and the load of one contact. With Hertz contacts it is ``3 pi/4 sqrt(R/h_m) sigma B / E*``. The density
+    with the smallest scale that can be manufactured, ten times `limits.height_sd`, has the largest
+    coefficient; without a `height_sd` it is infinite. If several radii are allowed, the lower bound is that
+    of the smallest radius and the upper bound that of the largest radius. Mixtures of the radii reach all
+    values in between.
 
     Parameters
     ----------
@@ -207,7 +209,7 @@ def achievable_friction_coefficients(
     radii : RadiusRange or sequence of float, optional
         Allowed radii of each asperity [mm]; default: the radius of the template.
     contact : Contact
-        Law of one contact; default: `Hertz()`. With adhesion the bounds are those of the law without it.
+        Law of one contact; default: `Hertz()`. Adhesion is ignored.
 
     Returns
     -------
@@ -217,7 +219,8 @@ def achievable_friction_coefficients(
     Raises
     ------
     InvalidInput
-        For a template without a friction or with several radii, and radii that are not positive.
+        If the template has no friction, if it has several radii and `radii` is not given, or if a radius is
+        not positive.
 
     Notes
     -----
@@ -249,12 +252,12 @@ def achievable_friction_coefficients(
 
 
 def roughness(surface: Surface) -> float:
-    """Return sqrt(s/R), with the standard deviation of the heights and the mean radius."""
+    """Return sqrt(s/R) [-], where s is the standard deviation of the heights and R the mean radius."""
     return math.sqrt(float(surface.height.std()) / float(surface.radius.mean()))
 
 
 def plasticity_index(surface: Surface, hardness: float) -> float:
-    """Plasticity index of a surface, ``psi = E*/H sqrt(s/R)``.
+    """Return the plasticity index of a surface, ``psi = E*/H sqrt(s/R)``.
 
     Here s is the standard deviation of the heights and R the mean radius. An elastic model is suitable
     below 0.6; above it, a MetafemWarning is issued.
@@ -263,7 +266,7 @@ def plasticity_index(surface: Surface, hardness: float) -> float:
     ----------
     surface : Surface
     hardness : float
-        H [MPa], positive.
+        H of the softer material [MPa], positive.
 
     Returns
     -------

@@ -1,15 +1,15 @@
-"""Piecewise exponential height densities, and the friction laws that follow from them.
+"""Piecewise exponential height densities and their friction laws.
 
-The densities are functions of the height h above the foot of the distribution [mm]. With the regularised
-lower incomplete gamma function gamma(s, x) every integral is a sum of positive terms: the same values as
-equations S2 to S8 of Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, without
-cancellation. `metafem.reference.height_densities` contains the equations as printed.
+The densities are functions of the height h above the foot of the distribution [mm]. Their integrals are
+expressed by the regularised lower incomplete gamma function gamma(s, x), without cancellation. They equal
+equations S2 to S8 of Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234.
+`metafem.reference.height_densities` contains the equations as printed.
 
-For any contact law A(d), P(d) without adhesion, an exponential density has a law that is straight except at
-its ends: ``A0`` and ``p`` are integrals of ``exp(-h/lambda)`` times A(h - delta) and P(h - delta), and both
-are proportional to ``exp(-delta/lambda)``. For a uniform density the slope is A(h_m)/P(h_m). For a power cap
-rho^n, A grows as d^(2/n) and P as d^(1 + 1/n), and the integrals are incomplete gamma functions; for other
-laws they are computed by quadrature.
+For any contact law A(d), P(d) without adhesion, the friction law of an exponential density is straight except
+near its ends. ``A0`` and ``p`` are integrals of ``exp(-h/lambda)`` times A(h - delta) and P(h - delta), and
+both are proportional to ``exp(-delta/lambda)``. For a uniform density the slope at the foot is A(h_m)/P(h_m).
+For a power cap rho^n, A is proportional to d^(2/n) and P to d^(1 + 1/n), and the integrals are incomplete
+gamma functions. For other laws the integrals are computed by quadrature.
 """
 
 from __future__ import annotations
@@ -29,26 +29,27 @@ from metafem.contact.law import Contacts, contacts
 from metafem.errors import refuse_if
 from metafem.models.model import PARABOLOID
 
-# With a scale below this many standard deviations of the manufactured heights, the density is no longer
-# exponential: rule of thumb of Aymard et al., doi:10.1126/science.adk4234.
+# If the scale is below this many standard deviations of the manufactured heights, their density is no longer
+# exponential. This is a rule of thumb of Aymard et al., doi:10.1126/science.adk4234.
 FINEST_SCALE_IN_SD = 10.0
 
-# The tightest relative tolerance that brentq accepts.
+# Smallest relative tolerance that brentq accepts.
 TIGHTEST = 4.0 * np.finfo(float).eps
 
 
-# Number of quadrature nodes per interval of a piece, and of intervals of the fourth root of the indentation,
-# in which fractional powers are smooth. Indentations beyond the last number of scales are negligible.
+# The quadrature over a piece uses INTERVALS equal intervals of the fourth root of the indentation, with NODES
+# nodes each. Fractional powers of the indentation are smooth functions of its fourth root. Indentations above
+# DEEPEST scales are negligible.
 NODES, INTERVALS, DEEPEST = 24, 4, 45.0
 
 
 def slope_excess(x: ArrayLike) -> FloatArray:
-    """Return m(x) / m(0) - 1: the slope at x = h_m / lambda over that of a uniform density, minus 1.
+    """Return m(x) / m(0) - 1 [-]: the relative excess of the slope over that of a uniform density.
 
-    ``m = sqrt(pi R / lambda) g(x)`` (eqs. S3, S4) and ``m(0) = 3 pi/4 sqrt(R/h_m)``, so the ratio is
-    ``sqrt(x) (1 - e^-x) / (Gamma(5/2) gamma(3/2, x))``, where ``k(x) = gamma(3/2, x)`` (eq. S5). It grows
-    with x, at first as 1 + x/10. Below x = 1 both factors are Kummer series, and their difference is summed
-    term by term.
+    Here x = h_m / lambda, ``m = sqrt(pi R / lambda) g(x)`` (eqs. S3, S4) and ``m(0) = 3 pi/4 sqrt(R/h_m)``.
+    The ratio is ``sqrt(x) (1 - e^-x) / (Gamma(5/2) gamma(3/2, x))``, where ``k(x) = gamma(3/2, x)`` (eq. S5).
+    The ratio increases with x, as 1 + x/10 for small x. Below x = 1 it is the quotient of two Kummer series,
+    whose difference is summed term by term.
 
     Examples
     --------
@@ -59,7 +60,8 @@ def slope_excess(x: ArrayLike) -> FloatArray:
     large = np.maximum(value, 1.0)
     direct = np.sqrt(large) * -np.expm1(-large) / (math.gamma(2.5) * gammainc(1.5, large)) - 1.0
     small = np.minimum(value, 1.0)
-    # (e^x - 1)/x = sum x^n/(2)_n over M(1, 5/2, x) = sum x^n/(5/2)_n; x^18/(2)_18 < 1e-17 at x = 1
+    # the ratio is (e^x - 1)/x = sum x^n/(2)_n divided by M(1, 5/2, x) = sum x^n/(5/2)_n; at x = 1 the first
+    # omitted term x^18/(2)_18 is below 1e-17
     first, second = np.ones_like(small), np.ones_like(small)
     total, difference = np.ones_like(small), np.zeros_like(small)
     for n in range(18):
@@ -71,16 +73,16 @@ def slope_excess(x: ArrayLike) -> FloatArray:
 
 
 def scale_from_slope(slope: float, radius: float, max_height: float, law: Contact = PARABOLOID) -> float:
-    """Return the scale lambda [mm] at which the truncated exponential has this slope (eqs. S3, S7).
+    """Return the scale lambda [mm] of the truncated exponential density that has a slope (eqs. S3, S7).
 
-    The slope must exceed `uniform_slope`, the bound of the uniform density.
+    The slope must exceed `uniform_slope`, the slope of the uniform density.
     """
     bound = uniform_slope(radius, max_height, law)
     excess = (slope - bound) / bound
     if law.power == PARABOLOID.power:
-        # k(x) <= 1 makes the ratio exceed sqrt(x) (1 - e^-x)/Gamma(5/2): the root lies below `upper`.
+        # as k(x) <= 1, the ratio exceeds sqrt(x) (1 - e^-x)/Gamma(5/2), and the root lies below `upper`
         upper = 2.0 * (math.gamma(2.5) * (1.0 + excess)) ** 2
-        # the excess is nearly x/10, so x tends to 10 excess
+        # small x is about 10 times the excess, so the absolute tolerance is proportional to the excess
         given = {"xtol": TIGHTEST * excess, "rtol": TIGHTEST}
         x = brentq(lambda x: float(slope_excess(x)) - excess, 0.0, upper, **given)
         return max_height / float(x)  # eq. S3 solved for lambda
@@ -98,9 +100,9 @@ def scale_from_slope(slope: float, radius: float, max_height: float, law: Contac
 
 
 def uniform_slope(radius: float, max_height: float, law: Contact = PARABOLOID) -> float:
-    """Return the smallest slope A(h_m)/P(h_m) [-], that of uniformly distributed heights.
+    """Return the slope A(h_m)/P(h_m) [-] of uniformly distributed heights.
 
-    For Hertz contacts it is ``3 pi/4 sqrt(R/h_m)``.
+    Exponential densities have larger slopes. With Hertz contacts the slope is ``3 pi/4 sqrt(R/h_m)``.
     """
     found = _contact(law, max_height, radius)
     return float(found.area / found.load)
@@ -113,7 +115,7 @@ def _contact(law: Contact, indentation: float, radius: float) -> Contacts:
 
 @dataclass(frozen=True)
 class Piece:
-    """``alpha exp(-h/lambda)`` between two heights [mm]; alpha in 1/mm."""
+    """Density ``alpha exp(-h/lambda)`` between the heights `low` and `high` [mm]; alpha in 1/mm."""
 
     low: float
     high: float
@@ -122,11 +124,11 @@ class Piece:
 
 @dataclass(frozen=True)
 class ExponentialDensity:
-    """Exponential density of heights up to a maximum, with another weight below a crossover height.
+    """Exponential density of heights up to a maximum, with a different factor below a crossover height.
 
-    ``alpha_2 exp(-h/lambda)`` on [h_c, h_m] and ``alpha_1 exp(-h/lambda)`` on [0, h_c], with
-    ``alpha_2 = u / (lambda (1 - exp(-h_m/lambda)))`` and alpha_1 from the unit mass (eq. S6). Without a
-    crossover height it is the truncated exponential.
+    The density is ``alpha_2 exp(-h/lambda)`` on [h_c, h_m] and ``alpha_1 exp(-h/lambda)`` on [0, h_c]. Here
+    ``alpha_2 = u / (lambda (1 - exp(-h_m/lambda)))``, and alpha_1 makes the total mass 1 (eq. S6). Without a
+    crossover height it is the truncated exponential density.
 
     Examples
     --------
@@ -163,7 +165,7 @@ class ExponentialDensity:
 
     @property
     def pieces(self) -> tuple[Piece, ...]:
-        """The branches from the foot upwards."""
+        """Pieces of the density, from the foot upwards."""
         lam, top, mid = self.scale, self.max_height, self.crossover_height
         upper = self.weight / (lam * float(_exponential_mass(0.0, top, lam)))  # eq. S6, alpha_2
         if mid == 0.0:
@@ -172,7 +174,7 @@ class ExponentialDensity:
         return Piece(0.0, mid, lower), Piece(mid, top, upper)
 
     def density(self, height: ArrayLike) -> FloatArray:
-        """Probability density of the height [1/mm]."""
+        """Return the probability density at heights [mm], in 1/mm."""
         h = np.asarray(height, dtype=np.float64)
         result = np.zeros_like(h)
         for piece in self.pieces:
@@ -182,7 +184,7 @@ class ExponentialDensity:
         return result
 
     def mass(self, low: ArrayLike, high: ArrayLike) -> FloatArray:
-        """Probability of a height between low and high [mm]."""
+        """Return the probability [-] of a height between `low` and `high` [mm]."""
         lo, hi = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
         total = np.zeros(np.broadcast(lo, hi).shape)
         for piece in self.pieces:
@@ -191,7 +193,7 @@ class ExponentialDensity:
         return total
 
     def moment(self, power: float, separation: ArrayLike) -> FloatArray:
-        """Mean of ``max(h - delta, 0)^power`` [mm^power] at separations from 0 to h_m [mm].
+        """Return the mean of ``max(h - delta, 0)^power`` [mm^power] at separations from 0 to h_m [mm].
 
         A piece from a to b contributes ``lambda^(q+1) alpha e^(-delta/lambda) Gamma(q+1)`` times
         ``gamma(q+1, (b - delta)/lambda) - gamma(q+1, (a - delta)/lambda)``.
@@ -211,20 +213,22 @@ class ExponentialDensity:
     def area(
         self, separation: ArrayLike, count: float, radius: float, law: Contact = PARABOLOID
     ) -> FloatArray:
-        """Expected real contact area A0 [mm^2]; with Hertz contacts N pi R <d> (eq. S2)."""
+        """Return the expected real contact area A0 [mm^2]; with Hertz contacts N pi R <d> (eq. S2)."""
         return count * self._means(separation, radius, law)[1]  # eq. S2, F/(sigma B)
 
     def rescaled_load(
         self, separation: ArrayLike, count: float, radius: float, law: Contact = PARABOLOID
     ) -> FloatArray:
-        """Expected load P/E* [mm^2]; with Hertz contacts N 4/3 sqrt(R) <d^(3/2)> (eq. S2)."""
+        """Return the expected load P/E* [mm^2]; with Hertz contacts N 4/3 sqrt(R) <d^(3/2)> (eq. S2)."""
         return count * self._means(separation, radius, law)[0]  # eq. S2, P/E*
 
     def slope(self, separation: ArrayLike, radius: float, law: Contact = PARABOLOID) -> FloatArray:
-        """Slope dA0/d(P/E*) [-] at separations below h_m [mm]; with Hertz contacts pi sqrt(R)/2 <1>/<sqrt d>.
+        """Return the slope dA0/d(P/E*) [-] at separations below h_m [mm].
 
-        For a power cap it is ``2/(n + 1) A(1)/P(1) <d^(2/n - 1)>/<d^(1/n)>``. For other laws -dA0/d(delta) is
-        integrated by parts: A0/lambda, and A(h - delta) times the density at the ends of each piece.
+        With Hertz contacts it is ``pi sqrt(R)/2 <1>/<sqrt d>``, and for a power cap
+        ``2/(n + 1) A(1)/P(1) <d^(2/n - 1)>/<d^(1/n)>``. For other laws integration by parts gives
+        -dA0/d(delta) as the sum of A0/lambda and of A(h - delta) times the density at the ends of each piece,
+        negative at its lower end.
         """
         n = law.power
         if n is None:
@@ -244,7 +248,7 @@ class ExponentialDensity:
         return np.asarray(ratio * closed / self.moment(1.0 / n, separation))
 
     def _means(self, separation: ArrayLike, radius: float, law: Contact) -> tuple[FloatArray, FloatArray]:
-        """Mean load and area [mm^2] of an asperity at separations [mm]."""
+        """Return the mean load P/E* and the mean area [mm^2] of one asperity at separations [mm]."""
         n = law.power
         if n is not None:
             unit = _contact(law, 1.0, radius)
@@ -266,9 +270,9 @@ class ExponentialDensity:
         return total[0], total[1]
 
     def asymptotic_slope(self, radius: float, law: Contact = PARABOLOID) -> float:
-        """Slope of the only or first branch for large loads [-] (eqs. S3, S7).
+        """Return the slope [-] of the only or first branch at large loads (eqs. S3, S7).
 
-        It is that of the truncated exponential where the plane reaches the foot.
+        It is the slope of the truncated exponential density when the plane reaches the foot.
         """
         if law.power != PARABOLOID.power:
             whole = ExponentialDensity(self.scale, self.max_height)
@@ -277,18 +281,18 @@ class ExponentialDensity:
         return uniform_slope(radius, self.max_height, law) * (1.0 + excess)  # eq. S3
 
     def asymptotic_slopes(self, radius: float, law: Contact = PARABOLOID) -> tuple[float, float]:
-        """Slopes m_1 and m_2 of two branches for large loads [-] (eqs. S7, S8).
+        """Return the slopes m_1 and m_2 [-] of two branches at large loads (eqs. S7, S8).
 
-        m_2 is the slope where the plane reaches the foot.
+        m_2 is the slope when the plane reaches the foot.
         """
         first = self.asymptotic_slope(radius, law)  # eq. S7
         return first, float(self.slope(0.0, radius, law))  # eq. S8, m_2
 
     def intercept(self, count: float, radius: float, law: Contact = PARABOLOID) -> float:
-        """Intercept of the asymptote of a truncated exponential [mm^2].
+        """Return the intercept [mm^2] of the asymptote of a truncated exponential density.
 
         With Hertz contacts it is ``pi N R lambda Gamma(x)`` with x = h_m/lambda and
-        ``Gamma(x) = x e^-x/(1 - e^-x) (4/(3 sqrt(pi)) sqrt(x) g(x) - 1)``, whose bracket is `slope_excess`.
+        ``Gamma(x) = x e^-x/(1 - e^-x) (4/(3 sqrt(pi)) sqrt(x) g(x) - 1)``. The bracket is `slope_excess`.
         """
         if law.power != PARABOLOID.power:
             load, area = self._means(0.0, radius, law)
@@ -298,18 +302,18 @@ class ExponentialDensity:
         return count * float(_contact(law, 1.0, radius).area) * self.scale * factor
 
     def crossover_load(self, count: float, radius: float, law: Contact = PARABOLOID) -> float:
-        """Load P_c/E* [mm^2] at which the plane reaches the crossover height (eq. S8)."""
+        """Return the load P_c/E* [mm^2] at which the plane reaches the crossover height (eq. S8)."""
         return float(self.rescaled_load(self.crossover_height, count, radius, law))  # eq. S8, P_c/E*
 
 
 def equal_masses(scale: float, low: float, high: float, parts: int) -> FloatArray:
-    """Ends of `parts` intervals of equal mass of exp(-h/lambda) between two heights, (parts + 1,)."""
-    # measured from the lower end, e^(-(h - low)/lambda) decreases linearly with the mass
+    """Return the ends of intervals between two heights with equal masses of exp(-h/lambda), (parts + 1,)."""
+    # e^(-(h - low)/lambda) decreases linearly with the mass between the lower end and h
     fallen = np.arange(1, parts) / parts * -math.expm1((low - high) / scale)
     return np.concatenate([[low], low - scale * np.log1p(-fallen), [high]])
 
 
 def _exponential_mass(low: ArrayLike, high: ArrayLike, scale: float) -> FloatArray:
-    """Integral of exp(-h/lambda)/lambda between two heights."""
+    """Return the integral [-] of exp(-h/lambda)/lambda between two heights [mm]."""
     lo, hi = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
     return np.asarray(-np.exp(-lo / scale) * np.expm1((lo - hi) / scale))

@@ -1,4 +1,4 @@
-"""Manufacturing limits: heights, given and empty sites, and allowed radii."""
+"""Manufacturing limits: heights, sites with a prescribed height or none, and allowed radii."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput, refuse_if
 from metafem.surface import Surface
 
-# Steps finer than this are below the resolution of any machine and would only cost time.
+# Maximum number of height steps: finer steps are below the resolution of any machine and only cost time.
 MOST_LEVELS = 100_000
 
-# Default distance of the radii of a range [mm]: of the order of the tolerance of ball-end tools.
+# Default spacing of the radii of a range [mm], of the order of the tolerance of ball-end tools.
 STEP = 0.01
 
-# Decimals of a radius in mm: removes the rounding error of a multiple of a step.
+# Radii in mm are rounded to this many decimals, which removes the rounding error of multiples of a step.
 DECIMALS = 12
 
-# Relative excess of a step over its range that is treated as rounding.
+# A step may exceed its range by this fraction, which is treated as rounding.
 ROUNDING = 1e-9
 
-# Number of single radii of a range that are tried, evenly spaced in the logarithm.
+# Number of logarithmically spaced radii of a range that are tried as a common radius.
 TRIED_RADII = 7
 
 # Heights [mm] above the base plane by site, None for a site without an asperity.
@@ -43,21 +43,21 @@ class Limits:
     Parameters
     ----------
     max_height : float
-        Largest h [mm], positive; the h_m of the exponential densities and the first level of
-        operating points.
+        Largest h [mm], positive. The first level of operating points is at this height. Exponential
+        densities extend from min_height to this height.
     min_height : float
-        Smallest h [mm], below max_height; the lower end of the densities.
+        Smallest h [mm], not negative and below max_height.
     offset : float
-        Height h_0 added to all heights [mm], not negative, so that the lowest summits can be indented
+        Height h_0 that is added to all heights [mm], not negative. With it the lowest summits can be indented
         before the plane reaches the base plane. It does not change the law.
     height_step : float, optional
-        Spacing of the allowed heights [mm], which are the middles of the steps above the foot; default: any
-        height is possible.
+        Spacing of the allowed heights [mm]. They are the middles of steps that start at the smallest height.
+        Default: any height is possible.
     height_sd : float, optional
-        Standard deviation of the manufactured heights [mm]; a note warns of designs that are too fine for it.
+        Standard deviation of the manufactured heights [mm]. A note warns if a design is too fine for it.
     pinned : mapping of int to float or None
-        Heights [mm] above the base plane of some sites, by their numbers in the template of a design, or None
-        for a site without an asperity; default: no pinned sites.
+        Prescribed heights above the base plane [mm]. The keys are the numbers of the sites in the template of
+        the design; the value None means a site without an asperity. Default: no prescribed heights.
 
     Raises
     ------
@@ -94,7 +94,7 @@ class Limits:
 
     @property
     def levels(self) -> FloatArray:
-        """Possible heights above the base plane with a height step, increasing [mm]."""
+        """Allowed heights above the base plane with a height step, increasing, (l,) [mm]."""
         if self.height_step is None:
             raise InvalidInput("height_step is None; heights may have any value")
         number = max(1, math.floor(self.span / self.height_step + 0.5))
@@ -113,10 +113,10 @@ class Limits:
 
 @dataclass(frozen=True, eq=False)
 class Pins:
-    """All sites of a template, and those that are empty or have a given height.
+    """A template, and its sites that must be empty or have a prescribed height.
 
-    An inversion uses only the other sites, with new numbers: `open` (m,) holds their numbers in the
-    template. Of these, the ones with indices `rows` (k,) have the heights `heights` (k,) [mm].
+    An inversion uses only the sites that may have an asperity, and numbers them anew: `open` (m,) holds
+    their numbers in the template. The sites ``open[rows]`` have the prescribed heights `heights` (k,) [mm].
     """
 
     template: Surface
@@ -124,7 +124,7 @@ class Pins:
 
     @classmethod
     def given(cls, template: Surface, limits: Limits) -> Pins:
-        """Return the pins of the limits, or raise InvalidInput for those that do not fit the template."""
+        """Return the pins of the limits, or raise InvalidInput if they do not match the template."""
         pinned: Any = limits.pinned
         words = "a mapping of site numbers to heights [mm] or None, for example {9: 0.15, 3: None}"
         check.instance("pinned", pinned, Mapping, words)
@@ -151,17 +151,17 @@ class Pins:
 
     @cached_property
     def rows(self) -> IntArray:
-        """Indices in `open` of the sites whose heights are given, increasing, (k,)."""
+        """Indices in `open` of the sites with prescribed heights, increasing, (k,)."""
         sites = [site for site, height in self.pinned.items() if height is not None]
         return np.searchsorted(self.open, np.array(sites, dtype=np.int64))
 
     @cached_property
     def heights(self) -> FloatArray:
-        """Given heights above the base plane at the sites `rows`, (k,) [mm]."""
+        """Prescribed heights above the base plane at the sites `rows`, (k,) [mm]."""
         return np.array([height for height in self.pinned.values() if height is not None], dtype=np.float64)
 
     def placed(self, permutation: IntArray) -> IntArray:
-        """Return a permutation of all template sites without the empty ones, numbered as in `open`."""
+        """Return a permutation of all template sites without the empty sites, as indices in `open`, (m,)."""
         number = np.full(self.template.count, -1)
         number[self.open] = np.arange(len(self.open))
         found = number[permutation]
@@ -179,7 +179,7 @@ class Pins:
 
 
 def _checked_height(name: str, height: Any, limits: Limits) -> float:
-    """Return a height above the base plane [mm], or raise InvalidInput for one outside the limits."""
+    """Return a height above the base plane [mm], or raise InvalidInput if it is outside the limits."""
     found = check.number(name, height, at_least=0.0)
     must = "must be at most {.number}, limits.offset + limits.max_height, which are measured from the base "
     refuse_if(
@@ -197,8 +197,8 @@ class RadiusRange:
     low, high : float
         Smallest and largest radius [mm], positive and increasing.
     step : float, optional
-        Radii between them are multiples of this [mm]; default: 0.01, of the order of the tolerance of
-        ball-end tools. None allows any radius.
+        Radii between `low` and `high` are multiples of this step [mm]. Default: 0.01, of the order of the
+        tolerance of ball-end tools. None allows any radius.
 
     Raises
     ------
@@ -227,9 +227,9 @@ class RadiusRange:
 
 @dataclass(frozen=True)
 class Radii:
-    """Allowed radii of each asperity [mm]: one of the tools, increasing, or any from low to high.
+    """Allowed radii of each asperity [mm]: the `tools`, increasing, or any radius from `low` to `high`.
 
-    With a `step` [mm] the radii between low and high are multiples of it.
+    With a `step` [mm] the radii between `low` and `high` are multiples of the step.
     """
 
     low: float
@@ -239,12 +239,12 @@ class Radii:
 
     @classmethod
     def of(cls, radius: float) -> Radii:
-        """One radius for all."""
+        """Return the choice of a single radius [mm] for all asperities."""
         return cls(radius, radius, (radius,))
 
     @classmethod
     def given(cls, radii: RadiusRange | Sequence[float] | None, template: Surface | None = None) -> Radii:
-        """A range, a list of tools, or by default the common radius of a template."""
+        """Return the choice for a range or a list of tools; default: the common radius of a template."""
         if isinstance(radii, RadiusRange):
             return cls(radii.low, radii.high, None, radii.step)
         if radii is None and template is not None:
@@ -266,7 +266,7 @@ class Radii:
 
     @property
     def tried(self) -> FloatArray:
-        """The tools, or some radii of the range, increasing [mm]."""
+        """Radii that are tried as a common radius: all tools, or some radii of the range, increasing [mm]."""
         if self.tools is None:
             between = self.nearest(np.geomspace(self.low, self.high, TRIED_RADII))
             return np.union1d([self.low, self.high], between)
@@ -278,7 +278,7 @@ class Radii:
         return self.tools is None and self.step is None
 
     def tried_beside(self, best: float, count: int) -> FloatArray:
-        """Return at most `count` radii between a tried radius and its neighbours [mm]."""
+        """Return at most `count` radii [mm] between the tried radius `best` and its tried neighbours."""
         tried = self.tried
         i = int(np.argmin(np.abs(tried - best)))
         low, high = tried[max(i - 1, 0)], tried[min(i + 1, len(tried) - 1)]
@@ -288,21 +288,21 @@ class Radii:
 
     @property
     def given_as(self) -> RadiusRange | tuple[float, ...]:
-        """The range or the tools."""
+        """The range or the tools, as in the argument `radii` of `design`."""
         return RadiusRange(self.low, self.high, self.step) if self.tools is None else self.tools
 
     @property
     def between(self) -> Radii:
-        """Any radius from the smallest to the largest."""
+        """Choice of any radius from the smallest to the largest."""
         return Radii(self.low, self.high, None)
 
     @property
     def extremes(self) -> Radii:
-        """Only the smallest and the largest radius."""
+        """Choice of only the smallest and the largest radius."""
         return Radii(self.low, self.high, (self.low, self.high))
 
     def nearest(self, radius: FloatArray) -> FloatArray:
-        """Return the allowed radii nearest, by ratio, to given ones [mm]."""
+        """Return the nearest allowed radius for each radius [mm]; tools are compared by their ratio."""
         if self.tools is None:
             if self.step is not None:
                 radius = np.round(self.step * np.rint(radius / self.step), DECIMALS)

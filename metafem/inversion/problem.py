@@ -1,4 +1,4 @@
-"""The problem of an inversion: its checked arguments with defaults."""
+"""Definition of an inversion problem: checked arguments, with defaults."""
 
 from __future__ import annotations
 
@@ -23,35 +23,36 @@ from metafem.models.model import contact_of, has_paraboloids
 from metafem.prediction.perturbation import Tolerances
 from metafem.surface import Surface
 
-# Loads at which the interaction margin is computed, as fractions of the last load of the target.
+# The interaction margin is computed at these fractions of the last load of the target.
 MARGIN_LOADS = np.array([0.25, 0.5, 1.0])
 
 
 @dataclass(frozen=True)
 class Effort:
-    """Numbers of trials of the searches, mostly random changes."""
+    """Numbers of trials in the searches of a design; most trials are random changes."""
 
-    # About 10 ms each; nearly all laws of real surfaces need few or none.
+    # Restarts for independent asperities, about 10 ms each. Most laws of real surfaces need few or none.
     restarts: int = 30
-    # Misfits at which the random search for operating points without levels ends and a descent to rounding
-    # begins. A descent can end at a kink; the next misfit then gives another initial guess.
+    # Misfits at which the random search for operating points without levels ends. A descent to rounding
+    # follows. If it ends at a kink, the next misfit gives another initial guess.
     free_goals: tuple[float, ...] = (1e-2, 1e-3, 1e-4, 1e-5, 1e-11)
-    # Under another model, where descents cost ten times as much as for independent asperities.
+    # Restarts under another model, where a descent takes ten times as long as for independent asperities.
     refined_restarts: int = 3
-    # For independent asperities with the target divided by a ratio of laws, about 3 ms each.
+    # Restarts for independent asperities whose target is divided by a ratio of laws, about 3 ms each.
     ratio_restarts: int = 10
-    # For each load range of a line that is tried; most ranges that are too wide use all trials.
+    # Restarts for each trial of the load range of a line. Most ranges that are too wide use all restarts.
     range_restarts: int = 4
-    # Random changes of the other heights if a design with given heights misses the target, about 5 ms each.
+    # Random changes of the other heights if a design with prescribed heights misses the target, about 5 ms
+    # each.
     pinned_changes: int = 8
-    # Maximum number of changes of heights on steps, and number of candidates evaluated for each.
+    # Maximum number of changes of heights on steps, and number of candidates evaluated for each change.
     step_changes: int = 60
     evaluated_steps: int = 24
 
 
-# Effort of a draft, for a view that changes while a handle is dragged. On the specifications of
-# `validation/benchmark/explorer.py` a design takes a half to a tenth of the time, and its misfit is at most
-# 1.7 times as large.
+# Effort of a draft, which is shown while the user drags a handle. For the specifications of
+# `validation/benchmark/explorer.py` a draft takes between a tenth and half of the time of a full design, and
+# its misfit is at most 1.7 times as large.
 DRAFT = Effort(
     restarts=2, free_goals=(1e-2,), refined_restarts=0, ratio_restarts=2, range_restarts=0,
     pinned_changes=1, step_changes=1, evaluated_steps=6,
@@ -59,7 +60,7 @@ DRAFT = Effort(
 
 WHOLE = Effort()
 
-# Effort of the current designs.
+# Effort of designs in the current context.
 EFFORT: ContextVar[Effort] = ContextVar("effort", default=WHOLE)
 
 
@@ -67,7 +68,7 @@ EFFORT: ContextVar[Effort] = ContextVar("effort", default=WHOLE)
 def drafting() -> Iterator[None]:
     """Limit designs in the body of the `with` statement to a short search.
 
-    A target that a draft does not reach may still be reachable if the error's `by_search` is True.
+    If a draft raises Infeasible with `by_search` True, a full design may still reach the target.
     """
     token = EFFORT.set(DRAFT)
     try:
@@ -78,9 +79,9 @@ def drafting() -> Iterator[None]:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A target, and all constraints on the surface that must have its law.
+    """A target, and all constraints on the surface that must meet it.
 
-    The template has the sites that may have an asperity, in the order of `pins.open`.
+    The template contains only the sites that may have an asperity, in the order of `pins.open`.
     """
 
     target: Target
@@ -105,9 +106,9 @@ class Problem:
         radii: RadiusRange | Sequence[float] | None = None,
         robust: Tolerances | None = None,
     ) -> Problem:
-        """Return the arguments with defaults, or raise InvalidInput for one of the wrong kind.
+        """Return the problem of these arguments, or raise InvalidInput if one has the wrong type.
 
-        Defaults: independent asperities, heights up to the tallest of the template, its common radius.
+        Defaults: independent asperities, heights up to the tallest of the template, and its common radius.
         """
         kinds = "one of OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw"
         check.instance("target", target, Target, kinds)
@@ -126,7 +127,7 @@ class Problem:
         template = pins.reduced
         choice = Radii.given(radii, template)
         options = DEFAULTS if has_paraboloids(solver) else OTHER_LAWS
-        # messages give loads in N and in mm^2
+        # messages state loads in N and in mm^2
         any_kind: Any = target
         target = replace(any_kind, wording=target.wording.of_part(template.material))
         return cls(target, template, choice, solver, bounds, pins, layout, robust, options, EFFORT.get())
@@ -138,31 +139,31 @@ class Problem:
 
     @cached_property
     def independent(self) -> Independent:
-        """The model of the first heights: independent asperities of the law without adhesion."""
+        """Model for the first heights: independent asperities with the contact law without adhesion."""
         return Independent(contact=self.contact.without_adhesion)
 
     @cached_property
     def bounds(self) -> Bounds:
-        """Bounds of independent asperities up to the last load of the target."""
+        """Bounds on the friction of independent asperities up to the last load of the target."""
         unlimited = Bounds(self.contact, self.radii, self.count, 0.0)
         last = self.target.last_load or unlimited.largest_load(self.limits)
         return replace(unlimited, last=last)
 
     @property
     def tolerances(self) -> Tolerances:
-        """Errors of the surfaces for which a robust design is sought; by default none."""
+        """Tolerances of a robust design; all zero for other designs."""
         return self.robust or Tolerances()
 
     @property
     def count(self) -> int:
-        """Number of sites N, the largest number of asperities."""
+        """Number of sites N, which is the maximum number of asperities."""
         return self.template.count
 
     def interaction_margin(self) -> float:
-        """Return twice the largest relative change of A0 of equal heights by interaction.
+        """Return twice the largest relative change of A0 [-] that interaction causes for equal heights.
 
-        The change is evaluated up to the last load of the target. Bounds proven for independent asperities
-        are enforced only beyond this margin.
+        The change is evaluated at three loads up to the last load of the target. A target is refused only if
+        it exceeds a bound for independent asperities by more than this margin.
         """
         last = self.target.last_load
         if not self.model.couples or self.count == 1 or last is None:

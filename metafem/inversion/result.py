@@ -40,7 +40,7 @@ from metafem.surface import Surface
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Maximum number of loads of a target that are marked individually.
+# A plot marks the loads of a target individually up to this number.
 MOST_MARKED = 10
 
 
@@ -55,36 +55,37 @@ class Design(Value):
     law : FrictionLaw
         Law of the surface under the model of the design.
     misfit : float
-        Relative deviation of the law from the target [-]. For operating points and lines over a load range
-        it is the largest at any load. Otherwise it is the root mean square over the loads of the target, or
-        the largest deviation of a fitted slope of a straight branch if that is larger. `misfit_meaning`
-        states which definition applies.
+        Relative deviation of the law from the target [-]. For operating points, and for linear and bilinear
+        laws over a load range, it is the largest deviation at any load. Otherwise it is the root mean square
+        over the loads of the target, or the largest deviation of the fitted slopes of straight branches if
+        this is larger. `misfit_meaning` states which definition applies.
     status : DesignStatus
     parameters : mapping
         Quantities found by the inversion, read-only: ``scale`` [mm], ``weight``, ``crossover_height`` [mm],
         ``counts``, ``levels`` [mm], ...
     sites : ndarray of int, (n,)
-        Sites of the asperities in the template, read-only.
+        Site of each asperity in the template, read-only.
     target, template, limits
         The arguments of the design.
     fits : tuple of (Branch, BranchFit)
-        Straight branches of the target, each with the fit of the law.
+        Straight branches of the target, each with the straight line fitted to the law.
     radii : RadiusRange, tuple of float or None
         Allowed radii of each asperity [mm]; None for one common radius.
     density : ExponentialDensity or None
-        The height density behind the heights, measured from `limits.foot`.
+        The density that the heights follow, as a function of the height above `limits.foot`.
     notes : tuple of Note
-        Limits of the design and of its model that matter for manufacturing.
+        Limitations of the design and of its model that matter for manufacturing.
     layout : Layout or None
         The layout for which the sites were chosen.
     robust : Tolerances or None
         The tolerances for which the expected misfit of the manufactured surface was minimised.
     pinned : mapping of int to float or None
-        Given heights above the base plane [mm] by site, None for an empty site; read-only.
+        Prescribed height above the base plane [mm] of each pinned site, None for an empty site; read-only.
 
     Notes
     -----
-    Designs are equal if all their members are equal, arrays bitwise; ``mf.load(folder) == design`` is True.
+    Designs are equal if all their attributes are equal. Arrays must be bitwise equal. A design is equal to
+    ``mf.load(folder)`` after it was saved to the folder.
 
     Examples
     --------
@@ -149,7 +150,7 @@ class Design(Value):
         return partial(Design, **members | plain), ()
 
     def _check_pinned(self) -> None:
-        """Refuse asperities on sites pinned as empty, and heights that differ from the given ones."""
+        """Refuse asperities on sites pinned as empty, and heights that differ from prescribed heights."""
         found = dict(zip(self.sites.tolist(), self.surface.height.tolist(), strict=True))
         for site, height in self.pinned.items():
             wanted = "empty" if height is None else f"{height:g} mm high"
@@ -183,13 +184,13 @@ class Design(Value):
         }
 
     def _loads(self, loads: tuple[tuple[float, ...], ...]) -> str:
-        """Return loads and ranges of loads in N and in mm^2."""
+        """Return loads and ranges of loads in words, in N and in mm^2."""
         wording = self.target.wording.of_part(self.surface.material)
         return ", ".join(wording.loads(*each) for each in loads)
 
     @property
     def target_law(self) -> TargetLaw:
-        """The reference law of `misfit`: that of the height density if there is one, otherwise the target."""
+        """Reference law of `misfit`: the law of the height density if there is one, otherwise the target."""
         if self.density is None:
             return self.target.curve()
         branches = tuple(branch for branch, _ in self.fits)
@@ -209,7 +210,7 @@ class Design(Value):
 
     @property
     def largest_misfit(self) -> float:
-        """Largest misfit that counts as reached [-]: 1 % and the errors of the target; 10 % of a density."""
+        """Largest misfit [-] that counts as reached: 1 % plus the target's errors, or 10 % for a density."""
         return largest_misfit(self.target_law, self.density is not None)
 
     @property
@@ -225,10 +226,10 @@ class Design(Value):
         )
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the achieved law with the target, rescaled.
+        """Draw the achieved law and the target in rescaled units, and return the axes.
 
-        For a design with a height density, the law of the density and straight lines with the
-        slopes of the target are drawn, with their ranges shaded.
+        For a design with a height density, the law of the density and straight lines with the target slopes
+        are drawn instead of the target. The load ranges of straight branches are shaded.
 
         Parameters
         ----------
@@ -253,7 +254,7 @@ class Design(Value):
 
 
 def few(law: TargetLaw) -> bool:
-    """Whether each load of a target is marked."""
+    """Return whether a plot marks each load of a target."""
     return len(law.load) <= MOST_MARKED
 
 
@@ -271,9 +272,9 @@ def draw_laws(design: Design, ax: Axes, label: str = "achieved") -> None:
 
 
 def draw_target(design: Design, ax: Axes, load: FloatArray, friction: FloatArray) -> None:
-    """Draw a target: marks if it has few loads, otherwise a line for each branch.
+    """Draw a target with a mark at each load if it has few loads, otherwise with a line for each branch.
 
-    `load` and `friction`, (k,), are those of `design.target_law` in any units.
+    `load` and `friction`, (k,), are the values of `design.target_law` in any units.
     """
     law = design.target_law
     if few(law):
@@ -287,7 +288,7 @@ def draw_target(design: Design, ax: Axes, load: FloatArray, friction: FloatArray
 
 
 def _draw_density(design: Design, ax: Axes) -> None:
-    """Draw the law of the height density, and straight lines with the target slopes along its branches."""
+    """Draw the law of the height density, and straight lines with the target slopes next to its branches."""
     law, words = design.target_law, "law of the height density"
     ax.plot(law.load, law.base, color="black", ls=(0, (2, 3)), lw=1.0, label=words)
     for i, (branch, fit) in enumerate(design.fits):

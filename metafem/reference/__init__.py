@@ -1,1 +1,1 @@
-"""Closed forms with which results are compared; no solver uses them."""
+"""Closed-form solutions for comparison with computed results; no solver uses them."""

@@ -1,4 +1,4 @@
-"""Surface displacement of a bonded elastic layer by quadrature of its Hankel integral."""
+"""Surface displacement of a bonded elastic layer, by quadrature of its Hankel integral."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from scipy.special import j0, jn_zeros
 
 from metafem._validate import FloatArray
 
-# Beyond this argument 1 - M is below 1e-38; 250 panels of 12 Gauss points integrate J0(x r/t) to rounding
-# up to r = 30 t, where a panel holds one wave.
+# Upper limit of the integrals, beyond which 1 - M is below 1e-38. With 12 Gauss points in each of 250 panels,
+# J0(x r/t) is integrated to rounding up to r = 30 t, where a panel contains about one period of J0.
 LAST, PANELS, POINTS = 50.0, 250, 12
 
-# Lattice sums end at this many thicknesses, where the layer's field, exp(-0.739 r/t) at nu = 0.5, has
-# decayed to 1e-8.
+# Lattice sums end at this number of thicknesses, where the displacement of the layer has decayed to about
+# 1e-8: for nu = 0.5 it decays as exp(-0.739 r/t).
 LATTICE_EXTENT = 24.0
 
-# Terms of the Dini series; the last ones are 1e-11 of the sum.
+# Number of terms of the Dini series; the last terms are 1e-11 of the sum.
 TERMS = 100_000
 
 
 def multiplier(x: FloatArray, poisson_ratio: float) -> FloatArray:
-    """M(x) of a layer on a rigid base; 1 for a half-space.
+    """Return M(x) [-] of a layer on a rigid base, (k,); M is 1 for a half-space.
 
     ``(2 k sinh 2x - 4x)/(2 k cosh 2x + 4 x^2 + 1 + k^2)``, k = 3 - 4 nu; Johnson, Contact Mechanics
     (1985), section 5.8, doi:10.1017/CBO9781139171731.
@@ -35,28 +35,29 @@ def multiplier(x: FloatArray, poisson_ratio: float) -> FloatArray:
 
 
 def regular_influence(r: ArrayLike, thickness: float, poisson_ratio: float) -> FloatArray:
-    """Difference of the layer's influence from the half-space's 1/(pi r) [1/mm]; finite at r = 0.
+    """Return the influence of the layer minus that of the half-space, 1/(pi r) [1/mm]; finite at r = 0.
 
-    ``1/(pi t) int_0^inf (M(x) - 1) J0(x r/t) dx``, r up to 30 t.
+    ``1/(pi t) int_0^inf (M(x) - 1) J0(x r/t) dx``, for r up to 30 t.
     """
     return _integral(np.asarray(r, dtype=np.float64), thickness, poisson_ratio, 0)
 
 
 def regular_laplacian(r: ArrayLike, thickness: float, poisson_ratio: float) -> FloatArray:
-    """Laplacian of `regular_influence` in the surface [1/mm^3]: ``-1/(pi t^3) int (M - 1) x^2 J0 dx``."""
+    """Return the surface Laplacian of `regular_influence`, ``-1/(pi t^3) int (M - 1) x^2 J0 dx`` [1/mm^3]."""
     return -_integral(np.asarray(r, dtype=np.float64), thickness, poisson_ratio, 2) / thickness**2
 
 
 def influence(r: ArrayLike, thickness: float, poisson_ratio: float) -> FloatArray:
-    """Surface displacement at the distances r > 0 per unit P/E* [1/mm]."""
+    """Return the surface displacement of the layer per unit P/E* at distances r > 0 [1/mm]."""
     distance = np.asarray(r, dtype=np.float64)
     return 1.0 / (math.pi * distance) + regular_influence(distance, thickness, poisson_ratio)
 
 
 def lattice_sums(pitch: float, thickness: float, poisson_ratio: float) -> tuple[float, float]:
-    """Influence and its Laplacian, summed over an infinite square lattice at one of its sites.
+    """Return the influence [1/mm] and its Laplacian [1/mm^3] of an infinite square lattice at one site.
 
-    The first [1/mm] includes the regular part of the site, the second [1/mm^3] does not.
+    The influence is the sum over all sites, with the regular part of the site itself. The Laplacian is the
+    sum over all other sites.
     """
     count = math.ceil(LATTICE_EXTENT * thickness / pitch)
     index = np.arange(-count, count + 1)
@@ -71,9 +72,10 @@ def lattice_sums(pitch: float, thickness: float, poisson_ratio: float) -> tuple[
 def cell_influence(
     contact_radius: float, cell_radius: float, thickness: float, poisson_ratio: float
 ) -> float:
-    """Displacement at the centre of a Hertzian load on a cylinder minus the half-space's ``3/(4 a)`` [1/mm].
+    """Return the central displacement of a Hertzian load on a cylinder minus that on a half-space [1/mm].
 
-    Per unit P/E*; the wall has no radial displacement and no shear. Dini series over the zeros of J1(k b):
+    Both are displacements per unit P/E*; on a half-space it is ``3/(4 a)``. The wall of the cylinder has no
+    radial displacement and no shear. The displacement is a Dini series over the zeros of J1(k b):
     ``2/(pi b^2) sum M(k t) F(k a)/(k J0(k b)^2)``, F(x) = 3 (sin x - x cos x)/x^3.
     """
     zeros = jn_zeros(1, TERMS)

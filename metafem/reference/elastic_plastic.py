@@ -1,6 +1,6 @@
-"""Published formulas of elastic-plastic contacts of a sphere and a rigid plane, with their jumps.
+"""Published formulas for elastic-plastic contact of a sphere and a rigid plane, including their jumps.
 
-Indentation w* = w/w_c, load P/P_c and area A/A_c are relative to those of Hertz's contact at first yield.
+The indentation w* = w/w_c, load P/P_c and area A/A_c are relative to those of a Hertz contact at first yield.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from math import exp, pi
 
 
 def kogut_etsion(w: float, poisson_ratio: float) -> tuple[float, float]:
-    """Load P/P_c and area A/A_c [-] at the indentation w/w_c.
+    """Return the load P/P_c and the area A/A_c [-] at an indentation w/w_c [-].
 
     Kogut and Etsion, J. Appl. Mech. 69, 657 (2002), doi:10.1115/1.1490373. Beyond 110 w_c the contact is
     fully plastic: ``P = H A``, ``A = 2 pi R w``, with ``P_c = 2/3 K H pi w_c R`` and ``K = 0.454 + 0.41 nu``.
@@ -24,7 +24,7 @@ def kogut_etsion(w: float, poisson_ratio: float) -> tuple[float, float]:
 
 
 def jackson_green(w: float, poisson_ratio: float, strain: float) -> tuple[float, float]:
-    """Load P/P_c and area A/A_c [-] at the indentation w/w_c; `strain` is S_y/E*.
+    """Return the load P/P_c and the area A/A_c [-] at an indentation w/w_c [-]; `strain` is S_y/E* [-].
 
     Jackson and Green, J. Tribol. 127, 343 (2005), doi:10.1115/1.1866166.
     """

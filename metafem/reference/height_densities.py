@@ -1,7 +1,7 @@
 """Equations S3 to S8 as printed by Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234.
 
-They lose digits by cancellation for small arguments; `metafem.inversion.height_density` evaluates them
-without cancellation. Lengths in mm.
+For small arguments the equations lose digits by cancellation; `metafem.inversion.height_density` evaluates
+them without cancellation. Lengths are in mm.
 """
 
 from __future__ import annotations
@@ -10,49 +10,50 @@ from math import erf, exp, pi, sqrt
 
 
 def k(x: float) -> float:
-    """Function k(x) of equation S5."""
+    """Return the function k(x) of equation S5 [-]."""
     return erf(sqrt(x)) - 2.0 / sqrt(pi) * sqrt(x) * exp(-x)  # eq. S5
 
 
 def g(x: float) -> float:
-    """Function g(x) of equation S4."""
+    """Return the function g(x) of equation S4 [-]."""
     return (1.0 - exp(-x)) / k(x)  # eq. S4
 
 
 def slope(scale: float, radius: float, max_height: float) -> float:
-    """Asymptotic slope m [-], equations S3 and S7."""
+    """Return the asymptotic slope m [-] of equations S3 and S7."""
     return sqrt(pi * radius / scale) * g(max_height / scale)  # eq. S3
 
 
 def smallest_slope(radius: float, max_height: float) -> float:
-    """Limit ``3 pi/4 sqrt(R/h_m)`` of the slope m [-] for a uniform density, lambda -> infinity."""
+    """Return the slope m = ``3 pi/4 sqrt(R/h_m)`` [-] of a uniform density, the limit for large lambda."""
     return 0.75 * pi * sqrt(radius / max_height)
 
 
 def slope_series(x: float) -> float:
-    """Excess ``x/10 + 13 x^2/1050`` of m over its limit, relative to it, for small x = h_m/lambda.
+    """Return the relative excess of m over `smallest_slope`, ``x/10 + 13 x^2/1050`` [-], for small x.
 
-    The quotient of the series of ``1 - exp(-x)`` and of k(x) in equation S4; its next term is of order x^3.
+    It follows from the series of ``1 - exp(-x)`` and of k(x) in equation S4, with x = h_m/lambda. The next
+    term is of order x^3.
     """
     return x / 10.0 + 13.0 * x**2 / 1050.0
 
 
 def intercept(scale: float, radius: float, max_height: float, count: int) -> float:
-    """Intercept alpha of the asymptote [mm^2]."""
+    """Return the intercept alpha of the asymptote [mm^2]."""
     x = max_height / scale
     gamma = x * exp(-x) / (1.0 - exp(-x)) * (4.0 / (3.0 * sqrt(pi)) * sqrt(x) * g(x) - 1.0)
     return pi * count * radius * scale * gamma
 
 
 def branch_factors(scale: float, max_height: float, crossover: float, weight: float) -> tuple[float, float]:
-    """Factors alpha_1 and alpha_2 of equation S8 [1/mm]."""
+    """Return the factors alpha_1 and alpha_2 [1/mm] of equation S8."""
     second = weight / (scale * (1.0 - exp(-max_height / scale)))
     rest = 1.0 - scale * second * (exp(-crossover / scale) - exp(-max_height / scale))
     return rest / (scale * (1.0 - exp(-crossover / scale))), second
 
 
 def second_slope(scale: float, radius: float, max_height: float, crossover: float, weight: float) -> float:
-    """Asymptotic slope m_2 of the second branch [-], first line of equation S8."""
+    """Return the asymptotic slope m_2 [-] of the second branch, first line of equation S8."""
     first, second = branch_factors(scale, max_height, crossover, weight)
     top, middle = exp(-max_height / scale), exp(-crossover / scale)
     above = first - second * top - (first - second) * middle
@@ -63,7 +64,7 @@ def second_slope(scale: float, radius: float, max_height: float, crossover: floa
 def crossover_load(
     scale: float, radius: float, max_height: float, crossover: float, weight: float, count: int
 ) -> float:
-    """Load P_c/E* at which the plane reaches the crossover height [mm^2], second line of equation S8."""
+    """Return the load P_c/E* [mm^2] when the plane reaches the crossover height, second line of eq. S8."""
     _, second = branch_factors(scale, max_height, crossover, weight)
     depth = max_height - crossover
     inner = 0.75 * sqrt(pi * scale) * scale**2 * exp(-crossover / scale) * erf(sqrt(depth / scale))

@@ -1,4 +1,4 @@
-"""Closed forms of one frictionless contact on a half-space of composite modulus 1."""
+"""Closed-form solutions for one frictionless contact on a half-space of composite modulus 1."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from metafem._validate import FloatArray
 
 
 def hertz(contact_radius: float, radius: float) -> tuple[float, float]:
-    """Load P/E* [mm^2] and indentation [mm] of a paraboloid: ``4 a^3/(3 R)``, ``a^2/R``.
+    """Return the load P/E* = ``4 a^3/(3 R)`` [mm^2] and the indentation ``a^2/R`` [mm] of a paraboloid.
 
     Hertz (1882), doi:10.1515/crll.1882.92.156.
     """
@@ -18,13 +18,13 @@ def hertz(contact_radius: float, radius: float) -> tuple[float, float]:
 
 
 def hertz_pressure(r: FloatArray, contact_radius: float, radius: float) -> FloatArray:
-    """Pressure ``2 a/(pi R) sqrt(1 - r^2/a^2)`` over E* [-]; 0 outside."""
+    """Return the pressure over E*, ``2 a/(pi R) sqrt(1 - r^2/a^2)`` [-], and 0 outside the contact, (k,)."""
     square = np.maximum(1.0 - (r / contact_radius) ** 2, 0.0)
     return np.asarray(2.0 * contact_radius / (math.pi * radius) * np.sqrt(square))
 
 
 def hertz_displacement(r: FloatArray, contact_radius: float, radius: float) -> FloatArray:
-    """Surface displacement [mm] at r >= a.
+    """Return the surface displacement at distances r >= a, (k,) [mm].
 
     ``p0/(2 E* a) [(2 a^2 - r^2) asin(a/r) + a sqrt(r^2 - a^2)]``, Johnson, Contact Mechanics (1985),
     eq. 3.42a, doi:10.1017/CBO9781139171731.
@@ -36,7 +36,7 @@ def hertz_displacement(r: FloatArray, contact_radius: float, radius: float) -> F
 
 
 def sneddon_sphere(contact_radius: float, radius: float) -> tuple[float, float]:
-    """Load P/E* [mm^2] and indentation [mm] of a spherical punch, a < R.
+    """Return the load P/E* [mm^2] and the indentation [mm] of a spherical punch, for a < R.
 
     ``(a^2 + R^2)/2 ln((R + a)/(R - a)) - a R`` and ``a/2 ln((R + a)/(R - a))``,
     Sneddon, Int. J. Eng. Sci. 3, 47 (1965), doi:10.1016/0020-7225(65)90019-4.
@@ -46,8 +46,9 @@ def sneddon_sphere(contact_radius: float, radius: float) -> tuple[float, float]:
 
 
 def jkr_contact_radius(load: float, radius: float, adhesion_energy: float) -> float:
-    """Contact radius [mm] of an adhesive paraboloid under load P/E* [mm^2], w/E* [mm] its adhesion energy.
+    """Return the contact radius [mm] of an adhesive paraboloid.
 
+    `load` is P/E* [mm^2], and `adhesion_energy` is w/E* [mm].
     ``a^3 = 3 R/4 [P/E* + 3 pi R w/E* + sqrt(6 pi R w/E* P/E* + (3 pi R w/E*)^2)]``, Johnson, Kendall and
     Roberts, Proc. R. Soc. A 324, 301 (1971), doi:10.1098/rspa.1971.0141.
     """
@@ -57,10 +58,10 @@ def jkr_contact_radius(load: float, radius: float, adhesion_energy: float) -> fl
 
 
 def power_law(contact_radius: float, coefficient: float, exponent: float) -> tuple[float, float]:
-    """Load P/E* [mm^2] and indentation [mm] of the profile ``coefficient r^exponent``.
+    """Return the load P/E* [mm^2] and the indentation [mm] of a punch with the profile ``c r^n``.
 
-    ``d = c a^n sqrt(pi) Gamma(n/2 + 1)/Gamma(n/2 + 1/2)``, ``P/E* = 2 a d n/(n + 1)``, Sneddon (1965),
-    as above.
+    c is the `coefficient` and n the `exponent`. ``d = c a^n sqrt(pi) Gamma(n/2 + 1)/Gamma(n/2 + 1/2)``,
+    ``P/E* = 2 a d n/(n + 1)``, Sneddon (1965), cited in `sneddon_sphere`.
     """
     n = exponent
     rise = math.sqrt(math.pi) * math.gamma(0.5 * n + 1.0) / math.gamma(0.5 * n + 0.5)

@@ -1,4 +1,4 @@
-"""Quantisation to height steps: heights are rounded, then changed by single steps to lower the misfit."""
+"""Quantisation to height steps: heights are rounded and then changed by single steps to lower the misfit."""
 
 from __future__ import annotations
 
@@ -15,30 +15,32 @@ from metafem.inversion.search.target_law import TargetLaw
 from metafem.progress import each
 from metafem.surface import Surface
 
-# Fractions of a step by which all heights are shifted before rounding, which does not change a law.
+# Before rounding, all heights are shifted by one of these fractions of a step, which does not change a law.
 SHIFTS = (0.0, 0.25, -0.25, 0.5, -0.5)
 
-# Number of single changes that are combined into pairs.
+# Changes of two heights combine this number of changes of one height, those with the smallest predicted sums.
 PAIRED_STEPS = 64
 
-# Maximum number of asperities for which changes are tried: with more, rounding errors average out.
+# Changes are tried only up to this number of asperities: with more, rounding errors average out.
 MOST_STEPPED = 512
 
-# For a law compared by its largest difference, the sum of this power of the differences is minimised: its
-# root is within a factor of 1.8 of the largest of a hundred. The exponent is a power of two.
+# If the misfit is the largest difference, the sum of this power of the differences is minimised. For a
+# hundred differences, the corresponding root of the sum is at most 1.8 times the largest difference. The
+# exponent must be a power of two.
 LARGEST_POWER = 8
 
-# Number of loads, those with the largest differences, at which changes of such a law are compared first; and
-# number of changes that are then evaluated together at all loads, even for two threads.
+# If the misfit is the largest difference, changes are first compared at this number of loads, those with the
+# largest differences. The second number of changes is then evaluated together at all loads; it is even, for
+# two threads.
 LARGEST_LOADS, STEPS_AT_ONCE = 10, 4
 
 
 def rounded_to_steps(problem: Problem, candidate: Candidate) -> Candidate:
-    """Return the candidate with heights on the steps of the limits, if there are any.
+    """Return the candidate with heights on the steps of the limits, if the limits have a height step.
 
-    Each height that is not fixed is rounded to the nearest level. Then one or two heights at a time are
-    changed by one step, as long as that lowers the misfit under the model (or under its `gradient_model`,
-    if it has no sensitivities). With many asperities the heights are only rounded.
+    All heights except prescribed heights are rounded to the nearest level. Then one or two heights at a time
+    are changed by one step, as long as this lowers the misfit under the model, or under its `gradient_model`
+    if it has no sensitivities. With many asperities the heights are only rounded.
     """
     model, limits = problem.model, problem.limits
     if limits.height_step is None or (candidate.stepped and not model.couples):
@@ -57,7 +59,7 @@ def rounded_to_steps(problem: Problem, candidate: Candidate) -> Candidate:
 
 @dataclass(frozen=True, eq=False)
 class _StepSearch:
-    """A search over the indices (n,) of levels; the sum of a power of the residual is lowered."""
+    """A search over level indices (n,) of the heights that lowers the sum of a power of the residual."""
 
     problem: Problem
     candidate: Candidate
@@ -65,35 +67,35 @@ class _StepSearch:
 
     @cached_property
     def levels(self) -> FloatArray:
-        """The levels of the limits."""
+        """Levels of the limits, (l,) [mm]."""
         return self.problem.limits.levels
 
     @property
     def law(self) -> TargetLaw:
-        """The law with which those of the heights are compared."""
+        """Law to which the laws of the heights are compared."""
         return self.candidate.target_law
 
     def heights(self, index: IntArray) -> FloatArray:
-        """Return the heights of indices (..., n), with the fixed heights."""
+        """Return the heights for level indices (..., n), with the prescribed heights, (..., n) [mm]."""
         heights, held = self.levels[index], self.candidate.held_rows
         heights[..., held] = self.candidate.height[held]
         return heights
 
     def residual(self, index: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Return the residual of indices and its Jacobian."""
+        """Return the residual (k,) [-] for level indices (n,), and its Jacobian (k, n) [1/mm]."""
         solver = self.problem.model.gradient_model
         found = solver.sensitivity(self.surface, self.law.load, self.heights(index))
         return self.law.residual(found.curve.area, found.gradient)
 
     def sums(self, trials: IntArray, law: TargetLaw) -> FloatArray:
-        """Return the sums of indices (m, n) over the loads of a law, (m,); infinite if not converged."""
+        """Return the sums over the loads of a law for level indices (m, n), (m,); inf if not converged."""
         none = np.empty((len(law.load), 0))
         areas = self.problem.model.gradient_model.areas(self.surface, law.load, self.heights(trials))
         rows = [law.residual(row, none)[0] if np.isfinite(row).all() else row + np.inf for row in areas]
         return self.total(np.where(np.isnan(rows), np.inf, rows).T)
 
     def total(self, residual: FloatArray) -> FloatArray:
-        """Return the sum over the loads (first axis)."""
+        """Return the sum of the power of the residual over the loads (first axis)."""
         raised = residual * residual
         power = LARGEST_POWER if self.law.pointwise else 2
         for _ in range(power.bit_length() - 2):  # ten times as fast as one power operation
@@ -101,15 +103,16 @@ class _StepSearch:
         return np.asarray(raised.sum(axis=0))
 
     def best(self, trials: IntArray) -> tuple[IntArray, float]:
-        """Return the trial with the least sum, and the sum."""
+        """Return the trial with the smallest sum, (n,), and its sum."""
         sizes = self.sums(trials, self.law)
         return trials[int(sizes.argmin())], float(sizes.min())
 
     def below(self, trials: IntArray, size: float, residual: FloatArray) -> tuple[IntArray, float]:
-        """As `best` if its sum is below a size, with fewer evaluations.
+        """Return the result of `best` with fewer evaluations, if its sum is below `size`.
 
-        The sum over the few loads where the current residual is largest is a lower bound of the total sum,
-        which it dominates. Trials with the smallest bounds are evaluated first.
+        The sum over the few loads with the largest current residuals is a close lower bound of the total sum.
+        Trials with the smallest lower bounds are evaluated first. A trial whose lower bound is not smaller
+        than the smallest sum found is not evaluated.
         """
         sizes = np.full(len(trials), np.inf)
         largest = np.sort(np.argsort(-np.abs(residual))[:LARGEST_LOADS])
@@ -122,7 +125,7 @@ class _StepSearch:
         return trials[int(sizes.argmin())], float(sizes.min())
 
     def rounded(self, height: FloatArray) -> tuple[IntArray, float]:
-        """Return the nearest levels for the best of several shifts, and the sum."""
+        """Return the indices of the nearest levels for the best of several shifts, (n,), and their sum."""
         levels = self.levels
         step = float(levels[1] - levels[0]) if len(levels) > 1 else 1.0
         exact = (height - levels[0]) / step
@@ -130,7 +133,10 @@ class _StepSearch:
         return self.best(np.array(trials))
 
     def moved(self, index: IntArray, size: float) -> IntArray:
-        """Change one or two heights by a step at a time; the best changes by the gradient are evaluated."""
+        """Return level indices (n,) after repeated changes of one or two heights by a step.
+
+        In each repetition the best changes according to the Jacobian are evaluated.
+        """
         excludes = self.law.pointwise and len(self.law.load) > 4 * LARGEST_LOADS
         for _ in each("change of steps", range(self.problem.effort.step_changes), at_most=True):
             residual, jacobian = self.residual(index)
@@ -144,7 +150,7 @@ class _StepSearch:
         return index
 
     def trials(self, index: IntArray, residual: FloatArray, jacobian: FloatArray) -> IntArray:
-        """Return the indices (m, n) after steps of one or two heights that lower the misfit most."""
+        """Return level indices (m, n) after steps of one or two heights, for the smallest predicted sums."""
         levels = self.levels
         which = np.concatenate([np.arange(len(index))] * 2)
         by = np.repeat([1, -1], len(index))
@@ -156,7 +162,7 @@ class _StepSearch:
         change = jacobian[:, which] * (levels[index[which] + by] - levels[index[which]])
         single = self.total(residual[:, None] + change)
         order = np.argsort(single, kind="stable")
-        # asperities of equal height have equal gradients: two of each are enough for a pair
+        # equal changes have equal predicted sums, and two of them are enough to form a pair
         third = np.append([False, False], single[order][2:] == single[order][:-2])
         tried = order[~third[: len(order)]][:PAIRED_STEPS]
         part = change[:, tried]

@@ -1,29 +1,31 @@
-"""Heights for a target law if some of the heights are given.
+"""Heights for a target law if the heights of some sites are prescribed.
 
-The heights of some sites, h_i for i in G, are given above the base plane. The other heights are determined so
-that the law of the surface meets the target. Three facts follow from the law of a surface:
+The heights h_i of some sites are prescribed above the base plane. The other heights are determined so
+that the law of the surface meets the target. The method uses three properties of a law:
 
-1. A law depends only on the differences of the heights (and under the true block on the compliance of the
-   caps). Heights found without given ones may therefore be shifted together, as far as the foot. With given
-   heights the shift is an unknown, and each height has its own bounds, ``foot <= h_j <= top``, instead of a
-   bound on its distance from the tallest.
-2. A given height below the plane at the last load changes nothing, as long as the heights found without it
-   keep their sites. It is therefore added if there are free sites.
-3. Otherwise it replaces one of the heights found. If it replaces h_j, the law changes to first order by
-   ``dA0/dh_i (h_i - h_j)``. The gradients ``dA0/dh`` at a load differ by no more than
-   their range over the contacts, so the sum of the distances |h_i - h_j| bounds the change. The replaced
-   heights are those with the least sum, an assignment problem; if distances are equal, the height of the
-   site itself is replaced, which leaves the other sites unchanged.
+1. A law depends only on the differences of the heights (and under the true block also on the compliance of
+   the caps). Without prescribed heights, all heights may therefore be shifted together, as far as the foot
+   allows. With prescribed heights the shift is an unknown. Each height then has its own bounds,
+   ``foot <= h_j <= top``, instead of a bound on its distance from the tallest height.
+2. An additional summit below the plane at the last load does not change the law. Prescribed heights are
+   therefore added to the existing heights if there are enough free sites.
+3. Otherwise a prescribed height h_i replaces an existing height h_j. To first order, this changes the law by
+   ``dA0/dh_j (h_i - h_j)``. The gradients are bounded, so the sum of the distances |h_i - h_j| bounds the
+   change. An assignment problem determines the replaced heights for which this sum is smallest. For equal
+   distances, the height of the site itself is replaced, which leaves the other sites unchanged.
 
-From these initial guesses, the squares of the relative differences r(h) from the target law are minimised by
-the Levenberg–Marquardt method with exact sensitivities. The columns of the Jacobian for given heights are
-zero, and so are those of heights at a limit that a step down the gradient ``J' r`` would push beyond it
-(a projected gradient). Points are met to rounding from heights that are stretched off the kinks of the law;
-if that fails, asperities are added on all sites. If the misfit remains large, the search continues from
-random changes of the best heights, in which asperities are added on free sites or removed.
-Given heights that equal those of their sites leave the whole design unchanged. Given heights that raise the
-misfit by less than a tenth leave the other heights unchanged. The search ends at the misfit of the heights
-without the given ones.
+From these initial guesses, the Levenberg–Marquardt method with exact sensitivities minimises the squares of
+the relative differences r(h) from the target law. The columns of the Jacobian for prescribed heights are set
+to zero. The same is done for a height at a limit if a step down the gradient ``J' r`` would move it beyond
+the limit (a projected gradient).
+
+Operating points must be met to rounding. Their searches start from heights that are shifted off the kinks of
+the law. If these searches fail, asperities are added on all sites. If the misfit remains large, the search
+continues from random changes of the best heights, which include added and removed asperities.
+
+If all prescribed heights equal the heights of their sites, the design remains unchanged. If they raise the
+misfit by less than about a tenth, the other heights remain unchanged, except for operating points. The search
+ends when it reaches the misfit without prescribed heights.
 """
 
 from __future__ import annotations
@@ -51,20 +53,22 @@ from metafem.inversion.search.nearest_law import GOAL
 from metafem.inversion.search.spaces import Bounded
 from metafem.progress import doing, each
 
-# A site keeps its own height unless another one is closer by more than this fraction of the span: rounding.
+# A prescribed height replaces the height of its own site unless another height is closer by more than this
+# fraction of the span. The tolerance excludes effects of rounding.
 SAME = 1e-9
 
-# Damping of the first step: the other heights change less (measured: by half or a third) than with the
-# damping of other searches, and the misfits are the same.
+# Damping of the first step. It is larger than the default, so that the other heights change less (measured:
+# half or a third as much, with the same misfits).
 SMALL_STEPS = 1.0
 
-# Another initial guess or a random change is accepted if the misfit is smaller by this factor. None is tried,
-# and the other heights are unchanged, if the given heights raise the misfit by no more than its inverse.
+# The result of another initial guess or of a random change is accepted if its misfit is below this fraction
+# of the best misfit. If the prescribed heights raise the misfit by no more than the inverse of this factor,
+# no search is made and the other heights remain unchanged.
 BETTER = 0.9
 
 
 def space_of(problem: Problem, candidate: Candidate) -> Bounded:
-    """Return the limits of the heights of a candidate, with the fixed heights."""
+    """Return the search space of a candidate: the limits of its heights, and its prescribed heights."""
     limits, rows = problem.limits, candidate.held_rows
     return Bounded(limits.foot, limits.top, rows, candidate.height[rows])
 
@@ -72,9 +76,10 @@ def space_of(problem: Problem, candidate: Candidate) -> Bounded:
 def with_pinned(
     problem: Problem, plain: Candidate, unrounded: Candidate, rng: np.random.Generator
 ) -> tuple[Candidate, Candidate]:
-    """Return candidates with the given heights, on steps and before rounding, from those without them.
+    """Return two candidates with the prescribed heights at their sites: on height steps, and not rounded.
 
-    The given heights of the problem are at their sites, and the others are adjusted.
+    The other heights are adjusted. `plain` and `unrounded` are the corresponding candidates without the
+    prescribed heights. The results state the misfit of `plain` as `unpinned`.
     """
     pins, span = problem.pins, problem.limits.span
     unpinned = model_misfit(problem, plain)
@@ -89,7 +94,7 @@ def with_pinned(
 
 
 def _best(problem: Problem, candidate: Candidate, unpinned: float, rng: np.random.Generator) -> Candidate:
-    """Return the candidate with the given heights, and the others adjusted if it misses the target."""
+    """Return the candidate with the prescribed heights; the others are adjusted if it misses the target."""
     exact = candidate.lowest_level is not None
     least = REFINED_GOAL if problem.model.couples else GOAL
     goal = POINT_GOAL if exact else max(least, _rms(problem, candidate))
@@ -111,13 +116,13 @@ def _best(problem: Problem, candidate: Candidate, unpinned: float, rng: np.rando
             chosen = _changed(problem, chosen, goal, rng)
     if exact or not (candidate.branches or candidate.target_law.pointwise):
         return chosen
-    # the misfit is not the mean square that is minimised, but the largest difference or that of a slope
+    # the search minimises a mean square, but the misfit here is the largest difference or a slope error
     after = model_misfit(problem, chosen)
     return chosen if after < before else first
 
 
 def _changed(problem: Problem, start: Candidate, goal: float, rng: np.random.Generator) -> Candidate:
-    """Return the best of the heights and of random changes of them, on more or fewer sites."""
+    """Return the candidate with the best heights found from random changes, on more or fewer sites."""
     count, lowest, limits = problem.count, int(start.height.argmin()), problem.limits
     space = Bounded(limits.foot, limits.top, problem.pins.rows, problem.pins.heights)
     height, radius = np.full(count, space.absent), np.full(count, start.radius[lowest])
@@ -141,10 +146,11 @@ def _changed(problem: Problem, start: Candidate, goal: float, rng: np.random.Gen
 
 
 def _in_place(candidate: Candidate, sites: IntArray, heights: FloatArray, span: float) -> Candidate:
-    """Return the candidate with given heights on their sites, in place of the nearest heights.
+    """Return the candidate after prescribed heights on their sites have replaced the nearest heights.
 
-    A height that was on such a site moves to the site of the replaced one. Given heights in excess of the
-    asperities are added, with the radius of the nearest height.
+    If a prescribed site held another height, this height moves to the site of the replaced height. If there
+    are more prescribed heights than asperities, the remaining prescribed heights are added. Each of them has
+    the radius of the nearest height.
     """
     distance = np.abs(candidate.height[None, :] - heights[:, None])
     own = candidate.sites[None, :] == sites[:, None]
@@ -162,7 +168,7 @@ def _in_place(candidate: Candidate, sites: IntArray, heights: FloatArray, span: 
 
 
 def _added(problem: Problem, candidate: Candidate) -> Candidate | None:
-    """Return the candidate with the given heights added to all its own; None without sites for them."""
+    """Return the candidate with the prescribed heights in addition to its own; None without free sites."""
     pins = problem.pins
     free = np.setdiff1d(np.arange(problem.count), np.union1d(candidate.sites, pins.rows))
     on = np.flatnonzero(np.isin(candidate.sites, pins.rows))
@@ -179,10 +185,13 @@ def _added(problem: Problem, candidate: Candidate) -> Candidate | None:
 
 
 def _starts(problem: Problem, candidate: Candidate, first: Candidate) -> Iterator[Candidate]:
-    """Yield initial guesses: those of least misfit first, finally one with asperities on all sites."""
+    """Yield initial guesses in order of increasing misfit; the last has asperities on all sites.
+
+    The last guess is only for operating points.
+    """
     pins, limits = problem.pins, problem.limits
     bases, drop = [candidate], float(candidate.height.max() - pins.heights.max())
-    if drop > 0.0:  # lowered until the tallest is as high as the tallest given one
+    if drop > 0.0:  # lowered until the tallest height equals the tallest prescribed height
         bases.append(replace(candidate, height=np.maximum(candidate.height - drop, limits.foot)))
     put = [first, *(_in_place(base, pins.rows, pins.heights, limits.span) for base in bases[1:])]
     added = [start for base in bases if (start := _added(problem, base)) is not None]
@@ -192,7 +201,7 @@ def _starts(problem: Problem, candidate: Candidate, first: Candidate) -> Iterato
 
 
 def _adjusted(problem: Problem, start: Candidate, goal: float, rng: np.random.Generator) -> Minimum:
-    """Return the heights adjusted to the fixed ones, with their misfit under the model."""
+    """Return heights adjusted to the prescribed heights, with their misfit under the model."""
     model, options, space = problem.model, problem.options, space_of(problem, start)
     _, residual, residual_of_model = residuals(problem, start, np.asarray)
     exact = start.lowest_level is not None
@@ -204,7 +213,7 @@ def _adjusted(problem: Problem, start: Candidate, goal: float, rng: np.random.Ge
 
 
 def _rms(problem: Problem, candidate: Candidate) -> float:
-    """Return the root mean square of the differences under the gradient model."""
+    """Return the root mean square of the weighted differences [-] under the gradient model."""
     solver, law = problem.model.gradient_model, candidate.target_law
     area = solver.areas(candidate.surface(problem.template), law.load, candidate.height[None])[0]
     if not np.isfinite(area).all():

@@ -1,8 +1,9 @@
-"""Heights of independent asperities, refined until their law under another model meets the target.
+"""Refinement of heights of independent asperities until their law under another model meets the target.
 
-With laws other than Hertz's, A0(P) has a sharper kink where a contact forms. Interaction shifts the kinks,
-and gradients are not valid beyond them. The unknowns of `with_same_entries` are therefore the heights of
-independent asperities, shifted so that each summit first touches at the same loads of the others.
+With contact laws other than Hertz's law, A0(P) has a sharper kink where a contact forms. Interaction shifts
+the kinks, and gradients are not valid beyond a kink. The unknowns in `with_same_entries` are therefore the
+heights of independent asperities. These heights are then shifted so that, with interaction, each summit first
+touches at the same loads on the other summits.
 """
 
 from __future__ import annotations
@@ -28,42 +29,43 @@ from metafem.models.model import has_paraboloids
 from metafem.notes import information
 from metafem.progress import doing
 
-# Misfit at which the search ends: slightly above that of the first search, because the scatter from single
-# new contacts remains.
+# Misfit at which the search ends. It is slightly above that of the independent search, because scatter from
+# single new contacts remains.
 REFINED_GOAL = 9e-4
 
-# Up to this misfit the heights of the independent inversion are the only initial guess.
+# Up to this misfit, the heights of the independent inversion are the only initial guess.
 CLOSE = 5.0 * REFINED_GOAL
 
-# Restarts with adhesion.
+# Number of restarts with adhesion.
 ADHESIVE_RESTARTS = 1
 
-# Degree of the polynomial in the logarithm of the load that fits A0(model)/A0(independent). A low degree
-# omits the kinks of single contacts, which move with the heights.
+# Degree of the polynomial in ln P that is fitted to A0(model)/A0(independent). A low degree smooths out the
+# kinks of single contacts, which move with the heights.
 RATIO_DEGREE = 3
 
-# Maximum number of loads of the target that are used.
+# Maximum number of loads of the target in `with_same_entries`.
 LOADS = 30
 
 # Maximum number of descent steps for interacting adhesive asperities: each takes a tenth of a second to a
 # second.
 ADHESIVE_STEPS = 6
 
-# Factors of the summit depths, so that no level first touches exactly at an operating point: interaction
-# lowers open summits by a hundredth to a tenth of their depth.
+# Factors for the summit depths in initial guesses, so that no level first touches exactly at an operating
+# point. Interaction lowers open summits by between a hundredth and a tenth of their depth.
 STRETCHES = (1.03, 1.0, 1.06, 1.1)
 
-# Depth of the added summits below the last level, relative to the depth of that level.
+# Depth of the added summits below the lowest level, relative to the depth of that level.
 ADDED_DEPTH = 0.01
 
 
 def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
     """Return the candidate with heights refined under the model, and a note on the change.
 
-    Heights on steps are not changed. Heights of independent asperities are changed only if those of a
-    density miss its law. For a model without gradients the heights are refined under its `gradient_model`;
-    the last steps combine its gradients with the law of the model itself. Heights of interacting adhesive
-    asperities are first refined without interaction, which takes a hundredth of the time.
+    Heights on steps do not change. For independent asperities without adhesion, heights change only if they
+    follow a density and miss its law. If the model has no gradients, the heights are refined under its
+    `gradient_model`, and the last steps combine these gradients with the law of the model itself. Heights of
+    interacting adhesive asperities are first refined without interaction, which takes a hundredth of the
+    time.
     """
     model, limits, options = problem.model, problem.limits, problem.options
     # the strategies find heights for independent asperities without adhesion
@@ -120,9 +122,10 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
 def residuals(
     problem: Problem, start: Candidate, placed: Callable[[FloatArray], FloatArray]
 ) -> tuple[Callable[[], Sensitivity], Residual, Residual]:
-    """Return the sensitivity of a candidate's heights, computed once, and two residual functions.
+    """Return a function for the sensitivity of a candidate's heights, and two residual functions.
 
-    The residuals are those under the gradient model and the model. `placed` maps heights to possible ones.
+    The residual functions are those under the gradient model and under the model itself. The sensitivity is
+    computed only once. `placed` maps heights to allowed heights.
     """
     model, law = problem.model, start.target_law
     solver, surface = model.gradient_model, start.surface(problem.template)
@@ -150,9 +153,9 @@ def residuals(
 def _initial_guesses(
     problem: Problem, start: Candidate, area: FloatArray, rng: np.random.Generator
 ) -> list[FloatArray]:
-    """Return the heights of a candidate and, if their law A0 is far from the target, corrected heights.
+    """Return the heights of a candidate and, if their A0 (k,) is far from the target, corrected heights.
 
-    The independent law of the corrected heights is the target divided by A0(model)/A0(independent). That
+    The independent law of the corrected heights is the target divided by A0(model)/A0(independent). This
     ratio is a smooth function of the load and depends little on small changes of the heights.
     """
     law, surface = start.target_law, start.surface(problem.template)
@@ -165,17 +168,17 @@ def _initial_guesses(
     residual = residual_of_heights(problem.independent, surface.radius, divided)
     space, restarts = Heights(problem.limits.span), problem.effort.ratio_restarts
     corrected = search(residual, [surface.height], space, GOAL, restarts, rng, problem.options)
-    # if the sites were chosen for this model, the heights should change as little as possible
+    # if the layout was chosen for this model, the heights should change as little as possible
     guesses = [corrected.unknowns, start.height]
     return guesses if problem.layout is None else guesses[::-1]
 
 
 def filled(candidate: Candidate, problem: Problem) -> Candidate:
-    """Return the candidate with summits on all sites, with new ones just below the lowest level.
+    """Return the candidate with summits on all sites; the added summits are just below the lowest level.
 
-    Interaction lowers the friction at every point. Without added summits only an earlier contact of the
-    levels could raise it; but added summits that are not needed can mislead the descent. The added summits
-    have the radius of the lowest summit.
+    Interaction lowers the friction at every operating point. Without added summits, the friction could rise
+    only if levels came into contact earlier. Added summits that are not needed can mislead the descent,
+    however. The added summits have the radius of the lowest summit.
     """
     if candidate.lowest_level is None:
         return candidate
@@ -188,16 +191,17 @@ def filled(candidate: Candidate, problem: Problem) -> Candidate:
 
 
 def stretched(height: FloatArray, span: float = np.inf) -> list[FloatArray]:
-    """Return heights moved off the kinks of the law, where a level first touches."""
+    """Return heights moved off the kinks of the law, at which a level first touches; (n,) for each guess."""
     depth = height.max() - height
     return [height.max() - np.minimum(stretch * depth, span) for stretch in STRETCHES]
 
 
 def with_same_entries(problem: Problem, start: Candidate, goal: float, rng: np.random.Generator) -> Minimum:
-    """Return heights whose law under the model meets the target, with its misfit.
+    """Return heights whose law under the model is near the target, with their misfit.
 
-    The unknowns are heights of independent asperities, whose gradients are used; the law is that of the
-    shifted heights under the model. With adhesion, each step is slow, so their number is limited.
+    The unknowns are heights of independent asperities. Their gradients are those of independent asperities,
+    but the law is that of the shifted heights under the model. With adhesion the steps are slow, and their
+    number is limited.
     """
     solver, limits, options = problem.model.gradient_model, problem.limits, problem.options
     law, surface = start.target_law.thinned(LOADS), start.surface(problem.template)
@@ -223,12 +227,14 @@ def with_same_entries(problem: Problem, start: Candidate, goal: float, rng: np.r
 
 
 def shift(problem: Problem, start: Candidate) -> Callable[[FloatArray], FloatArray]:
-    """Return the function that shifts heights (n,) [mm] of independent asperities for the interaction.
+    """Return a function that corrects heights (n,) [mm] of independent asperities for interaction.
 
-    When the plane touches summit i of independent asperities, the loads P_j of the others follow from their
-    indentations h_j - h_i. Their field ``u = sum K P_j/E*`` lowers summit i and the others. With the height
-    ``h_i + u_i + <h'_j - h_j - u_j>``, in the order of the heights, summit i is touched at the same loads of
-    the others. The mean is weighted by their stiffness.
+    When the plane touches summit i of independent asperities, the loads P_j of the higher asperities follow
+    from their indentations h_j - h_i. The displacement ``u = sum K P_j/E*`` due to these loads lowers summit
+    i by u_i and the higher summits by u_j. With the corrected height
+    ``h'_i = h_i + u_i + <h'_j - h_j - u_j>`` the plane touches summit i at the same loads P_j. The mean is
+    weighted by the contact stiffnesses of the higher asperities. The corrected heights are computed from the
+    tallest to the lowest.
     """
     radius, deepest = start.radius, problem.contact.largest_indentation(start.radius)
     substrate = problem.model.reference.substrate

@@ -1,35 +1,37 @@
-"""Robust designs: heights and sites with the least expected misfit of the manufactured surface.
+"""Robust designs: heights and sites that minimise the expected misfit of the manufactured surface.
 
-With the relative differences r(h) (k,) of the law of the heights h from the target, and random errors D of
-the manufactured surface and of its alignment, the expected squared misfit is
+The law of the heights h has the relative differences r(h) (k,) from the target. With random errors D of the
+manufactured surface and of its alignment, the expected squared misfit is
 
     E |r(h + D)|^2 = |E r|^2 + tr Cov r,        Cov r = J C J' to first order,             (1)
 
 with the Jacobian J = dr/dh and the covariance C of the errors of the heights. The mean E r differs from r(h)
-by half of the second derivatives times C: errors smooth a law, most at light loads. Heights can cancel this.
+by half of the second derivatives times C: errors smooth a law, most at small loads. A suitable change of the
+heights can cancel this difference.
 
 Linear response. For independent asperities of one radius R, n of them in contact with indentations d_i, the
 sensitivities of A0 at fixed load are ``g_i = pi R (1 - sqrt(d_i)/<sqrt(d)>)``, see `Independent`. As
-``A0 = pi R n <d>`` and ``A0' = dA0/d(P/E*) = pi sqrt(R)/(2 <sqrt(d)>)``, the sum of their squares is
+``A0 = pi R n <d>`` and ``A0' = dA0/d(P/E*) = pi sqrt(R)/(2 <sqrt(d)>)``, the sum of the squares of g_i is
 
     sum_i g_i^2 = (4/pi) A0 A0'^2 - (pi R)^2 n.                                            (2)
 
-The target fixes the first term. The number of contacts n at each load follows from the law as a whole, up to
-the scatter of single contacts. Thus heights with this law cannot remove the linear response to independent
-errors of the heights. The response to a tilt, ``sum_i g_i x_i`` and the same with y, depends on the sites:
-exchanges of asperities and slightly different heights at the sites make it small.
+The target determines the first term. It also determines the number of contacts n at each load, up to the
+scatter from single contacts. No heights with this law can therefore remove the linear response to independent
+errors of the heights. The response to a tilt, with the components ``sum_i g_i x_i`` and ``sum_i g_i y_i``,
+depends on the sites. Exchanges of asperities and small changes of the heights reduce this response.
 
-Method. The expectation is a mean over fixed errors: the rows of random orthogonal matrices times sqrt(d),
-each with both signs, for errors of d dimensions. For a law that is linear in the errors this mean is exact.
-With independent random errors the heights would be fitted to the sample (measured: with 8 pairs the root mean
-square over them fell to a third, but the expectation did not fall). The residuals of all errors are
-stacked, with exact Jacobians, and their squares are minimised by the Levenberg–Marquardt method. The stack is
-replaced by the triangular factor of its QR decomposition, which has the same sums of squares and at most
-n + 1 rows. The errors smooth the kinks of the law at heights at which a contact opens.
+Method. The expectation is approximated by a mean over fixed errors. For errors of d dimensions these are the
+rows of random orthogonal matrices times sqrt(d), each with both signs. The mean is exact for a law that is
+linear in the errors. With independent random errors, the heights would be fitted to the sample (measured:
+with 8 pairs the root mean square over the sample fell to a third, but the expectation did not fall). The
+residuals for all errors are stacked, with exact Jacobians, and the Levenberg–Marquardt method minimises their
+squares. To save time, the triangular factor of a QR decomposition replaces the stack. This factor gives the
+same sum of squares and has at most n + 1 rows. The errors smooth the kinks of the law at heights at which a
+contact opens.
 
-Limits. The errors do not depend on the heights. The minimum is local. With few errors for many dimensions
-the heights are still partly fitted to the sample. The gain is therefore measured on other errors, the same
-for the plain and the robust design, in pairs of both signs.
+Limits. The errors are assumed independent of the heights. The minimum is local. If there are few errors for
+many dimensions, the heights are still partly fitted to the sample. The gain is therefore measured on other
+errors in pairs of both signs, which are the same for the plain and the robust design.
 """
 
 from __future__ import annotations
@@ -60,25 +62,26 @@ SIGNIFICANT = 3.0
 # Number of surfaces solved between two progress reports.
 AT_ONCE = 100
 
-# Minimum and maximum number of fixed errors for the expectation, each with both signs. If it equals the
-# dimension of the errors, a linear response is exact.
+# Minimum and maximum number of fixed errors for the expectation, each with both signs. If their number is a
+# multiple of the dimension of the errors, the mean is exact for a linear response.
 FEWEST_ERRORS, MOST_ERRORS = 32, 128
 
-# Maximum number of asperities whose heights are changed: with more, the errors average out.
+# Heights are changed only up to this number of asperities: with more, the errors average out.
 MOST_ROBUST = 128
 
 # Maximum number of target loads, and number of rounds of site exchanges, each followed by a new search.
 LOADS, ROUNDS = 30, 1
 
-# Number of other errors on which the gain is measured, each with both signs, for up to `FEW_SITES`
-# asperities; for more asperities it decreases, down to the second value.
+# The gain is measured on this number of other errors, each with both signs, for up to `FEW_SITES` asperities.
+# With more asperities the number decreases to the second value.
 FRESH_ERRORS, FEWEST_FRESH = 1000, 20
 
 
 def made_robust(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
-    """Return the candidate with heights and sites of the least expected misfit.
+    """Return the candidate with heights and sites for the smallest expected misfit.
 
-    Heights on levels and those of many asperities do not change; only their sites do.
+    Heights on levels do not change, and neither do the heights of many asperities. Their sites change only
+    if the tolerances include an angle.
     """
     count = problem.tolerances.dimensions(candidate.surface(problem.template))
     if count == 0:
@@ -95,25 +98,26 @@ def made_robust(problem: Problem, candidate: Candidate, rng: np.random.Generator
 
 
 def compared(problem: Problem, plain: Candidate, robust: Candidate, rng: np.random.Generator) -> Candidate:
-    """Return the robust candidate, or the plain one without a significant gain, with the expected misfits.
+    """Return the robust candidate, or the plain candidate if the gain is not significant.
 
-    The mean square misfits of each pair of errors of both signs are compared.
+    The expected misfits are added to its parameters. The mean square misfits of the two candidates are
+    compared for each pair of errors with opposite signs.
     """
     count = problem.tolerances.dimensions(plain.surface(problem.template))
     if count == 0:
         return replace(plain, notes=(*plain.notes, information("the tolerances of the robust design are 0")))
-    # the time of a curve grows at least with the square of the number of asperities
+    # the time for a curve grows at least with the square of the number of asperities
     draws = FRESH_ERRORS * FEW_SITES**2 // max(FEW_SITES, len(plain.height)) ** 2
     unit = _with_both_signs(rng.standard_normal((max(FEWEST_FRESH, draws), count)))
     before = _mean_squares(problem, plain, unit)
     after = _mean_squares(problem, robust, unit)
-    # a pair with an equilibrium that did not converge is omitted from both
+    # if an equilibrium did not converge, its pair of errors is omitted for both candidates
     solved = np.isfinite(before + after)
     before, after = before[solved], after[solved]
     if len(before) < 2:  # a single value has no standard error
         words = "the expected misfit is unknown: the equilibria of the made surfaces did not converge"
         return replace(plain, notes=(*plain.notes, Note(words)))
-    # an exact law that does not respond to the errors has zero misfit
+    # avoids division by zero: an exact law that does not respond to the errors has no misfit
     scale = max(float(before.mean()), np.finfo(float).tiny)
     gain = float((before - after).mean()) / scale
     error = float((before - after).std(ddof=1)) / math.sqrt(len(before)) / scale
@@ -158,9 +162,9 @@ def compared(problem: Problem, plain: Candidate, robust: Candidate, rng: np.rand
 
 
 def _orthogonal(count: int, fewest: int, most: int, rng: np.random.Generator) -> FloatArray:
-    """Return rows of random orthogonal matrices times sqrt(count), from `fewest` to `most`, (s, count).
+    """Return `fewest` to `most` rows of random orthogonal matrices times sqrt(count), (s, count).
 
-    Their mean square in every direction is 1.
+    The mean square of the rows of each complete matrix is 1 in every direction.
     """
     parts = []
     for _ in range(-(-fewest // count)):
@@ -171,16 +175,16 @@ def _orthogonal(count: int, fewest: int, most: int, rng: np.random.Generator) ->
 
 
 def _with_both_signs(normal: FloatArray) -> FloatArray:
-    """Return the points in the unit cube for normal deviates (s, d) and for their negatives, (2 s, d)."""
+    """Return the points in the unit cube for normal deviates (s, d) and their negatives, (2 s, d)."""
     return np.asarray(ndtr(np.concatenate([normal, -normal])))
 
 
 def _exchanged(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
-    """Return the candidate after site exchanges that each lower its linear response to tilts.
+    """Return the candidate after site exchanges, each of which reduces the linear response to tilts.
 
-    The response is ``M = G x`` (k, 2), with the Jacobian G (k, N) of the residual and the sites x (N, 2). The
-    asperities of the sites a and b contribute ``(g_a - g_b) (x_b - x_a)'`` to it when they are exchanged.
-    An empty site has g = 0. Fixed heights remain on their sites.
+    The response is ``M = G x`` (k, 2), with the Jacobian G (k, N) of the residual and the sites x (N, 2). An
+    exchange of the asperities at the sites a and b changes M by ``(g_a - g_b) (x_b - x_a)'``. An empty site
+    has g = 0. Prescribed heights remain on their sites.
     """
     law, template = candidate.target_law, problem.template
     found = problem.model.gradient_model.sensitivity(candidate.surface(template), law.load)
@@ -212,7 +216,7 @@ def _exchanged(problem: Problem, candidate: Candidate, rng: np.random.Generator)
 
 
 def _errors(tolerances: Tolerances, surface: Surface, unit: FloatArray) -> list[tuple[Surface, FloatArray]]:
-    """Return the surface with the radii and positions of each sample, and the errors of its heights (n,)."""
+    """Return for each sample the surface with its radii and positions, and the height errors (n,) [mm]."""
     drawn = tolerances.perturbed(surface, unit)
     parts = [surface] * len(unit)
     for name in ("radius", "position"):
@@ -223,7 +227,7 @@ def _errors(tolerances: Tolerances, surface: Surface, unit: FloatArray) -> list[
 
 
 def _lowered(problem: Problem, start: Candidate, unit: FloatArray) -> tuple[Candidate, float]:
-    """Return the candidate with heights of least mean square misfit over the errors, and its root."""
+    """Return the candidate with the least mean square misfit over the errors, and the root of this misfit."""
     model, limits, options = problem.model, problem.limits, problem.options
     law, surface = start.target_law.thinned(LOADS), start.surface(problem.template)
     solver, errors = model.gradient_model, _errors(problem.tolerances, surface, unit)
@@ -240,7 +244,7 @@ def _lowered(problem: Problem, start: Candidate, unit: FloatArray) -> tuple[Cand
             rows.append(np.column_stack([jacobian, r]))
         stacked = np.concatenate(rows)
         factor = np.asarray(np.linalg.qr(stacked, mode="r"))
-        factor *= math.sqrt(len(factor) / len(stacked))  # the same mean square
+        factor *= math.sqrt(len(factor) / len(stacked))  # so that the mean square is that of the stack
         return factor[:, -1], lambda: factor[:, :-1]
 
     found = descend(residual, start.height, held or Heights(limits.span), 0.0, options=options)
@@ -248,7 +252,7 @@ def _lowered(problem: Problem, start: Candidate, unit: FloatArray) -> tuple[Cand
 
 
 def _mean_squares(problem: Problem, candidate: Candidate, unit: FloatArray) -> FloatArray:
-    """Return the squared misfit of surfaces with errors, the mean over each pair of both signs, (s,)."""
+    """Return the mean square misfit of the two surfaces of each pair of errors with opposite signs, (s,)."""
     surface, law = candidate.surface(problem.template), candidate.target_law
     squares = []
     for rows in each("draws, part", np.array_split(np.arange(len(unit)), -(-len(unit) // AT_ONCE))):
@@ -262,11 +266,12 @@ def _mean_squares(problem: Problem, candidate: Candidate, unit: FloatArray) -> F
 
 
 def _irreducible(problem: Problem, candidate: Candidate, unit: FloatArray) -> float:
-    """Return the mean square misfit by the linear response to errors of single heights and radii.
+    """Return the mean square misfit due to the linear response to errors of single heights and radii.
 
-    With the mean Jacobian over normal errors, it is the variance of the best linear function of the errors
-    (Stein, Ann. Stat. 9, 1135 (1981), doi:10.1214/aos/1176345632); the Jacobian of the exact heights has a
-    jump where a contact opens. The response to radii is that of the exact heights, by finite differences.
+    For the heights, the linear response uses the mean Jacobian over normal errors. The result is then the
+    variance of the best linear function of the errors (Stein, Ann. Stat. 9, 1135 (1981),
+    doi:10.1214/aos/1176345632). The Jacobian of the exact heights is unsuitable, because it has a jump where
+    a contact opens. For the radii, the linear response is that of the exact heights, by finite differences.
     """
     surface, law = candidate.surface(problem.template), candidate.target_law
     solver, count = problem.model.gradient_model, surface.count

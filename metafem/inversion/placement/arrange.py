@@ -1,4 +1,4 @@
-"""Assignment of asperities to sites, which affects interaction and misalignment."""
+"""Assignment of asperities to sites, which affects interaction and the sensitivity to misalignment."""
 
 from __future__ import annotations
 
@@ -31,44 +31,46 @@ from metafem.surface import Surface
 # Value of `Arrangement.order` at an empty site.
 EMPTY = -1
 
-# Rounds of exchanges: first from the given arrangement, then from random exchanges of the best one, as many
-# as this fraction of the sites. The forecasts of the model and of independent asperities alternate: one is
-# better for few levels, the other for many heights.
+# Maximum number of rounds of exchanges. The first two rounds start from the initial arrangement, the others
+# from the best arrangement after random exchanges, whose number is this fraction of the number of sites. The
+# forecasts of the model and of independent asperities alternate: one of them is better for few levels, the
+# other for many different heights.
 MOST_ROUNDS, EXCHANGED_FRACTION = 8, 0.1
 
-# Maximum number of exchanges per forecast before the model is evaluated; with many sites a quarter of them.
+# Maximum number of exchanges by one forecast before the model is evaluated; with many sites, a quarter of the
+# number of sites.
 MOST_EXCHANGES = 16
 
 # Maximum number of model evaluations in one round.
 MOST_EVALUATIONS = 24
 
-# Misfit at which the search ends: height errors change A0 tens of times more.
+# Misfit at which the search ends: height errors change A0 by tens of times more.
 GOAL = 1e-4
 
-# Number of exchanges, the best ones by the forecast, that are evaluated under the model in each final step,
+# Number of exchanges that are evaluated under the model in each final step, those with the best forecasts,
 # and maximum number of final steps.
 EVALUATED_EXCHANGES, LAST_STEPS = 40, 16
 
-# Exchanges end when the predicted misfit is far below the error of the forecast.
+# Exchanges end at this predicted misfit, which is far below the error of the forecast.
 FORECAST_GOAL = 1e-6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Arrangement(Value):
-    """A surface with an assignment of its asperities to sites.
+    """A surface whose asperities were assigned to sites by `arrange`.
 
     Attributes
     ----------
     surface : Surface
     position : ndarray, (m, 2)
-        Positions of all sites [mm], including empty ones.
+        Positions of all sites [mm], including empty sites.
     order : ndarray of int, (m,)
-        Index of the asperity of the given surface at each site, -1 at an empty site.
+        For each site, the index of its asperity in the original surface; -1 for an empty site.
     sites : ndarray of int, (n,)
         Site of each asperity of the arranged surface: ``surface.position = position[sites]`` and
-        ``surface.height = given.height[order[sites]]``.
+        ``surface.height = original.height[order[sites]]``.
     before, after : float
-        Misfit of the objective [-] under the model as given and as arranged.
+        Misfit of the objective [-] under the model for the original and for the arranged surface.
     objective : Objective
     model : Model
 
@@ -102,14 +104,15 @@ def arrange(
     *,
     position: ArrayLike | None = None,
 ) -> Arrangement:
-    """Assign the asperities of a surface, each height with its radius, to its sites or to additional ones.
+    """Return an arrangement: the asperities of a surface assigned to its sites, or also to additional sites.
 
-    The residuals of the objective are predicted to first order for all exchanges of two asperities at
-    once. The best exchanges are made, the model is evaluated, and the prediction is recomputed. This is
-    repeated from random changes of the best arrangement. Finally only exchanges that lower the misfit under
-    the model itself are made. A second round, from the best result of the first, includes empty sites.
-    The misfit never increases, and the search ends at a misfit of 1e-4. With more than 128 sites there are
-    fewer trials; thousands of sites take minutes.
+    Each asperity keeps its height and radius. The residuals of the objective are predicted to first order,
+    simultaneously for all exchanges of two asperities. The best exchanges are made, the model is evaluated,
+    and the prediction is recomputed. These steps are repeated from random changes of the best arrangement.
+    Finally, only exchanges that lower the misfit under the model itself are made. If there are empty sites,
+    a second search starts from the best result and includes them. The misfit never increases, and the search
+    ends at a misfit of 1e-4. With more than 128 sites there are fewer trials. Thousands of sites take
+    minutes.
 
     Parameters
     ----------
@@ -120,8 +123,9 @@ def arrange(
     rng : int or numpy Generator
         Seed of the random exchanges.
     position : array_like, (m, 2), optional
-        Positions of the sites [mm], such as ``design.template.position``. They must include those of the
-        surface exactly; the excess sites remain empty. Default: the positions of the surface.
+        Positions of all sites [mm], such as ``design.template.position``. They must include the exact
+        positions of the surface; there may be more sites than asperities. Default: the positions of the
+        surface.
 
     Returns
     -------
@@ -130,8 +134,8 @@ def arrange(
     Raises
     ------
     InvalidInput
-        For arguments outside their range or of the wrong kind, a `position` that lacks one of the surface's
-        or repeats one, and more sites than fit into memory, 24 bytes for each pair.
+        If an argument is outside its range or has the wrong type, if `position` lacks a position of the
+        surface or repeats a position, or if the sites need too much memory, 24 bytes for each pair of sites.
     NotConverged
         If an equilibrium of the model did not converge.
 
@@ -171,7 +175,7 @@ def arrange(
 
 @dataclass(frozen=True, eq=False)
 class _Measured:
-    """An order of the asperities with its residuals under the model (q,)."""
+    """An assignment of asperities to sites with its residuals (q,) [-] under the model."""
 
     order: IntArray
     surface: Surface
@@ -179,7 +183,7 @@ class _Measured:
 
     @property
     def misfit(self) -> float:
-        """Root of the sum of squares."""
+        """Root of the sum of squares of the residuals [-]."""
         return float(np.sqrt(self.residual @ self.residual))
 
 
@@ -193,11 +197,14 @@ class _Search:
     rng: np.random.Generator
 
     def affordable(self, most: int) -> int:
-        """Return the number of trials: their cost grows at least with the square of the number of sites."""
+        """Return the number of trials: `most` up to 128 sites, fewer for more sites.
+
+        The time for a trial grows at least with the square of the number of sites.
+        """
         return min(most, most * FEW_SITES**2 // len(self.open_sites) ** 2)
 
     def best(self, first: _Measured) -> _Measured:
-        """Return the best arrangement found from a given one, over the sites `open_sites`."""
+        """Return the best arrangement found by exchanges between `open_sites`, starting from `first`."""
         best, independent = first, Independent(contact=contact_of(self.model))
         tries = range(max(1, self.affordable(MOST_ROUNDS)))
         for k in each("round", tries, at_most=True):
@@ -210,7 +217,7 @@ class _Search:
         return self.confirmed(best)
 
     def measured(self, order: IntArray) -> _Measured:
-        """Return the order with its residuals under the model."""
+        """Return an assignment (m,) with its residuals under the model."""
         sites = np.flatnonzero(order != EMPTY)
         surface = self.surface.replaced(
             position=self.sites.position[sites],
@@ -220,7 +227,7 @@ class _Search:
         return _Measured(order, surface, self.objective.residual(surface, self.model))
 
     def disturbed(self, best: _Measured) -> _Measured:
-        """Return the arrangement after some random exchanges."""
+        """Return the arrangement after random exchanges."""
         order = best.order.copy()
         for _ in range(max(2, int(EXCHANGED_FRACTION * len(self.open_sites)))):
             i, j = self.rng.choice(self.open_sites, 2)
@@ -228,15 +235,16 @@ class _Search:
         return self.measured(order)
 
     def drawn(self) -> IntArray:
-        """Return randomly drawn sites, whose exchanges are forecast in one step."""
+        """Return the sites whose exchanges are forecast in one step: all sites, or random ones if many."""
         if len(self.open_sites) <= FORECAST_SITES:
             return self.open_sites
         return np.asarray(self.rng.choice(self.open_sites, FORECAST_SITES, replace=False))
 
     def exchanged(self, best: _Measured, forecast: Forecast, most: int) -> IntArray:
-        """Return the order after at most `most` exchanges, each with the smallest sum of squares.
+        """Return the assignment (m,) after at most `most` exchanges.
 
-        The error of the forecast is assumed constant.
+        Each exchange is the one with the smallest predicted sum of squares. The error of the forecast is
+        assumed constant.
         """
         order, residual = best.order.copy(), best.residual
         for _ in range(most):
@@ -255,7 +263,10 @@ class _Search:
         return order
 
     def corrected(self, best: _Measured, model: Model) -> _Measured:
-        """Make exchanges by the forecast; renew it after an improvement, otherwise make fewer at a time."""
+        """Return the arrangement after exchanges by the forecast.
+
+        After an improvement the forecast is recomputed; otherwise fewer exchanges are made at a time.
+        """
         most = max(MOST_EXCHANGES, len(self.open_sites) // 4)
         forecast = self.objective.forecast(best.surface, model, self.sites)
         for _ in each("exchange", range(MOST_EVALUATIONS), at_most=True):
@@ -274,7 +285,10 @@ class _Search:
         return best
 
     def confirmed(self, best: _Measured) -> _Measured:
-        """Make the exchanges that lower the misfit under the model, the best by the forecast first."""
+        """Return the arrangement after exchanges that each lower the misfit under the model.
+
+        In each step the exchanges with the best forecasts are evaluated under the model.
+        """
         for _ in each("last step", range(self.affordable(LAST_STEPS)), at_most=True):
             if best.misfit <= GOAL:
                 break

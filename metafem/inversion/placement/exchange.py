@@ -1,10 +1,10 @@
-"""Sites, and exchanges of asperities between them, by a forecast of the residuals after each exchange.
+"""Sites, and forecasts of the residuals after exchanges of asperities between sites.
 
-An empty site holds a vacancy, which has no load and is exchanged like an asperity.
+An empty site is treated as a vacancy, which carries no load and is exchanged like an asperity.
 
-To first order in the interaction, the change of A0 is a bilinear form of the loads and of the sensitivities
-dA0/dh at the sites; its change by a tilt is a sum over the sites. An exchange of two asperities changes only
-terms of their two sites.
+To first order, interaction changes A0 by a bilinear form of the loads and of the sensitivities dA0/dh at the
+sites. A tilt changes A0 by a sum over the sites. An exchange of two asperities changes only the terms of
+their two sites.
 """
 
 from __future__ import annotations
@@ -26,24 +26,25 @@ from metafem.models._resources import require_memory
 from metafem.substrate import Radial
 from metafem.surface import Surface
 
-# Number of sites up to which the stated numbers of trials apply; with more sites there are fewer trials.
+# Maximum number of sites for which all searches make their full number of trials.
 FEW_SITES = 128
 
-# Number of sites whose exchanges are all forecast in one step; of more sites, this many are drawn at random.
+# Maximum number of sites whose exchanges are forecast in one step. If there are more sites, this number of
+# sites is drawn at random.
 FORECAST_SITES = 96
 
-# A decrease below this fraction of the sum of squares is rounding.
+# A decrease of the sum of squares by less than this fraction is attributed to rounding.
 EXCHANGE_GAIN = 1e-9
 
-# Number of matrices of all pairs of sites in memory while the influence is computed.
+# Number of (m, m) matrices that are in memory while the influence between m sites is computed.
 MATRICES = 3
 
 
 @dataclass(frozen=True, eq=False)
 class Sites:
-    """Positions (m, 2) [mm] for asperities, and the influence between them (m, m) [1/mm].
+    """Positions of sites (m, 2) [mm], and the influence between the sites (m, m) [1/mm].
 
-    With its `derivatives` it is a substrate of surfaces on some of the sites.
+    With `derivatives` the value can be used as the substrate of surfaces on some of the sites.
     """
 
     position: FloatArray
@@ -52,11 +53,11 @@ class Sites:
 
     @cached_property
     def index(self) -> dict[tuple[float, float], int]:
-        """Index of each position."""
+        """Index of the site at each position [mm]."""
         return {(x, y): i for i, (x, y) in enumerate(self.position.tolist())}
 
     def indices(self, position: FloatArray) -> IntArray:
-        """Return the indices of the sites at these positions, (n,)."""
+        """Return the indices of the sites at positions (n, 2) [mm], (n,)."""
         found = [self.index.get((x, y), -1) for x, y in position.tolist()]
         i = found.index(-1) if -1 in found else 0
         x, y = position[i]
@@ -65,15 +66,15 @@ class Sites:
         return np.array(found)
 
     def for_surface(self, surface: Surface) -> Sites:
-        """Return the substrate itself."""
+        """Return this substrate, which is the same for all surfaces."""
         return self
 
     def influence_matrix(self, surface: Surface) -> FloatArray:
-        """Displacement at each asperity per load on every other one, (n, n) [1/mm]."""
+        """Return the displacement at each asperity per P/E* on each asperity, (n, n) [1/mm]."""
         return np.asarray(self.influence[self._pairs(surface)])
 
     def influence_derivatives(self, surface: Surface) -> tuple[FloatArray, ...]:
-        """Gradient [1/mm^2] and Laplacian [1/mm^3] of the displacement, (n, n) each."""
+        """Return the gradient [1/mm^2] and the Laplacian [1/mm^3] of the displacement, (n, n) each."""
         pairs = self._pairs(surface)
         return tuple(part[pairs] for part in self.derivatives)
 
@@ -83,10 +84,11 @@ class Sites:
 
 
 def sites_for(surface: Surface, model: Model, position: ArrayLike | None) -> tuple[Sites, Model]:
-    """Return the sites (default: those of the surface), and the model for surfaces on them.
+    """Return the sites (default: the sites of the surface), and the model for surfaces on these sites.
 
-    The influence is that of the model's substrate, zero for independent asperities. For a non-radial
-    substrate it is computed once, for all sites.
+    The influence is that of the model's substrate; it is zero for independent asperities. If the substrate is
+    not radial and there are more sites than asperities, the influence and its derivatives are computed only
+    once, and the returned model uses them.
     """
     given = surface.position
     if position is not None:
@@ -109,8 +111,9 @@ def sites_for(surface: Surface, model: Model, position: ArrayLike | None) -> tup
 class Coupled:
     """Predicted residuals ``sum_ij left_i G_ij right_j``.
 
-    Left and right, (q, m), belong to the asperities. The products of G with both, (q, m), are stored: an
-    exchange changes them only by the rows of G for the two sites.
+    `left` and `right`, (q, m), are values of the asperities at the sites. `fields` stores the products of
+    each with the influence G, (q, m). An exchange changes these products only by the rows of G for the two
+    sites.
     """
 
     left: FloatArray
@@ -122,7 +125,7 @@ class Coupled:
         object.__setattr__(self, "fields", (self.left @ self.influence, self.right @ self.influence))
 
     def swapped(self, i: int, j: int) -> Coupled:
-        """Return the forecast with the asperities of two sites exchanged."""
+        """Return the forecast after an exchange of the asperities at two sites."""
         result = copy(self)
         pair, turned = [i, j], [j, i]
         between = self.influence[i] - self.influence[j]
@@ -140,12 +143,12 @@ class Coupled:
         return np.asarray((self.fields[0] * self.right).sum(axis=1))
 
     def changes(self, sites: IntArray) -> FloatArray:
-        """Return the changes of the residuals by the exchange of each pair of sites, (q, m, m)."""
+        """Return the changes of the residuals due to an exchange between each pair of sites, (q, m, m)."""
         influence = self.influence[np.ix_(sites, sites)]
         diagonal = np.diagonal(influence)
 
         def difference(values: FloatArray) -> FloatArray:
-            """Value at the second site minus that at the first."""
+            """Return the value at the second site minus the value at the first site, (q, m, m)."""
             part = values[:, sites]
             return np.asarray(part[:, None, :] - part[:, :, None])
 
@@ -158,10 +161,11 @@ class Coupled:
 
 @dataclass(frozen=True, eq=False)
 class Tilted:
-    """Relative changes of A0 by tilts of independent asperities, at fixed load.
+    """Predicted relative changes of A0 by tilts of independent asperities, at fixed load.
 
-    The change of load at fixed separation is compensated along the law:
-    ``dA = sum_i A(d_i) - dA0/dP sum_i P(d_i)`` with the indentations d_i after the tilt.
+    The tilt changes both the area and the load at a fixed separation. The slope of the law converts the
+    change of load to a change of area. The change of A0 at fixed load is the change of
+    ``sum_i A(d_i) - dA0/dP sum_i P(d_i)`` by the tilt, with the indentations d_i at fixed separation.
     """
 
     law: Contact
@@ -172,7 +176,7 @@ class Tilted:
     rate: FloatArray  # (k,), dA0/d(P/E*) [-]
 
     def swapped(self, i: int, j: int) -> Tilted:
-        """Return the forecast with the asperities of two sites exchanged."""
+        """Return the forecast after an exchange of the asperities at two sites."""
         order = np.arange(len(self.radius))
         swap(order, i, j)
         return replace(self, depth=self.depth[:, order], radius=self.radius[order])
@@ -183,8 +187,8 @@ class Tilted:
         return np.asarray((tilted - self._value(self.depth[None], self.radius)).sum(axis=-1).ravel())
 
     def changes(self, sites: IntArray) -> FloatArray:
-        """Return the changes of the residuals by the exchange of each pair of sites, (t k, m, m)."""
-        # asperity a at site b
+        """Return the changes of the residuals due to an exchange between each pair of sites, (t k, m, m)."""
+        # index [..., a, b]: the asperity of site a at site b
         depth = self.depth[:, sites]
         tilted = depth[None, :, :, None] + self.lift[:, sites][:, None, None, :]
         rows = len(self.lift) * len(self.depth)
@@ -207,7 +211,7 @@ class Joined:
     parts: tuple[Forecast, ...]
 
     def swapped(self, i: int, j: int) -> Joined:
-        """Return the forecast with the asperities of two sites exchanged."""
+        """Return the forecast after an exchange of the asperities at two sites."""
         return replace(self, parts=tuple(part.swapped(i, j) for part in self.parts))
 
     def residual(self) -> FloatArray:
@@ -215,7 +219,7 @@ class Joined:
         return np.concatenate([f * part.residual() for f, part in zip(self.factors, self.parts, strict=True)])
 
     def changes(self, sites: IntArray) -> FloatArray:
-        """Return the changes of the residuals by the exchange of each pair of sites, (q, m, m)."""
+        """Return the changes of the residuals due to an exchange between each pair of sites, (q, m, m)."""
         pairs = zip(self.factors, self.parts, strict=True)
         return np.concatenate([f * part.changes(sites) for f, part in pairs])
 
@@ -225,7 +229,7 @@ Forecast = Coupled | Tilted | Joined
 
 
 def after(residual: FloatArray, change: FloatArray) -> FloatArray:
-    """Return the sum of squares after each exchange, (m, m)."""
+    """Return the sum of squares of the residuals after each exchange, (m, m)."""
     flat = change.reshape(len(residual), -1)
     squares = (flat * flat).sum(axis=0) + 2.0 * (residual @ flat) + residual @ residual
     return np.asarray(squares.reshape(change.shape[1:]))

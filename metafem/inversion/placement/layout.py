@@ -1,4 +1,4 @@
-"""Assignment of the heights of a design to its sites for the aims of a layout."""
+"""Assignment of the heights of a design to its sites according to a layout."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from metafem.inversion.problem import Problem
     from metafem.inversion.search.target_law import TargetLaw
 
-# Number of loads for the law, and for its change by tilts. For the first see `FollowLaw`. Each load of the
-# second costs seven curves; with six of them a third of the gain is lost at intermediate loads.
+# Number of loads for the law (see `FollowLaw`), and for its change by tilts. Each load for the tilts requires
+# seven equilibria. With only six loads a third of the gain is lost at intermediate loads.
 LAW_LOADS, TILT_LOADS = 20, 10
 
 NO_EFFECT = (
@@ -35,18 +35,19 @@ NO_EFFECT = (
 
 @dataclass(frozen=True)
 class Layout:
-    """Objectives for assigning the heights of a design to its sites; without a layout this is random.
+    """Objectives for the assignment of heights to the sites of a design, which is otherwise random.
 
     Parameters
     ----------
     follow_law : bool
-        Minimise the change of the law by interaction. It has no effect on independent asperities. Under a
-        model with interaction it is always included.
+        Whether to minimise the change of the law by interaction; default: True. This objective has no effect
+        on independent asperities, and is always included under a model with interaction.
     tilt : float, optional
-        Minimise the change of the law by a misalignment of this angle [rad], up to pi/4.
+        Misalignment [rad], up to pi/4, for which the change of the law is minimised. Default: None; this
+        change is not minimised.
     tilt_weight : float
-        Weight of the mean square change by the tilt, relative to that of the deviation from the law;
-        positive.
+        Positive weight of the mean square change by the tilt, relative to the weight of the mean square
+        deviation from the law; default: 1.
 
     Raises
     ------
@@ -73,9 +74,10 @@ class Layout:
 
 
 def arranged(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
-    """Return the candidate with its heights arranged by the layout, the misfits before and after, and a note.
+    """Return the candidate with its heights arranged by the layout.
 
-    A model without gradients is replaced by its `gradient_model`.
+    The candidate then also states the misfits before and after the arrangement, and has a note on them. The
+    `gradient_model` replaces a model without gradients.
     """
     layout, model = problem.layout, problem.model.gradient_model
     if layout is None:
@@ -108,13 +110,13 @@ def arranged(problem: Problem, candidate: Candidate, rng: np.random.Generator) -
 def aims_of(
     layout: Layout, surface: Surface, model: Model, law: TargetLaw
 ) -> list[tuple[str, Objective, float]]:
-    """Return the aims of a layout, each in words and as an objective with its weight."""
+    """Return the aims of a layout: for each aim its name, its objective and its weight."""
     aims: list[tuple[str, Objective, float]] = []
     if model.couples:  # also with a tilt: otherwise the refinement would undo the layout
         independent = Independent(contact=contact_of(model))
         some, area = _some(len(law.load), LAW_LOADS), independent.curve(surface, law.load).area
         friction = law.law(area)[some]
-        # a poor fit can decrease with the load; the law of independent asperities always increases
+        # a poor fit can decrease with the load; the law of independent asperities then replaces it
         rises = friction[0] > 0.0 and (np.diff(friction) > 0.0).all()
         follow = FollowLaw(law.load[some], friction if rises else area[some])
         aims.append(("the deviation from the law", follow, 1.0))

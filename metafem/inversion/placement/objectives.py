@@ -1,4 +1,4 @@
-"""Objectives of an arrangement: relative differences of A0 whose sum of squares is minimised."""
+"""Objectives of an arrangement: relative differences of A0, whose sum of squares is minimised."""
 
 from __future__ import annotations
 
@@ -19,11 +19,12 @@ from metafem.models import Independent, Model
 from metafem.models.model import contact_of
 from metafem.surface import STEEPEST, Surface
 
-# The misalignment for which Aymard et al. give the change of their laws, doi:10.1126/science.adk4234.
+# Default misalignment [rad]: Aymard et al. state the change of their laws for this angle,
+# doi:10.1126/science.adk4234.
 TILT = math.radians(0.1)
 
-# Directions of the tilt: with five or more, evenly spaced, the mean square of changes of up to second
-# order in the tilt is exact.
+# Number of evenly spaced directions of the tilt. Five or more give the exact mean square over all directions
+# for changes of up to second order in the tilt.
 DIRECTIONS = 6
 
 
@@ -31,8 +32,8 @@ DIRECTIONS = 6
 class FollowLaw(Value):
     """Minimise the deviation of the law under the model from a curve A(P).
 
-    ``r_k = (A0(P_k)/A_k - 1) / sqrt(K)``: the misfit is the root mean square over K loads. With too few
-    loads the law does not improve between them; 20 over the range are enough for 64 asperities.
+    The residuals are ``r_k = (A0(P_k)/A_k - 1) / sqrt(K)``, so the misfit is the root mean square over K
+    loads. With too few loads the law does not improve between them. For 64 asperities 20 loads are enough.
 
     Parameters
     ----------
@@ -44,7 +45,7 @@ class FollowLaw(Value):
     Raises
     ------
     InvalidInput
-        For arrays of different length, values that are not finite, and points that do not increase.
+        If the arrays differ in length, a value is not finite, or the points do not increase.
 
     Examples
     --------
@@ -65,14 +66,15 @@ class FollowLaw(Value):
         object.__setattr__(self, "rescaled_friction", friction)
 
     def residual(self, surface: Surface, model: Model) -> FloatArray:
-        """Return the relative differences, (K,)."""
+        """Return the residuals, (K,) [-]."""
         area = model.curve(surface, self.rescaled_load).area
         return np.asarray((area / self._target(surface, model) - 1.0) / math.sqrt(len(area)))
 
     def forecast(self, surface: Surface, model: Model, sites: Sites) -> Forecast:
-        """Return ``-sum_ij dA0/dh_i G_ij P_j/E*``: displacements by other asperities act as lower heights.
+        """Return the predicted residuals ``-sum_ij dA0/dh_i G_ij P_j/E*``, relative to the curve.
 
-        The gradient and the loads are those of the given arrangement.
+        Displacements due to the loads on other asperities act like a decrease of the heights. The gradients
+        and the loads are those of the current arrangement.
         """
         found = model.gradient_model.sensitivity(surface, self.rescaled_load)
         law = _law(model, surface)
@@ -90,26 +92,27 @@ class FollowLaw(Value):
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class InsensitiveToTilt(Value):
-    """Minimise the change of the law by a small misalignment of the plane.
+    """Minimise the change of the law due to a small misalignment of the plane.
 
-    A tilt by (t_x, t_y) raises the summits by ``x_i t_x + y_i t_y``. At a fixed load that changes A0 by
-    ``sum_i dA0/dh_i (x_i t_x + y_i t_y)`` to first order. As the dA0/dh_i sum to zero, these first moments
-    do not depend on the origin. For independent Hertz contacts they are the first moments of
-    ``pi R_i - c sqrt(R_i d_i)``. A tilt of 0.1 degrees over 10 mm is as large as many indentations, so the
-    misfit is the rms of the full change A0(tilted)/A0 - 1 over the loads and six directions.
+    A tilt by (t_x, t_y) raises the summits by ``x_i t_x + y_i t_y``. To first order, this changes A0 at a
+    fixed load by ``sum_i dA0/dh_i (x_i t_x + y_i t_y)``. The gradients dA0/dh_i sum to zero, so these first
+    moments do not depend on the origin. For independent Hertz contacts they are the first moments of
+    ``pi R_i - c sqrt(R_i d_i)``. A tilt of 0.1 degrees raises a summit at 10 mm by 17 um, as much as many
+    indentations. The misfit is therefore the rms of the full change A0(tilted)/A0 - 1 over the loads and six
+    directions.
 
     Parameters
     ----------
     rescaled_load : array_like, (K,)
         P/E* [mm^2], positive and increasing.
     angle : float
-        Tilt [rad], up to pi/4; default: 0.1 degrees. In the limit of zero the misfit depends only on the
-        first moments.
+        Tilt [rad], up to pi/4; default: 0.1 degrees. For small tilts the misfit depends only on the first
+        moments.
 
     Raises
     ------
     InvalidInput
-        For loads that do not increase, and an angle outside its range.
+        If the loads do not increase, or the angle is outside its range.
 
     Examples
     --------
@@ -125,26 +128,26 @@ class InsensitiveToTilt(Value):
         object.__setattr__(self, "angle", check.number("angle", angle, above=0.0, at_most=STEEPEST))
 
     def residual(self, surface: Surface, model: Model) -> FloatArray:
-        """Return the relative changes, (6 K,)."""
+        """Return the residuals, (6 K,) [-]."""
         heights = surface.height + np.vstack([np.zeros(surface.count), self._lifts(surface.position)])
         level, *tilted = model.areas(surface, self.rescaled_load, heights)
         return np.ravel(tilted / level - 1.0) / math.sqrt(DIRECTIONS * len(level))
 
     def forecast(self, surface: Surface, model: Model, sites: Sites) -> Forecast:
-        """Return the changes for independent asperities at the current loads: sums over the sites."""
+        """Return the predicted changes of A0 for independent asperities at the same loads."""
         found = model.gradient_model.sensitivity(surface, self.rescaled_load)
         depth, radius = found.indentation, surface.radius
         law = _law(model, surface)
         a, size = law.contact_radius(depth, radius), np.broadcast_to(radius, depth.shape)
         rate = law.area_slope(a, size).sum(axis=1) / law.stiffness(a, size).sum(axis=1)
         scale = 1.0 / (found.curve.area * math.sqrt(DIRECTIONS * len(depth)))
-        # a vacancy is represented by an asperity that no tilt brings into contact
+        # an asperity that no tilt brings into contact represents an empty site
         rows = sites.indices(surface.position)
         depth, radius = _spread(depth, rows, sites, -math.inf), _spread(radius, rows, sites, 1.0)
         return Tilted(law, depth, radius, self._lifts(sites.position), scale, rate)
 
     def _lifts(self, position: FloatArray) -> FloatArray:
-        """Return the rise of the sites by the tilts, (6, m) [mm]."""
+        """Return the rise of each site by each tilt, (6, m) [mm]."""
         direction = 2.0 * math.pi * np.arange(DIRECTIONS) / DIRECTIONS
         slope = math.tan(self.angle) * np.stack([np.cos(direction), np.sin(direction)], axis=1)
         return np.asarray(slope @ position.T)
@@ -152,18 +155,18 @@ class InsensitiveToTilt(Value):
 
 @dataclass(frozen=True, init=False)
 class WeightedObjectives:
-    """Several objectives at once, ``sum_i w_i misfit_i^2``.
+    """Weighted combination of objectives, ``sum_i w_i misfit_i^2``.
 
     Parameters
     ----------
     objectives : sequence of objectives
     weights : array_like, optional
-        Positive; default: equal. They are divided by their sum.
+        Positive weights; default: equal weights. They are divided by their sum.
 
     Raises
     ------
     InvalidInput
-        If there is none, or weights are missing or not positive.
+        If there is no objective, the number of weights differs, or a weight is not positive.
 
     Examples
     --------
@@ -187,17 +190,17 @@ class WeightedObjectives:
         object.__setattr__(self, "weights", tuple((values / values.sum()).tolist()))
 
     def residual(self, surface: Surface, model: Model) -> FloatArray:
-        """Return the residuals of all objectives, each times the square root of its weight."""
+        """Return the residuals of all objectives, multiplied by the square roots of their weights, (q,)."""
         pairs = zip(self.weights, self.objectives, strict=True)
         return np.concatenate([math.sqrt(w) * part.residual(surface, model) for w, part in pairs])
 
     def forecast(self, surface: Surface, model: Model, sites: Sites) -> Forecast:
-        """Return the forecasts of all objectives, each times the square root of its weight."""
+        """Return the forecasts of all objectives, multiplied by the square roots of their weights."""
         parts = tuple(part.forecast(surface, model, sites) for part in self.objectives)
         return Joined(tuple(math.sqrt(w) for w in self.weights), parts)
 
 
-# A value that defines the misfit of an arrangement by relative differences of A0, and predicts them.
+# An objective defines the misfit of an arrangement by relative differences of A0, and predicts them.
 Objective = FollowLaw | InsensitiveToTilt | WeightedObjectives
 
 
@@ -207,7 +210,7 @@ def _law(model: Model, surface: Surface) -> Contact:
 
 
 def _spread(values: FloatArray, rows: IntArray, sites: Sites, vacant: float) -> FloatArray:
-    """Return values of asperities (..., n) at all sites (..., m)."""
+    """Return values of asperities (..., n) for all sites (..., m), with `vacant` at empty sites."""
     result = np.full((*values.shape[:-1], len(sites.position)), vacant)
     result[..., rows] = values
     return result

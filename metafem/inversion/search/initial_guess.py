@@ -1,9 +1,10 @@
-"""Initial guess for any law: the number of asperities that come into contact between its samples.
+"""Initial guess for any law, from the number of asperities that come into contact between its samples.
 
-From each sample to the next, a real number of new asperities is added, whose summits are level with the plane
-at the first sample. With the earlier ones they have exactly the area and load of the second sample (eq. S1,
-as for operating points). If the earlier asperities by themselves have more friction, none are added. The
-numbers are then spread over the heights between the levels.
+Between two consecutive samples, a number of new asperities is added, which need not be an integer. Their
+summits are at the height of the plane at the first sample. The new and the earlier asperities together have
+exactly the area and load of the second sample (eq. S1, as for operating points). If the earlier asperities
+already have more friction than the second sample, no asperities are added. Finally, the asperities are spread
+over the heights between the levels.
 """
 
 from __future__ import annotations
@@ -20,11 +21,11 @@ from metafem.contact.law import contacts
 from metafem.inversion.bounds import at_load, depth_at_pressure, relative_depth
 from metafem.inversion.limits import Radii
 
-# Smallest and largest indentation over R of the tabulated contacts for a first guess, and their number.
+# Smallest and largest indentation over R in the table of contacts, and number of tabulated contacts.
 TABLE, TABULATED = (1e-9, 10.0), 400
 
-# Smallest indentation tried, relative to that without new asperities: below it their number would be
-# unrealistically large.
+# Smallest indentation of new asperities that is tried, relative to the indentation at which the earlier
+# asperities have the required area. Below it, the number of new asperities would be unrealistically large.
 SHALLOWEST = 1e-9
 
 
@@ -36,13 +37,14 @@ def initial_heights(
     count: int,
     few_levels: bool = False,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return at most `count` heights, tallest first at 0, whose law is near the samples, and radii [mm].
+    """Return at most `count` heights whose law is near the samples, and their radii [mm].
 
-    Asperities added at sample k have the k-th radius. few_levels: asperities added at consecutive samples
-    have one height, as if all came into contact between two samples.
+    The tallest height is first and equal to 0. Asperities added for sample k have the k-th radius. With
+    `few_levels`, asperities added for consecutive samples have one height, as if all came into contact between
+    two samples.
     """
     if law.power == 1.0:
-        # cones have the same load over area at any depth: the largest number is given the first load
+        # cones have the same P/A at any depth, so the first load is divided among all asperities
         depth = float(at_load(law, load[:1] / count, radius[0])[0][0])
     else:
         depth = depth_at_pressure(law, load[0] / friction[0], radius[0])
@@ -66,19 +68,20 @@ def initial_heights(
 def _entering(
     single: _Single, asperities: FloatArray, load: float, friction: float, radius: float, widest: float
 ) -> tuple[float, float]:
-    """Return the depth of the plane below the new level at a sample, and the number of new asperities.
+    """Return the depth [mm] of the plane below the new level at a sample, and the number of new asperities.
 
-    The earlier ones, (3, q), are in contact: their heights above the new level, radii and numbers.
+    `asperities` (3, q) holds the heights above the new level, the radii and the numbers of the earlier
+    asperities, which are all in contact.
     """
     above, kind, number = asperities
     most, sums = float((single.deepest(kind) - above).min()), single.sums(kind, number)
 
     def at(depth: float) -> tuple[float, float]:
-        """Return load and area of the earlier asperities where the plane is this far below the level."""
+        """Return the load and area [mm^2] of the earlier asperities if the plane is at this depth."""
         return sums(above + depth)
 
     def depth_of(index: int, value: float) -> float:
-        """Return the depth at which the load (0) or area (1) has a value, or the largest depth."""
+        """Return the depth [mm] at which the load (index 0) or area (1) has a value, or the largest depth."""
         high = min(widest, most)
         while at(high)[index] < value:
             if high >= most:
@@ -93,7 +96,7 @@ def _entering(
     one = single.sums(np.array([radius]), np.ones(1))
 
     def missing(depth: float) -> tuple[float, float]:
-        """Return the remaining load, and the number of asperities with the missing area."""
+        """Return the excess load [mm^2] and the number of new asperities that have the missing area."""
         carried, area = at(depth)
         new_load, new_area = one(np.array([depth]))
         number = (friction - area) / new_area
@@ -109,14 +112,14 @@ def _entering(
 
 
 class _Single:
-    """Load and area of single contacts; unless they are power laws, their logarithms are interpolated."""
+    """Loads and areas of contacts: closed forms for power laws, otherwise interpolated in logarithms."""
 
     def __init__(self, law: Contact, radius: FloatArray) -> None:
         self.law = law
         self.tables = {} if law.power is not None else {R: self._table(R) for R in np.unique(radius).tolist()}
 
     def _table(self, radius: float) -> tuple[FloatArray, ...]:
-        """Return logarithms of indentation, load and area."""
+        """Return the logarithms of indentation, load and area of one contact, (400,) each."""
         most = min(float(self.law.largest_indentation(radius)), TABLE[1] * radius)
         depth = np.geomspace(TABLE[0] * radius, most, TABULATED)
         found = contacts(self.law, depth, np.full(TABULATED, radius))
@@ -129,7 +132,7 @@ class _Single:
         return np.array([math.exp(self.tables[R][0][-1]) for R in radius.tolist()])
 
     def sums(self, radius: FloatArray, number: FloatArray) -> Callable[[FloatArray], tuple[float, float]]:
-        """Return load and area [mm^2] of asperities, (q,), as a function of their indentations (q,) [mm]."""
+        """Return the total load and area [mm^2] as a function of the indentations of asperities (q,) [mm]."""
         n = self.law.power
         if n is not None:
             unit = contacts(self.law, np.ones(len(radius)), radius)
@@ -139,7 +142,7 @@ class _Single:
 
         def sums(depth: FloatArray) -> tuple[float, float]:
             load = area = 0.0
-            # an open contact is treated as one at the smallest indentation of the table
+            # an open contact is treated as a contact at the smallest tabulated indentation
             logarithm = np.log(np.maximum(depth, np.finfo(float).tiny))
             for (x, by_load, by_area), which in parts:
                 at, weight = logarithm[which], number[which]
@@ -157,13 +160,13 @@ def _root(function: Callable[[float], float], low: float, high: float, scale: fl
 def slowest_law(
     law: Contact, load: float, friction: float, radii: Radii, count: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Return at most `count` heights and radii [mm] of power caps with the law of least slope at a point."""
+    """Return at most `count` heights and radii [mm] of power caps with the least slope at a point."""
     n = law.power or 2.0
     k, s = math.sqrt(radii.low / radii.high), relative_depth(radii, n)
     small = 1.0 / (k * s) ** 3  # small caps for each large one
-    # sums over one large cap with a/R = 1 and its small caps, of P and of A relative to the large cap
+    # P and A of one large cap together with its small caps, relative to those of the large cap
     loads, areas = (1.0 + small * k**4 * s ** (2.0 * power) for power in (n + 1.0, 2.0))
-    # a/R of the large caps for which their number has the load and the friction
+    # indentation of the large caps at which all caps together have the required load over friction
     pressure = load / friction * areas / loads
     depth = depth_at_pressure(law, pressure, radii.high)
     at = contacts(law, np.array(depth), np.array(radii.high))
@@ -192,7 +195,10 @@ def _joined(
 def _spread(
     levels: FloatArray, numbers: FloatArray, kinds: FloatArray, plane: float, count: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Return a whole number of asperities, spread evenly from each level half-way to its neighbours."""
+    """Return the heights and radii [mm] of an integer number of asperities.
+
+    The asperities of a level are spread evenly over the heights up and down to half-way to the next levels.
+    """
     ends = np.append(np.insert(0.5 * (levels[1:] + levels[:-1]), 0, levels[0]), 0.5 * (levels[-1] + plane))
     total = np.insert(np.cumsum(numbers), 0, 0.0)
     most = min(count, max(1, math.ceil(total[-1])))

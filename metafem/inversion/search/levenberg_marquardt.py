@@ -1,11 +1,12 @@
 """Nonlinear least squares by the Levenberg–Marquardt method, for bounded unknowns that are lengths.
 
-Step size rule: the step is ``-J' (J J' + c s I)^-1 r``, which equals ``-(J' J + c s I)^-1 J' r``, with the
-damping c and the mean square s of the rows of J. After a step that lowers the sum of squares c is divided by
-`DAMPING_FACTOR`; any other step is discarded and c multiplied by it.
+Step size rule: the step is ``-J' (J J' + c s I)^-1 r``, which equals ``-(J' J + c s I)^-1 J' r``. Here c is
+the damping and s the mean of the squared norms of the rows of J. If a step lowers the sum of squares, c is
+divided by `DAMPING_FACTOR`. Otherwise the step is discarded and c is multiplied by `DAMPING_FACTOR`.
 
-A0(P) has kinks as a function of the heights where asperities come into contact, so a descent can end at a
-local minimum. `search` therefore starts from several initial guesses and random changes of the best result.
+As a function of the heights, A0 has kinks where asperities come into contact, so a descent can end at a
+local minimum. `search` therefore starts from several initial guesses, and from random changes of the best
+result.
 """
 
 from __future__ import annotations
@@ -20,36 +21,38 @@ from metafem._validate import FloatArray, IntArray
 from metafem.inversion.search.spaces import Bounded, Heights, Residual
 from metafem.progress import each
 
-# Bounds of the damping, relative to the mean square of the Jacobian, and the factor of the step size rule.
+# Smallest and largest damping c, and the factor of the step size rule.
 LEAST_DAMPING, MOST_DAMPING, DAMPING_FACTOR = 1e-12, 1e4, 5.0
 
-# Below this multiple of the goal, random changes reach the goal faster than other initial guesses.
+# If the misfit is below this multiple of the goal, random changes reach the goal faster than other initial
+# guesses.
 NEAR = 2.0
 
 
 @dataclass(frozen=True)
 class SearchOptions:
-    """Sizes and numbers of steps of all searches of one inversion, which depend on the contact law."""
+    """Sizes and numbers of steps in the searches of one inversion; they depend on the contact law."""
 
     # Damping of the first step.
     start_damping: float = 1e-2
-    # A descent ends when a step lowers the sum of squares by less than this fraction. Along kinks the
-    # progress is slow, and a random change is faster (measured: a quarter of the time needed with 1e-4).
+    # A descent ends when a step lowers the sum of squares by less than this fraction. A descent along kinks
+    # is slow, and a random change is faster (measured: a quarter of the time needed with 1e-4).
     least_gain: float = 0.05
-    # Maximum number of steps of one descent, and of one that must converge to rounding.
+    # Maximum number of steps of a descent, and of a descent that must converge to rounding.
     most_steps: int = 20
     most_exact_steps: int = 40
-    # Sizes of random changes relative to the mean spacing of the heights.
+    # Sizes of random changes, relative to the mean spacing of the heights.
     change_sizes: tuple[float, ...] = (0.3, 1.0, 3.0)
 
 
 DEFAULTS = SearchOptions()
 
-# For contact laws other than Hertz's. The area of a cap flatter than a paraboloid begins with an infinite
-# slope over the indentation, and with adhesion it jumps, so new contacts cause sharper kinks. The gradient is
-# not valid beyond a kink. First steps and random changes are smaller, descents longer
-# (measured on laws of random surfaces with power caps of n = 3, 4, 8, together with `LEVEL_DROP` of operating
-# points: the median misfit falls from .05, .07 and .5 % to .05, .05 and .4 %, in a quarter of the time).
+# Options for contact laws other than Hertz's law. If a cap is flatter than a paraboloid, its area as a
+# function of the indentation begins with an infinite slope. With adhesion the area jumps. New contacts then
+# cause sharper kinks, and the gradient is not valid beyond a kink. First steps and random changes are
+# therefore smaller, and descents longer. With these options and `LEVEL_DROP` of operating points, the median
+# misfit for laws of random surfaces with power caps of n = 3, 4, 8 falls from .05, .07 and .5 % to .05, .05
+# and .4 %, in a quarter of the time (measured).
 OTHER_LAWS = SearchOptions(start_damping=1.0, least_gain=0.01, most_steps=40, change_sizes=(0.1, 0.3, 1.0))
 
 
@@ -71,7 +74,10 @@ def search(
     options: SearchOptions = DEFAULTS,
     to_rounding: bool = False,
 ) -> Minimum:
-    """Descend from every initial guess, then from random changes of the best result."""
+    """Return the best minimum of descents from initial guesses and from random changes of the best result.
+
+    The search ends early when the misfit is close to the goal.
+    """
     best, enough = Minimum(starts[0], np.inf), goal if to_rounding else NEAR * goal
     for start in each("start", starts, at_most=True):
         found = descend(residual, space.project(start), space, goal, to_rounding, options)
@@ -95,9 +101,10 @@ def descend(
     to_rounding: bool = False,
     options: SearchOptions = DEFAULTS,
 ) -> Minimum:
-    """Lower the misfit from given unknowns until it is within the goal or no step lowers it.
+    """Return the minimum of a descent from `start`, which ends at the goal or when no step lowers the misfit.
 
-    With `to_rounding` the descent does not stop at small gains and converges to rounding near a solution.
+    The descent also ends at small gains. With `to_rounding` it continues, and converges to rounding near a
+    solution.
     """
     unknowns, damping, residual = start, options.start_damping, space.held(residual)
     r, jacobian = residual(unknowns)
@@ -128,10 +135,11 @@ def descend(
 def _step(
     r: FloatArray, jacobian: FloatArray, damping: float, tallest: int, foot: IntArray
 ) -> FloatArray | None:
-    """Return the damped step, or None if no unknown changes the residual.
+    """Return the damped step (n,) [mm], or None if no unknown changes the residual.
 
-    Heights at the foot that would move further below the tallest are moved with it: the step is solved again
-    with their columns of the Jacobian added to that of the tallest.
+    If heights at the foot would move further below the tallest height, they move together with it instead.
+    The step is then computed again, with their columns of the Jacobian added to the column of the tallest
+    height.
     """
     count, held = len(r), np.empty(0, dtype=np.int64)
     while True:

@@ -1,4 +1,4 @@
-"""Heights, and radii if several are allowed, of independent asperities whose law is nearest to a target."""
+"""Search for independent asperities whose law is nearest to a target, by heights and possibly radii."""
 
 from __future__ import annotations
 
@@ -22,33 +22,33 @@ from metafem.models import Independent, Sensitivity
 if TYPE_CHECKING:
     from metafem.inversion.problem import Problem
 
-# Relative step of the finite differences by the radius: the cube root of machine precision.
+# Relative step of finite differences with respect to the radius: the cube root of machine precision.
 RELATIVE = 6e-6
 
 # Misfit at which a search ends: height errors of 1 um change A0 by more than this.
 GOAL = 6e-4
 
-# If an initial guess is deeper than allowed, guesses with these fractions of the asperities that are too
-# low are tried: at the foot all of them come into contact early, and fewer suffice.
+# If some asperities of an initial guess are lower than allowed, guesses with these fractions of them are
+# tried. Raised to the foot, they come into contact earlier, and fewer of them are enough.
 LOW_FRACTIONS = (1.0, 0.75, 0.5, 0.25, 0.0)
 
-# Restarts with continuous radii, before the radii are rounded to tools.
+# Number of restarts with continuous radii, before the radii are rounded to tools.
 CONTINUOUS_RESTARTS = 4
 
-# Restarts with several tools per restart with one, because the radii are also unknown (measured on 40
-# laws of random surfaces with radii of .1, .4 and 1.6 mm: all are recovered to .1 %; with 4 restarts one is
-# not).
+# With several tools the number of restarts is multiplied by this factor, because the radii are also unknown.
+# (Measured for 40 laws of random surfaces with radii of .1, .4 and 1.6 mm: all laws are recovered to .1 %;
+# with a factor of 4 one law is not.)
 MIXED_RESTARTS = 10
 
-# Probabilities that an asperity gets a new radius; one of them is drawn for each random change.
+# Probabilities that the radius of an asperity changes; each random change uses one of them at random.
 NEW_RADIUS = (0.0, 0.1, 0.3)
 
-# The misfit [-] of a law, and the heights and radii (n,) [mm] that have it.
+# Misfit [-] of a law, and the heights and radii (n,) [mm] that have this law.
 Found = tuple[float, FloatArray, FloatArray]
 
 
 def beyond(load: FloatArray, height: FloatArray) -> LateResidual:
-    """Return the differences for heights beyond the range of the contact law."""
+    """Return infinite differences (k,) for heights beyond the range of the contact law."""
     return np.full(len(load), np.inf), lambda: np.zeros((len(load), len(height)))
 
 
@@ -59,7 +59,7 @@ def _tallest_first(found: Found) -> tuple[FloatArray, FloatArray]:
 
 
 def residual_of_heights(model: Independent, radius: float | FloatArray, law: TargetLaw) -> Residual:
-    """Return the differences of independent asperities of given radii as a function of their heights."""
+    """Return the residual of independent asperities with fixed radii as a function of their heights."""
 
     def residual(height: FloatArray) -> LateResidual:
         try:
@@ -73,9 +73,10 @@ def residual_of_heights(model: Independent, radius: float | FloatArray, law: Tar
 
 @dataclass(frozen=True, eq=False)
 class LawSearch:
-    """A search for independent asperities of a problem whose law is nearest to a target `law`.
+    """Search for the independent asperities of a problem whose law is nearest to the target `law`.
 
-    The initial guesses have laws near `guesses`, (k,) [mm^2]. The search ends at a misfit of `goal`.
+    The laws of the initial guesses are near the frictions `guesses`, (k,) [mm^2] each. The search ends at a
+    misfit of `goal`.
     """
 
     problem: Problem
@@ -86,10 +87,11 @@ class LawSearch:
     goal: float = GOAL
 
     def nearest(self, radii: Radii) -> tuple[FloatArray, FloatArray]:
-        """Return heights, tallest first at 0, and their radii.
+        """Return heights, with the tallest first and equal to 0, and their radii, (n,) each [mm].
 
-        A single radius is used if it reaches the goal. Several radii are searched from radii that rise or
-        fall with the depth, and then from random changes.
+        If a single radius reaches the goal, all asperities have this radius. Otherwise several radii are
+        used. Their initial guesses have radii that increase or decrease with the depth, and random changes
+        follow.
         """
         count, span, options = self.problem.count, self.problem.limits.span, self.problem.options
         singles: list[Found] = []
@@ -126,20 +128,20 @@ class LawSearch:
         rounded = (relaxed[1], tools.nearest(relaxed[2]))
         mixed = self._within(mixing, [rounded, *starts], MIXED_RESTARTS * self.restarts)
         found = [mixed, best]
-        if ranged:  # the extreme radii can have a smaller misfit, and radii near them an even smaller one
+        if ranged:  # extreme radii can have a smaller misfit, and radii near them an even smaller misfit
             free = self._within(between, [mixed[1:]], CONTINUOUS_RESTARTS)
             found += [self._on_steps(stepped, each) for each in (free, relaxed)]
         return _tallest_first(min(found, key=itemgetter(0)))
 
     def _of_one_radius(self, radius: float) -> tuple[Residual, list[FloatArray]]:
-        """Return the residual of heights, and guesses with fewer of the heights that are too low."""
+        """Return the residual as a function of heights of one radius, and the initial guesses (n,) [mm]."""
         model, span, starts = self.problem.independent, self.problem.limits.span, []
         for law in self.guesses:
             radii = np.full(len(law), radius)
             of_samples = model.contact, self.law.load, law, radii, self.problem.count
             height, _ = initial_heights(*of_samples)
             inside = int((height >= height[0] - span).sum())
-            # if heights are deeper than the span, also with fewer of the heights that are too low
+            # if heights are deeper than the span, further guesses have fewer of these heights
             numbers = dict.fromkeys(inside + round(part * (len(height) - inside)) for part in LOW_FRACTIONS)
             starts += [height[:number] for number in numbers]
             levels, _ = initial_heights(*of_samples, few_levels=True)
@@ -157,49 +159,49 @@ class LawSearch:
         return self.law.misfit(found.area)
 
     def _within(self, space: Asperities, starts: list[tuple[FloatArray, FloatArray]], restarts: int) -> Found:
-        """Search from heights and radii."""
+        """Return the misfit, heights and radii found by a search from initial heights and radii."""
         unknowns = [space.joined(*start) for start in starts]
         residual = space.residual(self.problem.independent, self.law)
         found = search(residual, unknowns, space, self.goal, restarts, self.rng, self.problem.options)
         return found.misfit, *space.split(found.unknowns)
 
     def _on_steps(self, stepped: Asperities, found: Found) -> Found:
-        """Return the asperities with radii on the steps of a range, after a new search for their heights."""
+        """Return the asperities with their radii on the steps of a range, after a new search for heights."""
         return found if stepped.radii.continuous else self._within(stepped, [found[1:]], 0)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Asperities(Heights):
-    """Heights (n,) and radii (n,) as one vector of lengths: heights, and ln R times a `depth` [mm].
+    """Unknowns of a search: the heights (n,), followed by ``depth ln R`` (n,) for the radii, all [mm].
 
-    With the largest indentation as the depth, unit changes of both kinds change the law about equally.
-    Random changes are the only changes of tool radii. At most `most` asperities are used, with heights within
-    `span`.
+    If `depth` is the largest indentation, equal changes of both kinds of unknowns change the law about
+    equally. Radii that must be those of tools change only in random changes. There are at most `most`
+    asperities, with heights within `span`.
     """
 
     radii: Radii
     depth: float
 
     def joined(self, height: FloatArray, radius: FloatArray) -> FloatArray:
-        """Return the unknowns (2n,)."""
+        """Return the unknowns (2n,) [mm] for heights and radii, (n,) each [mm]."""
         return np.concatenate([height, self.depth * np.log(radius)])
 
     def split(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return heights and radii."""
+        """Return the heights and the allowed radii for unknowns (2n,), (n,) each [mm]."""
         height, logarithm = np.split(unknowns, 2)
         return height, self.radii.nearest(np.exp(logarithm / self.depth))
 
     def project(self, unknowns: FloatArray) -> FloatArray:
-        """Return the nearest unknowns within the limits."""
+        """Return the nearest unknowns within the limits, (2n,) [mm]."""
         height, radius = self.split(unknowns)
         return self.joined(np.maximum(height, height.max() - self.span), radius)
 
     def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
-        """Return the indices of the tallest height and of those `span` below it."""
+        """Return the index of the tallest height, and the indices of the heights `span` below it, (m,)."""
         return super().ends(unknowns[: len(unknowns) // 2])
 
     def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:
-        """Return unknowns with some heights moved and some radii drawn anew."""
+        """Return unknowns after random changes of some heights and some radii."""
         height, radius = self.split(unknowns)
         height, source = moved(height, self.most, rng, sizes)
         anew = rng.random(len(height)) < rng.choice(NEW_RADIUS)
@@ -210,11 +212,11 @@ class Asperities(Heights):
         return self.joined(height, np.where(anew, drawn, radius[source]))
 
     def residual(self, model: Independent, target: TargetLaw) -> Residual:
-        """Return the differences of independent asperities as a function of the unknowns.
+        """Return the residual of independent asperities as a function of the unknowns.
 
         At a fixed load, ``R_i dA0/dR_i = R dA_i/dR - R dP_i/dR sum A' / sum P'`` with the derivatives A' and
-        P' by the indentation d. At a fixed d, ``R dA/dR = 2 A - d A'`` if lengths over R are the same for all
-        radii, and likewise for P.
+        P' with respect to the indentation d. If the contact law scales with R, ``R dA/dR = 2 A - d A'`` at a
+        fixed d, and the same relation holds for P. Otherwise finite differences are used.
         """
         law = model.contact
 

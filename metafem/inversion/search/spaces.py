@@ -1,4 +1,4 @@
-"""The unknowns of a search: heights within a span or with separate limits, and their random changes."""
+"""Unknowns of a search: heights within a span or with separate limits, and their random changes."""
 
 from __future__ import annotations
 
@@ -10,42 +10,43 @@ from numpy.typing import NDArray
 
 from metafem._validate import FloatArray, IntArray
 
-# Relative differences (k,) [-] from a law, and a function that returns their Jacobian (k, n) [1/mm], which
-# takes longer than the differences; most steps do not need it.
+# Relative differences (k,) [-] from a law, and a function that returns their Jacobian (k, n) [1/mm]. The
+# Jacobian takes longer to compute than the differences, and most steps do not need it.
 LateResidual = tuple[FloatArray, Callable[[], FloatArray]]
 
-# The same as a function of the unknowns (n,) [mm].
+# Function that returns the differences and the function for their Jacobian at unknowns (n,) [mm].
 Residual = Callable[[FloatArray], LateResidual]
 
-# Heights within this fraction of the span from a limit count as at the limit: rounding.
+# A height within this fraction of the span from a limit counts as at the limit, because of rounding.
 AT_LIMIT = 1e-9
 
-# Depth of sites without an asperity below the lowest allowed height, over the span: no contact is so deep.
+# Depth of sites without an asperity below the lowest allowed height, relative to the span. No contact is so
+# deep.
 ABSENT = 100.0
 
-# Random changes: fractions of the heights that move, probabilities that asperities are added or that one is
-# removed, and maximum number that is added.
+# Random changes: fractions of the heights that move, probability that asperities are added, probability that
+# otherwise one asperity is removed, and maximum number of added asperities.
 CHANGE_FRACTIONS = (0.2, 0.5, 1.0)
 ADDING, REMOVING, MOST_ADDED = 0.5, 0.3, 5
 
 
 @dataclass(frozen=True)
 class Heights:
-    """The unknowns of a search: heights (n,) that differ by at most `span` [mm].
+    """Unknowns of a search: heights (n,) that differ by at most `span` [mm].
 
-    A random change may add or remove a few asperities, up to `most` in total; with None their number is
-    fixed.
+    A random change may add a few asperities, up to `most` in total, or remove one. If `most` is None, the
+    number of asperities is fixed.
     """
 
     span: float
     most: int | None = None
 
     def project(self, unknowns: FloatArray) -> FloatArray:
-        """Return the heights, raised where they are more than `span` below the tallest."""
+        """Return the heights (n,) [mm]; heights more than `span` below the tallest are raised."""
         return np.asarray(np.maximum(unknowns, unknowns.max() - self.span))
 
     def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
-        """Return the indices of the tallest height and of those `span` below it."""
+        """Return the index of the tallest height, and the indices of the heights `span` below it, (m,)."""
         tallest = int(unknowns.argmax())
         return tallest, np.flatnonzero(unknowns <= unknowns[tallest] - self.span * (1.0 - AT_LIMIT))
 
@@ -54,17 +55,17 @@ class Heights:
         return moved(unknowns, self.most, rng, sizes)[0]
 
     def held(self, residual: Residual) -> Residual:
-        """Return a residual without the derivatives by fixed heights: there are none."""
+        """Return the residual unchanged, because there are no fixed heights."""
         return residual
 
 
 @dataclass(frozen=True, eq=False)
 class Bounded:
-    """Heights (n,) from `low` to `high` [mm]; those with the indices `rows` have given values.
+    """Heights (n,) from `low` to `high` [mm]; the heights with the indices `rows` have the fixed `values`.
 
-    Each height is bounded separately. A height at a limit does not move while a step down the gradient
-    ``J' r`` would push it beyond (a projected gradient); its column of the Jacobian J is set to zero, like
-    those of given heights. A site without an asperity has the height `absent`, far below all contacts.
+    Each height is bounded separately. A height at a limit does not move if a step down the gradient ``J' r``
+    would move it beyond the limit (a projected gradient). Its column of the Jacobian J is then set to zero,
+    as for fixed heights. A site without an asperity has the height `absent`, far below all contacts.
     """
 
     low: float
@@ -74,22 +75,22 @@ class Bounded:
 
     @property
     def absent(self) -> float:
-        """The height of sites without an asperity [mm]."""
+        """Height of sites without an asperity [mm]."""
         return self.low - ABSENT * (self.high - self.low)
 
     def exists(self, height: FloatArray) -> NDArray[np.bool_]:
-        """Whether there is an asperity at each site."""
+        """Return whether there is an asperity at each site, (n,)."""
         return np.asarray(height > self.absent)
 
     def project(self, unknowns: FloatArray) -> FloatArray:
-        """Return the nearest heights within the limits, with the given ones."""
+        """Return the nearest heights within the limits, with the fixed heights, (n,) [mm]."""
         exists = self.exists(unknowns)
         height = np.where(exists, np.clip(unknowns, self.low, self.high), self.absent)
         height[self.rows] = self.values
         return height
 
     def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
-        """Return no indices of lowest heights: `held` treats those at a limit."""
+        """Return index 0 and no indices of lowest heights, because `held` treats heights at a limit."""
         return 0, np.empty(0, dtype=np.int64)
 
     def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:
@@ -105,7 +106,7 @@ class Bounded:
         return self.project(height)
 
     def held(self, residual: Residual) -> Residual:
-        """Return a residual without the derivatives by fixed heights."""
+        """Return the residual with zero derivatives with respect to fixed heights and heights at a limit."""
         near = AT_LIMIT * (self.high - self.low)
 
         def bounded(height: FloatArray) -> LateResidual:
@@ -128,7 +129,7 @@ class Bounded:
 def moved(
     height: FloatArray, most: int | None, rng: np.random.Generator, sizes: tuple[float, ...]
 ) -> tuple[FloatArray, IntArray]:
-    """Return heights moved at random by about their spacing, and the index of each original asperity."""
+    """Return heights moved at random by about their spacing, and the original index of each height."""
     n = len(height)
     every = np.arange(n)
     spacing = float(np.ptp(height)) / n * rng.choice(sizes)

@@ -1,4 +1,4 @@
-"""A target law at a list of loads, with possible free parameters."""
+"""Target law at a list of loads, possibly with free parameters."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from scipy.linalg.lapack import dgels
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.search.spaces import LateResidual
 
-# Iterations for the open parameters, each with weights relative to the law of the previous one: after two,
-# the weights have converged to a digit of the residual.
+# Number of iterations for the free parameters. The weights of each iteration are relative to the law of the
+# previous iteration. After two iterations the weights have converged to within a digit of the residual.
 ROUNDS = 3
 
-# If the nearest law is not positive, differences are relative to this fraction of the curve, which makes
-# them large.
+# If the nearest law is not positive, it is raised to at least this fraction of the area curve, which makes
+# the differences large.
 FAR = 0.1
 
 
 @dataclass(frozen=True, eq=False)
 class TargetLaw:
-    """A target law ``base + free @ c`` at loads (k,), with open parameters c (q,), and weights."""
+    """Target law ``base + free @ c`` at loads (k,), with free parameters c (q,), and weights."""
 
     load: FloatArray  # (k,) P/E* [mm^2], increasing
     base: FloatArray  # (k,), fixed part of F/(sigma B) [mm^2]
-    free: FloatArray  # (k, q), factors of the open parameters
+    free: FloatArray  # (k, q), factors of the free parameters
     weight: FloatArray  # (k,), weights of the squared relative differences, of mean 1
-    # whether the misfit is the largest difference (True) or their root mean square (False)
+    # whether the misfit is the largest relative difference (True) or the root mean square (False)
     pointwise: bool = False
     noise: float = 0.0  # weighted root mean square of the relative errors of the law itself
 
@@ -41,12 +41,12 @@ class TargetLaw:
         pointwise: bool = False,
         noise: float = 0.0,
     ) -> TargetLaw:
-        """A law without open parameters."""
+        """Return a law without free parameters."""
         given = np.ones(len(load)) if weight is None else weight
         return cls(load, friction, np.empty((len(load), 0)), given / given.mean(), pointwise, noise)
 
     def thinned(self, most: int) -> TargetLaw:
-        """Return the law at no more than `most` of its loads, evenly spaced among them, with both ends."""
+        """Return the law at no more than `most` of its loads, evenly spaced by index and with both ends."""
         count = len(self.load)
         if count <= most:
             return self
@@ -60,15 +60,15 @@ class TargetLaw:
 
     @property
     def is_open(self) -> bool:
-        """Whether the target has open parameters."""
+        """Whether the target has free parameters."""
         return bool(self.free.shape[1])
 
     def open_parameters(self, area: FloatArray) -> FloatArray:
-        """Return the open parameters nearest to an area curve, (q,)."""
+        """Return the free parameters for which the law is nearest to an area curve (k,) [mm^2], (q,)."""
         return np.asarray(np.linalg.lstsq(self.free, self.law(area) - self.base, rcond=None)[0])
 
     def law(self, area: FloatArray) -> FloatArray:
-        """Return the target law with the open parameters nearest to an area curve, (k,) [mm^2]."""
+        """Return the target law with the free parameters nearest to an area curve, (k,) [mm^2]."""
         if not self.is_open:
             return self.base
         law = area
@@ -81,7 +81,7 @@ class TargetLaw:
         return np.asarray(law)
 
     def laws(self, area: FloatArray) -> FloatArray:
-        """Return `law` for each of many area curves (m, k), with one QR decomposition for all."""
+        """Return `law` for each of many area curves (m, k), by one call of the QR decomposition, (m, k)."""
         law = np.array(area if self.is_open else np.broadcast_to(self.base, area.shape))
         near = np.full(len(area), self.is_open)
         for _ in range(ROUNDS if self.is_open else 0):
@@ -96,12 +96,15 @@ class TargetLaw:
         return law
 
     def residual(self, area: FloatArray, gradient: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return weighted relative differences (k,) and their Jacobian (k, n), without open parameters."""
+        """Return the weighted relative differences (k,) [-] and their Jacobian (k, n) [1/mm].
+
+        Both are those for the best free parameters.
+        """
         residual, jacobian = self.late_residual(area, lambda: gradient)
         return residual, jacobian()
 
     def late_residual(self, area: FloatArray, gradient: Callable[[], FloatArray]) -> LateResidual:
-        """Return the differences, and a function that computes their Jacobian when needed."""
+        """Return the differences of `residual` (k,) [-], and a function that returns their Jacobian."""
         law = self.law(area)
         scale = np.sqrt(self.weight) / law
         residual = scale * (area - law)
@@ -115,7 +118,7 @@ class TargetLaw:
         return without_open(residual), lambda: without_open(scale[:, None] * gradient())
 
     def misfit(self, area: FloatArray) -> float:
-        """Return the weighted root mean square of the relative differences."""
+        """Return the weighted root mean square of the relative differences [-]."""
         return float(np.sqrt((self.weight * self.difference(area) ** 2).mean()))
 
     def difference(self, area: FloatArray) -> FloatArray:
@@ -124,7 +127,7 @@ class TargetLaw:
 
 
 def _nearest(free: FloatArray, values: FloatArray) -> FloatArray:
-    """Return the coefficients (q, ...) of columns (k, q) nearest to values (k, ...)."""
+    """Return the coefficients (q, ...) for which a sum of columns (k, q) is nearest to values (k, ...)."""
     count = free.shape[1]
     if len(free) < count:
         return np.asarray(np.linalg.lstsq(free, values, rcond=None)[0])

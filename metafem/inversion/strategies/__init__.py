@@ -1,1 +1,1 @@
-"""From each kind of target to heights for independent asperities."""
+"""Strategies that find heights of independent asperities for each kind of target."""

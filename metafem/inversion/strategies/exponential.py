@@ -1,4 +1,4 @@
-"""Heights of linear laws (eqs. S3 to S5) and bilinear laws (eqs. S6 to S8) from exponential densities."""
+"""Heights from exponential densities for linear laws (eqs. S3 to S5) and bilinear laws (eqs. S6 to S8)."""
 
 from __future__ import annotations
 
@@ -32,23 +32,26 @@ if TYPE_CHECKING:
     from metafem.inversion.targets.straight import StraightLaw
     from metafem.inversion.targets.wording import Wording
 
-# A straight branch is fitted over its last three quarters: below them, the law still bends towards its
-# asymptote. Over this range the surfaces of the paper have the target slopes and scatter of the paper.
+# A straight line is fitted to a branch beyond this fraction of its load range. At smaller loads the law still
+# bends towards its asymptote. With this range the surfaces of Aymard et al. have their published slopes and
+# scatter.
 BRANCH_START = 0.25
 
-# Largest slope, relative to that of the uniform density. The scale falls as the inverse square of the slope;
-# here it is as small as the rounding error of the largest height.
+# Largest slope, relative to the slope of the uniform density. The scale decreases with the inverse square of
+# the slope. At this slope it is as small as the rounding error of the largest height.
 STEEPEST = 1e7
 
-# Scale over the span of the heights below which double precision does not resolve their differences.
+# If the scale over the span of the heights is below this ratio, double precision does not resolve the
+# differences of the heights.
 FINEST = 2.0**-52
 
-# Number of separations, from top to foot of a density, at which its law is the target of a search.
+# Number of separations, from the top to the foot of a density, at which its law is compared with the law of
+# the heights.
 SEPARATIONS = 61
 
 
 def candidate(target: StraightLaw, problem: Problem) -> Candidate:
-    """Return heights of the density of one or two exponential branches whose law has the target slopes."""
+    """Return heights that follow a density of one or two branches whose law has the target slopes."""
     return best_mixture(lambda mixture: _of_mixture(target, mixture, problem.limits), problem)
 
 
@@ -81,7 +84,7 @@ def _of_mixture(target: Any, mixture: Mixture, limits: Limits) -> Candidate:
 def _heights(
     density: ExponentialDensity, count: int, limits: Limits
 ) -> tuple[FloatArray, dict[str, Parameter]]:
-    """Return heights above the foot, tallest first, and the parameters that state them."""
+    """Return heights above the foot, tallest first, (n,) [mm], and the parameters that describe them."""
     middle, top = density.crossover_height, limits.span
     if middle > 0.0:
         upper = min(max(round(count * density.upper_mass), 1), count - 1)  # N_1 of regime 1, h > h_c
@@ -98,7 +101,7 @@ def _heights(
 
 
 def law_of(density: ExponentialDensity, branches: tuple[Branch, ...], mixture: Mixture) -> TargetLaw:
-    """Return the density's law over all branches, at even steps of the separation."""
+    """Return the law of a density at evenly spaced separations, from the start of the first fit."""
     separation = density.max_height * (1.0 - np.arange(SEPARATIONS) / (SEPARATIONS - 1))
     load = density.rescaled_load(separation, *mixture.asperities)
     inside = load >= branches[0].load_range[0]
@@ -107,11 +110,11 @@ def law_of(density: ExponentialDensity, branches: tuple[Branch, ...], mixture: M
 
 
 def level_counts(density: ExponentialDensity, count: int, step: float) -> tuple[FloatArray, IntArray]:
-    """Levels [mm] at the middles of steps of the height, and whole numbers of asperities on them.
+    """Return levels at the middles of height steps, (l,) [mm], and the numbers of asperities on them, (l,).
 
-    The numbers are the integers nearest to the expected ones. While their sum is not `count`, one number
-    changes by 1: the one whose relative difference from its expectation is then smallest. The mass above
-    the last middle below the maximum height belongs to that level.
+    The numbers are the expected numbers rounded to integers. Until their sum is `count`, single numbers are
+    changed by 1. Each change is made where the relative difference from the expected number is then smallest.
+    The highest level includes the mass up to the maximum height.
     """
     number = max(1, math.floor(density.max_height / step + 0.5))
     levels = np.asarray(step * (np.arange(number) + 0.5), dtype=np.float64)
@@ -128,13 +131,13 @@ def level_counts(density: ExponentialDensity, count: int, step: float) -> tuple[
 
 
 def _middles(density: ExponentialDensity, low: float, high: float, count: int) -> FloatArray:
-    """Middles of `count` intervals of equal mass between two heights, tallest first [mm]."""
+    """Return the middles of intervals of equal mass between two heights, tallest first, (count,) [mm]."""
     ends = equal_masses(density.scale, low, high, count)
     return np.asarray(0.5 * (ends[1:] + ends[:-1])[::-1])
 
 
 def _scale(target: Any, mixture: Mixture, limits: Limits) -> float:
-    """Return the scale at which the truncated exponential has the only or first slope of a target."""
+    """Return the scale [mm] at which the truncated exponential has the only or first slope of a target."""
     slope, wording, single = target.lines[0][0], target.wording, (mixture.radius, mixture.law)
     bound = uniform_slope(mixture.radius, limits.span, mixture.law)
     given, name = wording.slopes(slope), wording.name()
@@ -159,7 +162,7 @@ def _scale(target: Any, mixture: Mixture, limits: Limits) -> float:
             nearest(bound * (1.0 + INSIDE)),
         )
     largest = ExponentialDensity(FINEST * limits.span, limits.span).asymptotic_slope(*single)
-    if slope > largest:  # for a law with a finite slope of its lightest contacts, such as cones
+    if slope > largest:  # occurs for contact laws with a finite dA/dP at zero load, such as that of cones
         reached = largest * (1.0 - INSIDE)
         raise Infeasible(
             f"{given} is above {wording.coefficient(largest):.6g}, the largest of asperities with this "

@@ -1,9 +1,10 @@
-"""One level of asperities, and one adjustment asperity, that meet one operating point (eq. S1).
+"""Level of equal asperities, with one adjustment asperity, that meets one operating point (eq. S1).
 
-All earlier asperities are in contact, and n of radius R are new at the level. For each indentation d of the
-level, the area determines the indentation e of the adjustment asperity of radius R'. This asperity is at the
-level if e = d and just touches if e = 0. For the correct n, the load minus that of
-the point changes sign between the two. With one radius this n is unique for Hertz contacts.
+All earlier asperities are in contact, and n asperities of radius R are added at the level. For each
+indentation d of the level, the area of the point determines the indentation e of the adjustment asperity of
+radius R'. The adjustment asperity is at the height of the level if e = d, and just touches if e = 0. For the
+correct n, the difference between the load and that of the point changes sign between these two cases. With
+one radius and Hertz contacts, only one n is correct.
 """
 
 from __future__ import annotations
@@ -21,24 +22,29 @@ from metafem.contact.law import contacts
 from metafem.inversion.height_density import TIGHTEST
 from metafem.models import Independent
 
-# A friction this close to a bound counts as equal to it: rounding must not add an asperity.
+# A load within this relative distance of the load of the point counts as equal, so that rounding does not add
+# an asperity.
 ROUNDING = 1e-12
 
-# Relative error of the area of a level: a few times the rounding of a sum.
+# Relative tolerance of the area in the search for an indentation: a few times the rounding error of a sum.
 SETTLED = 8.0 * np.finfo(float).eps
 
-# Maximum number of steps of Newton's method inside a bracket or of bisection, and largest indentation in a
-# search, over the radius of a contact with the whole area.
+# Maximum number of steps of Newton's method with bisection, and largest indentation in a search, relative to
+# the contact radius of a contact with the total area.
 MOST_STEPS, MOST_DEPTH = 100, 1e3
 
-# More asperities than any surface has. If the search exceeds it, the earlier levels exceed the load, and no
-# number meets the point.
+# More asperities than any surface has. If a search exceeds this number, the earlier levels already carry more
+# than the load, and no number of asperities meets the point.
 MOST_ASPERITIES = 1e12
 
 
 @dataclass(frozen=True)
 class Level:
-    """Asperities of `radius` at a height, and one of another radius if its indentation is not zero."""
+    """Asperities of `radius` at `height`, and one adjustment asperity of the radius `other`.
+
+    `depth` and `adjustment` are their indentations at the point [mm]. If `adjustment` is zero, there is no
+    adjustment asperity.
+    """
 
     height: float
     number: int
@@ -49,7 +55,7 @@ class Level:
 
     @property
     def kinds(self) -> list[tuple[float, float, int]]:
-        """Height, radius and number of the asperities of each kind."""
+        """Height [mm], radius [mm] and number of the asperities of each kind."""
         kinds = [(self.height, self.radius, self.number)]
         if self.adjustment > 0.0:
             kinds.append((self.height - self.depth + self.adjustment, self.other, 1))
@@ -67,14 +73,17 @@ def kinds_of(levels: tuple[Level, ...]) -> FloatArray:
 
 
 def asperities(levels: tuple[Level, ...]) -> tuple[FloatArray, FloatArray]:
-    """Return the heights and the radii of all asperities of levels, (n,) each [mm]."""
+    """Return the heights and the radii of all asperities on levels, (n,) each [mm]."""
     height, radius, number = kinds_of(levels)
     each = np.repeat(np.arange(len(number)), number.astype(np.int64))
     return height[each], radius[each]
 
 
 class Step:
-    """One operating point: the earlier asperities, by kinds, are `above` the new level [mm]."""
+    """Search for levels that meet one operating point after earlier levels.
+
+    `above` (q,) holds the heights [mm] of each kind of earlier asperities above the new level.
+    """
 
     def __init__(
         self, law: Contact, done: tuple[Level, ...], height: float, load: float, friction: float
@@ -82,14 +91,15 @@ class Step:
         self.law, self.height, self.load, self.friction = law, height, load, friction
         top, self.radius, self.number = kinds_of(done)
         self.above = top - height
-        # eq. S1, area: area missing when the plane reaches the level [mm^2]
+        # eq. S1, area: friction of the point minus the area when the plane reaches the level [mm^2]
         self.missing = friction - float(contacts(law, self.above, self.radius).area @ self.number)
         self.fewest = 0 if done else 1
 
     def at(self, depth: FloatArray, number: FloatArray, radius: FloatArray) -> tuple[FloatArray, ...]:
-        """Load and area minus those of the point, and the derivative of the area, at indentations (k,).
+        """Return the load and area minus those of the point [mm^2], and dA/dd [mm], (k,) each.
 
-        number: new asperities of the level, (k, q), of radii (q,).
+        The level has the indentations `depth` (k,) [mm] and `number` (k, q) new asperities with the radii
+        `radius` (q,) [mm].
         """
         above = np.concatenate([self.above, np.zeros(len(radius))])
         size, old = np.concatenate([self.radius, radius]), np.tile(self.number, (len(depth), 1))
@@ -101,8 +111,8 @@ class Step:
         return load - self.load, area - self.friction, slope  # eq. S1
 
     def depth(self, number: FloatArray, radius: FloatArray) -> FloatArray:
-        """Indentations of the level at which the area is that of the point, (k,) [mm]."""
-        # no contact exceeds the whole area
+        """Return the indentations of the level at which the area equals that of the point, (k,) [mm]."""
+        # no contact area exceeds the total area
         widest = math.sqrt(self.friction / math.pi)
         old, new = (self._deepest(widest, each) for each in (self.radius, radius))
         high = np.where(number > 0.0, new, np.inf).min(axis=1)
@@ -119,13 +129,13 @@ class Step:
         return np.asarray(depth)
 
     def _deepest(self, widest: float, radius: FloatArray) -> FloatArray:
-        """Indentation at a contact radius [mm], or the largest of the law."""
+        """Return the indentations at a contact radius, at most the largest of the law, (q,) [mm]."""
         most = np.minimum(self.law.largest_indentation(radius), MOST_DEPTH * widest)
         inside = np.minimum(widest, self.law.contact_radius(most, radius))
         return np.asarray(np.minimum(self.law.indentation(inside, radius), most))
 
     def friction_with(self, number: int, radius: float) -> float:
-        """Friction at the load of the point with `number` new asperities at the level [mm^2]."""
+        """Return the friction [mm^2] at the load of the point with `number` new asperities at the level."""
         times = self.number.astype(np.int64)
         height = np.concatenate([np.repeat(self.above, times), np.zeros(number)])
         radii = np.concatenate([np.repeat(self.radius, times), np.full(number, radius)])
@@ -133,7 +143,10 @@ class Step:
         return float(model.curve_of(height, radii, np.array([self.load])).area[0])
 
     def needed(self, radius: float) -> float:
-        """Least number of new asperities, with an adjusted one, that meets the point; inf if none does."""
+        """Return the smallest number of new asperities that meets the point; inf if there is none.
+
+        The number includes an adjustment asperity.
+        """
 
         def excess(number: float) -> float:
             new = np.array([[number]]), np.array([radius])
@@ -166,15 +179,15 @@ class Step:
                     yield self._adjusted(int(number[i]), radius, other, float(level[i]), float(depth[i]))
 
     def _adjusted(self, number: int, radius: float, other: float, low: float, high: float) -> Level:
-        """Return the level whose adjustment asperity meets both the area and the load.
+        """Return the level that meets both the area and the load by its adjustment asperity.
 
-        The indentation of the level is between that at which the adjustment asperity has the same height and
-        that at which it only touches.
+        Its indentation is between `low`, at which the adjustment asperity has the height of the level, and
+        `high`, at which the adjustment asperity just touches.
         """
         new = np.array([[float(number)]]), np.array([radius])
 
         def missing(depth: float) -> tuple[float, float]:
-            """Return the indentation of the adjustment asperity, and the load minus that of the point."""
+            """Return the indentation [mm] of the adjustment asperity, and the excess load [mm^2]."""
             load, area, _ = self.at(np.array([depth]), *new)
             widest = math.sqrt(max(-float(area[0]), 0.0) / math.pi)
             own = self._deepest(widest, np.array([other]))[0]
@@ -185,7 +198,7 @@ class Step:
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Root of a function in a bracket; an end of it if rounding hides the change of sign."""
+    """Return the root of a function in a bracket, or an end if rounding hides the change of sign."""
     first, last = function(low), function(high)
     if first == 0.0 or (first > 0.0) == (last > 0.0):
         return low if abs(first) <= abs(last) else high

@@ -1,4 +1,4 @@
-"""Asperities of several radii with the same height density."""
+"""Mixtures of asperities with several radii and the same height density."""
 
 from __future__ import annotations
 
@@ -22,21 +22,22 @@ if TYPE_CHECKING:
     from metafem.inversion.problem import Problem
 
 
-# A mixture of two tools for a density is chosen only if it lowers the misfit by this factor: parts made with
-# one tool are simpler.
+# A mixture of two tools is chosen only if its misfit is below this fraction of the misfit with one tool,
+# because parts are simpler to manufacture with one tool.
 MIXTURE_GAIN = 0.5
 
-# Fractions of the larger of two neighbouring tools that are tried.
+# Fractions of asperities with the larger radius that are tried for two neighbouring tools.
 MIXTURE_FRACTIONS = tuple(i / 16 for i in range(1, 16))
 
 
 @dataclass(frozen=True)
 class Mixture:
-    """Numbers of asperities of each radius [mm]; different radii require power caps.
+    """Numbers of asperities with each radius [mm]; different radii require power caps.
 
-    With one height density and Hertz contacts ``A0 = pi N <R> <d>`` and ``P/E* = 4/3 N <sqrt R> <d^(3/2)>``.
-    This is the law of ``N <sqrt R>^2/<R>`` asperities of the radius ``(<R>/<sqrt R>)^2``. For a power cap
-    rho^n, A is proportional to R^(2m) and P to R^m with m = 1 - 1/n, and R^m replaces sqrt(R).
+    If all radii have the same height density, Hertz contacts have ``A0 = pi N <R> <d>`` and
+    ``P/E* = 4/3 N <sqrt R> <d^(3/2)>``. This is the law of ``N <sqrt R>^2/<R>`` asperities with the single
+    radius ``(<R>/<sqrt R>)^2``. For a power cap rho^n, A is proportional to R^(2m) and P to R^m with
+    m = 1 - 1/n. R^m then replaces sqrt(R).
     """
 
     radii: tuple[float, ...]
@@ -45,37 +46,37 @@ class Mixture:
 
     @classmethod
     def of(cls, radius: FloatArray, law: Contact) -> Mixture:
-        """Return the mixture of given radii (n,) [mm]."""
+        """Return the mixture of asperities with radii (n,) [mm]."""
         radii, numbers = np.unique(radius, return_counts=True)
         return cls(tuple(radii.tolist()), tuple(numbers.tolist()), law)
 
     @property
     def count(self) -> int:
-        """N."""
+        """Total number N of asperities."""
         return sum(self.numbers)
 
     @property
     def radius(self) -> float:
-        """Radius of asperities that have the same law [mm]."""
+        """Radius [mm] of equal asperities with the same law as the mixture."""
         if len(self.radii) == 1 or self._power == 0.0:  # the law of a cone is the same for all radii
             return self.radii[0]
         return float((self._mean(2.0 * self._power) / self._mean(self._power)) ** (1.0 / self._power))
 
     @property
     def carrying(self) -> float:
-        """Number of asperities of that radius with the same law."""
+        """Number of asperities of that radius with the same law as the mixture; it need not be an integer."""
         if len(self.radii) == 1:
             return self.count
         return self.count * self._mean(self._power) ** 2 / self._mean(2.0 * self._power)
 
     @property
     def asperities(self) -> tuple[float, float, Contact]:
-        """Number, radius and law of asperities of one radius with the same law."""
+        """Number, radius [mm] and contact law of equal asperities with the same friction law."""
         return self.carrying, self.radius, self.law
 
     @property
     def _power(self) -> float:
-        """The exponent m of R in the load."""
+        """Exponent m of R in the load [-]."""
         return 1.0 - 1.0 / (self.law.power or 1.0)
 
     def _mean(self, power: float) -> float:
@@ -83,7 +84,7 @@ class Mixture:
         return math.fsum(number * radius**power for radius, number in pairs) / self.count
 
     def mixed(self) -> FloatArray:
-        """Return the radius of each height in order, evenly mixed, (N,) [mm]."""
+        """Return the radius of each height in order, (N,) [mm], with the radii evenly mixed."""
         if len(self.radii) == 1:
             return np.full(self.count, self.radii[0])
         numbers, used = np.array(self.numbers), np.zeros(len(self.numbers))
@@ -96,9 +97,10 @@ class Mixture:
 
 
 def best_mixture(invert: Callable[[Mixture], Candidate], problem: Problem) -> Candidate:
-    """Return the candidate of the best single radius, or of two tools if their misfit is far smaller.
+    """Return the candidate with the best single radius, or with two tools if their misfit is far smaller.
 
-    Candidates with warnings, whose heights are too fine to manufacture, rank after those without.
+    Candidates rank last if they have warnings, because their heights are too fine to manufacture, or if they
+    miss the target.
     """
     radii, count = problem.radii, problem.count
     law = problem.independent.contact

@@ -1,8 +1,8 @@
-"""Heights whose law passes through given points: one level and one adjustment asperity per point (eq. S1).
+"""Heights whose law passes through points, with one level and one adjustment asperity per point (eq. S1).
 
-With one radius the level of each point is unique, given the previous levels. With several radii there can be
-many levels, even if the earlier asperities have more friction; they are tried in turn. If no levels meet
-the points and no bound excludes them, a search for heights without levels follows.
+With one radius, the previous levels determine the level of each point. With several radii many
+levels can meet a point, and they are tried in turn. If no levels meet the points and no bound excludes the
+points, a search for heights without levels follows.
 """
 
 from __future__ import annotations
@@ -30,25 +30,28 @@ if TYPE_CHECKING:
     from metafem.inversion.problem import Problem
     from metafem.inversion.targets.laws import OperatingPoints
 
-# Relative increase of the friction between points that would otherwise not increase.
+# Relative increase of the friction from point to point in a nearest law whose friction would otherwise not
+# increase.
 APART = 1e-6
 
-# Maximum number of searches for later points of the nearest law: each takes as long as the refused one, and
-# each of hundreds of points could need one. The nearest law then ends at the point that is not met.
+# Maximum number of searches for the later points of the nearest law. Each search takes as long as the failed
+# search, and hundreds of points could each need a search. After this number, the nearest law ends at the
+# point that is not met.
 MOST_MOVED = 20
 
-# Distance of a level below the plane at the previous point, relative to the depth of the previous level, for
-# laws with sharper kinks at new contacts than Hertz's: no level touches at the previous point.
+# Distance of a level below the plane at the previous point, relative to the indentation of the previous
+# level. With this distance no level touches the plane at the previous point. It is used for contact laws
+# whose kinks at new contacts are sharper than those of Hertz's law.
 LEVEL_DROP = 0.05
 
-# Maximum number of levels that are tried, about 0.2 ms each.
+# Maximum number of levels that a search tries, about 0.2 ms each.
 MOST_LEVELS = 5_000
 
-# Largest misfit of heights without levels that is accepted: far below the effect of height errors.
+# Heights without levels are accepted up to this misfit, which is far below the effect of height errors.
 ACCEPTED = 1e-3
 
-# The same over the interaction margin, which is that of equal heights, before the heights are refined under
-# the model: for points of 67 random surfaces it was up to 1.8.
+# Under a model with interaction, such heights are accepted up to this multiple of the interaction margin,
+# because they are refined later. For points of 67 random surfaces the ratio was up to 1.8.
 MARGINS = 4.0
 
 
@@ -69,14 +72,14 @@ def candidate(
     if paths:
         fewest = min(paths, key=lambda levels: sum(level.count for level in levels))
         return _with_levels(target, fewest, problem)
-    # levels and bounds are those of independent asperities: under another model they exclude points only by
-    # more than its interaction
+    # levels and bounds are those of independent asperities: under another model, bounds exclude points only
+    # beyond the interaction margin
     margin = problem.interaction_margin()
     highest = (1.0 + margin) * problem.bounds.largest_load(problem.limits)
     broken = broken_bound(target.rescaled_load, target.rescaled_friction, problem.bounds, margin)
     searched = not (last.limited and margin == 0.0) and target.last_load <= highest and broken is None
     if searched:
-        # the extreme radii give the refinement more freedom
+        # a search with only the extreme radii comes first: they leave the refinement more freedom
         for choice in dict.fromkeys((radii.extremes, radii)):
             if found := _without_levels(target, choice, problem, rng, max(ACCEPTED, MARGINS * margin)):
                 return found
@@ -104,7 +107,7 @@ def _with_levels(target: OperatingPoints, path: tuple[Level, ...], problem: Prob
 def _without_levels(
     target: OperatingPoints, radii: Radii, problem: Problem, rng: np.random.Generator, accepted: float
 ) -> Candidate | None:
-    """Return the best heights and radii found without levels, or None above the accepted misfit."""
+    """Return the best heights and radii found without levels, or None if their misfit is not accepted."""
     law, limits, effort = target.curve(), problem.limits, problem.effort
     top, load = limits.top, law.load
     best: Candidate | None = None
@@ -129,11 +132,11 @@ def _without_levels(
 
 
 def _nearest(search: _Search) -> OperatingPoints | None:
-    """Return points met by levels near those of a refused search, or None if none are known.
+    """Return nearby points that levels can meet after a failed search, or None if no such points are known.
 
-    If possible only the point that is not met differs: its friction is the nearest that levels can have
-    there, or else that of the law of the other points. Otherwise later points also differ, or are omitted if
-    they cannot be met.
+    If possible, only the point that is not met changes. Its new friction is the nearest friction of levels at
+    this point, or otherwise the friction of a law through the other points. If this fails, later points also
+    change, or they are omitted if they cannot be met.
     """
     target, nearest = search.target, search.unmet
     if nearest is None:
@@ -150,7 +153,7 @@ def _nearest(search: _Search) -> OperatingPoints | None:
         if len(nearest.rescaled_load) == len(friction):
             break
         number = len(nearest.rescaled_load)
-        # friction increases: points below the moved one begin just above it
+        # friction must increase: later points below the changed point are raised just above it
         steps = (1.0 + APART) ** np.arange(1, len(friction) - number + 1)
         later = np.maximum(friction[number:], nearest.rescaled_friction[-1] * steps)
         moved = np.append(nearest.rescaled_friction, later)
@@ -168,7 +171,7 @@ def _nearest(search: _Search) -> OperatingPoints | None:
 
 @dataclass
 class _Search:
-    """Depth-first search for levels that meet all points; `refused` is the reason if one is not met."""
+    """Depth-first search for levels that meet all points; `refused` is the reason if a point is not met."""
 
     target: OperatingPoints
     tools: tuple[float, ...]
@@ -181,7 +184,7 @@ class _Search:
 
     @property
     def unmet(self) -> OperatingPoints | None:
-        """The points up to the one that is not met, with the attainable friction there."""
+        """Points up to the point that is not met, where the friction is the nearest attainable friction."""
         return None if self.refused is None else self.refused.nearest
 
     def of(self, target: OperatingPoints) -> _Search:
@@ -189,7 +192,7 @@ class _Search:
         return _Search(target, self.tools, self.problem, self.drop)
 
     def of_others(self, i: int) -> float:
-        """Return the friction at a point of a law through the others; nan if there is no such law."""
+        """Return the friction [mm^2] of a law through the other points at point i; nan without such a law."""
         load, friction = self.target.rescaled_load, self.target.rescaled_friction
         if len(load) == 1:
             return math.nan
@@ -203,7 +206,7 @@ class _Search:
         return float(curve.area[0])
 
     def path(self, done: tuple[Level, ...]) -> tuple[Level, ...] | None:
-        """Return levels for all points, beginning with those of `done`, or None."""
+        """Return levels for all points that begin with the levels `done`, or None."""
         i = len(done)
         if i == len(self.target.rescaled_load):
             return done
@@ -229,13 +232,13 @@ class _Search:
         return None
 
     def refuse(self, i: int, reason: Infeasible, limited: bool) -> None:
-        """Store the first reason at the furthest point, and whether it is a manufacturing limit."""
+        """Store the first reason at the last point reached, and whether it is a manufacturing limit."""
         if i > self.furthest:
             self.furthest, self.refused, self.limited = i, reason, limited
 
 
 def _unmet(target: OperatingPoints, i: int, step: Step, tools: tuple[float, ...], left: int) -> Infeasible:
-    """Return the error that no level meets a point, with the attainable range of friction there."""
+    """Return the error that no level meets a point; it states the attainable range of friction there."""
     fewest = [step.friction_with(step.fewest, radius) for radius in tools]
     most = [step.friction_with(left, radius) for radius in tools] if left >= step.fewest else []
     low, high = min(fewest + most), max(fewest + most)
@@ -247,7 +250,7 @@ def _unmet(target: OperatingPoints, i: int, step: Step, tools: tuple[float, ...]
         needed = min(step.needed(radius) for radius in tools)
         more = "more than can be made" if math.isinf(needed) else f"at least {needed:.0f} more asperities"
         reason = f"{more} are needed, {left} are left"
-        # below the bound by more than rounding, so that no further asperity is needed
+        # slightly below the bound, so that rounding does not require another asperity
         nearest = max(high * (1.0 - 1e-9), low)
     else:
         reason = "no whole number of asperities of these radii has this load and friction"
@@ -272,7 +275,7 @@ def _unmet(target: OperatingPoints, i: int, step: Step, tools: tuple[float, ...]
 
 
 def _too_low(i: int, level: Level, limits: Limits) -> Infeasible | None:
-    """Return the error for a level with summits below the limits or with base contact, or None."""
+    """Return the error for a level that needs summits below the limits or contact of the base, or None."""
     lowest = min(height for height, _, number in level.kinds if number) if level.count else level.height
     plane = level.height - level.depth
     short = limits.min_height - lowest

@@ -1,10 +1,10 @@
 """Lines through the origin, with one slope or two: bounds of their load range, and the achievable range.
 
-The least friction of any surface is that of one contact, A1(p) at the load p = P/E*, for the smallest radius.
-A line of slope m lies above it for loads above that at which A1(p) = m p; with Hertz contacts that is
-``(c/m)^3`` with ``c = pi R (3/(4 sqrt R))^(2/3)``. The steepest slope of a law of Hertz contacts, that of N
-simultaneous contacts of the largest radius, is ``(2/3) K p/A0^2`` with ``K = N c^3``. A line of slope
-m can therefore not extend beyond ``(2/3) K/m^3``. With other laws it cannot exceed the friction of N equal
+One contact of the smallest radius has the smallest friction of any surface, A1(p) at the load p = P/E*. A
+line of slope m exceeds A1(p) only above the load at which A1(p) = m p. With Hertz contacts this load is
+``(c/m)^3`` with ``c = pi R (3/(4 sqrt R))^(2/3)``. N simultaneous Hertz contacts of the largest radius have
+the steepest slope of a law, ``(2/3) K p/A0^2`` with ``K = N c^3``. A line of slope m can therefore not extend
+beyond the load ``(2/3) K/m^3``. With other contact laws, a line cannot exceed the friction of N equal
 contacts, see `metafem.inversion.bounds`.
 """
 
@@ -26,19 +26,19 @@ from metafem.inversion.problem import Problem
 from metafem.models import Independent
 from metafem.models.model import PARABOLOID, checked_contact
 
-# Least ratio of the ends of a range that is proposed instead of a wider one: a line over a few per cent of
-# its load does not characterise a law.
+# A narrower load range is proposed only if the ratio of its ends is at least this value. A line over a few
+# per cent of the load does not characterise a law.
 LEAST_RANGE = 1.1
 
-# Number of bisections of the logarithm of a range: to a sixtieth of it.
+# Number of bisections of a range on a logarithmic scale, to a sixtieth of the range.
 BISECTIONS = 6
 
-# Fraction of the allowed difference at which a range counts as reached: a reserve for other models.
+# A range counts as reached at this fraction of the allowed difference, as a reserve for other models.
 RANGE_MISFIT = 0.8
 
-# Start of a tried range, over the load at which one asperity has the friction of the line. Between the first
-# contacts a law differs from the line by 1.1 % if it starts at that load, and by .7 % if it starts here
-# (measured; independent of slope and radius by scaling).
+# Ratio of the start of a tried range to the load at which one asperity has the friction of the line. Between
+# the loads of the first contacts, a law differs from the line by 1.1 % with the ratio 1, and by .7 % with
+# this ratio (measured; by scaling, the differences do not depend on slope and radius).
 RANGE_START = 1.4
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 
 
 def refuse_line(target: StraightLaw, problem: Problem, margin: float) -> None:
-    """Raise Infeasible for a line over a range that breaks a bound by more than a margin (relative)."""
+    """Raise Infeasible if a line over a load range exceeds a bound by more than a relative margin."""
     if target.load_range is None:
         return
     (low, high), wording = target.load_range, target.wording
@@ -78,7 +78,7 @@ def refuse_line(target: StraightLaw, problem: Problem, margin: float) -> None:
 
 
 def _refuse_second(target: Any, problem: Problem, slack: float, scope: str) -> None:
-    """Raise Infeasible for a slope that cannot follow the previous one."""
+    """Raise Infeasible if a slope cannot follow the previous slope."""
     wording, bounds = target.wording, problem.bounds
     for (first, _), (second, load) in pairwise(target.lines):
         friction = float(target.line(np.array(load)))
@@ -97,7 +97,7 @@ def _refuse_second(target: Any, problem: Problem, slack: float, scope: str) -> N
 
 
 def _refused(words: str, nearest: StraightLaw | None, otherwise: str) -> Infeasible:
-    """Return the error for a range that is not reached, with an achievable range or a remedy."""
+    """Return the error for a range that is not reached; it states a reachable range or a remedy."""
     ends = None if nearest is None else nearest.load_range
     if nearest is None or ends is None or ends[1] < LEAST_RANGE * ends[0]:
         return Infeasible(f"{words}; {otherwise}")
@@ -106,17 +106,17 @@ def _refused(words: str, nearest: StraightLaw | None, otherwise: str) -> Infeasi
 
 
 def line_range(target: StraightLaw, bounds: Bounds, slack: float = 0.0) -> tuple[float, float]:
-    """Return the loads P/E* [mm^2] between which surfaces can have the friction and slope of a line."""
+    """Return the loads P/E* [mm^2] between which surfaces can have the friction and the slope of a line."""
     first, (last, load) = target.lines[0][0], target.lines[-1]
     intercept = float(target.line(np.array(load))) - last * load
     return bounds.start_of_line(first / (1.0 - slack)), bounds.end_of_line(last, intercept, slack)
 
 
 def reached_line(target: Any, problem: Problem) -> StraightLaw | None:
-    """Return the line over the widest part of its range that independent asperities reach.
+    """Return the line over the widest part of its range that independent asperities reach, or None.
 
-    The range is narrowed towards the crossover load; for one line, towards its start or end, whichever
-    gives the wider range. None if no range is reached.
+    With a crossover, the range is narrowed towards the crossover load. A single line is narrowed towards its
+    start or its end, whichever gives the wider range.
     """
     start, end = line_range(target, problem.bounds)
     most = problem.bounds.largest_load(problem.limits)
@@ -135,7 +135,10 @@ def reached_line(target: Any, problem: Problem) -> StraightLaw | None:
 
 
 def _narrowed(whole: Any, centre: float, problem: Problem) -> tuple[float, StraightLaw]:
-    """Return the largest logarithmic fraction of a range around a load that is reached, and the line."""
+    """Return the largest reached fraction [-] of a range around the load `centre`, and the line over it.
+
+    The fraction is that of the range on a logarithmic scale.
+    """
     low, high = whole.load_range
     best, inside, outside = whole, 0.0, 1.0
     for _ in range(BISECTIONS):
@@ -159,22 +162,22 @@ def achievable_load_range(
 ) -> tuple[float, float]:
     """Return the widest range of loads over which a line through the origin is met within 1 %.
 
-    The range is that of independent asperities and is found by trial: `design` meets the line over it or a
-    part of it. Its lower end is near the load at which a single asperity has the friction of the line. It
-    is narrowed towards the crossover load of a bilinear law, and towards the start or the end of a linear
-    one.
+    The range is that of independent asperities and is found by trial designs. `design` meets the line over
+    this range or a part of it. The lower end of the range is near the load at which a single asperity has the
+    friction of the line. Ranges are narrowed towards the crossover load of a bilinear law, and towards the
+    start or the end of a linear law.
 
     Parameters
     ----------
     target : LinearLaw or BilinearLaw
-        With a load range, the range is sought within it.
+        Line through the origin. If the target has a load range, only ranges within it are tried.
     template : Surface
-        Only its number of sites is used, and its common radius if `radii` is not given.
+        Surface of which only the number of sites is used, and the common radius if `radii` is not given.
     limits : Limits
     radii : RadiusRange or sequence of float, optional
         Allowed radii of each asperity [mm]; default: the radius of the template.
     contact : Contact
-        Law of one contact; default: `Hertz()`. With adhesion the range is that of the law without it.
+        Law of one contact; default: `Hertz()`. Adhesion is ignored.
 
     Returns
     -------
@@ -186,7 +189,8 @@ def achievable_load_range(
     Infeasible
         If there is no such range; the message states a remedy.
     InvalidInput
-        For another kind of target, radii that are not positive, or a template of several radii.
+        If the target is of another kind, if a radius is not positive, or if the template has several radii
+        and `radii` is not given.
 
     Examples
     --------

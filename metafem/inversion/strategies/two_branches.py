@@ -1,4 +1,4 @@
-"""Densities of two branches with given slopes and crossover load (eq. S8), and the range of such loads."""
+"""Densities with two slopes and a crossover load (eq. S8), and the range of possible crossover loads."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from metafem.inversion.strategies.mixture import Mixture
 if TYPE_CHECKING:
     from metafem.inversion.targets.straight import BilinearLaw
 
-# Number of crossover loads in the search for a range, evenly spaced over the law of the first slope, and
-# number of bisections of its ends: to a ten-thousandth of that law.
+# Number of evenly spaced crossover loads in the search for the possible range, and number of bisections of
+# each end of the range, to a ten-thousandth of the last load with the first slope.
 TRIED, BISECTIONS = 15, 10
 
 
 @dataclass(frozen=True)
 class Crossing:
-    """Densities whose first branch is that of `plain` up to a crossover load [mm^2].
+    """Densities with the first slope of `plain` up to a crossover load [mm^2].
 
-    They differ in the depth of the crossover height below the top [mm]. P_c is proportional to the weight u,
-    so the load fixes u for each depth; the second slope then fixes the depth.
+    The densities differ in the depth of the crossover height below the top [mm]. P_c is proportional to the
+    weight u, so the crossover load determines u for each depth. The second slope then determines the depth.
     """
 
     plain: ExponentialDensity
@@ -38,26 +38,26 @@ class Crossing:
 
     @cached_property
     def full_load(self) -> float:
-        """Load at which the plane reaches the lowest asperity of the first branch by itself [mm^2]."""
+        """Load [mm^2] at which the plane reaches the foot of the density `plain`."""
         return self._load_of(self.plain.max_height)
 
     @cached_property
     def least_depth(self) -> float:
-        """Smallest depth of a crossover height at which the asperities carry the load [mm].
+        """Smallest depth [mm] of a crossover height at which the asperities can carry the crossover load.
 
-        If all the mass lies above the crossover height, each asperity carries less than at that depth.
+        At this depth each asperity carries an equal part of the load if all of them have the maximum height.
         """
         each = np.array([self.load / self.mixture.carrying])
         return float(at_load(self.mixture.law, each, self.mixture.radius)[0][0])
 
     @property
     def possible(self) -> bool:
-        """Whether the first branch has the load, and double precision resolves one at the crossover."""
+        """Whether `plain` reaches the crossover load, and double precision resolves its load there."""
         return self.load < self.full_load and self._load_of(self.least_depth) > 0.0
 
     @cached_property
     def depths(self) -> tuple[float, float]:
-        """Depths between which each branch has at least half an asperity [mm]."""
+        """Smallest and largest depth [mm] for which each branch has at least half an asperity."""
         shallow, deep = self.least_depth, self.plain.max_height * (1.0 - INSIDE)
         ends = []
         for share in (1.0 - 0.5 / self.mixture.count, 0.5 / self.mixture.count):
@@ -65,32 +65,32 @@ class Crossing:
                 ends.append(deep)
             elif self._upper_mass(shallow) <= share:
                 ends.append(shallow)
-            else:  # beyond the least depth, the upper mass decreases with the depth
+            else:  # the upper mass decreases from the smallest depth on
                 ends.append(self._root(self._upper_mass, share, shallow, deep))
         return ends[0], ends[1]
 
     @cached_property
     def second_slopes(self) -> tuple[float, float]:
-        """Smallest and largest slope of the second branch [-]; not increasing if no slope is possible."""
+        """Smallest and largest slope [-] of the second branch; none is possible if they do not increase."""
         low, high = (self._second_slope(depth) for depth in self.depths)
         return low, high
 
     def has(self, second: float) -> bool:
-        """Whether a second slope is possible."""
+        """Return whether a second slope is possible."""
         return self.possible and self.second_slopes[0] <= second <= self.second_slopes[1]
 
     def density(self, depth: float) -> ExponentialDensity:
-        """Return the density with a depth of the crossover height."""
+        """Return the density with the crossover height at a depth [mm] below the top."""
         plain = self.plain
         middle = plain.max_height - depth
         return ExponentialDensity(plain.scale, plain.max_height, middle, self._weight(depth))
 
     def density_of(self, second: float) -> ExponentialDensity:
-        """Return the density with a second slope: eq. S8 for h_c."""
+        """Return the density with a second slope, by solving eq. S8 for h_c."""
         return self.density(self._root(self._second_slope, second, *self.depths))
 
     def range_of(self, second: float) -> tuple[float, float] | None:
-        """Return the least and the largest crossover load that a second slope can follow [mm^2], or None."""
+        """Return the smallest and largest crossover load [mm^2] that allow a second slope, or None."""
         loads = self.full_load * np.arange(TRIED + 2) / (TRIED + 1)
         found = [i for i in range(1, TRIED + 1) if replace(self, load=float(loads[i])).has(second)]
         if not found:
@@ -105,7 +105,7 @@ class Crossing:
         return ends[0], ends[1]
 
     def _root(self, function: Callable[[float], float], value: float, low: float, high: float) -> float:
-        """Return the depth between two others at which a function has a value."""
+        """Return the depth [mm] between `low` and `high` at which a function of the depth has a value."""
         xtol = TIGHTEST * self.plain.max_height
         return float(brentq(lambda depth: function(depth) - value, low, high, xtol=xtol, rtol=TIGHTEST))
 
@@ -124,7 +124,10 @@ class Crossing:
 
 
 def two_branches(target: BilinearLaw, plain: ExponentialDensity, mixture: Mixture) -> ExponentialDensity:
-    """Return the density with the slopes and crossover load of a target; `plain` has the first slope."""
+    """Return the density with the slopes and crossover load of a target, or raise Infeasible.
+
+    `plain` is the truncated exponential density with the first slope.
+    """
     crossing = Crossing(plain, mixture, target.crossover_load)
     if crossing.has(target.slopes[1]):
         return crossing.density_of(target.slopes[1])
@@ -148,7 +151,7 @@ def two_branches(target: BilinearLaw, plain: ExponentialDensity, mixture: Mixtur
 
 
 def _other_slope(target: BilinearLaw, crossing: Crossing) -> Infeasible:
-    """Return the error for an impossible second slope, with possible ones and other crossovers."""
+    """Return the error for an impossible second slope; it states possible slopes and crossover loads."""
     (first, second), wording, (low, high) = target.slopes, target.wording, crossing.second_slopes
     ends = crossing.range_of(second)
     loads = f"; or, with these slopes, crossover_load from {wording.inside(*ends)}" if ends else ""
@@ -162,7 +165,7 @@ def _other_slope(target: BilinearLaw, crossing: Crossing) -> Infeasible:
 
 
 def _other_crossover(target: BilinearLaw, crossing: Crossing, reason: str) -> Infeasible:
-    """Return the error for a crossover load without a possible second slope, with possible crossovers."""
+    """Return the error for a crossover load that allows no second slope; it states possible loads."""
     (first, second), wording = target.slopes, target.wording
     ends, half = crossing.range_of(second), replace(crossing, load=0.5 * crossing.full_load)
     if ends:
@@ -177,6 +180,6 @@ def _other_crossover(target: BilinearLaw, crossing: Crossing, reason: str) -> In
 
 
 def _slopes(target: BilinearLaw, low: float, high: float) -> str:
-    """Return a range of slopes in words, rounded to lie within it."""
+    """Return a range of slopes in words, with its ends rounded inwards."""
     wording = target.wording
     return f"{wording.slope_bound(low, up=True)} to {wording.slope_bound(high, up=False)}"

@@ -1,4 +1,4 @@
-"""Targets given by points, samples or a power of the load, in P/E* and F/(sigma B) [mm^2]."""
+"""Targets defined by points, samples or a power law, in P/E* and F/(sigma B) [mm^2]."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ if TYPE_CHECKING:
     from metafem.inversion.candidate import Candidate, Parameter
     from metafem.inversion.problem import Problem
 
-# Number of loads at which a power law is compared.
+# Number of loads at which a power law is compared with the law of a design.
 POINTS = 30
 
-# If more samples than this are outside the bounds, a note gives only their number.
+# A note lists the samples outside the bounds up to this number; otherwise it states only how many there are.
 MOST_LISTED = 8
 
 
@@ -49,7 +49,7 @@ class OperatingPoints(Value, Target):
     Raises
     ------
     InvalidInput
-        For arrays of different length, values that are not finite, and points that do not increase.
+        If the arrays differ in length, a value is not finite, or the points do not increase.
 
     Examples
     --------
@@ -75,13 +75,13 @@ class OperatingPoints(Value, Target):
     def from_forces(
         cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
     ) -> OperatingPoints:
-        """Points from loads P_i and friction forces F_i, both (k,) [N], of a material pair."""
+        """Return the target for loads P_i and friction forces F_i, both (k,) [N], of a material pair."""
         wording = Wording.of(material, friction)
         return cls(*wording.rescaled(load, friction_force), wording)
 
     @property
     def title(self) -> str:
-        """The target in one line."""
+        """Description of the target in one line."""
         return f"Friction law through {len(self.rescaled_load)} operating points"
 
     @property
@@ -90,7 +90,7 @@ class OperatingPoints(Value, Target):
         return float(self.rescaled_load[-1])
 
     def curve(self) -> TargetLaw:
-        """Return the points."""
+        """Return the points as a target law."""
         return TargetLaw.fixed(self.rescaled_load, self.rescaled_friction, pointwise=True)
 
     candidate = operating_points.candidate
@@ -98,11 +98,11 @@ class OperatingPoints(Value, Target):
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class SampledLaw(Value, Target):
-    """A law given by samples; the design minimises the squared relative differences.
+    """A law defined by samples; the design minimises the squared relative differences from the samples.
 
-    Samples may be measured: the friction need not increase, and the nearest surface is designed if no
-    surface meets all of them. The target is refused if that surface misses it by more than 1 % and the
-    errors of the samples.
+    Measured samples are allowed: the friction need not increase. If no surface meets all samples, the design
+    is the surface with the nearest law. The target is refused if this law misses the samples by more than
+    1 % plus their errors.
 
     Parameters
     ----------
@@ -111,16 +111,17 @@ class SampledLaw(Value, Target):
     rescaled_friction : array_like, (k,)
         F/(sigma B) [mm^2], positive.
     weight : array_like, (k,), optional
-        Positive weights of the squared relative differences; default: ``1/relative_error**2``, or equal.
+        Positive weights of the squared relative differences. Default: ``1/relative_error**2``, or equal
+        weights without errors.
     relative_error : array_like, (k,), optional
-        Relative standard deviations of the frictions [-], positive and below 1; default: none, the samples
+        Relative standard deviations of the frictions [-], positive and below 1. Default: None; the samples
         are exact.
 
     Raises
     ------
     InvalidInput
-        For arrays of different length, values that are not finite or not positive, loads that do not
-        increase, and errors of 1 or more.
+        If the arrays differ in length, a value is not finite or not positive, the loads do not increase, or
+        an error is 1 or larger.
 
     Examples
     --------
@@ -169,14 +170,14 @@ class SampledLaw(Value, Target):
         weight: ArrayLike | None = None,
         relative_error: ArrayLike | None = None,
     ) -> SampledLaw:
-        """Samples from loads P and friction forces F, both (k,) [N], of a material pair."""
+        """Return the target for loads P and friction forces F, both (k,) [N], of a material pair."""
         wording = Wording.of(material, friction)
         points = wording.rescaled(load, friction_force, rising=False)
         return cls(*points, weight, relative_error, wording)
 
     @property
     def title(self) -> str:
-        """The target in one line."""
+        """Description of the target in one line."""
         return f"Friction law given by {len(self.rescaled_load)} samples"
 
     @property
@@ -185,21 +186,24 @@ class SampledLaw(Value, Target):
         return float(self.rescaled_load[-1])
 
     def curve(self) -> TargetLaw:
-        """Return the samples with their weights and errors."""
+        """Return the samples as a target law, with their weights and errors."""
         error = self.relative_error
         noise = 0.0 if error is None else float(np.sqrt(np.average(error**2, weights=self.weight)))
         return TargetLaw.fixed(self.rescaled_load, self.rescaled_friction, self.weight, noise=noise)
 
     def guesses(self, law: TargetLaw, bounds: Bounds, fractions: tuple[float, ...]) -> list[FloatArray]:
-        """Return the law within the bounds that is nearest to the samples."""
+        """Return the frictions within the bounds that are nearest to the samples, (k,) [mm^2]."""
         return [nearest_within(law.load, law.base, law.weight, bounds)]
 
     def refuse(self, problem: Problem, margin: float) -> None:
-        """Raise Infeasible for a load that is too large; bounds on the friction are judged by `judged`."""
+        """Raise Infeasible if a load is too large; `judged` checks the bounds on the friction."""
         refuse_load(self.last_load, problem, self.wording)
 
     def judged(self, problem: Problem, candidate: Candidate) -> Candidate:
-        """Return heights with a note on samples beyond the bounds, or raise Infeasible if they miss them."""
+        """Return the candidate with a note on samples outside the bounds, or raise Infeasible.
+
+        The target is infeasible if samples are outside the bounds and the law misses the samples by too much.
+        """
         load, wording, margin = self.rescaled_load, self.wording, 0.0
         broken = broken_sample(load, self.rescaled_friction, problem, wording, margin)
         if broken and (margin := problem.interaction_margin()):
@@ -225,21 +229,21 @@ class SampledLaw(Value, Target):
 
 @dataclass(frozen=True, init=False)
 class PowerLaw(Target):
-    """Friction proportional to a power of the load over a range, ``F/(sigma B) = C (P/E*)^beta``.
+    """Friction proportional to a power of the load, ``F/(sigma B) = C (P/E*)^beta``, over a range of loads.
 
     Parameters
     ----------
     exponent : float
-        beta [-], positive; surfaces of equal radii have an exponent of at least 2/3.
+        beta [-], positive. Hertz contacts of equal radii have an exponent of at least 2/3.
     load_range : (float, float)
-        P/E* from and to [mm^2], positive and increasing.
+        Smallest and largest P/E* [mm^2], positive and increasing.
     prefactor : float, optional
         C [mm^(2 - 2 beta)], positive; default: free.
 
     Raises
     ------
     InvalidInput
-        For values that are not positive, and a range that does not increase.
+        If a value is not positive, or the range does not increase.
 
     Examples
     --------
@@ -270,7 +274,7 @@ class PowerLaw(Target):
     def from_forces(
         cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
     ) -> PowerLaw:
-        """Law with the least-squares exponent and prefactor through points P, F, (k >= 2,) [N]."""
+        """Return the power law fitted by least squares to points P, F, (k >= 2,) [N], in logarithms."""
         wording = Wording.of(material, friction)
         x, y = wording.rescaled(load, friction_force, "an exponent", 2)
         exponent, height = np.polyfit(np.log(x), np.log(y), 1)
@@ -278,13 +282,13 @@ class PowerLaw(Target):
 
     @property
     def title(self) -> str:
-        """The target in one line."""
+        """Description of the target in one line."""
         loads = self.wording.title_loads(*self.load_range)
         return f"Power law of exponent {self.exponent:.4g} from {loads}"
 
     @property
     def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
-        """The range of loads."""
+        """The load range by name [mm^2]."""
         return {"load range": (self.load_range,)}
 
     @property
@@ -293,7 +297,7 @@ class PowerLaw(Target):
         return self.load_range[1]
 
     def curve(self) -> TargetLaw:
-        """Return the power at loads that are evenly spaced in the logarithm."""
+        """Return the power law at logarithmically spaced loads."""
         load = np.geomspace(*self.load_range, POINTS)
         shape = load**self.exponent
         if self.prefactor is not None:
@@ -301,7 +305,7 @@ class PowerLaw(Target):
         return TargetLaw(load, np.zeros(POINTS), shape[:, None], np.ones(POINTS))
 
     def guesses(self, law: TargetLaw, bounds: Bounds, fractions: tuple[float, ...]) -> list[FloatArray]:
-        """Return powers with several prefactors between the bounds if the prefactor is free."""
+        """Return the power law, or power laws with several prefactors within the bounds if C is free."""
         if self.prefactor is not None:
             return [law.base]
         shape = law.free[:, 0]
@@ -309,11 +313,11 @@ class PowerLaw(Target):
         return [shape * least * (most / least) ** fraction for fraction in fractions]
 
     def open_parameters(self, law: TargetLaw, area: FloatArray) -> dict[str, Parameter]:
-        """Return the prefactor if it is free."""
+        """Return the fitted prefactor [mm^(2 - 2 beta)] if it is free."""
         return {"prefactor": float(law.open_parameters(area)[0])} if self.prefactor is None else {}
 
     def refuse(self, problem: Problem, margin: float) -> None:
-        """Raise Infeasible for an exponent or prefactor beyond its bound by more than a margin (relative)."""
+        """Raise Infeasible if the exponent or prefactor exceeds a bound by more than a relative margin."""
         (low, high), radii, wording = self.load_range, problem.radii, self.wording
         refuse_load(high, problem, wording)
         bounds = problem.bounds
@@ -333,18 +337,18 @@ class PowerLaw(Target):
         point = f"prefactor = {self.prefactor:g}: the friction at ", ", ", ","
         friction = self.prefactor * load**self.exponent
         broken = broken_sample(load, friction, problem, wording, margin, point)
-        if broken:  # a prefactor within the bounds may still be unreachable
+        if broken:  # no nearest target is stated: a prefactor within the bounds may still be unreachable
             raise Infeasible(Message((broken, "; without prefactor the design chooses it")))
 
 
 def _levels(bounds: tuple[FloatArray, FloatArray], shape: FloatArray) -> tuple[float, float]:
-    """Return the smallest and largest factor of a law (k,) that lies between two others."""
+    """Return the smallest and largest factor for which a law (k,) lies between two bounds, (k,) each."""
     low, high = bounds
     return float((low / shape).max()), float((high / shape).min())
 
 
 def _outside(difference: FloatArray, margin: float) -> str:
-    """Return a text on samples that no surface meets, from differences (k,) [-] of the nearest law."""
+    """Return a text on samples that no surface meets; `difference` (k,) [-] is that from the nearest law."""
     rows, most = np.flatnonzero(np.abs(difference) > ROUNDING), int(np.abs(difference).argmax())
     which = f" ({', '.join(map(str, rows + 1))})" if len(rows) <= MOST_LISTED else ""
     largest = percent(float(abs(difference[most])))

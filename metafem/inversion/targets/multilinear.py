@@ -1,4 +1,4 @@
-"""Targets of several straight branches with a free intercept."""
+"""Target law with several straight branches and free intercepts."""
 
 from __future__ import annotations
 
@@ -25,24 +25,25 @@ if TYPE_CHECKING:
     from metafem.inversion.candidate import Parameter
     from metafem.inversion.problem import Problem
 
-# Total number of loads at which the branches are compared, and minimum number for one branch.
+# Total number of loads at which the branches are compared with the law of a design, and minimum number for
+# one branch.
 POINTS, FEWEST_POINTS = 30, 4
 
 
 @dataclass(frozen=True, init=False)
 class MultilinearLaw(Target):
-    """Consecutive straight branches of given slopes, with a free intercept.
+    """Consecutive straight branches with prescribed slopes and a free intercept.
 
     Parameters
     ----------
     slopes : array_like, (b,)
         Slopes of the branches [-], positive, in any order.
     crossover_loads : sequence, (b - 1,)
-        Crossover from each branch to the next [mm^2], increasing: one load P/E* at which they meet, or a
-        pair (end of the branch, start of the next). Between the loads of a pair the law is free, and so is
-        the intercept of the next branch.
+        Crossovers between consecutive branches [mm^2], increasing. Each crossover is a load P/E* at which
+        two branches meet, or a pair of loads: the end of one branch and the start of the next. Between the
+        loads of a pair the law is free, and the next branch has its own free intercept.
     load_range : (float, float)
-        P/E* from the start of the first to the end of the last branch [mm^2].
+        Start of the first and end of the last branch, P/E* [mm^2].
 
     Examples
     --------
@@ -89,10 +90,10 @@ class MultilinearLaw(Target):
         material: Material,
         friction: Friction,
     ) -> MultilinearLaw:
-        """Law of friction coefficients dF/dP [-] of a material pair, one for each branch.
+        """Return the target whose branches have friction coefficients dF/dP [-] of a material pair.
 
-        The crossover loads, or pairs of them, and the range are loads P [N], not P/E* [mm^2]. Titles and
-        messages state friction coefficients and newtons.
+        The crossovers and the range are loads P [N], not P/E* [mm^2]. Titles and messages state friction
+        coefficients and loads in N.
         """
         wording = Wording.of(material, friction)
         slopes = wording.given_slopes(friction_coefficients, None)
@@ -104,19 +105,19 @@ class MultilinearLaw(Target):
     def from_forces(
         cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
     ) -> MultilinearLaw:
-        """Law of the slopes of the straight lines between points P, F, (b + 1,) [N]."""
+        """Return the target with the slopes of the straight lines between points P, F, (b + 1,) [N]."""
         wording = Wording.of(material, friction)
         x, y = wording.rescaled(load, friction_force, "a branch", 2)
         return cls(np.diff(y) / np.diff(x), x[1:-1].tolist(), (float(x[0]), float(x[-1])), wording)
 
     @property
     def friction_coefficients(self) -> tuple[float, ...] | None:
-        """Friction coefficients dF/dP [-] if the law was defined by them or by forces; otherwise None."""
+        """Friction coefficients dF/dP [-]; None unless the law was defined by them or by forces."""
         return self.wording.coefficients(self.slopes)
 
     @property
     def title(self) -> str:
-        """The target in one line."""
+        """Description of the target in one line."""
         return f"Friction law of {self.wording.slopes(*self.slopes)}"
 
     @property
@@ -126,24 +127,24 @@ class MultilinearLaw(Target):
 
     @property
     def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
-        """The crossovers and the range of loads."""
+        """Crossovers and load range by name [mm^2]."""
         crossovers = tuple((low,) if low == high else (low, high) for low, high in self.crossover_loads)
         found = {"crossover": crossovers, "load range": (self.load_range,)}
         return {name: loads for name, loads in found.items() if loads}
 
     @property
     def branches(self) -> tuple[tuple[float, LoadRange], ...]:
-        """Slope and load range of each branch."""
+        """Slope [-] and load range [mm^2] of each branch."""
         ends = [load for pair in self.crossover_loads for load in pair]
         path = iter([self.load_range[0], *ends, self.load_range[1]])
         return tuple(zip(self.slopes, zip(path, path, strict=True), strict=True))
 
     def _is_connected(self, i: int) -> bool:
-        """Whether a branch begins where the previous one ends."""
+        """Return whether branch i begins at the load at which the previous branch ends."""
         return i > 0 and self.branches[i][1][0] == self.branches[i - 1][1][1]
 
     def curve(self) -> TargetLaw:
-        """Return the branches with one open intercept for each group of connected ones."""
+        """Return the branches as a target law with a free intercept for each group of connected branches."""
         each = max(FEWEST_POINTS, POINTS // len(self.slopes))
         loads: list[FloatArray] = []
         base: list[FloatArray] = []
@@ -163,7 +164,7 @@ class MultilinearLaw(Target):
         return TargetLaw(np.concatenate(loads), np.concatenate(base), free, np.ones(len(group)))
 
     def guesses(self, law: TargetLaw, bounds: Bounds, fractions: tuple[float, ...]) -> list[FloatArray]:
-        """Return the branches with several intercepts of the first group between the bounds."""
+        """Return the branches with several intercepts, for which the first group lies within the bounds."""
         (low, high), found = bounds.region(law.load), []
         for fraction in fractions:
             guess = np.empty_like(law.load)
@@ -173,7 +174,7 @@ class MultilinearLaw(Target):
                 if column == 0:
                     least, most = float((low[rows] - base).max()), float((high[rows] - base).min())
                     level = least + fraction * (most - least)
-                else:  # between the branches friction is proportional to the load
+                else:  # between two groups of branches, friction is assumed proportional to the load
                     last = rows[0] - 1
                     level = float(guess[last] * load[0] / law.load[last] - base[0])
                 guess[rows] = base + level
@@ -181,11 +182,11 @@ class MultilinearLaw(Target):
         return found
 
     def open_parameters(self, law: TargetLaw, area: FloatArray) -> dict[str, Parameter]:
-        """Return the intercepts."""
+        """Return the fitted intercepts, one for each group of connected branches [mm^2]."""
         return {"intercepts": law.open_parameters(area)}
 
     def refuse(self, problem: Problem, margin: float) -> None:
-        """Raise Infeasible if no intercept puts connected branches within the bounds."""
+        """Raise Infeasible if connected branches exceed the bounds with every intercept."""
         bounds, wording = problem.bounds, self.wording
         refuse_load(self.load_range[1], problem, wording)
         slack = margin + ROUNDING
@@ -195,13 +196,14 @@ class MultilinearLaw(Target):
                 offset += (self.slopes[i - 1] - slope) * start
             else:
                 offset, low, high = 0.0, -math.inf, math.inf
-            # F = c + offset + slope p is straight and the bounds are concave: the lower bound is active at
-            # the ends or where its slope is that of F, the upper bound only at the ends
+            # F = c + offset + slope p is straight, and both bounds are concave functions of p. The lower
+            # bound is therefore most restrictive at the ends or where its slope equals that of F, and the
+            # upper bound at the ends
             load = np.array([start, end, min(max(bounds.tangent_load(slope), start), end)])
             least, most = bounds.friction(load)
             low = max(low, float((least * (1.0 - slack) - offset - slope * load).max()))
             high = min(high, float((most * (1.0 + slack) - offset - slope * load)[:2].min()))
-            # F/p^b cannot decrease: c + offset <= slope p (1/b - 1), first violated at the start
+            # F/p^b cannot decrease, so c + offset <= slope p (1/b - 1), most restrictive at the start
             if bounds.least_exponent > 0.0:
                 high = min(high, slope * start * (1.0 / bounds.least_exponent - 1.0 + slack) - offset)
             if low > high:
@@ -213,7 +215,7 @@ class MultilinearLaw(Target):
 
 
 def _crossover(name: str, given: object) -> LoadRange:
-    """Return the checked loads of a crossover; a single load is repeated."""
+    """Return the two checked loads of a crossover; a single load is returned twice."""
     if check.scalar(given):
         load = check.number(name, given, above=0.0)
         return load, load

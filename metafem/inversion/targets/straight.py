@@ -1,4 +1,4 @@
-"""Linear and bilinear targets, given by slopes or friction coefficients."""
+"""Linear and bilinear targets, defined by slopes or friction coefficients."""
 
 from __future__ import annotations
 
@@ -22,24 +22,25 @@ if TYPE_CHECKING:
     from metafem.inversion.candidate import Candidate
     from metafem.inversion.problem import Problem
 
-# Number of loads at which a line is compared. Its misfit is the largest difference; with thirty loads,
-# contacts form between them (measured: with this many, the misfit is within a tenth of that at any load).
+# Number of loads at which a line is compared with the law of a design. Its misfit is the largest difference.
+# With thirty loads, new contacts form between them and change the law there. With this number, the misfit is
+# within a tenth of the largest difference at any load (measured).
 LINE_POINTS = 100
 
 
 class StraightLaw(Target):
-    """A law with the slopes of `lines` at large loads, or the lines themselves over a range of loads."""
+    """A law with the slopes of `lines` at large loads, or the `lines` themselves over a range of loads."""
 
     load_range: LoadRange | None
 
     @property
     def last_load(self) -> float | None:
-        """Last rescaled load of the target [mm^2]; None if the density determines it (no load range)."""
+        """Last rescaled load of the target [mm^2]; None without a load range: the density determines it."""
         return None if self.load_range is None else self.load_range[1]
 
     @property
     def branches(self) -> tuple[tuple[float, LoadRange], ...]:
-        """Slope and load range of each line; none without a load range."""
+        """Slope [-] and load range [mm^2] of each line; empty without a load range."""
         if self.load_range is None:
             return ()
         low, high = self.load_range
@@ -48,7 +49,7 @@ class StraightLaw(Target):
 
     @property
     def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
-        """Crossovers, and the range of loads over which the target is the lines."""
+        """Crossovers and load range by name [mm^2]."""
         crossovers = tuple((start,) for _, start in self.lines[1:])
         ends = () if self.load_range is None else (self.load_range,)
         found = {"crossover": crossovers, "load range": ends}
@@ -61,10 +62,10 @@ class StraightLaw(Target):
         return np.asarray(sum(slope * part for (slope, _), part in zip(self.lines, parts, strict=True)))
 
     def curve(self) -> TargetLaw:
-        """Return the lines over the load range.
+        """Return the lines over the load range as a target law.
 
-        Without a range only slopes are given. The law is then that of the height density, which depends on
-        the template and the limits as well: `Design.target_law`.
+        Without a load range the target defines only slopes. The reference law is then the law of the height
+        density, `Design.target_law`, which also depends on the template and the limits.
         """
         if self.load_range is None:
             raise InvalidInput(
@@ -75,29 +76,29 @@ class StraightLaw(Target):
         return TargetLaw.fixed(load, self.line(load), pointwise=True)
 
     def candidate(self, problem: Problem, rng: np.random.Generator, restarts: int | None = None) -> Candidate:
-        """Return heights for a density, or with a load range for the lines themselves."""
+        """Return heights for the lines over the load range, or heights of a density if there is no range."""
         if self.load_range is None:
             return exponential.candidate(self, problem)
         return super().candidate(problem, rng, restarts)
 
     def refuse(self, problem: Problem, margin: float) -> None:
-        """Raise Infeasible for a load range that breaks a bound by more than a margin (relative)."""
+        """Raise Infeasible if the lines over the load range exceed a bound by more than a relative margin."""
         if self.load_range is not None:
             proportional.refuse_line(self, problem, margin)
 
 
 @dataclass(frozen=True, init=False)
 class LinearLaw(StraightLaw):
-    """A straight law of one slope: with a free intercept, or through the origin over a range of loads.
+    """A straight law with one slope: with a free intercept, or through the origin over a range of loads.
 
     Parameters
     ----------
     slope : float
         m, slope of rescaled friction over rescaled load [-], positive; ``mu = sigma B / E* m``.
     load_range : (float, float), optional
-        P/E* [mm^2], positive and increasing, over which the target is the line ``F = m P`` through the
-        origin, within 1 %. Default: none; the heights are then those of the exponential density whose law
-        has the slope at large loads, with its own intercept.
+        Smallest and largest P/E* [mm^2], positive and increasing. Over this range the target is the line
+        ``F = m P`` through the origin, to be met within 1 %. Default: None; the heights then follow the
+        exponential density whose law has this slope at large loads and its own intercept.
 
     Examples
     --------
@@ -126,10 +127,10 @@ class LinearLaw(StraightLaw):
         friction: Friction,
         load_range_N: ArrayLike | None = None,
     ) -> LinearLaw:
-        """Law of a friction coefficient mu [-] of a material pair, ``m = mu E* / (sigma B)``.
+        """Return the target with a friction coefficient mu [-] of a material pair, ``m = mu E* / (sigma B)``.
 
-        With a range of loads P [N], ``F = mu P`` over it. Titles and messages state friction coefficients
-        and newtons.
+        With a range of loads P [N], the target is ``F = mu P`` over this range. Titles and messages state
+        friction coefficients and loads in N.
         """
         wording = Wording.of(material, friction)
         mu = check.number("friction_coefficient", friction_coefficient, above=0.0)
@@ -139,19 +140,19 @@ class LinearLaw(StraightLaw):
     def from_forces(
         cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
     ) -> LinearLaw:
-        """Law with the least-squares slope through points P_i, F_i, (k >= 2,) [N]."""
+        """Return the target with the slope of the line fitted to points P_i, F_i, (k >= 2,) [N]."""
         wording = Wording.of(material, friction)
         x, y = wording.rescaled(load, friction_force, "a slope", 2)
         return cls(float(np.polyfit(x, y, 1)[0]), wording=wording)
 
     @property
     def friction_coefficient(self) -> float | None:
-        """Friction coefficient mu [-] if the law was defined by it or by forces; otherwise None."""
+        """Friction coefficient mu [-]; None unless the law was defined by it or by forces."""
         return None if self.wording.per_slope is None else self.wording.coefficient(self.slope)
 
     @property
     def title(self) -> str:
-        """The target in one line."""
+        """Description of the target in one line."""
         words = self.wording.slopes(self.slope)
         if self.load_range is None:
             return f"Linear friction law of {words}"
@@ -159,7 +160,7 @@ class LinearLaw(StraightLaw):
 
     @property
     def lines(self) -> tuple[tuple[float, float], ...]:
-        """Slope of the line through the origin, and the load 0 at which it starts."""
+        """Slope [-] of the line through the origin, and the load 0 at which it starts."""
         return ((self.slope, 0.0),)
 
 
@@ -170,13 +171,14 @@ class BilinearLaw(StraightLaw):
     Parameters
     ----------
     slopes : (float, float)
-        m_1 below and m_2 above the crossover [-], positive.
+        Slopes m_1 below and m_2 above the crossover [-], positive.
     crossover_load : float
         P_c/E* [mm^2], positive.
     load_range : (float, float), optional
-        P/E* [mm^2], increasing, with the crossover inside, over which the target is ``F = m_1 P`` below
-        and ``m_1 P_c + m_2 (P - P_c)`` above the crossover, within 1 %. Default: none; the heights are
-        then those of a density of two exponentials whose law has these slopes at large loads.
+        Smallest and largest P/E* [mm^2], increasing, with the crossover between them. Over this range the
+        target is ``F = m_1 P`` below and ``F = m_1 P_c + m_2 (P - P_c)`` above the crossover, to be met
+        within 1 %. Default: None; the heights then follow a density of two exponential branches whose law has
+        these slopes at large loads.
 
     Examples
     --------
@@ -219,10 +221,10 @@ class BilinearLaw(StraightLaw):
         friction: Friction,
         load_range_N: ArrayLike | None = None,
     ) -> BilinearLaw:
-        """Law of two friction coefficients dF/dP [-] of a material pair, below and above the crossover.
+        """Return the target with friction coefficients dF/dP [-] below and above the crossover.
 
-        The crossover load and the range are loads P [N], not P/E* [mm^2]. Titles and messages state friction
-        coefficients and newtons.
+        They are those of a material pair. The crossover load and the range are loads P [N], not P/E* [mm^2].
+        Titles and messages state friction coefficients and loads in N.
         """
         wording = Wording.of(material, friction)
         slopes = wording.given_slopes(friction_coefficients, 2)
@@ -234,7 +236,7 @@ class BilinearLaw(StraightLaw):
     def from_forces(
         cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
     ) -> BilinearLaw:
-        """Law through points P_i, F_i, (3,) [N]: on the first branch, at the crossover, on the second."""
+        """Return the target for three points P_i, F_i, (3,) [N]; the second point is the crossover."""
         wording = Wording.of(material, friction)
         x, y = wording.rescaled(load, friction_force)
         words = f"holds {len(x)} values; two branches need exactly 3 points"
@@ -243,12 +245,12 @@ class BilinearLaw(StraightLaw):
 
     @property
     def friction_coefficients(self) -> tuple[float, ...] | None:
-        """Friction coefficients dF/dP [-] if the law was defined by them or by forces; otherwise None."""
+        """Friction coefficients dF/dP [-]; None unless the law was defined by them or by forces."""
         return self.wording.coefficients(self.slopes)
 
     @property
     def title(self) -> str:
-        """The target in one line."""
+        """Description of the target in one line."""
         words = f"Bilinear friction law of {self.wording.slopes(*self.slopes)}"
         if self.load_range is None:
             return words
@@ -256,7 +258,7 @@ class BilinearLaw(StraightLaw):
 
     @property
     def lines(self) -> tuple[tuple[float, float], ...]:
-        """Slope of each line, and the load at which it starts [mm^2]."""
+        """Slope [-] of each line, and the load [mm^2] at which it starts."""
         return (self.slopes[0], 0.0), (self.slopes[1], self.crossover_load)
 
 

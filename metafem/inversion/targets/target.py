@@ -1,4 +1,4 @@
-"""Base of all target laws."""
+"""Base class of all target laws."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ if TYPE_CHECKING:
     from metafem.inversion.bounds import Bounds
     from metafem.inversion.problem import Problem
 
-# If the level of the target is free, levels at these fractions of the feasible range (of its logarithm) are
-# tried.
+# If the level of the target is free, levels at these fractions of the feasible range are tried: of its
+# logarithm for a power law, of the range itself for straight branches.
 LEVEL_FRACTIONS = (0.5, 0.25, 0.75, 0.1, 0.9)
 
 
 class Target:
-    """Base of the target friction laws, in rescaled load P/E* and friction F/(sigma B) [mm^2]."""
+    """Base class of target friction laws, in rescaled loads P/E* and frictions F/(sigma B) [mm^2]."""
 
     wording: Wording
 
     def _set(self, wording: Wording, **members: Any) -> None:
-        """Set the members of a frozen target."""
+        """Set the attributes of a frozen target."""
         check.instance("wording", wording, Wording, "a Wording, as from_friction_coefficient sets it")
         for name, value in {**members, "wording": wording}.items():
             object.__setattr__(self, name, value)
 
     @property
     def title(self) -> str:
-        """The target in one line."""
+        """Description of the target in one line."""
         raise NotImplementedError
 
     @property
@@ -46,7 +46,7 @@ class Target:
 
     @property
     def lines(self) -> tuple[tuple[float, float], ...]:
-        """Slope of each line, from the origin or the previous line on, and the load at which it starts."""
+        """Slope [-] of each line, and the load [mm^2] at which it starts; the first line starts at 0."""
         return ()
 
     @property
@@ -56,16 +56,16 @@ class Target:
 
     @property
     def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
-        """Crossovers and ranges of the target: single loads or pairs of loads [mm^2]."""
+        """Crossovers and load ranges of the target by name, as single loads or pairs of loads [mm^2]."""
         return {}
 
     def curve(self) -> TargetLaw:
-        """Return the law at the loads at which a design is compared with it."""
+        """Return the target law at the loads at which it is compared with the law of a design."""
         raise NotImplementedError
 
     @property
     def law(self) -> tuple[FloatArray, FloatArray] | None:
-        """Rescaled loads and frictions, both (k,) [mm^2]; None if the target does not fix its law."""
+        """Rescaled loads and frictions, both (k,) [mm^2]; None if the target does not fix them completely."""
         try:
             law = self.curve()
         except InvalidInput:  # the law is that of a height density
@@ -73,9 +73,9 @@ class Target:
         return None if law.is_open else (law.load, law.base)
 
     def guesses(self, law: TargetLaw, bounds: Bounds, fractions: tuple[float, ...]) -> list[FloatArray]:
-        """Return laws (k,) for initial guesses, within the bounds at the loads of `law`.
+        """Return frictions for initial guesses at the loads of `law`, each (k,) [mm^2].
 
-        If the level of the target is free, there is one guess for each fraction of the possible levels.
+        If the level of the target is free, there is one guess at each fraction of the feasible range.
         """
         return [law.base]
 
@@ -84,12 +84,12 @@ class Target:
         return {}
 
     def refuse(self, problem: Problem, margin: float) -> None:
-        """Raise Infeasible if the target violates a proven bound by more than a margin (relative)."""
+        """Raise Infeasible if the target violates a proven bound by more than a relative margin."""
 
     def candidate(self, problem: Problem, rng: np.random.Generator, restarts: int | None = None) -> Candidate:
-        """Return heights and radii of independent asperities whose law is nearest to the target.
+        """Return the heights and radii of independent asperities whose law is nearest to the target.
 
-        Targets with another strategy redefine it, and raise Infeasible if it finds none.
+        Targets with a different strategy override this method, and raise Infeasible if the strategy fails.
         """
         law, limits = self.curve(), problem.limits
         guesses = self.guesses(law, problem.bounds, LEVEL_FRACTIONS)
@@ -100,7 +100,7 @@ class Target:
             area = problem.independent.curve_of(height, radius, law.load).area
             parameters |= self.open_parameters(law, area)
         branches = tuple(
-            # a line is fixed, and its friction at zero load is the intercept
+            # if the law has no free parameter, each branch has a fixed intercept
             Branch(
                 slope,
                 ends,
@@ -111,5 +111,5 @@ class Target:
         return Candidate(limits.top + height, radius, parameters, law, branches)
 
     def judged(self, problem: Problem, candidate: Candidate) -> Candidate:
-        """Return heights refined under the model with notes on the target, or raise Infeasible."""
+        """Return the refined candidate with notes on the target, or raise Infeasible."""
         return candidate

@@ -1,4 +1,4 @@
-"""Units of the values of a target, for titles and messages."""
+"""Units in which titles and messages state the values of a target."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from metafem.surface import Friction, Material
 
 LoadRange = tuple[float, float]
 
-# Digits of a friction coefficient or force after conversion to its rescaled value and back: input numbers
-# with up to this many digits are reproduced.
+# Converted values are rounded to this many digits. A friction coefficient or force with up to this many
+# digits is then reproduced after conversion to its rescaled value and back.
 DIGITS = 15
 
-# Digits of a bound in a message.
+# Number of digits of a bound in a message.
 BOUND_DIGITS = 4
 
 
 @dataclass(frozen=True)
 class Wording:
-    """Units of a target's values: rescaled loads, frictions and slopes, or newtons and coefficients.
+    """Units of a target: rescaled loads, frictions and slopes, or forces in N and friction coefficients.
 
     Examples
     --------
@@ -35,10 +35,10 @@ class Wording:
     """
 
     composite_modulus: float | None = None  # E* [MPa]; if set, loads are stated in newtons
-    # sigma B, the friction force per initial real contact area [MPa]; with it friction is stated in newtons.
-    # With both, slopes are stated as friction coefficients ``mu = sigma B / E* m``
+    # sigma B, the friction force per initial real contact area [MPa]; if set, friction is stated in newtons.
+    # If E* is also set, slopes are stated as friction coefficients ``mu = sigma B / E* m``
     shear_stress: float | None = None
-    # E* [MPa] of the part; with it loads are also stated in the other unit
+    # E* [MPa] of the part; if set, loads are stated both in mm^2 and in newtons
     part_modulus: float | None = None
 
     def __post_init__(self) -> None:
@@ -47,35 +47,35 @@ class Wording:
 
     @classmethod
     def of(cls, material: Material, friction: Friction) -> Wording:
-        """Newtons and friction coefficients of a material pair."""
+        """Return the wording in newtons and friction coefficients for a material pair."""
         check.instance("material", material, Material, "a metafem.Material")
         check.instance("friction", friction, Friction, "a metafem.Friction")
         return cls(material.composite_modulus, friction.shear_strength * friction.area_ratio)
 
     @property
     def per_slope(self) -> float | None:
-        """Friction coefficient of the slope 1, ``sigma B / E*``; None if slopes are stated as such."""
+        """Friction coefficient per unit slope, ``sigma B / E*`` [-]; None if slopes are not converted."""
         if self.composite_modulus is None or self.shear_stress is None:
             return None
         return self.shear_stress / self.composite_modulus
 
     @property
     def keys(self) -> tuple[str, str]:
-        """Key of one slope, and of several."""
+        """Key for one slope, and key for several slopes."""
         if self.per_slope is None:
             return "slope", "slopes"
         return "friction_coefficient", "friction_coefficients"
 
     def name(self, count: int = 1) -> str:
-        """Return the name of one slope, or of several, in a sentence."""
+        """Return the name of `count` slopes for use in a sentence."""
         return self.keys[count > 1].replace("_", " ")
 
     def slope(self, coefficient: float) -> float:
-        """Return the slope of a value as given: the inverse of `coefficient`."""
+        """Return the slope [-] for a value in the unit of the target, the inverse of `coefficient`."""
         return coefficient / (self.per_slope or 1.0)
 
     def from_newtons(self, load: float) -> float:
-        """Return P/E* [mm^2] of a load [N]."""
+        """Return P/E* [mm^2] for a load P [N]."""
         return load / (self.composite_modulus or 1.0)
 
     def range_from_newtons(self, load_range: ArrayLike | None) -> LoadRange | None:
@@ -86,15 +86,15 @@ class Wording:
         return self.from_newtons(low), self.from_newtons(high)
 
     def coefficient(self, slope: float) -> float:
-        """Return a slope in the unit of the target: as a slope, or as a friction coefficient."""
+        """Return a slope in the unit of the target, either unchanged or as a friction coefficient [-]."""
         return _digits(slope * (self.per_slope or 1.0), DIGITS)
 
     def coefficients(self, slopes: tuple[float, ...]) -> tuple[float, ...] | None:
-        """Return the friction coefficients of slopes; None if slopes are stated as such."""
+        """Return slopes as friction coefficients [-]; None if slopes are not converted."""
         return None if self.per_slope is None else tuple(self.coefficient(slope) for slope in slopes)
 
     def given_slopes(self, friction_coefficients: ArrayLike, count: int | None) -> list[float]:
-        """Return the slopes of checked friction coefficients, (count,)."""
+        """Return the slopes [-] of friction coefficients [-] after a check, (count,)."""
         values = check.array("friction_coefficients", friction_coefficients, shape=(count,))
         return [
             self.slope(check.number(f"friction_coefficients[{i}]", mu, above=0.0))
@@ -106,11 +106,11 @@ class Wording:
         return f"{self.name(len(slopes))} {_listed([f'{self.coefficient(slope):.6g}' for slope in slopes])}"
 
     def slope_bound(self, slope: float, *, up: bool) -> str:
-        """Return a bound on slopes as text, rounded to the reachable side."""
+        """Return a bound on slopes as text; `up` rounds it up, otherwise down, so that it is reachable."""
         return f"{_rounded(self.coefficient(slope), up, None):.6g}"
 
     def of_part(self, material: Material) -> Wording:
-        """Return the wording that also states loads in the other unit for a part of a material."""
+        """Return the wording that states loads both in mm^2 and in newtons, for a part made of a material."""
         return replace(self, part_modulus=material.composite_modulus)
 
     def title_loads(self, *loads: float) -> str:
@@ -122,19 +122,19 @@ class Wording:
         return self._in_both(lambda factor: _stated(loads, factor))
 
     def load_bound(self, load: float, *, up: bool) -> str:
-        """Return a bound on loads in words, rounded to the reachable side."""
+        """Return a bound on loads in words; `up` rounds it up, otherwise down, so that it is reachable."""
         return self._in_both(lambda factor: _stated((_rounded(load, up, factor),), factor))
 
     def inside(self, low: float, high: float) -> str:
-        """Return a range of loads in words, rounded to lie within the given one."""
+        """Return a range of loads in words, with its ends rounded inwards."""
         return self._in_both(
             lambda factor: _stated((_rounded(low, True, factor), _rounded(high, False, factor)), factor)
         )
 
     def _in_both(self, words: Callable[[float | None], str]) -> str:
-        """Return loads in the unit of the target, and in brackets in the other one where E* is known.
+        """Return loads in the unit of the target, followed by the other unit in brackets if E* is known.
 
-        `words` is a function of E*, or of None for mm^2.
+        `words` maps E* [MPa] to the loads in newtons, and None to the loads in mm^2.
         """
         if self.composite_modulus is not None:
             return f"{words(self.composite_modulus)} ({words(None)})"
@@ -152,9 +152,10 @@ class Wording:
         least: int = 1,
         rising: bool = True,
     ) -> tuple[FloatArray, FloatArray]:
-        """Return P/E* and F/(sigma B) of increasing loads and friction forces [N], at least so many.
+        """Return P/E* and F/(sigma B), both (k,) [mm^2], for loads and friction forces, both (k,) [N].
 
-        Where `rising` is false the friction forces need not increase.
+        The loads must increase, and so must the friction forces if `rising` is true. There must be at least
+        `least` points.
         """
         newtons = check.increasing("load", check.array("load", load, shape=(None,)))
         if len(newtons) < least:
@@ -165,16 +166,16 @@ class Wording:
         return newtons / (self.composite_modulus or 1.0), force / (self.shear_stress or 1.0)
 
 
-# The default: rescaled values.
+# Default wording: rescaled values.
 RESCALED = Wording()
 
 
 @dataclass(frozen=True)
 class Message:
-    """A sentence with numbers whose units are inserted when it is displayed.
+    """A sentence whose numbers are converted to the units of a wording when it is displayed.
 
-    Its parts are texts, other messages, and tuples: the name of a `Wording` method with the rescaled values
-    that it states.
+    Its parts are texts, other messages, and tuples. A tuple holds the name of a `Wording` method and the
+    rescaled values that this method states.
 
     Examples
     --------
@@ -190,7 +191,7 @@ class Message:
         return self.worded(None)
 
     def worded(self, wording: Wording | None) -> str:
-        """Return the sentence in the units of a wording; default: its own."""
+        """Return the sentence in the units of a wording; default: the wording of the message."""
         units = replace(wording or self.wording, part_modulus=self.wording.part_modulus)
 
         def words(part: Any) -> str:
@@ -206,13 +207,13 @@ def _digits(value: float, digits: int) -> float:
 
 
 def _stated(values: tuple[float, ...], factor: float | None) -> str:
-    """Return rescaled values in mm^2, or times a factor in N."""
+    """Return rescaled values in words: in mm^2, or multiplied by a factor [MPa] in N."""
     digits = (f"{_digits((factor or 1.0) * value, DIGITS):.6g}" for value in values)
     return f"{' to '.join(digits)} {'mm^2' if factor is None else 'N'}"
 
 
 def _rounded(given: float, up: bool, factor: float | None) -> float:
-    """Return a positive number rounded up or down such that it has few digits times a factor."""
+    """Return a positive number rounded up or down so that its product with a factor has few digits."""
     value = (factor or 1.0) * given
     near = _digits(value, BOUND_DIGITS)
     if not ((near >= value) if up else (near <= value)):
