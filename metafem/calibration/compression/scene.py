@@ -127,8 +127,7 @@ class Sample:
         return sample_curve(scaled, with_contact(self.model, law), area, one_by_one)
 
     def refuse_radius(self, radius: float) -> None:
-        """Raise InvalidInput for a radius [mm] that is below its error or differs from the surface's
-        radii."""
+        """Raise InvalidInput if a radius [mm] is below its error or differs from the surface's radii."""
         given = Given("radius", radius)
         less = "must be less than the radius, {.number}"
         refuse_if(self.radius_sd >= radius, less, given, key="radius_sd", value=self.radius_sd)
@@ -182,8 +181,7 @@ def cap_curve(cap: Contact, radius: float) -> AreaCurve:
 
 
 def scaled_cap(cap: Contact, scale: float) -> Contact:
-    """Return the contact law of a cap with its table or profile scaled in all lengths; other laws are
-    unchanged."""
+    """Return the contact law of a scaled cap; a law without a table or profile is unchanged."""
     if isinstance(cap, TabulatedContact):
         depth, load, area = cap.table
         return TabulatedContact(scale * depth, scale**2 * load, scale**2 * area, material=cap.material)
