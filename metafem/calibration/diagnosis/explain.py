@@ -129,8 +129,7 @@ def explain(
 
 
 def _refuse_contacts(measured: MeasuredLaw, count: int) -> None:
-    """Raise InvalidInput if an asperity is not in the design, or if the area of a closed contact has no
-    error."""
+    """Raise InvalidInput if the design lacks an asperity, or if the area of a closed contact has no error."""
     area, sd, site = measured.asperity_area, measured.asperity_area_sd, measured.site
     if area is None or sd is None or site is None:
         return

@@ -147,15 +147,13 @@ class Scene:
         return scaled | {"load": found.by_load() * (causes.load_sd / modulus)[:, None]}
 
     def _near_difference(self, z: FloatArray, name: str) -> FloatArray:
-        """Return the difference quotient of the areas for one kind of error (k, n), computed now or near
-        z."""
+        """Return the difference quotient of the areas for one kind of error (k, n), at z or near z."""
         if name not in self.differences or np.abs(z - self.differences[name][0]).max() > NEAR:
             self.differences[name] = z, self._difference(z, self.causes.where[name])
         return self.differences[name][1]
 
     def _difference(self, z: FloatArray, where: slice) -> FloatArray:
-        """Return the difference quotient of the areas (k, n) if all entries of z in `where` change
-        together."""
+        """Return the difference quotient of the areas (k, n); the entries `where` of z change together."""
         sides = []
         for step in (STEP, -STEP):
             other = z.copy()
@@ -194,8 +192,7 @@ class Scene:
         return Linear(residual / sd, gradient / sd[:, None], sd, *self._gaps(made, found, derivative))
 
     def _gaps(self, made: Made, found: Response, derivative: FloatArray) -> tuple[FloatArray, ...]:
-        """Return how far the indentations of open contacts exceed the smallest detectable, with its error
-        (c,) [mm].
+        """Return indentations (c,) of open contacts minus the smallest detectable [mm], and its error [mm].
 
         The second returned value, between the two, is the derivative of the indentations with respect to z,
         (c, p).
