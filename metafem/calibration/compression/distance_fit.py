@@ -116,12 +116,13 @@ def distance_fit(
     ``(1 - (r/4.685)^2)^2`` for residuals r up to 4.685, and 0 beyond. Beaton and Tukey, Technometrics 16, 147
     (1974), doi:10.1080/00401706.1974.10489171.
 
-    Each step linearises the curve about the fitted areas A. It regresses ``y = P - c sum_j p'(A_j)
-    (A_measured - A_j)`` on q(A) and s(A) with the variances ``V = load_sd^2 + sum_j (c p' area_sd)^2``. Then
-    ``A_j = A_measured + c p' area_sd^2 r/V`` with the residual r. Regressors and weights are evaluated at A,
-    because the error of A is independent of the error of r. If they were evaluated at the measured areas, E*
-    would have a bias in proportion to the variances of the areas: 1/30 of its standard deviation for the
-    default errors. York, Earth Planet. Sci. Lett. 5, 320 (1968), doi:10.1016/S0012-821X(68)80059-7.
+    Each step linearises the curve about the fitted areas A. It regresses
+    ``y = P - c sum_j p'(A_j) (A_measured - A_j)`` on q(A) and s(A) with the variances
+    ``V = load_sd^2 + sum_j (c p' area_sd)^2``. Then ``A_j = A_measured + c p' area_sd^2 r/V`` with the
+    residual r. Regressors and weights are evaluated at A, because the error of A is independent of the error
+    of r. If they were evaluated at the measured areas, E* would have a bias in proportion to the variances of
+    the areas: 1/30 of its standard deviation for the default errors. York, Earth Planet. Sci. Lett. 5, 320
+    (1968), doi:10.1016/S0012-821X(68)80059-7.
     """
     variance = np.broadcast_to(np.asarray(load_sd, dtype=np.float64) ** 2, load.shape)
     fitted = area

@@ -69,8 +69,8 @@ class Response:
         """Return the derivatives of the areas with respect to a parameter of the contact law, (k, n).
 
         `change` holds the changes x_i and y_i of the indentation and the load of each contact at a fixed
-        contact radius. q is the change of the total rescaled load, `load` (k,). Then ``dA_i = A'_i (c -
-        x_i)``, where c follows from ``sum_i (p'_i (c - x_i) + y_i) = q``.
+        contact radius. q is the change of the total rescaled load, `load` (k,). Then
+        ``dA_i = A'_i (c - x_i)``, where c follows from ``sum_i (p'_i (c - x_i) + y_i) = q``.
         """
         x, y = change
         common = (self.share * x).sum(axis=1) + (load - y.sum(axis=1)) / self.stiffness

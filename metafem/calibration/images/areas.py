@@ -41,8 +41,8 @@ def contact_areas(
     areas. Contacts are the regions within the contour at the half level, half-way between the ground (grey
     level 1) and the dark level of wide contacts. Blur and smoothing have the total variance s_t². They move
     the contour inwards by s_t²/2 times its curvature, so that the contour of any shape encloses ``pi s_t²``
-    less than the contact. This area is added, together with the next term for a circle of radius r, ``pi
-    s_t⁴/(6 r²)``.
+    less than the contact. This area is added, together with the next term for a circle of radius r,
+    ``pi s_t⁴/(6 r²)``.
 
     Parameters
     ----------
@@ -77,13 +77,13 @@ def contact_areas(
 
     Notes
     -----
-    n is the standard deviation of the noise of a pixel over the contrast. Noise causes the error ``n sqrt(2
-    sqrt(pi) s L)`` square pixels of an area with the perimeter L. For n = 0.05 and s = 1.5 pixels this is
-    0.3, 0.1 and 0.03 % of the area at radii of 10, 20 and 50 pixels. `area_error` also includes the scatter
-    of the grey levels of the ground and of the contacts, and the errors of the dark level and of s, which are
-    common to all contacts of an image. Contacts with a radius below 2 s_t are not measured; below 1.2 s_t
-    they do not reach the half level. A contact within 2 s_t of the frame counts as at the edge. The blur of a
-    neighbour within 2 s_t enlarges an area by up to 1 %; still closer neighbours are merged.
+    n is the standard deviation of the noise of a pixel over the contrast. Noise causes the error
+    ``n sqrt(2 sqrt(pi) s L)`` square pixels of an area with the perimeter L. For n = 0.05 and s = 1.5 pixels
+    this is 0.3, 0.1 and 0.03 % of the area at radii of 10, 20 and 50 pixels. `area_error` also includes the
+    scatter of the grey levels of the ground and of the contacts, and the errors of the dark level and of s,
+    which are common to all contacts of an image. Contacts with a radius below 2 s_t are not measured; below
+    1.2 s_t they do not reach the half level. A contact within 2 s_t of the frame counts as at the edge. The
+    blur of a neighbour within 2 s_t enlarges an area by up to 1 %; still closer neighbours are merged.
 
     Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, use Otsu's method: IEEE Trans. Syst.
     Man Cybern. 9, 62 (1979), doi:10.1109/TSMC.1979.4310076.

@@ -136,8 +136,7 @@ def measured_levels(
 
 
 def threshold_of(ground: Ground) -> tuple[float, float | None]:
-    """Return Otsu's threshold and None or, if it is in the noise, half level and level of the darkest
-    region."""
+    """Return Otsu's threshold and None or, if invalid, the half level and the level of the darkest region."""
     level = ground.otsu()
     noise = float(np.median(np.abs(ground.corrected[::EVERY, ::EVERY] - 1.0))) / MAD
     if 1.0 - level > IN_NOISE * noise:
