@@ -12,12 +12,11 @@ from scipy.special import ndtr
 
 from metafem._validate import FloatArray
 
-# Probability that an interval contains the mean, and half the width of the interval of a normal distribution
-# in standard deviations.
+# Probability that an interval contains the mean. Half-width of the normal interval with this probability, in
+# standard deviations.
 PROBABILITY, WIDTH = 0.68, 0.9944578832
 
-# Smallest mean [standard deviations] and number of means for which the intervals of the estimates are
-# computed.
+# Table of means: smallest mean, in standard deviations of the estimate, and number of means.
 SMALLEST_MEAN, MEANS = 1e-4, 4000
 
 
@@ -44,7 +43,7 @@ def bounded_interval(estimate: ArrayLike, sd: ArrayLike) -> tuple[FloatArray, Fl
 
 
 def interval_of(estimate: float, variance: float) -> tuple[float, float]:
-    """Return the ends of the 68 % interval of one nonnegative mean, from an estimate and its variance."""
+    """Return the lower and upper end of the 68 % interval of a nonnegative mean, from one estimate."""
     low, high = bounded_interval(estimate, math.sqrt(variance))
     return float(low), float(high)
 

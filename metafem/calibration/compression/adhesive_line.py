@@ -14,13 +14,13 @@ from metafem.calibration.joint import propagated
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AdhesiveLine(Value):
-    """Least-squares line of ``y = a0^(3/4)/(sqrt(6) pi^(5/4) R)`` over ``x = pi^(1/4) p/(sqrt(6) a0^(3/4))``.
+    """Line through ``x = pi^(1/4) p/(sqrt(6) a0^(3/4))`` and ``y = a0^(3/4)/(sqrt(6) pi^(5/4) R)``.
 
-    p and a0 are the load and the area of a single contact. For a paraboloid, the law of Johnson, Kendall and
-    Roberts is a straight line with the slope ``3/(4 E*)`` and the intercept ``sqrt(3 w/(4 E*))``. The
-    least-squares fit neglects the errors of x, which grow as the contacts shrink. Therefore the fitted slope
-    is too small and E* is too large. Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234,
-    supplementary text "Calibration of individual microcontacts".
+    p and a0 are the load and the area of a single contact of radius R. The line is fitted by least squares.
+    For a paraboloid, the law of Johnson, Kendall and Roberts is a straight line with the slope ``3/(4 E*)``
+    and the intercept ``sqrt(3 w/(4 E*))``. The least-squares fit neglects the errors of x, which grow as the
+    contacts shrink. Therefore the fitted slope is too small and E* is too large. Aymard et al., Science 383,
+    200 (2024), doi:10.1126/science.adk4234, supplementary text "Calibration of individual microcontacts".
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class AdhesiveLine(Value):
 def adhesive_line(load: FloatArray, area: FloatArray, radius: float) -> AdhesiveLine:
     """Return the line through loads p [N] and areas a0 [mm^2], (k,), of single contacts of one radius [mm].
 
-    Arrays with leading axes (..., k) give one line for each entry of these axes.
+    If the arrays have more axes, (..., k), the function fits one line along each last axis.
     """
     power = area**0.75
     x = math.pi**0.25 * load / (math.sqrt(6.0) * power)

@@ -73,12 +73,12 @@ def fit_compression(
     """Return E* and the adhesion energy w fitted to loads and contact areas that both have errors.
 
     The law is ``P = sum_j (E* q(A_j) - b s(A_j))`` with ``b = sqrt(w E*)``, ``s = sqrt(8 pi a^3)`` and
-    ``A = pi a^2``. q is the rescaled load P/E* without adhesion: that of the cap, 4 a^3/(3 R) for
-    `metafem.Hertz`, or, if the sample has a surface, that of the sample under its model. The law is linear in
-    E* and b. The fit minimises the sum of the squared distances from the law, divided by their variances at
-    the fitted areas. If the variances are fixed, this is the orthogonal distance regression of ODRPACK. b may
-    be negative, so that the intervals of sqrt(w) are correct even if w is nearly 0. The straight line of
-    Aymard et al. is computed as well (`AdhesiveLine`).
+    ``A = pi a^2``. q is the rescaled load P/E* of a contact without adhesion, 4 a^3/(3 R) for
+    `metafem.Hertz`. If the sample has a surface, the model of the sample gives q. The law is linear in E* and
+    b. The fit minimises the sum of the squared distances from the law, divided by their variances at the
+    fitted areas. If the variances are fixed, this is the orthogonal distance regression of ODRPACK. b may be
+    negative, so that the intervals of sqrt(w) are correct even if w is nearly 0. The straight line of Aymard
+    et al. is computed as well (`AdhesiveLine`).
 
     The law is valid for elastic contacts with short-range adhesion: Johnson, Kendall and Roberts, Proc. R.
     Soc. A 324, 301 (1971), doi:10.1098/rspa.1971.0141. The effect of neighbours on the adhesive part of the
@@ -92,7 +92,7 @@ def fit_compression(
     area : array_like, (k,) or (k, contacts)
         Measured total contact areas [mm^2], or the areas of single contacts, 0 for an open contact.
     radius : float
-        R of the caps [mm].
+        Radius R of the caps [mm].
     sample : Sample
         Number of contacts, the error of R, and the model of the sample; default: one contact.
     errors : MeasurementErrors

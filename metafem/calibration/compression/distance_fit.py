@@ -110,8 +110,8 @@ def distance_fit(
     """Return the fit of E* and b to loads (..., k) [N] and areas (..., k, n) [mm^2] of single contacts.
 
     The fit minimises the sum of the squared distances from the curve, over their variances. A load is the sum
-    of the loads at the n areas, multiplied by the number of `contacts` that each area represents. `load_sd`
-    [N] is the standard deviation of the loads, `area_sd` returns the standard deviations of areas [mm^2], and
+    of the loads at the n areas, multiplied by `contacts`, the number of contacts per area. `load_sd` [N] is
+    the standard deviation of the loads, `area_sd` returns the standard deviations of areas [mm^2], and
     `largest` [mm^2] is the largest area of the curve. `robust` multiplies the weights by Tukey's weights:
     ``(1 - (r/4.685)^2)^2`` for residuals r up to 4.685, and 0 beyond. Beaton and Tukey, Technometrics 16, 147
     (1974), doi:10.1080/00401706.1974.10489171.
@@ -119,9 +119,9 @@ def distance_fit(
     Each step linearises the curve about the fitted areas A. It regresses
     ``y = P - c sum_j p'(A_j) (A_measured - A_j)`` on q(A) and s(A) with the variances
     ``V = load_sd^2 + sum_j (c p' area_sd)^2``. Then ``A_j = A_measured + c p' area_sd^2 r/V`` with the
-    residual r. Regressors and weights are evaluated at A, because the error of A is independent of the error
-    of r. If they were evaluated at the measured areas, E* would have a bias in proportion to the variances of
-    the areas: 1/30 of its standard deviation for the default errors. York, Earth Planet. Sci. Lett. 5, 320
+    residual r. Regressors and weights are evaluated at A, because the errors of A and r are independent. If
+    they were evaluated at the measured areas, E* would have a bias in proportion to the variances of the
+    areas: 1/30 of its standard deviation for the default errors. York, Earth Planet. Sci. Lett. 5, 320
     (1968), doi:10.1016/S0012-821X(68)80059-7.
     """
     variance = np.broadcast_to(np.asarray(load_sd, dtype=np.float64) ** 2, load.shape)

@@ -149,7 +149,7 @@ class ContactCalibration(Value):
 
     @property
     def adhesion_root_interval(self) -> tuple[float, float]:
-        """68 % interval of sqrt(w) [sqrt(N/mm)], symmetric about the estimate even if this is negative."""
+        """68 % interval of sqrt(w) [sqrt(N/mm)], symmetric about an estimate that may be negative."""
         half = WIDTH * math.sqrt(self.root_covariance[1, 1])
         return self.adhesion_root - half, self.adhesion_root + half
 
@@ -180,8 +180,8 @@ class ContactCalibration(Value):
     def parameter_covariance(self) -> FloatArray:
         """Covariance of E* [MPa] and, if it has an error, the radius [mm], (1, 1) or (2, 2).
 
-        The fitted E* grows with the assumed radius. The effects of the two errors on the contact area at a
-        given load nearly cancel.
+        The fitted E* grows with the assumed radius. At a fixed load, the effects of an error of the radius
+        and of the resulting error of E* on the contact area nearly cancel.
         """
         variance, radius = self.root_covariance[0, 0], self.radius_sd
         if not radius:

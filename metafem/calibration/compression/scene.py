@@ -56,7 +56,7 @@ class AreaCurve:
 
 @dataclass(frozen=True)
 class Sample:
-    """What was pressed in a compression test, besides the radius of its caps.
+    """Sample of a compression test: its contacts, its surface and its model.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class Sample:
         Standard deviation of R [mm], common to all points; default: 0. Caps with a profile or a table are
         scaled in all dimensions.
     poisson_ratio : float, optional
-        Poisson's ratio of the material [-]; default: that of `surface`, or 0.5 without a surface.
+        Poisson's ratio of the material [-]; default: the value of `surface`, or 0.5 without a surface.
     model : Model
         Model of the sample with the elastic contact law of its caps, without adhesion; default:
         `metafem.Independent()`. A model with interaction needs `surface`.
@@ -113,7 +113,7 @@ class Sample:
 
     @property
     def ratio(self) -> float:
-        """Poisson's ratio."""
+        """Poisson's ratio of the sample [-]."""
         if self.surface is not None:
             return self.surface.material.poisson_ratio
         return 0.5 if self.poisson_ratio is None else self.poisson_ratio

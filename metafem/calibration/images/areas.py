@@ -77,13 +77,13 @@ def contact_areas(
 
     Notes
     -----
-    n is the standard deviation of the noise of a pixel over the contrast. Noise causes the error
-    ``n sqrt(2 sqrt(pi) s L)`` square pixels of an area with the perimeter L. For n = 0.05 and s = 1.5 pixels
-    this is 0.3, 0.1 and 0.03 % of the area at radii of 10, 20 and 50 pixels. `area_error` also includes the
-    scatter of the grey levels of the ground and of the contacts, and the errors of the dark level and of s,
-    which are common to all contacts of an image. Contacts with a radius below 2 s_t are not measured; below
-    1.2 s_t they do not reach the half level. A contact within 2 s_t of the frame counts as at the edge. The
-    blur of a neighbour within 2 s_t enlarges an area by up to 1 %; still closer neighbours are merged.
+    n is the standard deviation of the noise of a pixel over the contrast. If an area has the perimeter L,
+    noise causes an error of ``n sqrt(2 sqrt(pi) s L)`` square pixels. For n = 0.05 and s = 1.5 pixels this is
+    0.3, 0.1 and 0.03 % of the area at radii of 10, 20 and 50 pixels. `area_error` also includes the scatter
+    of the grey levels of the ground and of the contacts, and the errors of the dark level and of s, which are
+    common to all contacts of an image. Contacts with a radius below 2 s_t are not measured; below 1.2 s_t
+    they do not reach the half level. A contact within 2 s_t of the frame counts as at the edge. The blur of a
+    neighbour within 2 s_t enlarges an area by up to 1 %; still closer neighbours are merged.
 
     Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, use Otsu's method: IEEE Trans. Syst.
     Man Cybern. 9, 62 (1979), doi:10.1109/TSMC.1979.4310076.
@@ -107,9 +107,9 @@ def stack_areas(
 ) -> tuple[ContactAreas, ...]:
     """Return the contacts in k images, measured with the threshold of the image at the largest load.
 
-    The image at the largest load also determines the dark level and the blur, because the contacts at smaller
-    loads may be too narrow to show them. If this image cannot be measured, the image at the next smaller load
-    is used instead. If the wide contacts of another image are brighter or darker than the dark level, a note
+    The image at the largest load also determines the dark level and the blur, because narrow contacts at
+    smaller loads may not show them. If this image cannot be measured, the image at the next smaller load is
+    used instead. If the wide contacts of another image are brighter or darker than the dark level, a note
     says so, and the errors of the areas in that image include the possible effect. A change of the blur
     between images is not detected. The images are read one at a time, from the largest load to the smallest.
     An image that cannot be measured does not stop the others: its result has no contacts, `failed` is true,

@@ -1,4 +1,4 @@
-"""Result of the measurement of an image: its contacts."""
+"""Contacts found in an image, with their areas."""
 
 from __future__ import annotations
 

@@ -71,7 +71,7 @@ def quantisation(noise: float, step: float) -> float:
 
 
 def counting_bias(length: FloatArray, threshold: float, edge: float) -> FloatArray:
-    """Return the bias of areas by pixel count, the number of pixels darker than a threshold, (n,).
+    """Return the bias of areas that are the number of pixels darker than a threshold [pixels²], (n,).
 
     `threshold` is 0 at the grey level of the ground and 1 at the dark level. `edge` is the standard deviation
     s of the edge before smoothing. The contour at the threshold lies sqrt(2) s erfinv(1 - 2 threshold)
@@ -82,7 +82,7 @@ def counting_bias(length: FloatArray, threshold: float, edge: float) -> FloatArr
 
 
 def of_counting(length: FloatArray, noise: float, threshold: float, edge: float) -> FloatArray:
-    """Return the errors of areas by pixel count: scatter and bias, added in quadrature.
+    """Return the errors of areas by pixel count, with scatter and bias added in quadrature [pixels²], (n,).
 
     The probability that a pixel near the contour is counted wrongly follows from the noise and the slope of
     the edge. The variances of these pixels add up to sqrt(2) s n L.

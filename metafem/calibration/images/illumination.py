@@ -21,7 +21,8 @@ DEGREE = 2
 # pixels that are read along each side of a block.
 BLOCKS, LEAST_BLOCK, READ = 96, 4, 7
 
-# Largest distance between a block of the ground and the surface, in standard deviations, and number of fits.
+# Largest distance between a block of the ground and the surface, in standard deviations. Largest number of
+# iterations.
 CLIPPED, ROUNDS = 3.0, 12
 
 # Smallest share of the blocks for a fit.
@@ -34,10 +35,10 @@ WEIGHT = 50.0
 # Ratio of the median absolute deviation to the standard deviation of a normal distribution.
 MAD = 0.6745
 
-# Image with bright contacts: smallest grey level of the ground, over the contrast, at which the image is
-# divided by the ground (a dark field has a darker ground). Image with dark contacts: it is not divided if
-# grey levels fall below zero by more than this share of the ground, or if the ground falls below the square
-# of this share of its mean level.
+# Limit for the division of an image by its ground. An image with bright contacts is divided if the grey level
+# of the ground exceeds FAINT times the contrast, which is not the case in a dark field. An image with dark
+# contacts is divided unless grey levels lie below zero by more than FAINT times the ground, or the ground
+# lies below FAINT² times its mean level.
 FAINT = 0.2
 
 

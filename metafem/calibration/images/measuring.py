@@ -137,7 +137,7 @@ def _middle(image: NDArray[np.float32], centre: FloatArray, axes: FloatArray, to
     """Return the grey levels in the middle of the contacts that are wide enough to show their dark level."""
     wide = axes[:, 1] > levels.DEEP * total
     x, y = centre[wide].T
-    # the border shifts the pixels by one
+    # the border shifts the pixels by 1
     level = image[(image.shape[0] - 1 - y).astype(int), x.astype(int) + 1].astype(np.float64)
     # share of the contrast that a smoothed circle retains in its middle
     shown = 1.0 - np.exp(-0.5 * axes[wide].prod(axis=1) / total**2)

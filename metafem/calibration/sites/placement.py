@@ -181,8 +181,7 @@ class _View:
         return replace(pose, site=site)
 
     def within(self, region: int, where: FloatArray, taken: set[int]) -> list[int]:
-        """Return the free sites in the ellipse of a region or, with their errors, at its centre, nearest
-        first."""
+        """Return the free sites within a region's ellipse or near its centre, the nearest site first."""
         areas = self.areas
         away = where - areas.centre[region]
         cos, sin = np.cos(areas.angle[region]), np.sin(areas.angle[region])

@@ -115,8 +115,7 @@ class Search:
         return np.asarray(np.maximum(1.0 - (distance / reach) ** 2, 0.0).sum(axis=1))
 
     def assigned(self, pose: Pose, reach: float) -> tuple[IntArray, FloatArray]:
-        """Return the site of each contact (-1: none) and its distance; a site has only its nearest
-        contact."""
+        """Return the site of each contact, -1 for none, and its distance; a site has one contact at most."""
         distance, nearest = self.nearest(pose.sites(self.points), reach)
         site = np.full(len(self.points), -1, dtype=np.intp)
         order = np.argsort(distance, kind="stable")

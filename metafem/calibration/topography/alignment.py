@@ -76,8 +76,7 @@ def aligned(centre: FloatArray, height: FloatArray, design: Surface, mirrored: b
 def _placed(
     centre: FloatArray, height: FloatArray, design: Surface, mirrored: bool, rotation: float
 ) -> Alignment:
-    """Return the alignment for one orientation: summits are matched, then moved by a least-squares rigid
-    motion."""
+    """Return the alignment for one orientation of the map, with summits moved by a rigid motion."""
     view: dict[str, Any] = {"viewed_from": "block" if mirrored else "glass", "rotation": rotation}
     match = match_sites(centre, design.position, rotation_range=TURN, **view)
     if match.ambiguous:
@@ -133,8 +132,7 @@ UNDECIDED = "the heights do not show how the part was turned, mirrored or shifte
 def placement_notes(
     design: Surface, centre: FloatArray, place: Alignment, missing: IntArray, other: list[tuple[float, float]]
 ) -> Iterator[Note]:
-    """Return notes on unmatched summits, missing asperities, and the rotation, mirroring or scale of the
-    map."""
+    """Return notes on unmatched summits, missing asperities, and rotation, mirroring or scale of the map."""
     for what, places, one, many in (
         ("cap", centre[place.site < 0].tolist(), "has no site in the design", "have no site in the design"),
         ("hill", other, "is no cap of the design", "are no caps of the design"),

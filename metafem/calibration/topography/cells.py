@@ -61,8 +61,7 @@ class HeightMap:
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Mean heights of the cells of a map, (rows, columns); nan if less than a tenth of a cell was
-    measured."""
+    """Mean heights of the cells of a map, (rows, columns); nan if too few pixels of a cell were measured."""
 
     mean: FloatArray
     x: FloatArray

@@ -186,8 +186,7 @@ def corrected_heights(design: Surface | Design, made: MadeSurface) -> Correction
 
 
 def _terms(surface: Surface, site: IntArray) -> dict[str, FloatArray]:
-    """Return the terms of each group (p, n); except for the offset, their mean over the measured sites is
-    0."""
+    """Return the terms of each group (p, n); all but the offset have the mean 0 over measured sites."""
     x, y = (surface.position - surface.position[site].mean(axis=0)).T
     groups = {"scale": [surface.height], "tilt": [x, y], "bow": [x**2, x * y, y**2]}
     centred = {
