@@ -96,8 +96,8 @@ def found_figure(
 def residuals(height_map: HeightMap, made: MadeSurface) -> FloatArray:
     """Return the mean residuals of a made surface in square cells of its height map [mm].
 
-    The base plane and the spheres are subtracted from each pixel, not from the cell means: the mean height of
-    a sphere over a cell of side s is s^2 / (12 R) below the height at the cell's centre.
+    The mean height of a sphere over a cell of side s is s^2 / (12 R) below the height at the centre of the
+    cell. Therefore the base plane and the spheres are subtracted from each pixel, before the means are taken.
     """
     side = math.ceil(max(height_map.values.shape) / MOST)
     return cells(height_map, side, partial(_expected, height_map, made)).mean

@@ -1,4 +1,4 @@
-"""Test labels of measured points, and resampling of points within each test."""
+"""Labels of the tests of measured points, and resampling of points within each test."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Bootstrap:
     Raises
     ------
     InvalidInput
-        For fewer than 2 draws, and for an invalid seed.
+        If there are fewer than 2 draws, or if the seed is invalid.
 
     Examples
     --------

@@ -20,7 +20,7 @@ LARGEST, TOLERANCE = 0.99, 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Succession:
-    """Points of several tests, each in the order in which they were measured, and the law fitted to them.
+    """Points of several tests in the order of measurement, and the derivatives of the law fitted to them.
 
     Attributes
     ----------
@@ -58,11 +58,11 @@ class Succession:
         return np.where(self._lag == 1.0, 0.5, 0.0)
 
     def lag_one(self, residual: FloatArray) -> tuple[float, float]:
-        """Return the correlation of successive residuals (k,), and the probability of one at least as large.
+        """Return the correlation of successive residuals (k,), and the probability of a larger value.
 
-        The correlation of the residuals e is ``e^T W e/e^T e``. Its moments for independent errors are those
-        of Durbin and Watson, Biometrika 37, 409 (1950), doi:10.1093/biomet/37.3-4.409. Its distribution is
-        approximated by a normal distribution.
+        The correlation of the residuals e is ``e^T W e/e^T e``. For independent errors, its moments follow
+        from Durbin and Watson, Biometrika 37, 409 (1950), doi:10.1093/biomet/37.3-4.409. A normal
+        distribution approximates its distribution.
         """
         pairs, freedom = self._half.sum(), len(residual) - self._basis.shape[1]
         square = float(residual @ residual)

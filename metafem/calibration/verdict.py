@@ -178,7 +178,7 @@ def judged_in_order(residual: FloatArray, load: FloatArray, measured: Succession
 
 
 def errors_of(verdict: Verdict, measured: Succession, what: str) -> tuple[float, tuple[Note, ...]]:
-    """Return the correlation rho of successive errors and a note on it; 0 and no note if not significant."""
+    """Return the correlation rho of successive errors and a note; 0 and no note if it is not significant."""
     correlation = verdict["correlation"]
     if not correlation.noticed:
         return 0.0, ()
@@ -197,7 +197,7 @@ def errors_of(verdict: Verdict, measured: Succession, what: str) -> tuple[float,
 
 
 def _chi_probability(square: float, freedom: int) -> float:
-    """Return the probability of a chi-square at least as large for a correct law."""
+    """Return the probability that a correct law has a chi-square of at least `square`."""
     return float(gammaincc(0.5 * freedom, 0.5 * square)) if freedom > 0 else 1.0
 
 

@@ -54,8 +54,7 @@ class Data:
         return int(self.contacts * self.area.shape[1])
 
     def sd_of(self, area: FloatArray, rows: Any = slice(None)) -> FloatArray:
-        """Return the standard deviations of areas in these rows [mm^2], from `area_sd` or else from
-        `errors`."""
+        """Return the standard deviations of areas in these rows [mm^2], from `area_sd` or `errors`."""
         if self.area_sd is not None:
             return np.asarray(self.area_sd[rows])
         # the errors of different contacts are independent

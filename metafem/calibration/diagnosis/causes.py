@@ -12,10 +12,10 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.surface import STEEPEST, Surface
 
-# Errors of the part as a whole and of the calibration; each is one number.
+# Errors of the entire part and of the calibration; each error is one number.
 COMMON = ("angle_x", "angle_y", "height_scale", "composite_modulus", "friction", "adhesion_root")
 
-# Errors of single asperities; each asperity has one number, or two for the position.
+# Errors of single asperities; a height or radius error is one number for each asperity, a position error two.
 SINGLE = ("height", "radius", "position")
 
 # Groups of errors that tables and shares of the misfit combine into one cause.
@@ -47,9 +47,8 @@ class Priors:
     """Prior standard deviations of the errors of a part, which are independent and Gaussian.
 
     An error with standard deviation 0 is left out. `explain` is validated for the default values of E*, sigma
-    B, the tilt and the height scale. The default errors of the heights and radii are those of the parts of
-    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234. That paper states no error of the
-    positions.
+    B, the tilt and the height scale. The default errors of heights and radii describe the parts of Aymard et
+    al., Science 383, 200 (2024), doi:10.1126/science.adk4234. That paper states no error of the positions.
 
     Parameters
     ----------
@@ -75,7 +74,7 @@ class Priors:
     Raises
     ------
     InvalidInput
-        If a value is negative, or if a relative one exceeds 1/3.
+        If a value is negative, or if a relative standard deviation exceeds 1/3.
 
     Examples
     --------
@@ -158,7 +157,7 @@ class Causes:
 
     @property
     def common(self) -> list[str]:
-        """Names of the errors of the part as a whole."""
+        """Names of the errors of the entire part."""
         return [name for name in COMMON if name in self.sd]
 
     @property
@@ -175,7 +174,7 @@ class Causes:
         return np.asarray(self.scale(name) * z[self.where[name]])
 
     def scale(self, name: str) -> FloatArray:
-        """Return the prior standard deviations of the numbers of this name, in their unit."""
+        """Return the prior standard deviations of the error of this name, in its unit."""
         where = self.where[name]
         result = np.full(where.stop - where.start, self.sd[name])
         if name == "height":

@@ -54,17 +54,18 @@ def explain(
     law is not linear where contacts open. Sums of areas are averaged over the posterior. Tarantola, Inverse
     Problem Theory (SIAM, 2005), doi:10.1137/1.9780898717921, section 3.2.3.
 
-    The error of a load affects every value measured at this load. The true loads are therefore unknowns, like
-    the errors of the part, and the measured loads are their prior means. After linearisation this equals an
-    effective covariance ``C + J_P C_P J_P'`` with derivatives at the true loads. The error of a contact area
-    follows from the error of the contact's boundary, and grows with the true area. For a contact found open,
-    the data state only that its indentation is at most 0 at the largest load at which it was found open. This
-    step function in the likelihood is replaced by the Gaussian factor with the same mean and variance
-    (expectation propagation). If the areas of all contacts are known, their sum, the total area, is not used.
+    The error of a load affects every value measured at this load. Therefore the true loads are unknowns too,
+    and the measured loads are their prior means. After linearisation, this is equivalent to an effective
+    covariance ``C + J_P C_P J_P'`` of the measured values, with the covariance C_P of the loads and the
+    derivatives J_P at the true loads. The error of a contact area follows from the error of the contact's
+    boundary, and grows with the true area. If a contact was found open, the data state only that its
+    indentation is at most 0 at the largest load at which it was open. This step function in the likelihood is
+    replaced by the Gaussian factor with the same mean and variance (expectation propagation). If the areas of
+    all contacts are known, their sum, the total area, is not used.
 
     A common offset of all heights has no effect at a fixed load. A height error counts as an outlier if it
-    exceeds the largest error in 99 % of parts. It does not follow the prior: its prior standard deviation is
-    set to its own size, so that it does not distort the other errors.
+    exceeds the largest error in 99 % of parts. An outlier does not follow the prior. To keep it from
+    distorting the other errors, its prior standard deviation is set to its own size.
 
     Parameters
     ----------
@@ -79,8 +80,8 @@ def explain(
         Model with the contact law of the design's model. Default: independent asperities; if the surface has
         a block, asperities that interact through the bonded layer if these make the measured values more
         probable. Adhesive asperities are independent by default. Derivatives with respect to errors of single
-        asperities neglect interaction. Derivatives with respect to common errors are closed forms for
-        independent asperities and central differences for interacting asperities.
+        asperities neglect interaction. Derivatives with respect to errors of the entire part are closed forms
+        for independent asperities and central differences for interacting asperities.
 
     Returns
     -------
@@ -180,7 +181,8 @@ def _explanation(
     if friction is not None:
         friction = Friction(part.factor["friction"] * friction.shear_strength, friction.area_ratio)
     gradient = at.gradient
-    # effective number of fitted parameters: sum of the ratios of computed to measured variances
+    # effective number of fitted parameters: sum of posterior variances of computed values over measured
+    # variances
     fitted = float(((gradient @ posterior.covariance) * gradient).sum()) + float((sd[loads] ** 2).sum())
     share, without, before, after = shares(causes, posterior)
     return Explanation(

@@ -20,7 +20,7 @@ from metafem.surface import Friction, Surface
 
 @dataclass(frozen=True)
 class Cause:
-    """One error of the part as a whole or of its calibration.
+    """One error of the entire part or of its calibration.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class SingleErrors(Value):
     mean, sd : ndarray, (n,), or (n, 2) for positions
         Posterior means and standard deviations [mm].
     outlier : ndarray of bool, as mean
-        Whether an error is larger than the largest of n Gaussian errors in 99 % of parts.
+        Whether an error is so large that the largest of n Gaussian errors is smaller in 99 % of parts.
 
     Examples
     --------
@@ -84,12 +84,12 @@ class Explanation(Value):
     Attributes
     ----------
     causes : tuple of Cause
-        Errors of the part as a whole and of its calibration whose prior is not 0.
+        Errors of the entire part and of its calibration whose prior standard deviation is not 0.
     covariance : ndarray, (c, c)
         Posterior covariance of `causes`, in their order.
     single : mapping of str to SingleErrors
-        Errors of single asperities whose prior is not 0, under the names ``height``, ``radius`` and
-        ``position``.
+        Errors of single asperities whose prior standard deviation is not 0, under the names ``height``,
+        ``radius`` and ``position``.
     shares : mapping of str to float
         Share of each cause in the explained misfit [-], largest first; the shares add up to 1. Names:
         ``tilt``, ``height_scale``, ``composite_modulus``, ``friction``, ``adhesion_root``, ``height``,

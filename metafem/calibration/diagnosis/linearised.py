@@ -32,8 +32,8 @@ SMALLEST = 1e-12
 # Largest change of an unknown, in prior standard deviations, up to which earlier differences are reused.
 NEAR = 0.05
 
-# Largest contact radius, over the radius of the summit, at which the indentation of an overlooked area is
-# computed. The contact radius of a spherical cap cannot reach the radius of the cap.
+# The indentation of an overlooked area is computed up to this contact radius, over the radius of the summit.
+# The contact radius of a spherical cap cannot reach the radius of the cap.
 WIDEST = 0.9
 
 # Smallest computed area, over the measured area, at which the error of the area is computed. It corresponds
@@ -88,10 +88,10 @@ class Scene:
 
     @cached_property
     def opened(self) -> tuple[IntArray, IntArray, FloatArray]:
-        """Number of the largest load with the contact open, asperity, and largest overlooked area [mm^2].
+        """Largest load with the contact open (its number), asperity, and overlooked area [mm^2], (c,) each.
 
-        At smaller loads the contact is open, too. If the overlooked area is 0, the boundary error determines
-        which contacts are overlooked.
+        The overlooked area is the largest that the image may not show. At smaller loads the contact is open,
+        too. If the overlooked area is 0, the boundary error determines which contacts are overlooked.
         """
         area, sd, site = self.single
         column = np.flatnonzero((area <= 0.0).any(axis=0))
@@ -132,7 +132,7 @@ class Scene:
         return result
 
     def _rates(self, made: Made, found: Response) -> dict[str, FloatArray]:
-        """Return the derivatives of independent areas (k, n) with respect to common errors and loads."""
+        """Return the derivatives (k, n) of the areas of independent contacts by common errors and loads."""
         causes, modulus = self.causes, made.surface.material.composite_modulus
         along = made.surface.position * (1.0 + made.slope**2)
         by_modulus = found.by_law(found.by_modulus, -made.load / modulus)
@@ -217,8 +217,8 @@ class Scene:
         The other two values are the derivatives of this indentation with respect to log E* and log sqrt(w).
 
         If the boundary error b limits the detection, the indentation is SEEN (2 b)^2/R. If a larger area may
-        be overlooked, it is the indentation of that area; its error 2 a b/R follows from the error b of the
-        contact radius a.
+        be overlooked, the result is the indentation of that area, and its error 2 a b/R follows from the
+        error b of the contact radius a.
         """
         _, site, overlooked = self.opened
         boundary = float(np.median(self.closed[-1])) if len(self.closed[-1]) else 0.0

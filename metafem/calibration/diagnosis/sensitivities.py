@@ -98,8 +98,9 @@ def response(model: Model, part: Made, load: FloatArray) -> Response:
     stiffness = _where_closed(law.stiffness, size, radius)
     rate = np.where(closed, _where_closed(law.area_slope, size, radius), math.pi * radius)
     area = np.where(closed, law.area(size), math.pi * radius * np.minimum(indentation, 0.0))
-    # If indentation and load change by x and y at a fixed contact radius, then load and area change by y - p'
-    # x and -A' x at a fixed indentation. The negative area of an open contact is pi R d.
+    # If indentation and load change by x and y at a fixed contact radius, then the load changes by
+    # ``y - p' x`` and the area by ``-A' x`` at a fixed indentation. The negative area of an open contact is
+    # pi R d.
     latent = math.pi * indentation
     if law == PARABOLOID:
         load_by_radius, area_by_radius = carried / (2.0 * radius), latent
@@ -123,7 +124,7 @@ def response(model: Model, part: Made, load: FloatArray) -> Response:
 def law_changes(
     contact: Contact, material: Material, size: FloatArray, radius: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the derivatives of indentation and load (2, ...) with respect to log E* and to log sqrt(w)."""
+    """Return the derivatives of indentation and load, (2, ...), by log E*, and by log sqrt(w)."""
     moduli = (replace(material, composite_modulus=f * material.composite_modulus) for f in FACTORS)
     by_modulus = [contact.for_material(each) for each in moduli]
     by_adhesion = [with_adhesion(contact, factor).for_material(material) for factor in FACTORS]

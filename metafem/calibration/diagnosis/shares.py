@@ -16,7 +16,7 @@ from metafem.calibration.diagnosis.update import Posterior
 def shares(causes: Causes, posterior: Posterior) -> tuple[dict[str, float], dict[str, float], float, float]:
     """Return the shares of the causes in the explained misfit, the largest first, and misfits.
 
-    The misfits are those without each cause, without all causes and with all causes.
+    The last three values are the misfits without each cause, without all causes and with all causes.
 
     The misfit without causes is ``r'S^-1 r``. r are the residuals of the prior prediction, linearised at the
     posterior, and S is the covariance of the measurement including the loads. The misfit with all causes is
@@ -30,7 +30,7 @@ def shares(causes: Causes, posterior: Posterior) -> tuple[dict[str, float], dict
     square = float(residual @ residual)
 
     def without(places: Iterable[slice]) -> tuple[FloatArray, float]:
-        """Return the posterior means (p,) and the misfit if the unknowns at `places` are 0."""
+        """Return the posterior means (p,) and the misfit with the unknowns at `places` fixed at 0."""
         on, found = np.ones(causes.size, dtype=bool), np.zeros(causes.size)
         for where in places:
             on[where] = False
@@ -74,8 +74,8 @@ class Unresolved:
     Attributes
     ----------
     change : mapping of str to float
-        Changes of the errors by one standard deviation [rad or relative]. All changes together alter the
-        measured values by less than the measurement errors.
+        Changes of the errors by one standard deviation [rad or relative]. Made together, the changes alter
+        the measured values by less than the measurement errors.
     variance_left : float
         Posterior variance over prior variance [-].
 
@@ -90,17 +90,17 @@ class Unresolved:
 
 
 def unresolved(causes: Causes, covariance: FloatArray) -> tuple[Unresolved, ...]:
-    """Return the unresolved errors and combinations among the errors of the part as a whole.
+    """Return the unresolved errors and combinations of errors of the entire part.
 
     `covariance` (p, p) is the posterior covariance of the unknowns over their prior standard deviations. The
-    combinations are eigenvectors of the block of the common errors, with all other unknowns free. Unresolved
+    combinations are eigenvectors of the block of `covariance` for the errors of the entire part. Unresolved
     eigenvectors are rotated within the space that they span until each combines few errors.
     """
     names = causes.common
     index = np.array([causes.where[name].start for name in names], dtype=np.intp)
     sd = np.array([causes.sd[name] for name in names])
     block = covariance[np.ix_(index, index)]
-    # here the other common errors are known, while the errors of asperities and loads are unknown
+    # here the other errors of the entire part are known; the errors of asperities and loads are unknown
     unseen = 1.0 / np.diag(np.linalg.inv(block)) > UNSEEN
     found = [Unresolved({names[i]: sd[i].item()}, float(block[i, i])) for i in np.flatnonzero(unseen)]
     seen = np.flatnonzero(~unseen)

@@ -48,7 +48,7 @@ class Posterior:
     covariance: FloatArray
     linear: Linear  # at the mean
     log_evidence: float
-    change: float  # largest part of the last step, in standard deviations
+    change: float  # size of the last step, in standard deviations
 
 
 def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Posterior:

@@ -29,8 +29,8 @@ from metafem.progress import doing
 # Parameters whose errors shift all points together.
 PARAMETERS = ("composite_modulus", "shear_strength", "area_ratio")
 
-# Largest plausible ratio between the values of E* of part and design. Beyond it, the material or a unit is
-# wrong.
+# Largest plausible ratio between E* of the part and E* of the design. If the ratio is larger, the material or
+# a unit is wrong.
 OTHER_MATERIAL = 3.0
 
 # Smallest number of points of a line for an estimate of the scatter.
@@ -53,14 +53,14 @@ def compare(
     and ``dd/dB = -y / B``.
 
     The slopes, the friction at operating points and the crossover are estimated from the measured points. The
-    values of the design are estimated with the same method from its law at the same loads.
+    same method estimates the values of the design from its law at the same loads.
 
     Parameters
     ----------
     measured : MeasuredLaw
     design : Design or FrictionLaw
-        For a Design, the law is computed at the measured loads, and its target defines the features. A
-        FrictionLaw is interpolated.
+        The law of a Design is computed at the measured loads, and the target of the Design defines the
+        features. A FrictionLaw is interpolated and has no features.
     parameters : mapping of str to float, or sequence of str
         Standard deviations of ``composite_modulus`` [MPa], ``shear_strength`` [MPa] and ``area_ratio`` [-].
         With `covariance`, only their names, in the order of its rows. Default: no errors.

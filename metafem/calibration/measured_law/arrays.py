@@ -1,4 +1,4 @@
-"""Arrays of a measured law: they are checked, given standard deviations and sorted by load."""
+"""Checks of the arrays of a measured law, their default standard deviations, and sorting by load."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ BELOW_ZERO = 5.0
 # friction law of contacts: only one normal error in thirty thousand is so large.
 FALLING = 4.0
 
-# The standard deviation of a total area is at least that of this fraction of the largest area, so that loads
-# without contact have an error too.
+# A load without contact has an error too: the standard deviation of a total area is at least the value for
+# this fraction of the largest area.
 SMALL_CONTACT = 0.01
 
 

@@ -16,8 +16,8 @@ from metafem._validate import FloatArray
 # Indices of the parameters c, a, m1, m2 of a bent line.
 KINK, LEVEL, LEFT, RIGHT = range(4)
 
-# Largest number of steps of a descent, and decrease of chi-square per step at which the descent ends. The
-# decrease is small compared with the growth of chi-square at the ends of intervals, about 1.
+# Largest number of steps of a descent. The descent ends if a step decreases chi-square by less than SETTLED,
+# which is small compared with the growth of chi-square at the ends of intervals, about 1.
 MOST_STEPS, SETTLED = 40, 1e-5
 
 # Levenberg–Marquardt damping: initial value, and factors after a step that reduces or increases chi-square.
@@ -34,8 +34,8 @@ Lines = tuple[FloatArray, FloatArray]
 def deviations(points: FloatArray, p: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the deviations along y and x in standard deviations, (b, n), and their derivatives (b, n, 4).
 
-    The derivatives are those of the first deviation. The second deviation is 0 if the nearest point is on one
-    of the lines; otherwise its only derivative, with respect to c, is ``-1 / sx``.
+    The third value has the derivatives of the deviation along y. The deviation along x is 0, unless the true
+    load is the crossover. In this case its only derivative, with respect to c, is ``-1 / sx``.
     """
     c, a, left, right = (p[:, i : i + 1] for i in range(4))
     x, y, sx, sy = points
@@ -167,10 +167,10 @@ TRIED = 25
 def growths(points: FloatArray, p: FloatArray, draws: int, rng: np.random.Generator) -> FloatArray:
     """Return the growth of chi-square at the ends of the intervals of the crossover and both slopes, (3, b).
 
-    For each simulated law, chi-square is evaluated at the true value of the parameter and minimised over all
-    other parameters, and the minimum of chi-square over all parameters is subtracted. The growth is the 68 %
-    quantile of this difference. It is smaller than in the regular case if the crossover is at the end of its
-    range. Then the growth of the regular case is used, because the true crossover is not at the end.
+    In each simulated law, one parameter is fixed at its true value, and chi-square is minimised over the
+    others. The growth is the 68 % quantile of the difference between this chi-square and the minimum over all
+    parameters. If the crossover is at the end of its range, the growth is smaller than REGULAR_GROWTH. Then
+    REGULAR_GROWTH is used, because the true crossover is not at the end.
     """
     found = [
         _quantiles(points[:, i], p[i], rng.standard_normal((draws, points.shape[2]))) for i in range(len(p))

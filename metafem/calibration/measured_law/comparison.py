@@ -17,7 +17,7 @@ from metafem.notes import Note
 
 @dataclass(frozen=True)
 class Feature:
-    """A slope, the friction at an operating point, or the crossover load of a measured law.
+    """Feature of a measured law: a slope, the friction at an operating point, or the crossover load.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Feature:
     interval : (float, float)
         68 % interval of `value`.
     deviation, normalised : float
-        Deviation from the design: relative to the design, and over its standard deviation [-].
+        Relative deviation from the design, and deviation over its standard deviation [-].
     target_deviation : float
         Relative deviation from the target [-].
 

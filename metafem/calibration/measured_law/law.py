@@ -50,22 +50,22 @@ class MeasuredLaw(BaseLaw):
         Real contact areas A0 [mm^2]; default: the sums of `asperity_area`.
     asperity_area : array_like, (k, n), optional
         Contact area of each asperity [mm^2]; 0 for an open contact, nan for an area that could not be
-        measured. At a load with a nan the total area is nan too, unless `area` is passed, and `compare`
-        leaves the load out.
+        measured. If an area at a load is nan, so is the total area, unless `area` is passed; `compare` leaves
+        this load out.
     site : array_like of int, (n,), optional
         Numbers of the asperities in the design; default: 0 to n - 1.
     material : Material
     friction : Friction, optional
         Friction with sigma and B; required to rescale friction forces.
     errors : MeasurementErrors
-        Standard deviations of quantities for which none are passed; default: the error bars of the paper.
+        Default standard deviations of the quantities; default: the error bars of the paper.
     load_sd, friction_force_sd, area_sd, asperity_area_sd : array_like, optional
         Standard deviations in the units and shapes of the quantities, positive. For an open contact, the
         largest area that may have been overlooked, or 0.
     label : str
         Name of the law; default: "static".
     notes : tuple of Note
-        What was left out.
+        Notes on what was left out.
 
     Attributes
     ----------
@@ -139,9 +139,8 @@ class MeasuredLaw(BaseLaw):
 
         The area at a load is the sum over the contacts. Images without a load are left out. If some images
         have a friction force and `friction` is passed, images without a friction force are left out too. The
-        notes name these images. Areas of contacts that were not matched to a site are used in the sums only.
-        If the area of a matched contact is unknown in an image, the areas of the image's other contacts are
-        used.
+        notes name these images. The areas of contacts without a site contribute to the sums only. If the area
+        of a matched contact is unknown in an image, the areas of the image's other contacts are used.
 
         Parameters
         ----------

@@ -47,8 +47,8 @@ MOST_DOUBLINGS = 12
 # Smallest number of points of a line for an estimate of the scatter.
 OF_LINE = 3
 
-# Largest deviation of a point that belongs to a line, in standard deviations. One point in twenty exceeds
-# this deviation by chance.
+# Largest deviation of a point on a line, in standard deviations. One point in twenty exceeds this deviation
+# by chance.
 OFF = 2.0
 
 
@@ -144,7 +144,7 @@ def fit_segments(law: MeasuredLaw, *, draws: int = 2000, rng: Any = 0) -> Segmen
     The errors of load and friction are assumed to be independent.
     ``validation/calibration/segmented_regression.py`` measures the coverage for the data of Fig. 5. The
     likelihood has kinks where the crossover passes a point, so an interval from the curvature of the
-    likelihood would be wrong. For the same reason the crossover is found by a search over its entire range.
+    likelihood would be wrong. Because of the kinks, the crossover is found by a search over its entire range.
     Muggeo, Stat. Med. 22, 3055 (2003), doi:10.1002/sim.1545, treats the case without errors of the load.
 
     Examples
@@ -252,11 +252,11 @@ def _interval(profile: Callable[[Any], FloatArray], estimate: float, limit: floa
 class Branches:
     """Two straight branches of a measured law, and their crossover according to the paper's rule.
 
-    The crossover is the midpoint between the last load on the first line and the first load off this line.
-    Its error is half the distance between the two loads. The rule is biased, because a point is found off the
-    first line only where the two lines already differ by more than the error bars, and because a single large
-    error can end the first line early. In measurements simulated with the heights of Table S2 and the paper's
-    errors, the interval of this rule contains the target in only about 15 % of the trials
+    The crossover is the midpoint between two loads: the last load on the first line and the first load off
+    it. Its error is half the distance between the two loads. The rule is biased, because a point is found off
+    the first line only where the two lines already differ by more than the error bars, and because a single
+    large error can end the first line early. In measurements simulated with the heights of Table S2 and the
+    paper's errors, the interval of this rule contains the target in only about 15 % of the trials
     (``validation/calibration/segmented_regression.py``). The intervals of `fit_segments` have the stated
     coverage.
 

@@ -53,20 +53,21 @@ def shear_strength(
 ) -> StrengthFit:
     """Return the shear strength sigma, fitted to friction forces at loads with all asperities in contact.
 
-    At such loads no new contacts form, and the predicted area A0(P) hardly depends on the heights. The factor
-    sigma B of ``F = sigma B A0(P)`` is fitted with the errors of load and friction force, and then divided by
-    B. The relative sensitivity of sigma is about 2/3 to E* (``dlog(sigma)/dlog(E*)``), -1 to B, and about
-    -2/3 to the radius. If E* was calibrated with caps of the same radius, it is proportional to the radius,
-    and an error of the radius nearly cancels. Aymard et al., Science 383, 200 (2024),
-    doi:10.1126/science.adk4234, supplementary text "Model parameter values".
+    At these loads no new contacts form, and the predicted area A0(P) hardly depends on the heights. The fit
+    of ``F = sigma B A0(P)`` takes the errors of load and friction force into account and gives sigma B, which
+    is divided by B. The relative sensitivity of sigma to E*, ``dlog(sigma)/dlog(E*)``, is about 2/3. The
+    sensitivity to B is -1, and the sensitivity to the radius is about -2/3. If E* was calibrated with caps of
+    the same radius, E* is proportional to the radius, and the effect of an error of the radius on sigma
+    nearly cancels. Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text
+    "Model parameter values".
 
     Parameters
     ----------
     law : MeasuredLaw
         Measured law with friction forces; points below `load_min` are not used.
     surface : Surface
-        Designed or measured surface with its E*. The area ratio B is that of its friction or, if it has none,
-        that of the law's friction.
+        Designed or measured surface with its E*. Its friction provides the area ratio B; if it has no
+        friction, the law provides B.
     load_min : float
         Smallest load that is used [N].
     model : Model, optional
@@ -191,7 +192,7 @@ def _areas(surface: Surface, model: Model, load: FloatArray) -> tuple[FloatArray
 
 
 def _refuse_open(surface: Surface, model: Model, load: float) -> None:
-    """Raise InvalidInput if an asperity is open, with the load that closes all without interaction."""
+    """Raise InvalidInput if an asperity is open; the message states a sufficient load."""
     opened = int((equilibrium(surface, model, load=load).asperity_area <= 0.0).sum())
     if opened:
         least = equilibrium(surface, Independent(), approach=float(np.ptp(surface.height))).load

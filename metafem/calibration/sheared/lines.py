@@ -1,4 +1,4 @@
-"""Fit of the area ratio and the shear strength to the areas and friction forces of sheared contacts."""
+"""Fit of the area ratio and the shear strength to areas and friction forces of sheared contacts."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ class ShearCalibration(Value):
 
     @property
     def friction(self) -> Friction:
-        """Friction with the fitted values."""
+        """Friction with the fitted area ratio and shear strength."""
         return Friction(self.shear_strength, self.area_ratio)
 
     @property
@@ -201,11 +201,12 @@ def shear(
     the friction force F. All three quantities have errors. The true A0 of each point is an unknown of the
     fit; A0, B A0 and sigma B A0 were measured with independent errors, whose standard deviations are computed
     from the fitted values. Both lines contain the sheared area, so B and sigma are correlated (about -0.3
-    with the default errors). Two separate fits give nearly equal values and errors, but no covariance, so
-    that the resulting error of sigma B is too large. Aymard et al., Science 383, 200 (2024),
+    with the default errors). Two separate fits give nearly equal values and errors, but no covariance. The
+    error of sigma B computed from them is too large. Aymard et al., Science 383, 200 (2024),
     doi:10.1126/science.adk4234, Fig. 2, C and D.
 
-    Friction force and sheared area may both be those of static friction, or both those of sliding.
+    The data may be measured at static friction or during sliding, but friction force and sheared area must be
+    measured at the same instant.
 
     Parameters
     ----------

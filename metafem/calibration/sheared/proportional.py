@@ -1,4 +1,4 @@
-"""Fit of proportional quantities whose errors all depend on the quantity."""
+"""Fit of proportional quantities that all have errors."""
 
 from __future__ import annotations
 

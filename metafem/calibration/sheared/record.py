@@ -22,8 +22,8 @@ SLIDING = (0.1, 0.2)
 # of the peak force.
 UNSHEARED = 0.1
 
-# Smallest excess of a peak over the sliding friction, in standard deviations of the noise. The largest of
-# 1,000 noisy values usually does not reach this excess.
+# Smallest height of a peak above the sliding friction, in standard deviations of the noise. The largest of
+# 1,000 noise values is usually smaller.
 DISTINCT = 4.0
 
 
@@ -45,7 +45,7 @@ class ShearRecord(Value):
     peak_displacement : float
         Displacement at the largest friction force [mm].
     sliding_range : (float, float)
-        First and last distance after the peak of the range over which sliding friction is averaged [mm].
+        Range of distances after the peak over which sliding friction is averaged [mm].
     area_before, static_area, sliding_area : float or None
         Contact areas before shear and at the peak, and mean contact area over the sliding range [mm^2]; None
         if areas were not measured.
@@ -108,8 +108,8 @@ def shear_record(
     area : array_like, (m,) or (m, n), optional
         Contact area at the same instants [mm^2], nan between the frames; n columns are summed.
     sliding_range : (float, float)
-        First and last distance after the peak of the sliding range [mm]; default: (0.1, 0.2), as in the
-        paper.
+        Range of distances after the peak over which sliding friction is averaged [mm]; default: (0.1, 0.2),
+        as in the paper.
 
     Returns
     -------

@@ -34,8 +34,8 @@ SIDES = {"glass": False, "block": True}
 # coordinates.
 FEWEST = 3
 
-# Smallest fraction of the contacts that must lie on sites. It is at most 0.45 if the lattice has a wrong
-# pitch, two thirds or half of the true pitch.
+# Smallest fraction of the contacts that must lie on sites. If the design has two thirds or half of the true
+# pitch, at most 0.45 of the contacts lie on sites.
 ON_SITES = 0.6
 
 # Largest rotation [rad] and largest relative change of scale in the search.
@@ -54,7 +54,7 @@ def match_sites(
     expected_area: ArrayLike | None = None,
     frame: ArrayLike | None = None,
 ) -> SiteMatch:
-    """Return the sites of the contacts in an image, with the unknown shift, rotation and scale.
+    """Return the sites of the contacts in an image, and the shift, rotation and scale of the image.
 
     Pairs of contacts are compared with pairs of sites. Each similarity (shift, rotation and scale) that maps
     a pair of sites to a pair of contacts is rated by the number of contacts near sites. The best similarities
@@ -69,8 +69,8 @@ def match_sites(
         Positions of at least 3 sites of the design [mm], in any arrangement, as in `heights.csv`: viewed from
         above the asperities.
     viewed_from : {"glass", "block"}
-        "glass": the camera looks through the glass at the summits, as in heights.csv. "block": the camera
-        looks through the base of the block, and the image is mirrored relative to heights.csv (x -> -x), like
+        "glass": the camera looks through the glass at the summits, and x and y are those of heights.csv.
+        "block": the camera looks through the base of the block, and the image is mirrored (x -> -x), like
         mould.csv. If the optics or the camera's software mirror the image, exchange the two values. Default:
         "glass".
     rotation : float
@@ -94,8 +94,7 @@ def match_sites(
     Raises
     ------
     InvalidInput
-        If there are fewer than 3 contacts, or if fewer than 60 % of them lie on sites and thus belong to
-        another lattice.
+        If there are fewer than 3 contacts, or if fewer than 60 % of the contacts lie on sites.
 
     Notes
     -----

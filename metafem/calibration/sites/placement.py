@@ -24,16 +24,17 @@ from metafem.calibration.sites.search import (
 GUESSES = 8
 
 # A shift by more than HALF the distance between neighbouring sites is used only if it matches clearly more
-# regions than a shorter shift: at least MORE regions more, and at least the fraction PART of all regions
-# more. On a full 8 x 8 lattice, a wrong shift by one pitch loses 1/8 of the regions.
+# regions than a shorter shift. The difference must be at least MORE regions and at least the fraction PART of
+# all regions. On a full 8 x 8 lattice, a wrong shift by one pitch loses 1/8 of the regions.
 HALF, MORE, PART = 0.5, 3, 0.1
 
 # Longest unambiguous shift, over the distance between neighbouring sites. If a shift were longer than 0.4,
 # the shift to the next site, 0.6, would be nearly as short.
 CERTAIN = 0.4
 
-# Largest distance between a region at the edge of the frame and its site, in semi-axes of the region. It is
-# 0.8 for half a circle, and larger if less of the circle is visible. Other regions contain their sites.
+# Largest distance between a region at the edge of the frame and its site, in semi-axes of the region. The
+# distance is 0.8 for half a circle, and larger if less of the circle is visible. Other regions contain their
+# sites.
 SEMI_AXES = 1.5
 
 
@@ -52,7 +53,7 @@ class Placed(Value):
     spoilt : tuple
         Pairs of a site that could not be measured and the reason.
     strays : ndarray of int
-        Numbers of the regions that belong to no site.
+        Numbers of the regions without a site.
     unclear : bool
         Whether another shift, which differs by a distance between sites, matches about as many regions.
     shift : complex
@@ -88,7 +89,7 @@ def placed(
     The sample may move between two images. The shortest shift is assumed, unless a longer shift matches
     clearly more regions. Regions at the edge and merged regions count too. `names` are the names of the sites
     in remarks, and `reach` (m,) the errors of uncertain positions [mm]; default: 0. If `before` is not None,
-    its shift is used, which was found for the same image with more sites.
+    its shift is used; `before` is an earlier result for the same image with more sites.
     """
     own = np.zeros(len(position)) if reach is None else reach
     view = _View(areas, Search(complex_points(areas.centre[areas.complete]), complex_points(position)), own)

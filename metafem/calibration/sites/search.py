@@ -24,13 +24,12 @@ REACH = 0.2
 # deviations. LEAST_REACH, over the distance between sites, allows for errors of a few pixels.
 MEDIANS, LEAST_REACH = 6.0, 0.02
 
-# Largest distance between two contacts that are compared with pairs of sites, over the distance between
-# neighbouring sites. Longer pairs have smaller errors of direction, but open contacts make more of them
-# useless.
+# Largest length of a pair of contacts, over the distance between neighbouring sites. Long pairs have small
+# errors of direction, but open contacts make many long pairs useless.
 LONGEST = 6.0
 
-# Numbers of pairs of contacts that are compared, of contacts that rate a similarity, and of similarities that
-# are refined. If a fifth of the regions are not contacts, a third of the pairs are useless.
+# Number of compared pairs of contacts, number of contacts that rate a similarity, and number of refined
+# similarities. If a fifth of the regions are not contacts, a third of the pairs are useless.
 PAIRS, RATING, REFINED = 30, 40, 24
 
 # Factor that widens the ranges of rotation and scale during the search, because short pairs have large
@@ -102,7 +101,7 @@ class Search:
         return min(max(MEDIANS * float(np.median(distance)), LEAST_REACH * self.spacing), widest)
 
     def nearest(self, points: ComplexArray, reach: float) -> tuple[FloatArray, IntArray]:
-        """Return the distance of each point from the nearest site, inf beyond `reach`, and this site."""
+        """Return the distance of each point from its nearest site, inf beyond `reach`, and this site."""
         flat = points.ravel()
         distance, site = self.tree.query(real_points(flat), distance_upper_bound=reach)
         return distance.reshape(points.shape), site.reshape(points.shape)

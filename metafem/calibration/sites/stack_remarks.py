@@ -1,4 +1,4 @@
-"""Remarks on what could not be measured in an image."""
+"""Remarks on the contacts that could not be measured in an image."""
 
 from __future__ import annotations
 

@@ -45,8 +45,8 @@ def track_contacts(
     the shift that matches the most contacts. If `sites` is None, the contacts of the reference serve as
     sites, including contacts at its edge that are complete in another image. The shortest shift is used,
     unless a longer shift matches clearly more contacts; a warning names the images for which this is unclear.
-    A site without a contact is open: its area is 0. A site outside the frame, at its edge or with a merged
-    contact has the area nan and a remark.
+    A site without a contact is open: its area is 0. A site that is outside the frame, at the edge of the
+    frame or has a merged contact has the area nan and a remark.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def track_contacts(
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DesignSites(Value):
-    """The m sites of a design, and how images show them.
+    """The m sites of a design, with the viewing side and the rotation of the images.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ from metafem.surface import Surface
 # Largest angle between the axes of the map and the axes of the part, in addition to quarter turns.
 TURN = math.radians(20.0)
 
-# Smallest ratio between the height misfits of two orientations at which the heights decide between them.
+# The heights decide between two orientations if the ratio of their height misfits exceeds this value.
 DECIDED = 1.5
 
 
@@ -50,9 +50,9 @@ class Alignment:
 def aligned(centre: FloatArray, height: FloatArray, design: Surface, mirrored: bool | None) -> Alignment:
     """Return the alignment of summits (m, 2) with heights (m,) to the sites of a design.
 
-    All quarter turns are compared, for a map that is mirrored or not (None: both are tried). The orientation
-    with the largest number of matched summits is used. If several orientations match as many summits, the
-    heights decide.
+    All quarter turns are compared. `mirrored` states whether the map is mirrored; if None, both cases are
+    compared. The orientation with the largest number of matched summits is used. If several orientations
+    match this number, the heights decide.
     """
     if min(len(centre), design.count) < FEWEST:
         return _few(centre, height, design)
@@ -70,7 +70,7 @@ def aligned(centre: FloatArray, height: FloatArray, design: Surface, mirrored: b
     best = min(found, key=lambda each: each.misfit)
     near = [each for each in found if each.misfit <= DECIDED * best.misfit]
     others = any((each.site != best.site).any() for each in near)
-    return replace(near[0], decided=False) if others else best  # the first orientation is that of the map
+    return replace(near[0], decided=False) if others else best  # the first orientation tried
 
 
 def _placed(

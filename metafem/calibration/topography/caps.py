@@ -15,7 +15,7 @@ from metafem.calibration.topography.correlation import correlation, summed
 from metafem.calibration.topography.levelled import OUTLIER, SD_OF_MEDIAN, Levelling
 from metafem.progress import each
 
-# Fraction of a cap's height at its foot that the fit leaves out, because tool and microscope round the foot.
+# Lowest fraction of a cap's height, which the fit leaves out because tool and microscope round the foot.
 FOOT = 0.1
 
 # Largest number of steps of a fit, and number of first steps that update the circle of pixels. Four updates
@@ -36,7 +36,7 @@ ACROSS = 48
 # Smallest standard deviation of the distances over the radius, the resolution of single precision.
 RESOLUTION = float(np.finfo(np.float32).eps)
 
-# Width of the margin around an outlier that is left out as well [pixels].
+# Width of the margin around an outlier that the fit also leaves out [pixels].
 BESIDE = 3
 
 

@@ -18,8 +18,8 @@ from metafem.inversion import Design
 from metafem.notes import Note, information
 from metafem.surface import Surface
 
-# Probability of the F test below which a term is significant. One in a hundred terms whose true value is 0 is
-# significant by chance.
+# Probability of the F test below which a term is significant. If the true value of a term is 0, the term is
+# significant by chance in one of a hundred cases.
 SIGNIFICANT = 0.01
 
 # Smallest number of asperities of a regression, and smallest excess of this number over the number of terms.
@@ -45,23 +45,23 @@ GROUPS = {
 class Correction(Value):
     """Systematic height errors of a part, and corrected heights for the next part.
 
-    The systematic height error is ``e = offset + scale (h - h0) + tilt_x x + tilt_y y + bow_xx x^2 + bow_xy x
-    y + bow_yy y^2``. h is the designed height and h0 its mean; x and y are relative to the mean position.
-    From each term its mean over the measured asperities is subtracted, except from the offset. Only groups of
-    terms that are significant at 1 % by an F test are used. The remaining height errors are random.
+    The systematic height error e has the terms offset, ``scale (h - h0)``, ``tilt_x x + tilt_y y`` and
+    ``bow_xx x^2 + bow_xy x y + bow_yy y^2``. h is the designed height and h0 its mean; x and y are relative
+    to the mean position. All terms except the offset have the mean 0 over the measured asperities. Only
+    groups of terms that are significant at 1 % by an F test are used. The remaining height errors are random.
 
     Attributes
     ----------
     surface : Surface
-        Design with the corrected heights.
+        Surface of the design with the corrected heights.
     terms : tuple of str
         The significant terms: ``offset`` [mm], ``scale`` [-], ``tilt_x``, ``tilt_y`` [-], ``bow_xx``,
         ``bow_xy``, ``bow_yy`` [1/mm].
     value, value_sd : ndarray, (number of terms,)
         Values of the terms and their standard deviations.
     random_sd : float
-        Standard deviation of the random manufacturing errors [mm], which cannot be corrected; without the
-        errors of the measurement.
+        Standard deviation of the random manufacturing errors, without the measurement errors [mm]. Random
+        errors cannot be corrected.
     error, spread : float
         Root mean square and standard deviation of the height errors of this part [mm]. The standard deviation
         excludes a common offset, which does not change the friction law.

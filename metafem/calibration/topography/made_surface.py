@@ -44,7 +44,7 @@ class MadeSurface(Value):
     ----------
     surface : Surface
         Asperities that were found, with heights above the base plane, radii, and positions in the design's
-        coordinates. Material, friction and block are those of the design.
+        coordinates. The design provides material, friction and block.
     design : Surface
         Designed surface.
     site : ndarray of int, (n,)
