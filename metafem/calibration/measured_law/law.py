@@ -58,7 +58,7 @@ class MeasuredLaw(BaseLaw):
     friction : Friction, optional
         Friction with sigma and B; required to rescale friction forces.
     errors : MeasurementErrors
-        Default standard deviations of the quantities; default: the error bars of the paper.
+        Errors that provide the standard deviations that are not passed; default: the error bars of the paper.
     load_sd, friction_force_sd, area_sd, asperity_area_sd : array_like, optional
         Standard deviations in the units and shapes of the quantities, positive. For an open contact, the
         largest area that may have been overlooked, or 0.

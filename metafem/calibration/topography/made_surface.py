@@ -132,10 +132,10 @@ def measured_surface(
     """Return the made surface: heights, radii and positions of the asperities on a map of heights.
 
     The base plane (tilt and bow) is fitted between the caps. A sphere ``z = h - R + sqrt(R^2 - rho^2)`` is
-    fitted to the upper nine tenths of each cap, where the slope is below `steepest`. The largest possible
-    part of each cap is used, because it contains the most information. For roughness with the standard
-    deviation s and the covariance ``s^2 exp(-r^2/l^2)`` on a circle of radius a, the standard errors are
-    ``2 s l/a`` for the height, ``4 sqrt(3) s l R^2/a^3`` for the radius and ``2 s l R/a^2`` for each
+    fitted to the part of each cap that belongs to the upper nine tenths of its height and has a slope below
+    `steepest`. This large part is used because it contains the most information. For roughness with the
+    standard deviation s and the covariance ``s^2 exp(-r^2/l^2)`` on a circle of radius a, the standard errors
+    are ``2 s l/a`` for the height, ``4 sqrt(3) s l R^2/a^3`` for the radius and ``2 s l R/a^2`` for each
     coordinate, to first order in a/R and l/a. No unbiased estimate is better by more than terms of order l/a.
     For caps 0.05 to 0.27 mm high with R = 0.526 mm and an arithmetic roughness of 1.2 um, the root mean
     square error of the heights is at most 0.1 um up to l = 12 um, or up to l = 23 um with a common radius.

@@ -54,7 +54,8 @@ def hills(
 
 
 def _sphere(x: FloatArray, y: FloatArray, z: FloatArray) -> Cap | None:
-    """Return the sphere with the least squares of ``|p|^2 - 2 c p - (R^2 - |c|^2)``, or None if invalid."""
+    """Return the sphere that minimises the squares of ``|p|^2 - 2 c p - (R^2 - |c|^2)``, or None if
+    invalid."""
     upper = z > UPPER * z.max()
     if upper.sum() < FEWEST:
         return None
