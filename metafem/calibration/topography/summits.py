@@ -54,8 +54,8 @@ def hills(
 
 
 def _sphere(x: FloatArray, y: FloatArray, z: FloatArray) -> Cap | None:
-    """Return the sphere that minimises the squares of ``|p|^2 - 2 c p - (R^2 - |c|^2)``, or None if
-    invalid."""
+    """Return the least-squares sphere ``|p|^2 - 2 c p - (R^2 - |c|^2) = 0``, or None if it is no valid
+    cap."""
     upper = z > UPPER * z.max()
     if upper.sum() < FEWEST:
         return None
