@@ -54,8 +54,7 @@ def hills(
 
 
 def _sphere(x: FloatArray, y: FloatArray, z: FloatArray) -> Cap | None:
-    """Return the least-squares sphere ``|p|^2 - 2 c p - (R^2 - |c|^2) = 0``, or None if it is no valid
-    cap."""
+    """Return the least-squares sphere ``|p|^2 - 2 c p - (R^2 - |c|^2) = 0``, or None if invalid."""
     upper = z > UPPER * z.max()
     if upper.sum() < FEWEST:
         return None
