@@ -1,4 +1,4 @@
-"""68 % intervals of a quantity that cannot be negative, from an estimate that can."""
+"""68 % intervals of a quantity that cannot be negative, although its estimate can."""
 
 from __future__ import annotations
 
@@ -12,20 +12,22 @@ from scipy.special import ndtr
 
 from metafem._validate import FloatArray
 
-# Probability of an interval, and half its width for a normal distribution, in standard deviations.
+# Probability that an interval contains the mean. Half-width of the normal interval with this probability, in
+# standard deviations.
 PROBABILITY, WIDTH = 0.68, 0.9944578832
 
-# Means in standard deviations at which the intervals of the estimates are computed.
+# Table of means: smallest mean, in standard deviations of the estimate, and number of means.
 SMALLEST_MEAN, MEANS = 1e-4, 4000
 
 
 def bounded_interval(estimate: ArrayLike, sd: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Return the 68 % intervals of means that are at least 0, from normal estimates of any sign.
+    """Return the lower and upper ends of the 68 % intervals of nonnegative means, from normal estimates.
 
-    They contain the mean in 68 % of the draws for every mean, 0 included, and are never empty. Far above 0
-    they are symmetric about the estimate. Feldman and Cousins, Phys. Rev. D 57, 3873 (1998),
-    doi:10.1103/PhysRevD.57.3873: the estimates of a mean are ranked by the ratio of their likelihood to that
-    of the best mean that is at least 0.
+    The estimates may be negative. For every mean, 0 included, the interval contains the mean in 68 % of
+    repeated measurements; no interval is empty. Far above 0 an interval is symmetric about the estimate. The
+    method is that of Feldman and Cousins, Phys. Rev. D 57, 3873 (1998), doi:10.1103/PhysRevD.57.3873: for
+    each mean, estimates are ranked by the ratio of their likelihood to the likelihood of the most probable
+    nonnegative mean.
 
     Examples
     --------
@@ -41,16 +43,17 @@ def bounded_interval(estimate: ArrayLike, sd: ArrayLike) -> tuple[FloatArray, Fl
 
 
 def interval_of(estimate: float, variance: float) -> tuple[float, float]:
-    """Return the 68 % interval of one mean that is at least 0, from an estimate and its variance."""
+    """Return the lower and upper end of the 68 % interval of a nonnegative mean, from one estimate."""
     low, high = bounded_interval(estimate, math.sqrt(variance))
     return float(low), float(high)
 
 
 @lru_cache
 def _accepted() -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return means up to WIDTH, and the lowest and highest estimates that are accepted for each.
+    """Return means up to WIDTH, and the lowest and the highest accepted estimate of each, (MEANS,).
 
-    Estimates from ``m - (m^2 + t^2)/(2 m)``, where the ratio is that of ``m + t``, to ``m + t``.
+    For a mean m, the accepted estimates lie between ``m - (m^2 + t^2)/(2 m)`` and ``m + t``. The likelihood
+    ratio is equal at the two ends.
     """
     mean = np.geomspace(SMALLEST_MEAN, WIDTH, MEANS)
 

@@ -1,4 +1,4 @@
-"""Contacts in a series of images with the measured forces, and the points for fits and laws."""
+"""Contact areas from a series of images with the measured forces, and the points for fits and laws."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from metafem._values import Value
 from metafem.errors import refuse_if
 from metafem.notes import Note, information
 
-# Largest number of images or contacts named in a sentence.
+# Largest number of images or contacts that a sentence names.
 NAMED = 5
 
 
@@ -23,9 +23,9 @@ NAMED = 5
 class ContactTable(Value):
     """Areas of n contacts in k images, and the forces at which the images were taken.
 
-    A contact that an image does not show counts as open: its area is 0, and its error is the smallest area
-    that can be detected in the image. A contact that could not be measured, at the edge of the frame or
-    merged with another, has the area nan, and `remarks` names it.
+    If an image does not show a contact, the contact counts as open: its area is 0, and the error of its area
+    is the smallest detectable area in the image. If a contact could not be measured, because it is at the
+    edge of the frame or merged with another contact, its area is nan and `remarks` names it.
 
     Attributes
     ----------
@@ -36,17 +36,18 @@ class ContactTable(Value):
     load, friction_force : ndarray, (k,)
         Normal load and friction force [N]; nan where they were not measured.
     position : ndarray, (n, 2)
-        Sites of the contacts [mm]: those of the lattice if they were matched, else their mean centres.
+        Positions of the contacts [mm]: lattice sites if the contacts were matched, else mean centres.
     site : ndarray of int, (n,)
-        Numbers of the sites in the design, or 0 to n - 1 if the contacts were not matched.
+        Site numbers in the design, or 0 to n - 1 if the contacts were not matched.
     matched : bool
         Whether the contacts were matched to the sites of a lattice.
     area, area_error : ndarray, (k, n)
         Contact areas and their standard deviations [mm^2].
     sheared_area, sheared_area_error : ndarray, (k, n)
-        The same in the images at the peak of the friction force; nan where there is none.
+        Contact areas and their standard deviations in the images at the peak of the friction force [mm^2];
+        nan where there is no such image.
     remarks : tuple of str
-        What could not be measured, with image and contact.
+        Sentences that state what could not be measured, with image and contact.
 
     Examples
     --------
@@ -78,7 +79,7 @@ class ContactTable(Value):
         Parameters
         ----------
         contact : int
-            Its column, counted from 0.
+            Column of the contact, counted from 0.
 
         Examples
         --------
@@ -93,7 +94,7 @@ class ContactTable(Value):
 
 
 def listed(names: Sequence[str]) -> str:
-    """Return names of images or contacts in a sentence.
+    """Return a list of names as part of a sentence, shortened if it is long.
 
     Examples
     --------
@@ -105,20 +106,20 @@ def listed(names: Sequence[str]) -> str:
 
 
 def _images(table: ContactTable, which: NDArray[np.bool_]) -> str:
-    """Return the names of some images (k,) in a sentence."""
+    """Return the names of the selected images (k,) as part of a sentence."""
     return listed([table.image[i] for i in np.flatnonzero(which).tolist()])
 
 
 def _contacts(table: ContactTable, which: Any) -> str:
-    """Return the names of some contacts (n,) in a sentence."""
+    """Return the names of the selected contacts (n,) as part of a sentence."""
     return listed([table.name_of(j) for j in np.flatnonzero(which).tolist()])
 
 
 def pressed_images(table: ContactTable) -> tuple[NDArray[np.intp], tuple[Note, ...]]:
-    """Return the numbers of the images that are used, and notes on those that are left out.
+    """Return the numbers of the images that a compression fit uses, and notes on omitted images.
 
-    The load is that of all contacts. Where the area of one contact is unknown, its load is unknown too, and
-    the image does not determine E*. The sum of the other areas would bias E*.
+    The measured load is the sum over all contacts. If the area of one contact is unknown, so is its share of
+    the load, and the image does not determine E*. A fit to the sum of the other areas would bias E*.
     """
     whole = np.isfinite(table.load) & np.isfinite(table.area).all(axis=1)
     used = np.flatnonzero(whole & (table.area > 0.0).any(axis=1))
@@ -126,7 +127,7 @@ def pressed_images(table: ContactTable) -> tuple[NDArray[np.intp], tuple[Note, .
 
 
 def _notes_on_pressed(table: ContactTable, whole: NDArray[np.bool_], used: int) -> Iterator[Note]:
-    """Return notes on images without the areas of all contacts or without a contact."""
+    """Return notes on images with unknown areas and on images without contacts."""
     loaded, known = np.isfinite(table.load), np.isfinite(table.area)
     left = loaded & ~whole
     if left.any():
@@ -148,18 +149,21 @@ def _notes_on_pressed(table: ContactTable, whole: NDArray[np.bool_], used: int) 
 
 
 def sheared_points(table: ContactTable) -> tuple[FloatArray, NDArray[np.intp], tuple[Note, ...]]:
-    """Return the points of the images, the image of each point, and notes on missing quantities.
+    """Return points for a shear fit (3, k), the image of each point (k,), and notes on missing quantities.
 
-    Points are areas before and after shear [mm^2] and friction forces [N], (3, k), nan where not measured.
+    The rows of the points are the areas before and after shear [mm^2] and the friction forces [N]. Values
+    that were not measured are nan.
 
-    An image is one point if all its contacts were measured before and after shear. Otherwise it is up to two:
-    the areas of the contacts that both images show, for B, and the sheared area of all contacts with the
-    friction force, for sigma, if all were measured. Two points of an image share the errors of sheared areas,
-    which only changes the covariance of B and sigma.
+    An image gives one point if all its contacts were measured before and after shear. Otherwise it gives up
+    to two points. One has the areas of the contacts that are visible before and after shear, and determines
+    B. The other, if the sheared areas of all contacts are known, has their sum and the friction force, and
+    determines sigma. The two points share the errors of the sheared areas; this only affects the covariance
+    of B and sigma.
 
-    A contact that is below the smallest area in one of the images would bias the ratio of the sums. In the
-    sum for sigma its sheared area is the smallest area or the area from the ratio of the other contacts,
-    whichever is smaller.
+    A contact that is too small to be detected in one of the two images would bias the ratio of the sums, so B
+    is fitted without it. If such a contact is not detected after shear, the sum for sigma contains an
+    estimate of its sheared area: its area before shear times the ratio of the other contacts, but at most the
+    smallest detectable area.
     """
     before, after, force = table.area, table.sheared_area, table.friction_force
     both = np.isfinite(before) & np.isfinite(after)
@@ -192,7 +196,7 @@ def sheared_points(table: ContactTable) -> tuple[FloatArray, NDArray[np.intp], t
 def _notes_on_sheared(
     table: ContactTable, mixed: NDArray[np.bool_], unused: NDArray[np.bool_]
 ) -> Iterator[Note]:
-    """Return notes on contacts below the smallest area in one image of a pair, and on unused images."""
+    """Return notes on contacts that only one image of a pair shows, and on unused images."""
     if mixed.any():
         yield information(
             f"{_images(table, mixed)}: contacts are below the smallest area that is found in one of the "
@@ -209,10 +213,10 @@ def _notes_on_sheared(
 def of_contacts(
     table: ContactTable, rescaled: bool, numbers: IntArray | None
 ) -> tuple[dict[str, Any], tuple[Note, ...]]:
-    """Return the arrays of a law by name, and notes that name the images that are left out.
+    """Return the arrays of a measured law by name, and notes on the omitted images.
 
-    `numbers` are the sites of the design's asperities; default: asperity i is at site i. Friction forces are
-    used if they can be `rescaled`, otherwise the areas.
+    `numbers` are the sites of the design's asperities; if None, asperity i is at site i. If friction forces
+    were measured and can be `rescaled`, an image needs a friction force; otherwise it needs areas.
     """
     forces, total = np.isfinite(table.friction_force), ~np.isnan(table.area.sum(axis=1))
     by_force = rescaled and bool(forces.any())
@@ -241,16 +245,16 @@ def of_contacts(
     if table.matched:
         found |= {"asperity_area": area[:, sites], "asperity_area_sd": area_sd[:, sites]}
         found["site"] = _asperities(table.site[sites], numbers)
-    sd = np.sqrt((np.where(area > 0.0, area_sd, 0.0) ** 2).sum(axis=1))  # open contacts are taken as open
+    sd = np.sqrt((np.where(area > 0.0, area_sd, 0.0) ** 2).sum(axis=1))  # without the errors of open contacts
     if total[used].all() or (table.matched and total[used].any()):
         found["area"] = area.sum(axis=1)
-        if (sd > 0.0).all():  # otherwise from the errors: an image without contacts has none
+        if (sd > 0.0).all():  # an image without contacts has sd 0: use the default errors then
             found["area_sd"] = sd
     return found, tuple(notes)
 
 
 def _asperities(sites: NDArray[np.intp], numbers: IntArray | None) -> NDArray[np.intp]:
-    """Return the asperities of the design at sites."""
+    """Return the numbers of the design's asperities at sites."""
     if numbers is None:
         return sites
     place = {number: i for i, number in enumerate(numbers.tolist())}
@@ -260,7 +264,7 @@ def _asperities(sites: NDArray[np.intp], numbers: IntArray | None) -> NDArray[np
 
 
 def _unknown(table: ContactTable, used: NDArray[np.bool_], unknown: NDArray[np.bool_]) -> list[Note]:
-    """Return notes on the unknown areas of contacts (k, n), one for all images with the same ones."""
+    """Return notes on unknown areas (k, n), one note for all images with the same unknown contacts."""
     images: dict[tuple[int, ...], list[str]] = {}
     for i in np.flatnonzero(used & unknown.any(axis=1)).tolist():
         images.setdefault(tuple(table.site[unknown[i]].tolist()), []).append(table.image[i])
@@ -274,7 +278,7 @@ def _unknown(table: ContactTable, used: NDArray[np.bool_], unknown: NDArray[np.b
 
 
 def _missing(table: ContactTable, i: int, by_force: bool) -> str:
-    """Return the quantity that is missing in image i."""
+    """Return the name of the quantity that image i lacks."""
     if np.isnan(table.load[i]):
         return "load"
     if by_force:

@@ -1,4 +1,4 @@
-"""Figures of measurements: calibrations, contacts found in an image, and made surfaces."""
+"""Figures of calibrations, of the contacts found in an image, and of made surfaces."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ if TYPE_CHECKING:
     from metafem.calibration.topography.made_surface import MadeSurface
     from metafem.prediction import FrictionLaw
 
-# Largest number of cells along an axis of the residual map; cell means show more than rough pixels.
+# Largest number of cells along an axis of the residual map. The means over cells are less noisy than pixels.
 MOST = 300
 
 
 def calibration_figure(
     contact: ContactCalibration | None, shear: ShearCalibration | None, strength: StrengthFit | None = None
 ) -> Figure:
-    """Return the figure of the calibrations that are not None."""
+    """Return a figure of the calibrations that are not None, with their residuals."""
     fits: list[tuple[Callable[[Axes], Any], FloatArray, FloatArray, str]] = []
     if contact is not None:
         title = f"E* = {contact.composite_modulus:.4g} MPa"
@@ -62,7 +62,7 @@ def calibration_figure(
 def found_figure(
     image: NDArray[Any], areas: ContactAreas, tracked: TrackedContacts, index: int, sheared: bool = False
 ) -> Figure:
-    """Return a figure of an image of a stack with its contacts, their numbers and the open sites."""
+    """Return a figure of one image of a stack with its contacts, their site numbers and the open sites."""
     placed = (tracked.placed_sheared if sheared else tracked.placed)[index]
     pixel = areas.pixel_size
     figure = drawing.picture_figure(*image.shape[::-1])
@@ -80,7 +80,7 @@ def found_figure(
         table = tracked.table
         number = table.site if table.matched else table.site + 1
         sites, away = np.arange(len(number)), placed.position.copy()
-        # next to a contact, outside its outline
+        # put the number next to the contact, outside its outline
         half = 0.75 * areas.axes[matched, :1] * [1.0, -1.0]
         away[placed.site[matched]] = areas.centre[matched] + half
         closed, spoilt = np.isin(sites, placed.site), np.isin(sites, [site for site, _ in placed.spoilt])
@@ -94,17 +94,17 @@ def found_figure(
 
 
 def residuals(height_map: HeightMap, made: MadeSurface) -> FloatArray:
-    """Return the mean residuals in square cells of the map on which a made surface was measured [mm].
+    """Return the mean residuals of a made surface in square cells of its height map [mm].
 
-    Base plane and spheres are subtracted from each pixel: over a cell of the side s, the mean of a sphere is
-    s^2 / (12 R) lower than its height in the middle.
+    The mean height of a sphere over a cell of side s is s^2 / (12 R) below the height at the centre of the
+    cell. Therefore the base plane and the spheres are subtracted from each pixel, before the means are taken.
     """
     side = math.ceil(max(height_map.values.shape) / MOST)
     return cells(height_map, side, partial(_expected, height_map, made)).mean
 
 
 def _expected(height_map: HeightMap, made: MadeSurface, rows: slice, columns: slice) -> FloatArray:
-    """Return base plane and spheres on the pixels in rows and columns, which start at column 0."""
+    """Return the heights of the base plane and the spheres at the pixels in these rows and columns [mm]."""
     x, y = height_map.x(columns), height_map.y(rows)
     result = made.levelling.base(x[None, :], y[:, None])
     for centre, height, radius in zip(
@@ -126,7 +126,7 @@ def made_figure(
     designed: FrictionLaw,
     law: FrictionLaw,
 ) -> Figure:
-    """Return the height errors at the sites and over the heights, the residual map and the two laws."""
+    """Return a figure of the height errors at the sites and over height, the residuals and the two laws."""
     figure = new_figure(10.0, 8.4)
     (sites, residual), (heights, laws) = figure.subplots(2, 2)
     design = made.design

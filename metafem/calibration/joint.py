@@ -1,4 +1,4 @@
-"""Covariance of parameters from several calibrations, for `metafem.studies.uncertainty`."""
+"""Joint covariance of the parameters of several calibrations, for `metafem.studies.uncertainty`."""
 
 from __future__ import annotations
 
@@ -19,27 +19,27 @@ if TYPE_CHECKING:
     from metafem.calibration.sheared.full_contact import StrengthFit
     from metafem.calibration.sheared.lines import ShearCalibration
 
-# Largest asymmetry and most negative eigenvalue of a correlation matrix, by the rounding of printed numbers.
+# Largest asymmetry and most negative eigenvalue of a correlation matrix that rounded input may cause.
 ASYMMETRY = 1e-6
 
 
 def joint_covariance(
     *calibrations: ContactCalibration | ShearCalibration | StrengthFit,
 ) -> tuple[tuple[str, ...], FloatArray]:
-    """Return the names of all parameters and their covariance, for `metafem.studies.uncertainty`.
+    """Return the names of all parameters and their joint covariance.
 
-    Calibrations from different measurements are independent: the matrix is block diagonal.
+    Calibrations from different measurements are independent, so the matrix is block diagonal.
 
     Parameters
     ----------
     *calibrations : ContactCalibration, ShearCalibration or StrengthFit
-        Each parameter belongs to one of them.
+        Calibrations without a parameter in common.
 
     Returns
     -------
     names : tuple of str
     covariance : ndarray, (p, p)
-        In mm, MPa and 1, as in `metafem.studies.uncertainty`.
+        Covariance matrix; lengths in mm, stresses in MPa, as `metafem.studies.uncertainty` expects.
 
     Raises
     ------
@@ -73,9 +73,9 @@ def joint_covariance(
 
 
 def checked_covariance(names: Sequence[str], covariance: ArrayLike) -> FloatArray:
-    """Return the covariance matrix (p, p) of named parameters, or raise InvalidInput."""
+    """Return the covariance matrix of named parameters, (p, p), or raise InvalidInput if it is invalid."""
     matrix = check.array("covariance", covariance, shape=(len(names), len(names)))
-    # in units of the standard deviations of the parameters
+    # check the correlation matrix, which has no units
     scale = np.sqrt(np.abs(np.diagonal(matrix)))
     scaled = matrix / np.outer(*[np.where(scale > 0.0, scale, 1.0)] * 2)
     symmetric = np.allclose(scaled, scaled.T, rtol=0.0, atol=ASYMMETRY)
@@ -88,7 +88,7 @@ def checked_covariance(names: Sequence[str], covariance: ArrayLike) -> FloatArra
 
 
 def propagated(covariance: FloatArray, *rows: Sequence[ArrayLike]) -> FloatArray:
-    """Return ``J C J^T`` of covariances C (..., p, p), for the rows of the matrix J of derivatives."""
+    """Return ``J C J^T`` for covariances C (..., p, p) and the rows of the Jacobian matrix J."""
     entries = [np.stack(np.broadcast_arrays(*row, covariance[..., 0, 0])[:-1], axis=-1) for row in rows]
     jacobian = np.stack(entries, axis=-2)
     return np.asarray(jacobian @ covariance @ np.swapaxes(jacobian, -1, -2))

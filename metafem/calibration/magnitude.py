@@ -1,4 +1,4 @@
-"""Detection of implausible values, and the unit that would make them plausible."""
+"""Detection of values in a wrong unit, and hints at the correct unit."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.notes import Note
 
-# Units of columns that are easily confused, the smaller one first.
+# Pairs of units that are easily confused in tables, the smaller unit first.
 CONFUSED = {"force": ("mN", "N"), "area": ("um2", "mm2")}
 
-# Ratio beyond which a difference is attributed to the unit: the root of the smallest factor between two
-# units.
+# Ratio of a value to the expected value beyond which the unit is assumed to be wrong: the square root of
+# 1000, the smallest factor between two units.
 OFF = math.sqrt(1e3)
 
 
 def unit_hint(name: str, ratio: float) -> str:
-    """Return which unit of a column would fit if its values are `ratio` times the expected ones.
+    """Return a hint at the correct unit of a column whose values are `ratio` times the expected values.
 
     Examples
     --------
@@ -31,17 +31,17 @@ def unit_hint(name: str, ratio: float) -> str:
 
 
 def is_off(ratio: float) -> bool:
-    """Whether a ratio to the expected value indicates a wrong unit."""
+    """Return whether a ratio to the expected value indicates a wrong unit."""
     return not 1.0 / OFF < ratio < OFF
 
 
 def beyond(name: str, ratio: float) -> str:
-    """Return the hint for values whose ratio to the expected ones is not 1, as the end of a sentence."""
+    """Return a unit hint as the end of a sentence, or "" if the ratio does not indicate a wrong unit."""
     return f"; {unit_hint(name, ratio)}" if is_off(ratio) else ""
 
 
 def within_errors(name: str, values: FloatArray, sd: FloatArray) -> tuple[Note, ...]:
-    """Return a note if no value (k,) exceeds its standard deviation."""
+    """Return a note if no value (k,) exceeds its standard deviation, else no note."""
     known = np.isfinite(values) & np.isfinite(sd)
     if not known.any() or (np.abs(values[known]) > sd[known]).any():
         return ()

@@ -13,23 +13,23 @@ from metafem._validate import FloatArray
 
 @dataclass(frozen=True)
 class MeasurementErrors:
-    """Standard deviations of the errors of a measurement; all errors are independent of each other.
+    """Standard deviations of measurement errors, which are independent of each other.
 
-    A load has the error ``load``, a contact of the area A ``boundary * 2 sqrt(pi A)`` (its perimeter times
-    the error of its boundary), and a friction force F ``friction_force + friction_relative F``. The default
-    values are the error bars of Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, caption
-    of Fig. 2.
+    The standard deviation is ``load`` for a load, ``boundary * 2 sqrt(pi A)`` (the perimeter times the error
+    of the boundary) for a contact of area A, and ``friction_force + friction_relative F`` for a friction
+    force F. The default values are the error bars of Aymard et al., Science 383, 200 (2024),
+    doi:10.1126/science.adk4234, caption of Fig. 2.
 
     Parameters
     ----------
     load : float
-        Of a measured load [N], positive; default: 5 mN.
+        Standard deviation of a load [N], positive; default: 5 mN.
     boundary : float
-        Of the position of a contact's boundary [mm], positive; default: 1.4 um.
+        Standard deviation of the position of a contact's boundary [mm], positive; default: 1.4 um.
     friction_force : float
-        Of a friction force at zero [N], positive; default: 1 mN.
+        Standard deviation of a friction force of zero [N], positive; default: 1 mN.
     friction_relative : float
-        Of a friction force, relative to it [-], not negative; default: 0.01.
+        Relative part of the standard deviation of a friction force [-], not negative; default: 0.01.
 
     Raises
     ------

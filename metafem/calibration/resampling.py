@@ -1,4 +1,4 @@
-"""Labels of measured points, and resampling of the points of each test."""
+"""Labels of the tests of measured points, and resampling of points within each test."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from metafem.errors import refuse_if
 
 @dataclass(frozen=True)
 class Bootstrap:
-    """Fits to points resampled with replacement from those of each test.
+    """Bootstrap fits: the points of each test are resampled with replacement.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ class Bootstrap:
     Raises
     ------
     InvalidInput
-        For fewer than 2 draws, and for an invalid seed.
+        If there are fewer than 2 draws, or if the seed is invalid.
 
     Examples
     --------
@@ -44,7 +44,7 @@ class Bootstrap:
         check.generator(self.rng)
 
     def rows(self, group: Sequence[Hashable], at_once: int) -> Iterator[NDArray[np.intp]]:
-        """Yield the points (m, k) of m draws, `at_once` or fewer; each draw keeps the size of each group."""
+        """Yield the point numbers (m, k) of at most `at_once` draws; group sizes do not change."""
         rng = check.generator(self.rng)
         members = [
             np.array([i for i, each in enumerate(group) if each == one]) for one in dict.fromkeys(group)
@@ -57,7 +57,7 @@ class Bootstrap:
 
 
 def labels_of(test: Any, count: int) -> tuple[str, ...]:
-    """Return the test of each point, "" without tests."""
+    """Return the test label of each point, "" if there are no tests."""
     if test is None:
         return ("",) * count
     wrong = isinstance(test, str) or np.ndim(test) != 1 or len(test) != count

@@ -1,4 +1,4 @@
-"""Whether a law fits measured points, and whether separately fitted tests agree."""
+"""Tests of whether a law fits measured points, and whether separately fitted tests agree."""
 
 from __future__ import annotations
 
@@ -14,30 +14,33 @@ from metafem._values import Value
 from metafem.calibration.serial_correlation import Succession
 from metafem.notes import Note
 
-# Probability below which a law is rejected: one in a hundred correct laws.
+# Probability below which a law is rejected. One in a hundred correct laws is rejected by chance.
 REJECTED = 0.01
 
-# Smallest printed probability: smaller ones are meaningless for normal errors.
+# Smallest printed probability. Smaller probabilities are meaningless, since real errors are not exactly
+# normal.
 LEAST = 1e-9
 
-# Residuals over their standard deviations below this are rounding; their signs are not counted.
+# Normalised residuals below this bound are rounding errors, whose signs are not counted.
 ROUNDING = 1e-6
 
 
 @dataclass(frozen=True)
 class SignificanceTest:
-    """A test of residuals.
+    """Result of a statistical test of residuals.
 
     Attributes
     ----------
     name : str
         ``chi_square``, ``runs``, ``correlation`` or ``largest``.
     statistic : float
-        Sum of the squares of the normalised residuals [-]; number of runs of residuals of one sign in the
-        order of the points; correlation of successive residuals in the order measured [-]; largest residual
-        over its own standard deviation [-].
+        For ``chi_square``, the sum of the squares of the normalised residuals. For ``runs``, the number of
+        runs of residuals with equal sign, in the order of the points. For ``correlation``, the correlation of
+        successive residuals in the order of measurement. For ``largest``, the largest residual over its own
+        standard deviation. All [-].
     probability : float
-        Probability that a correct law with independent normal errors has a statistic at least as extreme [-].
+        Probability of a statistic at least as extreme if the law is correct and the errors are independent
+        and normal [-].
     noticed : bool
         Whether the probability is below 1 %.
 
@@ -53,23 +56,23 @@ class SignificanceTest:
 
     @property
     def noticed(self) -> bool:
-        """Whether the test rejects a correct law with independent normal errors."""
+        """Whether the test rejects the hypothesis of a correct law with independent normal errors."""
         return self.probability < REJECTED
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether residuals, divided by their standard deviations, are consistent with the law.
+    """Tests of whether normalised residuals are consistent with the law.
 
     Attributes
     ----------
     freedom : int
         Number of points minus number of fitted parameters.
     tests : tuple of SignificanceTest
-        ``chi_square`` and ``runs`` test the law; if the order of measurement is known, ``correlation`` and
-        ``largest`` test the errors. ``verdict["runs"]`` returns one test.
+        ``chi_square`` and ``runs`` test the law. ``correlation`` and ``largest`` test the errors, if the
+        order of measurement is known. ``verdict["runs"]`` returns one test.
     outlier : int
-        Row of the point with the largest residual; 0 where it is not tested.
+        Row of the point with the largest residual; 0 if the largest residual is not tested.
 
     Examples
     --------
@@ -87,17 +90,17 @@ class Verdict:
 
     @property
     def fits(self) -> bool:
-        """Whether no test rejects the law with independent normal errors."""
+        """Whether no test rejects the hypothesis of a correct law with independent normal errors."""
         return not any(test.noticed for test in self.tests)
 
     @property
     def law_fits(self) -> bool:
-        """Whether chi-square and runs do not reject the law."""
+        """Whether neither the chi-square nor the runs test rejects the law."""
         return not any(test.noticed for test in self.tests[:2])
 
     @property
     def one_outlier(self) -> bool:
-        """Whether one point is an outlier, and chi-square does not reject the law without it."""
+        """Whether one point is an outlier, and chi-square does not reject the law without this point."""
         largest = self["largest"]
         square = max(self["chi_square"].statistic - largest.statistic**2, 0.0)
         return largest.noticed and _chi_probability(square, self.freedom - 1) >= REJECTED
@@ -122,7 +125,7 @@ class Verdict:
 
 
 def chi(square: float) -> str:
-    """Return a chi-square for texts: with four digits from a thousand on, without a power of ten.
+    """Return a chi-square value as text without a power of ten.
 
     Examples
     --------
@@ -133,7 +136,7 @@ def chi(square: float) -> str:
 
 
 def chance(probability: float, digits: int = 2) -> str:
-    """Return a probability for texts, with "=" or "<".
+    """Return a probability as text that begins with "=" or "<".
 
     Examples
     --------
@@ -144,7 +147,7 @@ def chance(probability: float, digits: int = 2) -> str:
 
 
 def judged(residual: FloatArray, parameters: int) -> Verdict:
-    """Return the verdict on normalised residuals (k,), sorted by load, after a fit of parameters."""
+    """Return the verdict on normalised residuals (k,), sorted by load, after a fit of some parameters."""
     square, freedom = float((residual**2).sum()), max(len(residual) - parameters, 0)
     signs = residual[residual != 0.0] > 0.0
     runs = int(np.count_nonzero(signs[1:] != signs[:-1])) + 1 if signs.size else 0
@@ -156,10 +159,11 @@ def judged(residual: FloatArray, parameters: int) -> Verdict:
 
 
 def judged_in_order(residual: FloatArray, load: FloatArray, measured: Succession) -> Verdict:
-    """Return the verdict on residuals (k,) as measured: runs over load, and correlation in time.
+    """Return the verdict on residuals (k,) in the order of measurement.
 
-    The largest of k normal residuals is tested at their common level: each has the variance 1 minus its
-    leverage.
+    The runs are counted over the load, the correlation over the order of measurement. The variance of a
+    normalised residual is 1 minus its leverage. The probability for the largest residual accounts for the
+    number k of residuals.
     """
     clear = np.where(np.abs(residual) > ROUNDING, residual, 0.0)
     verdict = judged(clear[np.argsort(load, kind="stable")], measured.regressor.shape[1])
@@ -174,7 +178,7 @@ def judged_in_order(residual: FloatArray, load: FloatArray, measured: Succession
 
 
 def errors_of(verdict: Verdict, measured: Succession, what: str) -> tuple[float, tuple[Note, ...]]:
-    """Return the correlation rho of successive errors, 0 unless it is significant, and a note on it."""
+    """Return the correlation rho of successive errors and a note; 0 and no note if it is not significant."""
     correlation = verdict["correlation"]
     if not correlation.noticed:
         return 0.0, ()
@@ -193,20 +197,20 @@ def errors_of(verdict: Verdict, measured: Succession, what: str) -> tuple[float,
 
 
 def _chi_probability(square: float, freedom: int) -> float:
-    """Return the probability that a correct law has a chi-square at least as large."""
+    """Return the probability that a correct law has a chi-square of at least `square`."""
     return float(gammaincc(0.5 * freedom, 0.5 * square)) if freedom > 0 else 1.0
 
 
 def _runs_probability(positive: int, count: int, runs: int) -> float:
-    """Return the probability of at most `runs` runs among `positive` plus signs and the minus signs.
+    """Return the probability of at most `runs` runs of equal signs if `positive` of `count` signs are plus.
 
-    Wald and Wolfowitz, Ann. Math. Statist. 11, 147 (1940), doi:10.1214/aoms/1177731909: i runs of plus signs
-    and j of minus signs, i and j equal or next to each other, have the weight ``C(p-1, i-1) C(m-1, j-1)``;
-    for i = j it counts twice, as either sign may come first.
+    Wald and Wolfowitz, Ann. Math. Statist. 11, 147 (1940), doi:10.1214/aoms/1177731909. For p plus signs in i
+    runs and m minus signs in j runs, the number of sequences is ``C(p-1, i-1) C(m-1, j-1)``. i and j differ
+    by at most 1. For i = j the number counts twice, since either sign may come first.
     """
     negative = count - positive
     if min(positive, negative) == 0:
-        return 1.0 if count < 2 else 2.0 ** (1 - count)  # one run of equally likely signs
+        return 1.0 if count < 2 else 2.0 ** (1 - count)  # all `count` signs are equal
     weight = sum(
         math.comb(positive - 1, of_plus - 1) * math.comb(negative - 1, number - of_plus - 1)
         for number in range(2, runs + 1)
@@ -226,10 +230,10 @@ class SingleTest(Value):
     points : int
         Number of points.
     value : ndarray, (2,)
-        E* [MPa] and sqrt(w) [sqrt(N/mm)] of a compression test, B [-] and sigma [MPa] of a shear test; nan
-        where the points do not determine one.
+        E* [MPa] and sqrt(w) [sqrt(N/mm)] of a compression test, or B [-] and sigma [MPa] of a shear test; nan
+        for a parameter that the points do not determine.
     covariance : ndarray, (2, 2)
-        Their covariance, without the error of the radius.
+        Covariance of the two values, without the error of the radius.
     verdict : Verdict or None
         Whether the law fits this test; None for a shear test.
     sd : ndarray, (2,)
@@ -255,21 +259,21 @@ class SingleTest(Value):
 
 @dataclass(frozen=True)
 class Heterogeneity:
-    """Comparison of the parameters of several tests with their weighted mean.
+    """Test of whether several tests have the same parameters, by comparison with their weighted mean.
 
     Attributes
     ----------
     chi_square : float
-        Sum over the tests of ``(p - m)^T C^-1 (p - m)`` with the parameters p, their covariance C and the
-        weighted mean m [-].
+        Sum of ``(p - m)^T C^-1 (p - m)`` over the tests [-]; p are the parameters of a test, C is their
+        covariance and m the weighted mean.
     freedom : int
-        Number of fitted parameters of all tests minus that of the mean.
+        Number of fitted parameters of all tests minus the number of parameters of the mean.
     probability : float
-        Probability that tests with the same parameters have a chi-square at least as large [-].
+        Probability of a chi-square at least as large if all tests have the same parameters [-].
     agree : bool
         Whether the probability is at least 1 %.
     birge_ratio : float
-        Root of chi-square over freedom [-].
+        Square root of chi-square over freedom [-].
 
     Examples
     --------
@@ -285,12 +289,12 @@ class Heterogeneity:
 
     @property
     def agree(self) -> bool:
-        """Whether the tests are compatible with common parameters."""
+        """Whether the tests are consistent with common parameters."""
         return self.probability >= REJECTED
 
     @property
     def birge_ratio(self) -> float:
-        """Root of chi-square over freedom, by which the differences exceed the stated uncertainties.
+        """Square root of chi-square over freedom [-]: the ratio of the observed to the expected differences.
 
         Birge, Phys. Rev. 40, 207 (1932), doi:10.1103/PhysRev.40.207.
         """
@@ -303,7 +307,7 @@ class Heterogeneity:
         )
 
     def note(self) -> Note:
-        """Return a note on tests that differ."""
+        """Return a note that the tests differ."""
         return Note(
             f"{self}; the stated uncertainties do not include this difference; uncertainties "
             f"{self.birge_ratio:.2g} times as large would (Birge ratio)"
@@ -311,7 +315,7 @@ class Heterogeneity:
 
 
 def heterogeneity(tests: Sequence[SingleTest]) -> Heterogeneity:
-    """Compare the values (p,) of several tests; nan where a test does not determine one."""
+    """Return the comparison of several tests; values that a test does not determine are nan."""
     rows, values = [], []
     for test in tests:
         known = np.isfinite(test.value)

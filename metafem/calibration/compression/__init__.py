@@ -1,1 +1,1 @@
-"""E* and adhesion energy from compression tests."""
+"""Calibration of E* and the adhesion energy from compression tests."""

@@ -1,4 +1,4 @@
-"""The straight line by which Aymard et al. (2024) read E* and adhesion energy from loads and areas."""
+"""The straight line with which Aymard et al. (2024) determine E* and the adhesion energy."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from metafem.calibration.joint import propagated
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AdhesiveLine(Value):
-    """Least squares of ``y = a0^(3/4)/(sqrt(6) pi^(5/4) R)`` on ``x = pi^(1/4) p/(sqrt(6) a0^(3/4))``.
+    """Line through ``x = pi^(1/4) p/(sqrt(6) a0^(3/4))`` and ``y = a0^(3/4)/(sqrt(6) pi^(5/4) R)``.
 
+    p and a0 are the load and the area of a single contact of radius R. The line is fitted by least squares.
     For a paraboloid, the law of Johnson, Kendall and Roberts is a straight line with the slope ``3/(4 E*)``
-    and the intercept ``sqrt(3 w/(4 E*))``; p and a0 are load and area of a single contact. Least squares
-    neglect the errors of x, and these grow as the contacts shrink: the slope is too small and E* too large.
-    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text "Calibration of
-    individual microcontacts".
+    and the intercept ``sqrt(3 w/(4 E*))``. The least-squares fit neglects the errors of x, which grow as the
+    contacts shrink. Therefore the fitted slope is too small and E* is too large. Aymard et al., Science 383,
+    200 (2024), doi:10.1126/science.adk4234, supplementary text "Calibration of individual microcontacts".
 
     Attributes
     ----------
     x, y : ndarray, (k,)
-        Points of the line [MPa sqrt(mm)], [sqrt(mm)].
+        Coordinates of the measured points [MPa sqrt(mm)], [sqrt(mm)].
     slope, intercept : float
-        [1/MPa], [sqrt(mm)].
+        Slope [1/MPa] and intercept [sqrt(mm)] of the line.
     composite_modulus, adhesion_root : float
         E* [MPa], and sqrt(w) [sqrt(N/mm)] with the sign of the intercept.
     root_covariance : ndarray, (2, 2)
-        Of E* and sqrt(w), from the scatter about the line.
+        Covariance of E* and sqrt(w), from the scatter about the line.
 
     Examples
     --------
@@ -52,14 +52,14 @@ class AdhesiveLine(Value):
 
     @property
     def adhesion_energy(self) -> float:
-        """w [N/mm]; 0 where the intercept is negative."""
+        """Adhesion energy w [N/mm]; 0 if the intercept is negative."""
         return max(self.adhesion_root, 0.0) ** 2
 
 
 def adhesive_line(load: FloatArray, area: FloatArray, radius: float) -> AdhesiveLine:
-    """Return the line of loads p (k,) [N] and areas a0 (k,) [mm^2] of single contacts of one radius [mm].
+    """Return the line through loads p [N] and areas a0 [mm^2], (k,), of single contacts of one radius [mm].
 
-    Leading axes are separate lines.
+    If the arrays have more axes, (..., k), the function fits one line along each last axis.
     """
     power = area**0.75
     x = math.pi**0.25 * load / (math.sqrt(6.0) * power)

@@ -1,4 +1,4 @@
-"""E* and adhesion energy from loads and contact areas of compression tests."""
+"""Fit of E* and the adhesion energy to the loads and contact areas of compression tests."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from metafem.contact import Contact, TabulatedContact
 from metafem.material import Material
 from metafem.notes import ArgumentNote, Level, Note, information
 
-# Error bars of Aymard et al. (2024).
+# Default measurement errors: the error bars of Aymard et al. (2024).
 USUAL = MeasurementErrors()
 
 # Default sample.
@@ -38,21 +38,23 @@ ONE_CONTACT = Sample()
 # Number of fitted parameters.
 FITTED = 2
 
-# Largest number of entries of an array of the bootstrap: 8 MB.
+# Largest number of entries in an array of the bootstrap (8 MB).
 CHUNK = 1_000_000
 
-# Weight in a robust fit below which a point is an outlier (beyond 2.5 standard deviations), and the share of
-# outliers above which the law is in doubt.
+# A point is an outlier if its weight in a robust fit is below OUTLYING (a residual beyond 2.5 standard
+# deviations). The law is doubtful if the share of outliers exceeds MANY_OUTLIERS.
 OUTLYING, MANY_OUTLIERS = 0.5, 0.1
 
-# Largest E* of elastomers and gels [MPa]; the contact radius over R at which the mean pressure of Hertz,
-# ``4/(3 pi) E* a/R``, is a tenth of E*: about the strength of a perfect solid, the largest of all.
+# STIFF is the largest E* of elastomers and gels [MPa]. At the contact radius WIDEST_STIFF (over R), the mean
+# Hertzian pressure ``4/(3 pi) E* a/R`` reaches E*/10, about the strength of a perfect solid. No real solid is
+# stronger.
 STIFF, MEAN_PRESSURE = 300.0, 4.0 / (3.0 * math.pi)
 WIDEST_STIFF = 0.1 / MEAN_PRESSURE
 
-# Contact radius over R beyond which large strain changes the law. Up to there the load of a soft cap
-# (neo-Hookean, incompressible) is 1 to 4 % below Hertz's, and at 0.76 R from 2 % below to 1 % above it,
-# depending on the height of the cap: tables of finite elements, meshes/deep_caps.csv.
+# Contact radius over R beyond which large strains change the law. Up to this radius, the load of a soft cap
+# (neo-Hookean, incompressible) is 1 to 4 % below the Hertzian load. At 0.76 R the load is between 2 % below
+# and 1 % above the Hertzian load, depending on the height of the cap. Source: finite-element results in
+# meshes/deep_caps.csv.
 KNOWN = 0.5
 
 
@@ -68,43 +70,46 @@ def fit_compression(
     robust: bool = False,
     bootstrap: Bootstrap | None = None,
 ) -> ContactCalibration:
-    """Return E* and adhesion energy w from loads and contact areas, with errors on both.
+    """Return E* and the adhesion energy w fitted to loads and contact areas that both have errors.
 
-    ``P = sum_j (E* q(A_j) - b s(A_j))`` with ``b = sqrt(w E*)`` and ``s = sqrt(8 pi a^3)``, ``A = pi a^2``:
-    q = P/E* is the load of the cap without adhesion, 4 a^3/(3 R) for `metafem.Hertz`, or, with a surface, the
-    load of the sample under its model. The law is linear in E* and b. The fit minimises the sum of squared
-    distances from it, over their variances at the fitted areas; for given variances this is the orthogonal
-    distance regression of ODRPACK. b may be negative, so that intervals of sqrt(w) are right where w is
-    nearly 0. The straight line of Aymard et al. is computed as well (`AdhesiveLine`).
+    The law is ``P = sum_j (E* q(A_j) - b s(A_j))`` with ``b = sqrt(w E*)``, ``s = sqrt(8 pi a^3)`` and
+    ``A = pi a^2``. q is the rescaled load P/E* of a contact without adhesion, 4 a^3/(3 R) for
+    `metafem.Hertz`. If the sample has a surface, the model of the sample gives q. The law is linear in E* and
+    b. The fit minimises the sum of the squared distances from the law, divided by their variances at the
+    fitted areas. If the variances are fixed, this is the orthogonal distance regression of ODRPACK. b may be
+    negative, so that the intervals of sqrt(w) are correct even if w is nearly 0. The straight line of Aymard
+    et al. is computed as well (`AdhesiveLine`).
 
-    Valid for elastic contacts with adhesion of short range. The effect of neighbours on the adhesive part of
-    the load is neglected: 1e-5 of E* for caps 7 mm apart, 1e-4 for 2 mm. Johnson, Kendall and Roberts, Proc.
-    R. Soc. A 324, 301 (1971), doi:10.1098/rspa.1971.0141.
+    The law is valid for elastic contacts with short-range adhesion: Johnson, Kendall and Roberts, Proc. R.
+    Soc. A 324, 301 (1971), doi:10.1098/rspa.1971.0141. The effect of neighbours on the adhesive part of the
+    load is neglected. The resulting relative error of E* is 1e-5 for caps 7 mm apart and 1e-4 for caps 2 mm
+    apart.
 
     Parameters
     ----------
     load : array_like, (k,)
-        Measured normal loads P [N] of all contacts together; noise may make small ones negative.
+        Measured total normal loads P [N]. Small loads may be negative because of noise.
     area : array_like, (k,) or (k, contacts)
-        Measured areas [mm^2] of all contacts together, or one by one, 0 for an open contact.
+        Measured total contact areas [mm^2], or the areas of single contacts, 0 for an open contact.
     radius : float
-        R of the caps [mm].
+        Radius R of the caps [mm].
     sample : Sample
         Number of contacts, the error of R, and the model of the sample; default: one contact.
     errors : MeasurementErrors
-        Standard deviations of the measured loads, of all contacts together, and of the areas of single
-        contacts, which are independent; default: ``MeasurementErrors()``, those of Aymard et al.
+        Standard deviations of the total loads and of the areas of single contacts, whose errors are
+        independent; default: ``MeasurementErrors()``, the error bars of Aymard et al.
     area_sd : array_like, of the shape of `area`, optional
-        Standard deviations of the areas [mm^2], in place of those of `errors`.
+        Standard deviations of the areas [mm^2]; default: computed from `errors`.
     test : array_like, (k,), optional
-        Labels of the tests to which the points belong; default: one test. The points of a test are in the
-        order of measurement: if successive residuals are correlated, the errors drift, the covariance
+        Labels of the tests to which the points belong; default: one test. The points of a test must be in the
+        order of measurement. If successive residuals are correlated, the errors drift; the covariance then
         includes the drift, and a note states its size.
     robust : bool
-        Whether points far from the law have less weight, 0 from 4.7 standard deviations on (Tukey's
-        biweight), for data with outliers; default: False. Without outliers the intervals are 2.6 % wider.
+        Whether to reduce the weights of points far from the law, for data with outliers (Tukey's biweight:
+        the weight is 0 beyond 4.7 standard deviations); default: False. For data without outliers, a robust
+        fit makes the intervals 2.6 % wider.
     bootstrap : Bootstrap, optional
-        Also fit points resampled from those of each test; default: none.
+        If set, also fit resampled points of each test; default: none.
 
     Returns
     -------
@@ -113,9 +118,9 @@ def fit_compression(
     Raises
     ------
     InvalidInput
-        For areas that are negative, all 0 or beyond the law, fewer than three points, points of one area,
-        loads that fall as the area grows, a surface of other radii, and a robust fit with fewer than two
-        points near the law.
+        If areas are negative, all 0, all equal or beyond the law, if there are fewer than three points, if
+        the load falls as the area grows, if the radii of the surface differ from `radius`, or if a robust fit
+        finds fewer than two points near the law.
     NotConverged
         If the fit does not converge, or the model has no solution for the sample.
 
@@ -178,7 +183,7 @@ def fit_compression(
 
 
 def _single_test(data: Data, curve: AreaCurve, name: str) -> SingleTest:
-    """Return the fit of one test, nan where its points have no fit."""
+    """Return the fit to the points of one test; its values are nan if no fit exists."""
     rows = np.flatnonzero(np.array(data.test) == name)
     value, covariance, verdict = np.full(FITTED, np.nan), np.full((FITTED, FITTED), np.nan), None
     area = data.area[rows]
@@ -193,9 +198,10 @@ def _single_test(data: Data, curve: AreaCurve, name: str) -> SingleTest:
 def _judged(
     data: Data, fit: DistanceFit, rows: Any = slice(None)
 ) -> tuple[DistanceFit, Verdict, tuple[Note, ...]]:
-    """Return a fit with the covariance of its errors, its verdict, and a note on correlated errors.
+    """Return the fit with the covariance of its correlated errors, its verdict, and notes on these errors.
 
-    Points with less than half of their weight in a robust fit are left out, unless they are many.
+    The verdict and the correlation omit the outliers of a robust fit (weight below 1/2), unless there are
+    many.
     """
     used = fit.weight >= OUTLYING
     used |= (~used).mean() > MANY_OUTLIERS
@@ -206,7 +212,7 @@ def _judged(
 
 
 def _resampled(data: Data, curve: AreaCurve, bootstrap: Bootstrap) -> FloatArray:
-    """Return E* and sqrt(w) (draws, 2) of resampled points, without draws that have no fit."""
+    """Return E* and sqrt(w) of fits to resampled points, (draws, 2), without the draws that have no fit."""
     found = []
     for rows in bootstrap.rows(data.test, CHUNK // data.area.size):
         fit = data.fit(curve, rows)
@@ -216,7 +222,7 @@ def _resampled(data: Data, curve: AreaCurve, bootstrap: Bootstrap) -> FloatArray
 
 
 def _notes(found: ContactCalibration, cap: Contact, bootstrap: Bootstrap | None) -> Iterator[Note]:
-    """Return notes on range, adhesion, fit and tests."""
+    """Return notes on the range of the data, adhesion, the fit and the tests."""
     contacts = 1 if found.area.ndim == 2 else found.contacts
     widest = math.sqrt(float(found.area.max()) / contacts / math.pi) / found.radius
     table = isinstance(cap, TabulatedContact)
@@ -253,7 +259,7 @@ def _notes(found: ContactCalibration, cap: Contact, bootstrap: Bootstrap | None)
 
 
 def _notes_on_tests(found: ContactCalibration, bootstrap: Bootstrap | None) -> Iterator[Note]:
-    """Return notes on single tests and on draws of the bootstrap."""
+    """Return notes on the single tests and on the draws of the bootstrap."""
     if found.heterogeneity is not None and not found.heterogeneity.agree:
         yield found.heterogeneity.note()
     unfitted = [test for test in found.tests if np.isnan(test.value[0])]
@@ -272,7 +278,7 @@ def _notes_on_tests(found: ContactCalibration, bootstrap: Bootstrap | None) -> I
 
 
 def _notes_on_outliers(found: ContactCalibration) -> Iterator[Note]:
-    """Return which points are outliers, and which of them a robust fit leaves out."""
+    """Return notes that name the outliers and those that a robust fit omits."""
     points = [Given(f"load[{i}]") for i in np.flatnonzero(found.weight < OUTLYING).tolist()]
     if points:
         many = len(points) > MANY_OUTLIERS * len(found.load)

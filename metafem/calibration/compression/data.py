@@ -20,21 +20,22 @@ from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.calibration.resampling import labels_of
 from metafem.errors import InvalidInput, NotConverged, refuse_if
 
-# Smallest number of points: two parameters and a residual.
+# Smallest number of points: two for the parameters and one for a residual.
 FEWEST = 3
 
-# Number of points of the law in a figure.
+# Number of points at which a figure shows the law.
 GRID = 200
 
-# Relative differences of areas: the smallest range of a fit, and rounding.
+# Smallest relative range of areas for which a fit is possible, and the relative rounding error of areas.
 ONE_AREA, ROUNDING = 1e-6, 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Data:
-    """Loads (k,) of all contacts together, and areas (k, n) of single ones.
+    """Total loads (k,) [N] and areas (k, n) [mm^2] of single contacts.
 
-    Each area represents `contacts` contacts: all of them if only their total was measured.
+    Each area represents `contacts` contacts: all contacts of the sample if only their total was measured,
+    else one.
     """
 
     load: FloatArray
@@ -53,14 +54,14 @@ class Data:
         return int(self.contacts * self.area.shape[1])
 
     def sd_of(self, area: FloatArray, rows: Any = slice(None)) -> FloatArray:
-        """Return the standard deviations of fitted areas [mm^2], or the given ones of these rows."""
+        """Return the standard deviations of areas in these rows [mm^2], from `area_sd` or `errors`."""
         if self.area_sd is not None:
             return np.asarray(self.area_sd[rows])
-        # the errors of contacts are independent of each other
+        # the errors of different contacts are independent
         return self.errors.of_area(area) / math.sqrt(self.contacts)
 
     def fit(self, curve: AreaCurve, rows: Any = slice(None)) -> DistanceFit:
-        """Return the fit to rows (k,), or the fits to many sets of rows (draws, k)."""
+        """Return the fit to the rows (k,), or one fit to each set of rows (draws, k)."""
         return distance_fit(
             self.load[rows],
             self.area[rows],
@@ -73,18 +74,18 @@ class Data:
         )
 
     def law(self, curve: AreaCurve, fit: DistanceFit) -> tuple[FloatArray, FloatArray]:
-        """Return loads [N] and total areas [mm^2] of a fitted law for contacts of one area, (m,) each."""
+        """Return loads [N] and total areas [mm^2] of a fitted law for contacts of equal area, both (m,)."""
         single = np.linspace(0.0, float(self.area.sum(axis=1).max()) / self.area.shape[1], GRID)
         each = np.repeat(single[:, None], self.area.shape[1], axis=1)
         return self.loads(curve, fit, each), self.total_contacts * single
 
     def loads(self, curve: AreaCurve, fit: DistanceFit, area: FloatArray) -> FloatArray:
-        """Return the loads (m,) [N] of a fitted law at areas (m, n) of single contacts [mm^2]."""
+        """Return the loads [N] of a fitted law, (m,), at areas of single contacts (m, n) [mm^2]."""
         rescaled, lowered = curve.load_and_slope(area)[0], adhesive_load(area)[0]
         return np.asarray(self.contacts * (fit.modulus * rescaled - fit.product * lowered).sum(axis=1))
 
     def refuse_beyond(self, curve: AreaCurve, law: Any, radius: float) -> None:
-        """Raise InvalidInput for areas that the curve, or a cap of this radius, does not reach."""
+        """Raise InvalidInput if an area exceeds the largest area of the curve or of a cap of this radius."""
         largest = np.broadcast_to(curve.largest, self.area.shape)
         for i, j in np.argwhere(self.area > (1.0 + ROUNDING) * largest)[:1].tolist():
             raise InvalidInput(
@@ -106,7 +107,7 @@ class Data:
         )
 
     def checked_fit(self, curve: AreaCurve) -> DistanceFit:
-        """Return the fit to all points, or raise InvalidInput where the load falls as the area grows."""
+        """Return the fit to all points, or raise InvalidInput if the load falls as the area grows."""
         fit = self.fit(curve)
         refuse_if(
             self.robust and not np.isfinite(fit.modulus),
@@ -133,7 +134,7 @@ class Data:
         return fit
 
     def _entry(self, i: int, j: int) -> dict[str, Any]:
-        """Return key and value of an area, for errors."""
+        """Return the key and the value of an area for an error."""
         if self.one_by_one:
             return {"key": f"area[{i}, {j}]", "value": self.area[i, j]}
         return {"key": f"area[{i}]", "value": self.contacts * self.area[i, j]}
@@ -142,7 +143,7 @@ class Data:
 def checked_data(
     load: Any, area: Any, number: int, errors: MeasurementErrors, area_sd: Any, test: Any, robust: bool
 ) -> Data:
-    """Return checked data; each error names the row."""
+    """Return the checked data; an error names the invalid row."""
     check.instance("errors", errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
     loads = check.array("load", load, shape=(None,))
     count, one_by_one = len(loads), check.depth(area) == 2

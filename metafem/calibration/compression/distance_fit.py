@@ -1,4 +1,4 @@
-"""Fit of E* and adhesion energy to loads and areas with errors on both axes."""
+"""Fit of E* and the adhesion energy to loads and areas that both have errors."""
 
 from __future__ import annotations
 
@@ -15,26 +15,27 @@ from metafem.calibration.joint import propagated
 from metafem.contact import JKR
 from metafem.material import Material
 
-# Step lengths for the fitted areas, and the change of the parameters over their standard deviations at which
-# the iteration ends. A full step reduces the change by a factor of about 100; smaller steps are needed if
-# errors of areas are as large as the areas.
+# SHARES are the step lengths for the fitted areas. The iteration ends when the change of the parameters, over
+# their standard deviations, is below ENOUGH. A full step reduces the change by a factor of about 100; smaller
+# steps are needed if the errors of the areas are as large as the areas.
 SHARES, ENOUGH = (1.0,) * 15 + (0.5,) * 45 + (0.2,) * 140, 1e-9
 
-# Smallest fitted area over the measured one during the iteration: the area of a contact stays positive.
+# Smallest ratio of a fitted to a measured area during the iteration, which keeps the areas positive.
 SMALLEST_PART = 0.1
 
-# Residuals, in standard deviations, beyond which the weights of a robust fit fall (Huber) and are 0 (Tukey):
-# both have 95 % of the efficiency of least squares; the first steps with Huber's weights lead to Tukey's.
+# Residuals [standard deviations] beyond which Huber's weights fall and Tukey's weights are 0. Both robust
+# fits have 95 % of the efficiency of least squares. The first APPROACHING steps use Huber's weights to start
+# the iteration with Tukey's weights.
 HUBER, TUKEY, APPROACHING = 1.345, 4.685, 5
 
-# Variance of the parameters of Tukey's fit over the inverse of the weighted normal matrix, for normal errors:
-# E[psi^2] E[w]/E[psi']^2, with psi = w r.
+# Ratio of the variance of the parameters of Tukey's fit to the inverse of the weighted normal matrix. For
+# normal errors and psi = w r it is E[psi^2] E[w]/E[psi']^2.
 TUKEY_VARIANCE = 0.963
 
-# Adhesion with w = 1 N/mm and E* = 1 MPa.
+# JKR law with w = 1 N/mm and E* = 1 MPa.
 UNIT = JKR(1.0, material=Material(1.0))
 
-# Load P/E* [mm^2] and its derivative by the area [-] of contacts of areas (..., n) [mm^2].
+# Returns P/E* [mm^2] and its derivative with respect to the area [-] for contact areas (..., n) [mm^2].
 Curve = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
 
@@ -47,7 +48,7 @@ class DistanceFit:
     modulus, product : ndarray, (...,)
         E* [MPa] and b = sqrt(w E*) [N/mm^(3/2)], of either sign.
     covariance : ndarray, (..., 2, 2)
-        Of E* and b.
+        Covariance of E* and b.
     residual : ndarray, (..., k)
         Distances of the points from the curve over their standard deviations [-].
     area : ndarray, (..., k, n)
@@ -55,7 +56,8 @@ class DistanceFit:
     weight : ndarray, (..., k)
         Weights of the points in addition to their standard deviations, 1 for least squares [-].
     regressor : ndarray, (..., k, 2)
-        Change of the loads with E* and b, so that the covariance is the inverse of X^T X.
+        Derivatives X of the loads with respect to E* and b, over the standard deviations; the covariance is
+        the inverse of X^T X.
     converged : ndarray of bool, (...,)
     """
 
@@ -70,7 +72,7 @@ class DistanceFit:
 
     @property
     def root(self) -> FloatArray:
-        """sqrt(w) = b/sqrt(E*) [sqrt(N/mm)], with the sign of b; nan where E* is not positive."""
+        """Root sqrt(w) = b/sqrt(E*) [sqrt(N/mm)], with the sign of b; nan where E* is not positive."""
         with np.errstate(invalid="ignore"):
             return np.asarray(self.product / np.sqrt(self.modulus))
 
@@ -84,16 +86,16 @@ class DistanceFit:
 
 
 def adhesive_load(area: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return s = sqrt(8 pi a^3) [mm^(3/2)] of contacts of areas pi a^2, and its derivative by the area.
+    """Return s = sqrt(8 pi a^3) [mm^(3/2)] at areas pi a^2, and its derivative with respect to the area.
 
-    `metafem.JKR` with w = E* = 1 lowers the load of a cap by s; the reduction is proportional to sqrt(w E*).
+    Adhesion (`metafem.JKR`) lowers the load of a cap by ``sqrt(w E*) s``.
     """
     radius = np.sqrt(area / math.pi)
     lowered = 2.0 * radius * UNIT.deficit(radius)
     return lowered, np.divide(0.75 * lowered, area, np.zeros(area.shape), where=area > 0.0)
 
 
-@np.errstate(divide="ignore", invalid="ignore")  # draws of one area and points without weight have no fit
+@np.errstate(divide="ignore", invalid="ignore")  # draws with equal areas or without weights have no fit
 def distance_fit(
     load: FloatArray,
     area: FloatArray,
@@ -105,20 +107,22 @@ def distance_fit(
     largest: float | FloatArray = math.inf,
     robust: bool = False,
 ) -> DistanceFit:
-    """Fit E* and b to loads (..., k) [N] and areas (..., k, n) [mm^2] of single contacts.
+    """Return the fit of E* and b to loads (..., k) [N] and areas (..., k, n) [mm^2] of single contacts.
 
     The fit minimises the sum of the squared distances from the curve, over their variances. A load is the sum
-    over the n areas, times `contacts` if one area represents that many. `load_sd` [N] is the standard
-    deviation of the loads, `area_sd` returns those of areas [mm^2], and `largest` [mm^2] is the end of the
-    curve. `robust` multiplies the weights by Tukey's, ``(1 - (r/4.685)^2)^2`` and 0 beyond, for residuals r.
-    Beaton and Tukey, Technometrics 16, 147 (1974), doi:10.1080/00401706.1974.10489171.
+    of the loads at the n areas, multiplied by `contacts`, the number of contacts per area. `load_sd` [N] is
+    the standard deviation of the loads, `area_sd` returns the standard deviations of areas [mm^2], and
+    `largest` [mm^2] is the largest area of the curve. `robust` multiplies the weights by Tukey's weights:
+    ``(1 - (r/4.685)^2)^2`` for residuals r up to 4.685, and 0 beyond. Beaton and Tukey, Technometrics 16, 147
+    (1974), doi:10.1080/00401706.1974.10489171.
 
-    In each step the curve is linear about the fitted areas A: ``y = P - c sum_j p'(A_j) (A_measured - A_j)``
-    is regressed on q(A) and s(A) with the variances ``V = load_sd^2 + sum_j (c p' area_sd)^2``, and
-    ``A_j = A_measured + c p' area_sd^2 r/V`` with the residual r. Regressors and weights are evaluated at A,
-    whose error is independent of that of r. Regressors at the measured areas would bias E* in proportion to
-    the variances of the areas, by a thirtieth of its standard deviation at the usual errors. York, Earth
-    Planet. Sci. Lett. 5, 320 (1968), doi:10.1016/S0012-821X(68)80059-7.
+    Each step linearises the curve about the fitted areas A. It regresses
+    ``y = P - c sum_j p'(A_j) (A_measured - A_j)`` on q(A) and s(A) with the variances
+    ``V = load_sd^2 + sum_j (c p' area_sd)^2``. Then ``A_j = A_measured + c p' area_sd^2 r/V`` with the
+    residual r. Regressors and weights are evaluated at A, because the errors of A and r are independent. If
+    they were evaluated at the measured areas, E* would have a bias in proportion to the variances of the
+    areas: 1/30 of its standard deviation for the default errors. York, Earth Planet. Sci. Lett. 5, 320
+    (1968), doi:10.1016/S0012-821X(68)80059-7.
     """
     variance = np.broadcast_to(np.asarray(load_sd, dtype=np.float64) ** 2, load.shape)
     fitted = area
@@ -155,7 +159,7 @@ def distance_fit(
 
 
 def _robust(residual: FloatArray, step: int) -> FloatArray:
-    """Return the weights of residuals over their standard deviations (..., k) in a step of a robust fit."""
+    """Return the weights of normalised residuals (..., k) in a step of a robust fit, (..., k)."""
     if step < APPROACHING:
         return np.asarray(HUBER / np.maximum(np.abs(residual), HUBER))
     return np.asarray((1.0 - np.minimum(np.abs(residual) / TUKEY, 1.0) ** 2) ** 2)
@@ -164,7 +168,7 @@ def _robust(residual: FloatArray, step: int) -> FloatArray:
 def _regression(
     q: FloatArray, s: FloatArray, y: FloatArray, weight: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the weighted least squares of y on q and s, (..., 2), and their covariance (..., 2, 2)."""
+    """Return the least-squares coefficients of q and s, (..., 2), and their covariance, (..., 2, 2)."""
     pairs = (q, q), (q, s), (s, s), (q, y), (s, y)
     qq, qs, ss, qy, sy = ((weight * one * two).sum(axis=-1) for one, two in pairs)
     determinant = qq * ss - qs**2

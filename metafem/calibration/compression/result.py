@@ -1,4 +1,4 @@
-"""E* and adhesion energy with their uncertainties."""
+"""Result of a compression calibration: E* and the adhesion energy with their uncertainties."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from metafem.notes import Note, counted
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# The parameters in the names and the order of `metafem.studies.uncertainty`.
+# Names of the parameters, in the order of `metafem.studies.uncertainty`.
 PARAMETERS = ("radius", "composite_modulus")
 
 
@@ -36,48 +36,50 @@ class ContactCalibration(Value):
     Attributes
     ----------
     material : Material
-        With the fitted E*.
+        Material with the fitted E*.
     composite_modulus, adhesion_energy : float
         E* [MPa] and w [N/mm], at least 0.
     adhesion_root : float
-        sqrt(w) [sqrt(N/mm)], negative if the data lie on the other side of the law without adhesion.
+        sqrt(w) [sqrt(N/mm)]; negative if the measured loads exceed the law without adhesion.
     composite_modulus_interval, adhesion_energy_interval, adhesion_root_interval : (float, float)
-        68 % intervals; that of w is asymmetric and admits 0.
+        68 % intervals; the interval of w is asymmetric and may include 0.
     covariance : ndarray, (2, 2)
-        Of E* and w, with the error of the radius.
+        Covariance of E* and w; includes the error of the radius.
     parameters, parameter_covariance : tuple of str, and ndarray, (p, p)
-        Names and covariance for `metafem.studies.uncertainty`; `joint_covariance` adds those of shear tests.
+        Names and covariance of the parameters for `metafem.studies.uncertainty`; `joint_covariance` adds the
+        parameters of shear tests.
     root_covariance, statistical_covariance : ndarray, (2, 2)
-        Of E* and sqrt(w): with the error of the radius, and without.
+        Covariances of E* and sqrt(w), with and without the error of the radius.
     radius, radius_sd : float
         Radius of the caps and its standard deviation [mm].
     radius_change : ndarray, (2,)
-        Change of E* and sqrt(w) with a radius that is larger by its standard deviation.
+        Changes of E* and sqrt(w) if the radius grows by its standard deviation.
     contact_law : Contact
-        The cap, adhesive if w > 0, for a model.
+        Contact law for a model: the law of the cap, adhesive if w > 0.
     load, load_sd, load_fitted : ndarray, (k,)
-        Measured loads, their standard deviations, and the loads of the law at the measured areas [N].
+        Measured loads, their standard deviations, and the fitted loads at the measured areas [N].
     law_load, law_area : ndarray, (m,)
-        Loads [N] and total areas [mm^2] of the fitted law, for contacts of one area.
+        Loads [N] and total areas [mm^2] of the fitted law for contacts of equal area.
     area, area_sd : ndarray, (k,) or (k, contacts)
-        Measured areas, in total or one by one, and the standard deviations of the fitted ones [mm^2].
+        Measured total areas or areas of single contacts, and the standard deviations at the fitted areas
+        [mm^2].
     contacts : int
         Number of contacts that share a load.
     residual : ndarray, (k,)
         Distances from the law over their standard deviations [-].
     weight : ndarray, (k,)
-        Weights of a robust fit, from 1 down to 0 for outliers; 1 for all points of any other fit [-].
+        Weights of a robust fit, from 1 down to 0 for outliers [-]; all 1 if the fit is not robust.
     verdict : Verdict
-        Whether the law fits the points; for a robust fit, those with at least half of their weight, or all
-        points if more than a tenth of them have less.
+        Whether the law fits the points. For a robust fit, outliers (points with a weight below 1/2) are
+        omitted, unless more than a tenth of the points are outliers.
     line : AdhesiveLine
         The straight line of Aymard et al. through the same points.
     tests : tuple of SingleTest
-        E* and sqrt(w) of each test, if there are several; nan for a test with too few points.
+        E* and sqrt(w) of each test if there are several tests; nan for a test with too few points.
     heterogeneity : Heterogeneity or None
         Whether the tests agree; None for a single test.
     bootstrap : ndarray, (m, 2), or None
-        E* and sqrt(w) of points resampled from those of each test.
+        E* and sqrt(w) of the fits to resampled points of each test.
     notes : tuple of Note
 
     Examples
@@ -124,17 +126,17 @@ class ContactCalibration(Value):
 
     @property
     def composite_modulus(self) -> float:
-        """E* [MPa]."""
+        """Composite modulus E* [MPa]."""
         return self.material.composite_modulus
 
     @property
     def adhesion_energy(self) -> float:
-        """w [N/mm], at least 0."""
+        """Adhesion energy w [N/mm], at least 0."""
         return max(self.adhesion_root, 0.0) ** 2
 
     @property
     def covariance(self) -> FloatArray:
-        """Covariance of E* and w, (2, 2): the moments of the square of a normal sqrt(w)."""
+        """Covariance of E* and w, (2, 2), for a normally distributed sqrt(w)."""
         (first, both), (_, last) = self.root_covariance
         root = max(self.adhesion_root, 0.0)
         mixed = 2.0 * root * both
@@ -142,24 +144,24 @@ class ContactCalibration(Value):
 
     @property
     def composite_modulus_interval(self) -> tuple[float, float]:
-        """68 % interval of E* [MPa], which is at least 0."""
+        """68 % interval of E* [MPa], nowhere negative."""
         return interval_of(self.composite_modulus, self.root_covariance[0, 0])
 
     @property
     def adhesion_root_interval(self) -> tuple[float, float]:
-        """68 % interval of sqrt(w) [sqrt(N/mm)], symmetric about an estimate of either sign."""
+        """68 % interval of sqrt(w) [sqrt(N/mm)], symmetric about an estimate that may be negative."""
         half = WIDTH * math.sqrt(self.root_covariance[1, 1])
         return self.adhesion_root - half, self.adhesion_root + half
 
     @property
     def adhesion_energy_interval(self) -> tuple[float, float]:
-        """68 % interval of w [N/mm], asymmetric; it begins at 0 where the data do not show adhesion."""
+        """68 % interval of w [N/mm], asymmetric; it begins at 0 if the data do not show adhesion."""
         low, high = interval_of(self.adhesion_root, self.root_covariance[1, 1])
         return low**2, high**2
 
     @property
     def modulus_without_adhesion(self) -> tuple[float, float]:
-        """E* [MPa] and its standard deviation if w is known to be 0."""
+        """E* and its standard deviation [MPa] if w is known to be 0."""
         # the fit is linear in E* and b = sqrt(w E*)
         modulus, root = self.composite_modulus, self.adhesion_root
         scale = math.sqrt(modulus)
@@ -176,9 +178,10 @@ class ContactCalibration(Value):
 
     @property
     def parameter_covariance(self) -> FloatArray:
-        """Covariance of the radius [mm], if it has an error, and E* [MPa].
+        """Covariance of E* [MPa] and, if it has an error, the radius [mm], (1, 1) or (2, 2).
 
-        E* grows with the radius; at a given load the two errors nearly cancel in the area.
+        The fitted E* grows with the assumed radius. At a fixed load, the effects of an error of the radius
+        and of the resulting error of E* on the contact area nearly cancel.
         """
         variance, radius = self.root_covariance[0, 0], self.radius_sd
         if not radius:
@@ -187,7 +190,7 @@ class ContactCalibration(Value):
         return np.array([[radius**2, both], [both, variance]])
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw loads and areas with their error bars and the law, and return the axes.
+        """Draw the measured points with error bars and the fitted law, and return the axes.
 
         Parameters
         ----------
@@ -210,10 +213,10 @@ class ContactCalibration(Value):
 
     @property
     def total_area(self) -> FloatArray:
-        """Measured areas of all contacts together, (k,) [mm^2]."""
+        """Measured total areas [mm^2], (k,)."""
         return self.area if self.area.ndim == 1 else np.asarray(self.area.sum(axis=1))
 
     @property
     def total_area_sd(self) -> FloatArray:
-        """Standard deviations of the areas of all contacts together, (k,) [mm^2]."""
+        """Standard deviations of the total areas [mm^2], (k,)."""
         return self.area_sd if self.area.ndim == 1 else np.sqrt((self.area_sd**2).sum(axis=1))

@@ -1,4 +1,4 @@
-"""Load over area of the contacts of a calibration sample, for unit E* and without adhesion."""
+"""Load as a function of contact area for a calibration sample with E* = 1 and without adhesion."""
 
 from __future__ import annotations
 
@@ -23,30 +23,31 @@ from metafem.surface import Surface
 # Default model of a sample.
 INDEPENDENT = Independent()
 
-# Contact radius over R at which the slope of an open contact is taken.
+# Contact radius over R at which the slope of an open contact is evaluated.
 OPEN = 1e-6
 
-# Largest contact radius over R of a sphere, whose load is infinite at 1.
+# Largest contact radius over R of a sphere; at 1 the load is infinite.
 MOST_OF_SPHERE = 0.999
 
-# Largest relative difference of equal radii.
+# Largest relative difference between radii that count as equal.
 SAME = 1e-9
 
-# States of a sample: smallest area over the smallest measured one, largest area over the largest measured one
-# and over the largest of the law, number of states, and smallest number of states with a contact closed.
+# Range of the states of a sample: smallest area over the smallest measured area (BELOW), largest area over
+# the largest measured area (ABOVE) and over the largest area of the law (WITHIN). Number of states (GRID),
+# and smallest number of states in which each contact must be closed.
 BELOW, ABOVE, WITHIN, GRID, FEWEST_STATES = 0.5, 1.5, 0.97, 60, 8
 
 
 @dataclass(frozen=True, eq=False)
 class AreaCurve:
-    """Rescaled load over contact area.
+    """Rescaled load as a function of contact area.
 
     Attributes
     ----------
     load_and_slope : callable
-        Returns P/E* [mm^2] and its derivative by the area [-] of contacts of areas (..., n) [mm^2].
+        Returns P/E* [mm^2] and its derivative with respect to the area [-] for contact areas (..., n) [mm^2].
     largest : float or ndarray, (n,)
-        Largest areas that the law describes [mm^2]; infinite where there is none.
+        Largest areas that the law describes [mm^2]; infinite if there is no limit.
     """
 
     load_and_slope: Callable[[FloatArray], tuple[FloatArray, FloatArray]]
@@ -55,28 +56,30 @@ class AreaCurve:
 
 @dataclass(frozen=True)
 class Sample:
-    """What was pressed in a compression test, besides the radius of its caps.
+    """Sample of a compression test: its contacts, its surface and its model.
 
     Parameters
     ----------
     contacts : int
-        Number of contacts that share a load; default: 1. They are assumed to be equal if only their total
-        area was measured.
+        Number of contacts that share a load; default: 1. If only their total area was measured, the contacts
+        are assumed to be equal.
     radius_sd : float
-        Standard deviation of R [mm], common to all points; default: 0. Caps with a profile or a table of
-        their own keep their shape.
+        Standard deviation of R [mm], common to all points; default: 0. Caps with a profile or a table are
+        scaled in all dimensions.
     poisson_ratio : float, optional
-        nu of the material [-]; default: that of `surface`, or 0.5.
+        Poisson's ratio of the material [-]; default: the value of `surface`, or 0.5 without a surface.
     model : Model
-        Model of the sample, with the elastic law of its caps without adhesion; default:
-        `metafem.Independent()`. A model of interacting contacts needs `surface`.
+        Model of the sample with the elastic contact law of its caps, without adhesion; default:
+        `metafem.Independent()`. A model with interaction needs `surface`.
     surface : Surface, optional
-        Positions, heights and radii of the caps, and the block; default: contacts far apart.
+        Surface with the positions, heights and radii of the caps, and the block; default: none, for contacts
+        far apart.
 
     Raises
     ------
     InvalidInput
-        For an adhesive or plastic law, and for a `surface` of another number of caps or another nu.
+        If the contact law is adhesive or plastic, or if `surface` has another number of caps or another
+        Poisson's ratio.
 
     Examples
     --------
@@ -105,18 +108,18 @@ class Sample:
 
     @property
     def cap(self) -> Contact:
-        """Law of a cap without adhesion."""
+        """Contact law of a cap without adhesion."""
         return contact_of(self.model)
 
     @property
     def ratio(self) -> float:
-        """Poisson's ratio."""
+        """Poisson's ratio of the sample [-]."""
         if self.surface is not None:
             return self.surface.material.poisson_ratio
         return 0.5 if self.poisson_ratio is None else self.poisson_ratio
 
     def curve(self, radius: float, scale: float, area: FloatArray, one_by_one: bool) -> AreaCurve:
-        """Return the curve of areas (k, n) [mm^2] for radii [mm] multiplied by a factor."""
+        """Return the load curve over areas (k, n) [mm^2], with all radii multiplied by `scale`."""
         law = self.cap if scale == 1.0 else scaled_cap(self.cap, scale)
         if self.surface is None:
             return cap_curve(law, scale * radius)
@@ -124,7 +127,7 @@ class Sample:
         return sample_curve(scaled, with_contact(self.model, law), area, one_by_one)
 
     def refuse_radius(self, radius: float) -> None:
-        """Refuse a radius [mm] within its error of 0, and one that differs from that of the surface."""
+        """Raise InvalidInput if a radius [mm] is below its error or differs from the surface's radii."""
         given = Given("radius", radius)
         less = "must be less than the radius, {.number}"
         refuse_if(self.radius_sd >= radius, less, given, key="radius_sd", value=self.radius_sd)
@@ -135,7 +138,7 @@ class Sample:
             refuse_if(abs(own[i] / radius - 1.0) > SAME, other, given, key=key, value=own[i])
 
     def _refuse_law(self, law: Contact) -> None:
-        """Refuse a law whose load is not proportional to E* at a given area."""
+        """Raise InvalidInput for a contact law whose load at a given area is not proportional to E*."""
         without = "; give the model its cap, such as metafem.Independent(contact=metafem.Hertz())"
         of_one_modulus = isinstance(law, TabulatedContact) and law.material is None
         for holds, reason in (
@@ -150,7 +153,7 @@ class Sample:
             refuse_if(holds, f"contact = {shown(law)} {reason}")
 
     def _refuse_other(self, surface: Surface) -> None:
-        """Refuse a surface of another material or another number of caps."""
+        """Raise InvalidInput for a surface with another Poisson's ratio or another number of caps."""
         own, ratio = surface.material.poisson_ratio, self.poisson_ratio
         other = f"poisson_ratio = {ratio} differs from that of the surface, {own:g}"
         refuse_if(ratio not in (None, own), other)
@@ -162,7 +165,7 @@ class Sample:
 
 
 def cap_curve(cap: Contact, radius: float) -> AreaCurve:
-    """Return the curve of an isolated contact of a radius [mm]."""
+    """Return the load curve of an isolated contact with a cap of this radius [mm]."""
 
     deepest = float(cap.largest_indentation(radius))
     widest = MOST_OF_SPHERE * radius if isinstance(cap, SphericalCap) else math.inf
@@ -178,7 +181,7 @@ def cap_curve(cap: Contact, radius: float) -> AreaCurve:
 
 
 def scaled_cap(cap: Contact, scale: float) -> Contact:
-    """Return the law of caps with all lengths multiplied by a factor, if they do not follow from R."""
+    """Return the contact law of a scaled cap; a law without a table or profile is unchanged."""
     if isinstance(cap, TabulatedContact):
         depth, load, area = cap.table
         return TabulatedContact(scale * depth, scale**2 * load, scale**2 * area, material=cap.material)
@@ -192,7 +195,7 @@ def scaled_cap(cap: Contact, scale: float) -> Contact:
 
 
 def adhesive_cap(cap: Contact, adhesion_energy: float, modulus: float) -> Contact:
-    """Return the law of the contacts: the cap, adhesive if w > 0 [N/mm]; a table has the loads of this E*."""
+    """Return the contact law of the cap for this E* [MPa], adhesive if w > 0 [N/mm]."""
     if isinstance(cap, TabulatedContact) and cap.material is not None:
         depth, load, area = cap.table
         return TabulatedContact(depth, load * (modulus / cap.material.composite_modulus), area)
@@ -200,10 +203,11 @@ def adhesive_cap(cap: Contact, adhesion_energy: float, modulus: float) -> Contac
 
 
 def sample_curve(surface: Surface, model: Model, area: FloatArray, one_by_one: bool) -> AreaCurve:
-    """Return the curve of a sample with E* = 1 under a model, for areas (k, n) [mm^2] of single contacts.
+    """Return the load curve of a sample with E* = 1, over areas of single contacts (k, n) [mm^2].
 
-    The sample is solved at loads that reach beyond the areas, and the logarithm of load over area is
-    interpolated by a cubic spline, separately for each contact if single areas were measured.
+    The model is solved at loads that cover more than the range of the areas. A cubic spline interpolates the
+    logarithm of the load over the logarithm of the area, separately for each contact if single areas were
+    measured.
     """
     single = cap_curve(contact_of(model), float(surface.radius[0]))
     closed = area[area > 0.0]
@@ -230,7 +234,7 @@ def sample_curve(surface: Surface, model: Model, area: FloatArray, one_by_one: b
 def _logarithmic(
     area: FloatArray, load: FloatArray, j: int
 ) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
-    """Return load and slope over area from a table, as powers beyond its ends."""
+    """Return a function for load and slope that interpolates a table and extrapolates with power laws."""
     closed = area > 0.0
     refuse_if(
         closed.sum() < FEWEST_STATES,

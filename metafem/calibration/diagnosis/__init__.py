@@ -1,1 +1,1 @@
-"""Which errors of a made part explain the difference between its measured law and the design."""
+"""Diagnosis: the errors of a made part that explain why its measured law differs from the design."""

@@ -1,4 +1,4 @@
-"""Expected errors of a part, the same errors as standard normal numbers, and the part that they make."""
+"""Expected errors of a part, their form as standard normal numbers, and the part with these errors."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.surface import STEEPEST, Surface
 
-# Errors of the whole part and of the calibration, one number each.
+# Errors of the entire part and of the calibration; each error is one number.
 COMMON = ("angle_x", "angle_y", "height_scale", "composite_modulus", "friction", "adhesion_root")
 
-# Errors of single asperities, one number or two of each asperity.
+# Errors of single asperities; a height or radius error is one number for each asperity, a position error two.
 SINGLE = ("height", "radius", "position")
 
-# Causes that are combined in tables and in the shares of the misfit.
+# Groups of errors that tables and shares of the misfit combine into one cause.
 GROUPS = {
     "tilt": ("angle_x", "angle_y"),
     "height_scale": ("height_scale",),
@@ -30,49 +30,51 @@ GROUPS = {
     "position": ("position",),
 }
 
-# Smallest true load over the standard deviation of a measured one: a contact needs a positive load.
+# Smallest true load over the standard deviation of the measured load; the models need positive loads.
 LIGHTEST = 0.01
 
-# Smallest radius of a made summit over the designed one, and smallest factor of E*, sigma B and sqrt(w).
+# Smallest ratio of a made to a designed radius, and smallest factor of E*, sigma B and sqrt(w).
 LEAST = 0.1
 
 
-# Largest relative standard deviation: a third, so that a factor is positive within three of them.
+# Largest relative standard deviation of a factor; it keeps the factor positive within three standard
+# deviations.
 WIDEST = 1.0 / 3.0
 
 
 @dataclass(frozen=True)
 class Priors:
-    """Standard deviations of the errors that may explain a measured law; all are independent and Gaussian.
+    """Prior standard deviations of the errors of a part, which are independent and Gaussian.
 
-    With 0 an error is left out. The defaults of E*, sigma B, the tilt and the height scale are those for
-    which `explain` is validated; the errors of the heights and radii are those of the parts of Aymard et al.,
-    Science 383, 200 (2024), doi:10.1126/science.adk4234, which states no error of the positions.
+    An error with standard deviation 0 is left out. `explain` is validated for the default values of E*, sigma
+    B, the tilt and the height scale. The default errors of heights and radii describe the parts of Aymard et
+    al., Science 383, 200 (2024), doi:10.1126/science.adk4234. That paper states no error of the positions.
 
     Parameters
     ----------
     angle_sd : float
-        Of the tilt about either axis [rad], from 0 to pi/4; default: 0.05 degrees.
+        Standard deviation of the tilt about either axis [rad], from 0 to pi/4; default: 0.05 degrees.
     height_scale_sd : float
-        Of a common factor of all heights, relative [-]; default: 0.02.
+        Relative standard deviation of a common factor of all heights [-]; default: 0.02.
     composite_modulus_sd : float
-        Of E*, relative [-]; default: 0.05.
+        Relative standard deviation of E* [-]; default: 0.05.
     friction_sd : float
-        Of sigma B, the friction force per initial contact area, relative [-]; default: 0.05.
+        Relative standard deviation of sigma B, the friction force per initial contact area [-]; default:
+        0.05.
     height_sd : float
-        Of each single height [mm]; default: 0.9 um.
+        Standard deviation of each height [mm]; default: 0.9 um.
     radius_sd : float
-        Of each radius [mm]; default: 5 um.
+        Standard deviation of each radius [mm]; default: 5 um.
     position_sd : float
-        Of x and of y of each site [mm]; default: 0.
+        Standard deviation of both coordinates of each site [mm]; default: 0.
     adhesion_root_sd : float
-        Of the root of the adhesion energy of adhesive contacts, relative [-]; default: 0.2, about the error
-        of a calibration with three tests.
+        Relative standard deviation of the square root of the adhesion energy of adhesive contacts [-];
+        default: 0.2, about the error of a calibration with three tests.
 
     Raises
     ------
     InvalidInput
-        If a value is negative, or if a relative one exceeds 1/3.
+        If a value is negative, or if a relative standard deviation exceeds 1/3.
 
     Examples
     --------
@@ -99,26 +101,26 @@ class Priors:
 
 @dataclass(frozen=True, eq=False)
 class Made:
-    """A made part, and the true loads of its measurement."""
+    """A made part and the true loads of its measurement."""
 
-    surface: Surface  # its heights contain the tilt
-    slope: FloatArray  # (2,), tangents of the tilts
-    factor: Mapping[str, float]  # of E*, sigma B and the root of the adhesion energy, over the nominal ones
-    load: FloatArray  # (k,), [N]
+    surface: Surface  # its heights include the tilt
+    slope: FloatArray  # (2,), tangents of the tilt angles
+    factor: Mapping[str, float]  # E*, sigma B and sqrt(w) over their nominal values
+    load: FloatArray  # (k,) [N]
 
 
 @dataclass(frozen=True, eq=False)
 class Causes:
-    """Place of each unknown among the standard normal numbers z (p,), and its prior standard deviation.
+    """Position of each unknown in the standard normal vector z (p,), and its prior standard deviation.
 
-    The last k numbers are the errors of the measured loads, over their standard deviations.
+    The last k entries of z are the errors of the measured loads, over their standard deviations.
     """
 
     surface: Surface
     load: FloatArray
     load_sd: FloatArray
     sd: dict[str, float]
-    wide: dict[int, float]  # standard deviations of the heights of outliers [mm], by asperity
+    wide: dict[int, float]  # prior standard deviations of outlying heights [mm], by asperity
     where: dict[str, slice]
 
     @staticmethod
@@ -130,9 +132,9 @@ class Causes:
         friction: bool,
         adhesive: bool = False,
     ) -> Causes:
-        """Return the unknowns with a prior that is not 0.
+        """Return the unknowns whose prior standard deviation is not 0.
 
-        friction: whether friction forces were measured; adhesive: whether the contacts are adhesive.
+        `friction` states whether friction forces were measured, `adhesive` whether the contacts are adhesive.
         """
         unknown = {"friction": friction, "adhesion_root": adhesive}
         sd = {
@@ -150,12 +152,12 @@ class Causes:
 
     @property
     def size(self) -> int:
-        """Number of unknowns, p."""
+        """Number p of unknowns."""
         return int(self.where["load"].stop)
 
     @property
     def common(self) -> list[str]:
-        """Names of the errors of the whole part."""
+        """Names of the errors of the entire part."""
         return [name for name in COMMON if name in self.sd]
 
     @property
@@ -164,7 +166,7 @@ class Causes:
         return [name for name in SINGLE if name in self.sd]
 
     def value(self, name: str, z: FloatArray) -> FloatArray:
-        """Return an error in its unit."""
+        """Return the error of this name in its unit; 0 if it is not an unknown."""
         if name == "load":
             return np.asarray(self.load_sd * z[self.where["load"]])
         if name not in self.sd:
@@ -172,7 +174,7 @@ class Causes:
         return np.asarray(self.scale(name) * z[self.where[name]])
 
     def scale(self, name: str) -> FloatArray:
-        """Return the standard deviation of each number of one kind, in its unit."""
+        """Return the prior standard deviations of the error of this name, in its unit."""
         where = self.where[name]
         result = np.full(where.stop - where.start, self.sd[name])
         if name == "height":
@@ -181,7 +183,7 @@ class Causes:
         return result
 
     def made(self, z: FloatArray) -> Made:
-        """Return the part with these errors, and the true loads."""
+        """Return the part with the errors z, and the true loads."""
         design, nominal = self.surface, self.surface.material
         slope = np.tan([self.value(name, z)[0] for name in GROUPS["tilt"]])
         position = design.position

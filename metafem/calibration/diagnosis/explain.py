@@ -1,4 +1,4 @@
-"""Which errors of a part explain the difference between its measured law and the design."""
+"""Search for the errors of a part that explain why its measured law differs from the design."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from metafem.progress import doing
 from metafem.substrate import BondedLayer
 from metafem.surface import Friction, Surface
 
-# Probability that no error of a part within its tolerances is called an outlier.
+# Probability that no asperity of a part within its tolerances is classified as an outlier.
 NO_OUTLIER = 0.99
 
 
@@ -42,45 +42,46 @@ def explain(
     *,
     model: Model | None = None,
 ) -> Explanation:
-    """Which errors of a part explain the difference between its measured law and the design.
+    """Return the errors of a part that explain why its measured law differs from the design.
 
-    A linear Bayesian update: each error has a Gaussian prior, the measured values y have independent Gaussian
-    errors, and the posterior of the errors z, over their prior standard deviations, is that of the law
-    linearised at the mean m of the posterior,
+    The method is a linear Bayesian update. Each error has a Gaussian prior; z are the errors over their prior
+    standard deviations. The measured values y have independent Gaussian errors. The posterior of z is
+    computed with the law f linearised at the posterior mean m,
 
         V = (1 + J'W J)^-1,   m = V J'W (y - f(m) + J m),
 
-    J = df/dz and W the inverse variances. It is relinearised until it converges, since the law is not linear
-    where contacts open; sums of areas are averaged over the posterior. Tarantola, Inverse Problem Theory
-    (SIAM, 2005), doi:10.1137/1.9780898717921, section 3.2.3.
+    with J = df/dz and the inverse variances W. The linearisation is repeated until m converges, because the
+    law is not linear where contacts open. Sums of areas are averaged over the posterior. Tarantola, Inverse
+    Problem Theory (SIAM, 2005), doi:10.1137/1.9780898717921, section 3.2.3.
 
-    The error of a load enters all that was measured at this load: like the errors of the part, the true loads
-    are unknowns; their means are the measured loads. Linearised, this is the effective covariance
-    ``C + J_P C_P J_P'`` with its derivatives at the true loads instead of the measured ones. The error of the
-    area of a contact is that of its boundary, and grows with the true area. A contact found open has no area
-    with an error: its indentation is at most 0 at the largest load at which it was found open. This step
-    function is replaced by the Gaussian factor with the same mean and variance (expectation propagation). The
-    total area is not used if the areas of all contacts are known, since it is their sum.
+    The error of a load affects every value measured at this load. Therefore the true loads are unknowns too,
+    and the measured loads are their prior means. After linearisation, this is equivalent to an effective
+    covariance ``C + J_P C_P J_P'`` of the measured values, with the covariance C_P of the loads and the
+    derivatives J_P at the true loads. The error of a contact area follows from the error of the contact's
+    boundary, and grows with the true area. If a contact was found open, the data state only that its
+    indentation is at most 0 at the largest load at which it was open. This step function in the likelihood is
+    replaced by the Gaussian factor with the same mean and variance (expectation propagation). If the areas of
+    all contacts are known, their sum, the total area, is not used.
 
-    A common offset of all heights changes nothing at a given load. An outlier among the heights is larger
-    than the largest error in 99 % of parts, so it does not follow the prior: its own size becomes its prior
-    standard deviation, and it does not distort the other errors.
+    A common offset of all heights has no effect at a fixed load. A height error counts as an outlier if it
+    exceeds the largest error in 99 % of parts. An outlier does not follow the prior. To keep it from
+    distorting the other errors, its prior standard deviation is set to its own size.
 
     Parameters
     ----------
     measured : MeasuredLaw
-        Friction forces, total areas or areas of the contacts. Its material and friction, from the
-        calibration, are the means of E* and sigma B.
+        Friction forces, total areas or areas of the contacts. Its material and friction, which come from the
+        calibration, are the prior means of E* and sigma B.
     design : Design or Surface
-        The designed heights, radii and positions.
+        Design with the nominal heights, radii and positions.
     priors : Priors
         Expected errors; default: `Priors()`.
     model : Model, optional
-        Default: independent asperities or, if the surface has a block and the measured values are then more
-        probable, asperities interacting through the bonded layer; with the contact law of the design's model.
-        Adhesive asperities are independent by default. Derivatives by errors of single asperities are those
-        of independent ones. Those by common errors are closed forms for independent asperities, and central
-        differences for interacting ones.
+        Model with the contact law of the design's model. Default: independent asperities; if the surface has
+        a block, asperities that interact through the bonded layer if these make the measured values more
+        probable. Adhesive asperities are independent by default. Derivatives with respect to errors of single
+        asperities neglect interaction. Derivatives with respect to errors of the entire part are closed forms
+        for independent asperities and central differences for interacting asperities.
 
     Returns
     -------
@@ -89,8 +90,7 @@ def explain(
     Raises
     ------
     InvalidInput
-        For arguments of a wrong type, sites that are not in the design, and friction forces without a
-        Friction.
+        If an argument has a wrong type, a site is not in the design, or friction forces have no Friction.
     NotConverged
         If the model has no solution at a load.
 
@@ -130,7 +130,7 @@ def explain(
 
 
 def _refuse_contacts(measured: MeasuredLaw, count: int) -> None:
-    """Refuse areas of asperities that the design does not have, and closed contacts without an error."""
+    """Raise InvalidInput if the design lacks an asperity, or if the area of a closed contact has no error."""
     area, sd, site = measured.asperity_area, measured.asperity_area_sd, measured.site
     if area is None or sd is None or site is None:
         return
@@ -147,14 +147,15 @@ def _models(model: Model | None, surface: Surface, contact: Contact) -> list[Mod
     if model is not None:
         return [checked_model(model)]
     independent = Independent(contact=contact)
-    # interacting adhesive contacts are solved from the first touch on: seconds for each of hundreds of states
+    # interacting adhesive contacts would take too long: each of hundreds of states takes seconds, because the
+    # model follows the contacts from the first touch
     if surface.block is None or contact.adhesive:
         return [independent]
     return [independent, with_contact(Interacting(substrate=BondedLayer()), contact)]
 
 
 def _solved(scene: Scene) -> tuple[Scene, Posterior]:
-    """Return the posterior; the prior of an outlier among the heights is widened."""
+    """Return the scene with widened priors of outlying heights, and the posterior."""
     causes = scene.causes
     posterior = update(scene.linear, causes.size)
     if "height" in causes.sd:
@@ -170,7 +171,7 @@ def _solved(scene: Scene) -> tuple[Scene, Posterior]:
 def _explanation(
     scene: Scene, posterior: Posterior, priors: Priors, evidence: dict[str, float]
 ) -> Explanation:
-    """Return the posterior of one model as errors of the part."""
+    """Return the explanation of a measured law by one model, from its posterior."""
     causes, mean, at = scene.causes, posterior.mean, posterior.linear
     sd, loads = np.sqrt(np.diag(posterior.covariance)), causes.where["load"]
     common = causes.common
@@ -180,7 +181,8 @@ def _explanation(
     if friction is not None:
         friction = Friction(part.factor["friction"] * friction.shear_strength, friction.area_ratio)
     gradient = at.gradient
-    # effective number of fitted numbers: the variances of the computed values over those of the measured ones
+    # effective number of fitted parameters: sum of posterior variances of computed values over measured
+    # variances
     fitted = float(((gradient @ posterior.covariance) * gradient).sum()) + float((sd[loads] ** 2).sum())
     share, without, before, after = shares(causes, posterior)
     return Explanation(
@@ -209,7 +211,7 @@ def _explanation(
 
 
 def _notes(causes: Causes, posterior: Posterior) -> Iterator[Note]:
-    """Return notes on a fit that has not converged, and on impossible factors of E* or sigma B."""
+    """Return notes on a posterior that has not converged, and on impossible factors of E* or sigma B."""
     if posterior.change > NEARLY:
         yield Note(
             f"the fit has not converged: its last step changed an error by {posterior.change:.2g} of its "
@@ -226,7 +228,7 @@ def _notes(causes: Causes, posterior: Posterior) -> Iterator[Note]:
 
 
 def _single(causes: Causes, name: str, mean: FloatArray, sd: FloatArray) -> SingleErrors:
-    """Return the errors of the asperities of one kind."""
+    """Return the errors of one kind for all asperities."""
     where, prior, scale = causes.where[name], causes.sd[name], causes.scale(name)
     shape = (-1, 2) if name == "position" else (-1,)
     largest = float(ndtri(0.5 + 0.5 * NO_OUTLIER ** (1.0 / len(scale))))
@@ -235,7 +237,7 @@ def _single(causes: Causes, name: str, mean: FloatArray, sd: FloatArray) -> Sing
 
 
 def _residuals(scene: Scene, residual: FloatArray, mean: FloatArray) -> dict[str, FloatArray]:
-    """Return the normalised residuals by quantity."""
+    """Return the normalised residuals of each quantity by its name."""
     k, totals = len(scene.causes.load), scene.totals
     result = dict(zip(totals, residual[: k * len(totals)].reshape(-1, k), strict=True))
     row, site, area, _ = scene.closed

@@ -1,4 +1,4 @@
-"""What explains a measured law: the errors with their uncertainties, their shares, and what remains."""
+"""Result of a diagnosis: errors with their uncertainties, their shares in the misfit, and the residuals."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from metafem.surface import Friction, Surface
 
 @dataclass(frozen=True)
 class Cause:
-    """One error of the whole part or of its calibration.
+    """One error of the entire part or of its calibration.
 
     Attributes
     ----------
@@ -28,8 +28,8 @@ class Cause:
         ``angle_x``, ``angle_y``, ``height_scale``, ``composite_modulus``, ``friction`` or
         ``adhesion_root``.
     prior_sd, mean, sd : float
-        Standard deviation before the measurement, and mean and standard deviation after it; angles in [rad],
-        all others relative [-]. The 68 % interval is ``mean - sd`` to ``mean + sd``.
+        Prior standard deviation, and posterior mean and standard deviation; angles in [rad], all other errors
+        relative [-]. The 68 % interval is ``mean - sd`` to ``mean + sd``.
 
     Examples
     --------
@@ -49,18 +49,18 @@ class Cause:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SingleErrors(Value):
-    """Errors of the n single asperities [mm].
+    """Errors of one kind for the n asperities [mm].
 
     Attributes
     ----------
     name : str
         ``height``, ``radius`` or ``position``.
     prior_sd : float
-        Standard deviation before the measurement [mm].
+        Prior standard deviation [mm].
     mean, sd : ndarray, (n,), or (n, 2) for positions
-        Mean and standard deviation after it [mm].
+        Posterior means and standard deviations [mm].
     outlier : ndarray of bool, as mean
-        Whether an error exceeds the largest of n Gaussian errors in 99 % of parts.
+        Whether an error is so large that the largest of n Gaussian errors is smaller in 99 % of parts.
 
     Examples
     --------
@@ -84,42 +84,43 @@ class Explanation(Value):
     Attributes
     ----------
     causes : tuple of Cause
-        Errors of the whole part and of its calibration that have a prior.
+        Errors of the entire part and of its calibration whose prior standard deviation is not 0.
     covariance : ndarray, (c, c)
-        Covariance of these errors after the measurement, in the order of `causes`.
+        Posterior covariance of `causes`, in their order.
     single : mapping of str to SingleErrors
-        Errors of single asperities that have a prior, by ``height``, ``radius`` and ``position``.
+        Errors of single asperities whose prior standard deviation is not 0, under the names ``height``,
+        ``radius`` and ``position``.
     shares : mapping of str to float
-        Share of each cause in the explained misfit [-], largest first: ``tilt``, ``height_scale``,
-        ``composite_modulus``, ``friction``, ``adhesion_root``, ``height``, ``radius`` and ``position``. They
-        add up to 1.
+        Share of each cause in the explained misfit [-], largest first; the shares add up to 1. Names:
+        ``tilt``, ``height_scale``, ``composite_modulus``, ``friction``, ``adhesion_root``, ``height``,
+        ``radius`` and ``position``.
     misfit_without : mapping of str to float
-        The misfit if one of these causes is left out and all others remain, in the same order [-].
+        Misfit if one cause is left out and all other causes remain [-], in the order of `shares`.
     unresolved : tuple of Unresolved
-        Errors, and combinations of them, that the measured values do not determine.
+        Errors and combinations of errors that the measured values do not determine.
     misfit_design, misfit : float
-        Chi-square of the measured values from the design, without any of the errors and with all of them; the
-        latter includes the squares of the errors over their variances [-].
+        Chi-square of the measured values without any errors of the part, and with all of them [-]. The second
+        includes the sum of the squared errors over their prior variances.
     count : int
-        Number of measured values, without loads and open contacts: the expected `misfit`.
+        Number of measured values, without loads and open contacts; the expected value of `misfit`.
     verdict : Verdict
-        Whether the errors of measurement explain what remains.
+        Whether the measurement errors explain the remaining residuals.
     load, load_sd : ndarray, (k,)
-        True loads and their standard deviations after the measurement [N].
+        Posterior means of the true loads and their standard deviations [N].
     residual : mapping of str to ndarray
-        Measured minus explained value over its standard deviation [-]: ``load``, ``friction_force`` and
-        ``area`` (k,), ``asperity_area`` (k, n), nan where no contact was measured.
+        Measured minus explained values over their standard deviations [-]: ``load``, ``friction_force`` and
+        ``area``, (k,), and ``asperity_area``, (k, n), nan where no contact was measured.
     log_evidence : mapping of str to float
-        Logarithm of the probability density of the measured values under each model that was tried.
+        Logarithm of the probability density of the measured values for each model that was tried.
     surface : Surface
-        The part with the mean errors, its tilt included, and with its E*.
+        The part with the mean errors, including its tilt and its E*.
     friction : Friction or None
         Friction with the mean error of sigma B.
     model : Model
     priors : Priors
     notes : tuple of Note
     sites : ndarray of int, (n,), or None
-        Sites of the asperities in the lattice of a Design; None for a Surface.
+        Sites of the asperities in the template of a Design; None for a Surface.
 
     Examples
     --------
@@ -168,12 +169,12 @@ class Explanation(Value):
 
     @property
     def outliers(self) -> IntArray:
-        """Numbers of the asperities with a height or radius far outside its tolerance."""
+        """Numbers of the asperities whose height or radius is far outside its tolerance."""
         found = [errors.outlier for name, errors in self.single.items() if name != "position"]
         return np.flatnonzero(np.any(found, axis=0)) if found else np.zeros(0, dtype=np.int64)
 
     def sentences(self) -> tuple[str, ...]:
-        """Return sentences on the causes of the misfit, on what is not determined and on what remains."""
+        """Return sentences on the causes of the misfit, undetermined errors and remaining residuals."""
         areas = bool(np.isfinite(self.residual.get("asperity_area", np.nan)).any())
         found = [sentences.misfit(self.misfit_design, self.misfit, self.count, areas)]
         found += sentences.ranking(self.shares)

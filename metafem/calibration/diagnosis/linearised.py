@@ -1,4 +1,4 @@
-"""The measured values around one part: residuals and their derivatives by the unknowns."""
+"""Linearised model of the measured values: residuals and their derivatives with respect to the unknowns."""
 
 from __future__ import annotations
 
@@ -18,60 +18,61 @@ from metafem.models import Model
 from metafem.models.model import contact_of
 from metafem.surface import Friction
 
-# Step of central differences over the prior standard deviation of a cause, or over that of the load.
+# Step of central differences, over the prior standard deviation of an error or of a load.
 STEP = 0.03
 
-# Mean and standard deviation of the indentation above which a contact is detected, over (2b)^2/R with the
-# error b of its boundary. A contact of the radius a, with the indentation a^2/R, is found open if the error
-# of its area exceeds its area, with the probability N(-a/2b).
+# Mean and standard deviation of the smallest indentation at which a contact is detected, over (2b)^2/R with
+# the error b of the boundary. A contact of radius a has the indentation a^2/R. It is found open if the error
+# of its area exceeds its area, which has the probability N(-a/2b).
 SEEN, SEEN_SD = 0.5, math.sqrt(1.25)
 
-# Smallest standard deviation of an area over the largest area.
+# Smallest ratio of the standard deviation of an area to the largest area.
 SMALLEST = 1e-12
 
-# Largest change of an unknown, in prior standard deviations, for which differences are reused.
+# Largest change of an unknown, in prior standard deviations, up to which earlier differences are reused.
 NEAR = 0.05
 
-# Largest contact radius over the summit's at which the indentation of an overlooked area is taken: a
-# spherical cap has no contact of its own radius.
+# The indentation of an overlooked area is computed up to this contact radius, over the radius of the summit.
+# The contact radius of a spherical cap cannot reach the radius of the cap.
 WIDEST = 0.9
 
-# Least area of a contact over the measured one at which the error of the area is taken: at half the radius.
+# Smallest computed area, over the measured area, at which the error of the area is computed. It corresponds
+# to half the contact radius.
 LEAST_AREA = 0.25
 
 
 @dataclass(frozen=True, eq=False)
 class Linear:
-    """Residuals over their standard deviations, their derivatives by z, and the gaps of open contacts."""
+    """Normalised residuals, derivatives with respect to z, and indentations of open contacts."""
 
-    residual: FloatArray  # (m,), measured minus computed: friction forces, total areas, areas of contacts
+    residual: FloatArray  # (m,), measured minus computed friction forces, total areas, contact areas
     gradient: FloatArray  # (m, p), derivatives of the computed values
-    sd: FloatArray  # (m,), standard deviations, in the unit of each value
-    indentation: FloatArray  # (c,), of the contacts found open, minus the smallest detected [mm]
+    sd: FloatArray  # (m,), standard deviations in the units of the values
+    indentation: FloatArray  # (c,), of contacts found open, minus the smallest detectable [mm]
     indentation_gradient: FloatArray  # (c, p)
-    resolution: FloatArray  # (c,), standard deviation of the smallest detected indentation [mm]
+    resolution: FloatArray  # (c,), standard deviation of the smallest detectable indentation [mm]
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """The design, its unknown errors and its measured values under one model."""
+    """The design, its unknown errors, the measured values and one model."""
 
     model: Model
     causes: Causes
     measured: MeasuredLaw
     friction: Friction | None
-    # the last differences by each kind of error, and where they were computed
+    # for each kind of error, the z of the last computed difference and the difference
     differences: dict[str, tuple[FloatArray, FloatArray]] = field(default_factory=dict, compare=False)
 
     @property
     def totals(self) -> list[str]:
-        """Names of the measured totals; the total area is not used beside the areas of the contacts."""
+        """Names of the measured totals; the total area is omitted if the areas of the contacts are known."""
         names = ("friction_force", "area") if self.measured.asperity_area is None else ("friction_force",)
         return [name for name in names if getattr(self.measured, name) is not None]
 
     @cached_property
     def single(self) -> tuple[FloatArray, FloatArray, IntArray]:
-        """Areas (k, m) of the contacts, their standard deviations, and their asperities (m,)."""
+        """Contact areas (k, m), their standard deviations, and the numbers of their asperities (m,)."""
         law, none = self.measured, np.zeros((len(self.measured.load), 0))
         if law.asperity_area is None or law.asperity_area_sd is None or law.site is None:
             return none, none, np.zeros(0, dtype=np.int64)
@@ -79,7 +80,7 @@ class Scene:
 
     @cached_property
     def closed(self) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
-        """Load and asperity of each measured area, the area [mm^2] and the error of its boundary [mm]."""
+        """Numbers of load and asperity of each closed contact, its area [mm^2] and boundary error [mm]."""
         area, sd, site = self.single
         row, column = np.nonzero(area > 0.0)
         found = area[row, column]
@@ -87,10 +88,10 @@ class Scene:
 
     @cached_property
     def opened(self) -> tuple[IntArray, IntArray, FloatArray]:
-        """Largest load at which a contact was found open, its asperity, and the largest overlooked area.
+        """Largest load with the contact open (its number), asperity, and overlooked area [mm^2], (c,) each.
 
-        At smaller loads the contact is open, too. An overlooked area of 0 means that of the error of its
-        boundary.
+        The overlooked area is the largest that the image may not show. At smaller loads the contact is open,
+        too. If the overlooked area is 0, the boundary error determines which contacts are overlooked.
         """
         area, sd, site = self.single
         column = np.flatnonzero((area <= 0.0).any(axis=0))
@@ -102,13 +103,13 @@ class Scene:
         return response(self.model, made, made.load / made.surface.material.composite_modulus)
 
     def linear(self, z: FloatArray, covariance: FloatArray) -> Linear:
-        """Return residuals and derivatives at unknowns of the mean z (p,) and a covariance (p, p)."""
+        """Return residuals and derivatives for unknowns with the mean z (p,) and a covariance (p, p)."""
         made = self.causes.made(z)
         found = self.response(made)
         return self._observed(made, found, self._derivatives(z, made, found), covariance)
 
     def _derivatives(self, z: FloatArray, made: Made, found: Response) -> FloatArray:
-        """Return the derivatives of the areas of all contacts by z, (k, n, p)."""
+        """Return the derivatives of the areas of all contacts with respect to z, (k, n, p)."""
         causes = self.causes
         if self.model.couples:
             names = [name for name in (*causes.common, "load") if name != "friction"]
@@ -131,7 +132,7 @@ class Scene:
         return result
 
     def _rates(self, made: Made, found: Response) -> dict[str, FloatArray]:
-        """Return the derivatives (k, n) of independent contacts by the common errors and by the loads."""
+        """Return the derivatives (k, n) of the areas of independent contacts by common errors and loads."""
         causes, modulus = self.causes, made.surface.material.composite_modulus
         along = made.surface.position * (1.0 + made.slope**2)
         by_modulus = found.by_law(found.by_modulus, -made.load / modulus)
@@ -146,13 +147,13 @@ class Scene:
         return scaled | {"load": found.by_load() * (causes.load_sd / modulus)[:, None]}
 
     def _near_difference(self, z: FloatArray, name: str) -> FloatArray:
-        """Return the difference of the areas by one kind of error, or an earlier one from near z."""
+        """Return the difference quotient of the areas for one kind of error (k, n), at z or near z."""
         if name not in self.differences or np.abs(z - self.differences[name][0]).max() > NEAR:
             self.differences[name] = z, self._difference(z, self.causes.where[name])
         return self.differences[name][1]
 
     def _difference(self, z: FloatArray, where: slice) -> FloatArray:
-        """Return the central difference of the areas, with all numbers of one kind changed together."""
+        """Return the difference quotient of the areas (k, n); the entries `where` of z change together."""
         sides = []
         for step in (STEP, -STEP):
             other = z.copy()
@@ -160,12 +161,12 @@ class Scene:
             sides.append(self.response(self.causes.made(other)).area)
         return np.asarray((sides[0] - sides[1]) / (2.0 * STEP))
 
-    # the error of a value follows from the computed one: from the measured one, small values would have too
-    # much weight
+    # The standard deviation of a value is evaluated at the computed value. If it were evaluated at the
+    # measured value, values that are too small by chance would have too much weight.
     def _observed(
         self, made: Made, found: Response, derivative: FloatArray, covariance: FloatArray
     ) -> Linear:
-        """Return the residuals of all measured values and of the gaps of open contacts."""
+        """Return the residuals of all measured values and the gaps of open contacts."""
         law, causes = self.measured, self.causes
         total, by_total = _total(found.area, derivative, covariance)
         row, site, area, boundary = self.closed
@@ -191,14 +192,15 @@ class Scene:
         return Linear(residual / sd, gradient / sd[:, None], sd, *self._gaps(made, found, derivative))
 
     def _gaps(self, made: Made, found: Response, derivative: FloatArray) -> tuple[FloatArray, ...]:
-        """Return the indentations of open contacts over the smallest detected one, with its error (c,) [mm].
+        """Return indentations (c,) of open contacts minus the smallest detectable [mm], and its error [mm].
 
-        The middle value is the derivative by z, (c, p).
+        The second returned value, between the two, is the derivative of the indentations with respect to z,
+        (c, p).
         """
         causes, (row, site, _) = self.causes, self.opened
         rate = found.area_rate[row, site]
         gradient = derivative[row, site] / rate[:, None]
-        if "radius" in causes.sd:  # the latent area is pi R d: that of the gap
+        if "radius" in causes.sd:  # the area of an open contact is pi R d; remove its derivative by R
             own = found.area_by_radius[row, site] / rate
             gradient[np.arange(len(rate)), causes.where["radius"].start + site] -= causes.sd["radius"] * own
         least, resolution, *smallest = self._smallest(made)
@@ -210,12 +212,13 @@ class Scene:
         return found.indentation[row, site] - least, gradient, resolution
 
     def _smallest(self, made: Made) -> tuple[FloatArray, ...]:
-        """Return the smallest indentation (c,) at which a contact is detected [mm], and its error.
+        """Return the smallest indentation at which a contact is detected, and its error, (c,) [mm].
 
-        The other two values are its derivatives by log E* and by log sqrt(w).
+        The other two values are the derivatives of this indentation with respect to log E* and log sqrt(w).
 
-        With the error b of the boundary it is about b^2/(2 R); if a larger area may be overlooked, it is the
-        indentation of that area, with the error 2 a b/R from the error of the contact radius a.
+        If the boundary error b limits the detection, the indentation is SEEN (2 b)^2/R. If a larger area may
+        be overlooked, the result is the indentation of that area, and its error 2 a b/R follows from the
+        error b of the contact radius a.
         """
         _, site, overlooked = self.opened
         boundary = float(np.median(self.closed[-1])) if len(self.closed[-1]) else 0.0
@@ -236,10 +239,11 @@ class Scene:
 
 
 def _total(area: FloatArray, derivative: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the total areas (k,) and their derivatives (k, p), as means over the covariance of z.
+    """Return the mean total areas (k,) and their derivatives (k, p) if z has this covariance.
 
-    The mean of max(A, 0) over a normal distribution of A, with the standard deviation s and u = A/s, is
-    ``A N(u) + s n(u)``, with the derivative N(u): it has no kink where a contact opens.
+    If an area is normally distributed with the mean A and the standard deviation s, the mean of its positive
+    part is ``A N(u) + s n(u)`` with u = A/s. The derivative of this mean is N(u), so it has no kink where a
+    contact opens.
     """
     rows = derivative.reshape(-1, derivative.shape[-1])
     variance = np.einsum("mp,mp->m", rows @ covariance, rows).reshape(area.shape)
@@ -253,7 +257,7 @@ def _total(area: FloatArray, derivative: FloatArray, covariance: FloatArray) -> 
 def _ratio(
     error: Callable[[FloatArray], FloatArray], computed: FloatArray, measured: FloatArray
 ) -> FloatArray:
-    """Return the error of the computed values over that of the measured ones, limited to 0.5 to 2."""
+    """Return the error at the computed values over the error at the measured values, limited to 0.5 to 2."""
     of_measured = error(measured)
     ratio = np.divide(error(computed), of_measured, np.ones_like(computed), where=of_measured > 0.0)
     return np.asarray(np.clip(ratio, 0.5, 2.0))

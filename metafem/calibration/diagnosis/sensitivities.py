@@ -1,4 +1,4 @@
-"""Areas of the contacts of a part at given loads, and their derivatives by its errors."""
+"""Contact areas of a part at given loads, and their derivatives with respect to its errors."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from metafem.models.independent import load_equation
 from metafem.models.model import PARABOLOID, contact_of, with_contact
 from metafem.surface import Material, Surface
 
-# Relative step of E*, of the root of the adhesion energy and of radii in central differences of a contact
-# law, whose error is its square.
+# Relative step of E*, sqrt(w) and radii in central differences of a contact law. The relative error of a
+# central difference is about the square of the step.
 STEP = 1e-4
 FACTORS = (1.0 - STEP, 1.0 + STEP)
 
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """Contacts of a surface at k rescaled loads, all arrays (k, n).
+    """State of the n contacts of a surface at k rescaled loads; arrays are (k, n) unless stated otherwise.
 
-    The area of an open contact is negative: ``pi R d`` with its gap -d, so that it is differentiable where
-    the contact closes. With the shares s_j and the derivative A' of the area by the indentation, for
-    independent contacts
+    An open contact has the negative area ``pi R d``, where -d is its gap, so that the area is differentiable
+    where the contact closes. For independent contacts
 
         dA_i = A'_i (dh_i - sum_j s_j dh_j + dq / sum_j p'_j),   s_j = p'_j / sum_j p'_j
 
-    where dh and dq are the changes of the heights and of the load, and p' is the stiffness of a contact.
+    where A' is the derivative of the area with respect to the indentation, p' the stiffness of a contact, and
+    dh and dq the changes of the heights and of the rescaled load.
     """
 
     area: FloatArray  # [mm^2]
@@ -41,24 +41,24 @@ class Response:
     area_rate: FloatArray  # A' [mm]
     share: FloatArray  # s [-]
     stiffness: FloatArray  # (k,), sum of p' [mm]
-    load_by_radius: FloatArray  # derivative of the load of each contact by its radius [mm]
-    area_by_radius: FloatArray  # derivative of the area by the radius at fixed indentation [mm]
-    # derivatives of indentation [mm] and rescaled load [mm^2] at fixed contact radii, (2, k, n): by log E*,
-    # and by the logarithm of the root of the adhesion energy
+    load_by_radius: FloatArray  # derivative of each load with respect to the radius [mm]
+    area_by_radius: FloatArray  # derivative with respect to the radius at fixed indentation [mm]
+    # derivatives of indentation [mm] and rescaled load [mm^2] with respect to log E* and log sqrt(w), at
+    # fixed contact radii, (2, k, n)
     by_modulus: FloatArray
     by_adhesion: FloatArray
 
     def by_height(self, change: FloatArray) -> FloatArray:
-        """Return the derivative of the areas by an error that changes the heights by `change` (n,)."""
+        """Return the derivatives of the areas (k, n) if an error changes the heights by `change` (n,)."""
         return self.area_rate * (change - self.share @ change[:, None])
 
     def by_each_height(self) -> FloatArray:
-        """Return the derivatives of the areas by each height, (k, n, n)."""
+        """Return the derivatives of the areas with respect to each height, (k, n, n)."""
         n = self.area.shape[1]
         return self.area_rate[:, :, None] * (np.eye(n) - self.share[:, None, :])
 
     def by_each_radius(self) -> FloatArray:
-        """Return the derivatives of the areas by each radius, (k, n, n)."""
+        """Return the derivatives of the areas with respect to each radius, (k, n, n)."""
         sinking = self.load_by_radius / self.stiffness[:, None]
         found = -self.area_rate[:, :, None] * sinking[:, None, :]
         i = np.arange(self.area.shape[1])
@@ -66,22 +66,23 @@ class Response:
         return found
 
     def by_law(self, change: FloatArray, load: FloatArray | float = 0.0) -> FloatArray:
-        """Return the derivative of the areas by a parameter of the contact law.
+        """Return the derivatives of the areas with respect to a parameter of the contact law, (k, n).
 
-        The indentation and the load of a contact change by x_i and y_i at a fixed radius, and the rescaled
-        load by q, `load` (k,): ``dA_i = A'_i (c - x_i)`` and ``sum_i (p'_i (c - x_i) + y_i) = q``.
+        `change` holds the changes x_i and y_i of the indentation and the load of each contact at a fixed
+        contact radius. q is the change of the total rescaled load, `load` (k,). Then
+        ``dA_i = A'_i (c - x_i)``, where c follows from ``sum_i (p'_i (c - x_i) + y_i) = q``.
         """
         x, y = change
         common = (self.share * x).sum(axis=1) + (load - y.sum(axis=1)) / self.stiffness
         return np.asarray(self.area_rate * (common[:, None] - np.where(self.area > 0.0, x, 0.0)))
 
     def by_load(self) -> FloatArray:
-        """Return the derivative of the areas at each rescaled load by that load."""
+        """Return the derivatives of the areas with respect to the rescaled load, (k, n)."""
         return self.area_rate / self.stiffness[:, None]
 
 
 def response(model: Model, part: Made, load: FloatArray) -> Response:
-    """Return the contacts at rescaled loads (k,) in any order; derivatives neglect interaction."""
+    """Return the contacts at rescaled loads (k,) in any order; the derivatives neglect interaction."""
     surface = part.surface
     contact = with_adhesion(contact_of(model), part.factor["adhesion_root"])
     law = contact.for_material(surface.material)
@@ -97,8 +98,9 @@ def response(model: Model, part: Made, load: FloatArray) -> Response:
     stiffness = _where_closed(law.stiffness, size, radius)
     rate = np.where(closed, _where_closed(law.area_slope, size, radius), math.pi * radius)
     area = np.where(closed, law.area(size), math.pi * radius * np.minimum(indentation, 0.0))
-    # if indentation and load change by x and y at a fixed contact radius, then load and area change by
-    # y - p' x and -A' x at a fixed indentation; an open contact has the latent area pi R d
+    # If indentation and load change by x and y at a fixed contact radius, then the load changes by
+    # ``y - p' x`` and the area by ``-A' x`` at a fixed indentation. The negative area of an open contact is
+    # pi R d.
     latent = math.pi * indentation
     if law == PARABOLOID:
         load_by_radius, area_by_radius = carried / (2.0 * radius), latent
@@ -122,18 +124,18 @@ def response(model: Model, part: Made, load: FloatArray) -> Response:
 def law_changes(
     contact: Contact, material: Material, size: FloatArray, radius: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the derivatives (2, ...) of indentation and load at contact radii by log E* and log sqrt(w)."""
+    """Return the derivatives of indentation and load, (2, ...), by log E*, and by log sqrt(w)."""
     moduli = (replace(material, composite_modulus=f * material.composite_modulus) for f in FACTORS)
     by_modulus = [contact.for_material(each) for each in moduli]
     by_adhesion = [with_adhesion(contact, factor).for_material(material) for factor in FACTORS]
     low, high = (_depth_and_load(law, size, radius) for law in by_modulus)
     less, more = (_depth_and_load(law, size, radius) for law in by_adhesion)
-    # laws that do not depend on E* or on w have no change
+    # the derivatives are 0 for laws that do not depend on E* or w
     return (high - low) / (2.0 * STEP), (more - less) / (2.0 * STEP)
 
 
 def with_adhesion(contact: Contact, root: float) -> Contact:
-    """Return a law whose adhesion energy, if it has one, is multiplied by the square of a factor."""
+    """Return the contact law with its sqrt(w), if it is adhesive, multiplied by the factor `root`."""
     if root == 1.0 or not contact.adhesive:
         return contact
     adhesive: Any = contact
@@ -141,18 +143,18 @@ def with_adhesion(contact: Contact, root: float) -> Contact:
 
 
 def _depth_and_load(law: Contact, size: FloatArray, radius: FloatArray) -> FloatArray:
-    """Return indentation and load at contact radii, (2, ...), 0 where the contact is open."""
+    """Return indentation and load at contact radii, (2, ...); 0 where the contact is open."""
     return np.array([_where_closed(of, size, radius) for of in (law.indentation, law.load)])
 
 
 def _where_closed(value: Callable[..., Any], size: FloatArray, radius: FloatArray) -> FloatArray:
-    """Return a quantity of a contact law at contact radii, 0 where the contact is open."""
+    """Return a quantity of a contact law at contact radii; 0 where the contact is open."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(size > 0.0, value(size, radius), 0.0)
 
 
 def _states(model: Model, surface: Surface, load: FloatArray) -> tuple[FloatArray, ...]:
-    """Return contact radii, indentations and rescaled loads of the contacts of any model."""
+    """Return the contact radii, indentations and rescaled loads of the contacts, (k, n) each."""
     size, indentation, carried = np.empty((3, len(load), surface.count))
     for k, value in enumerate(load):
         state = model.curve(surface, np.array([value])).checked().last

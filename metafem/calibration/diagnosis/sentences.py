@@ -11,7 +11,7 @@ from metafem._validate import FloatArray, IntArray
 from metafem._values import MICROMETRES, percent, two_digits
 from metafem.calibration.verdict import Verdict, chi
 
-# Names of causes and of groups of them.
+# Names of causes and groups of causes in sentences.
 NAMES = {
     "tilt": "tilt",
     "angle_x": "tilt along x",
@@ -25,10 +25,10 @@ NAMES = {
     "position": "positions",
 }
 
-# Smallest share of the misfit that a sentence states.
+# Smallest share of the misfit that is stated in a sentence.
 SMALL = 0.01
 
-# Difference of the logarithms of two evidences from which data favour a model: 20 to 1.
+# Smallest difference of log evidence at which the data favour a model (odds of 20 to 1).
 FAVOURED = math.log(20.0)
 
 # Logarithm of the largest odds that are printed as a number.
@@ -36,7 +36,7 @@ LARGE = math.log(1e6)
 
 
 def amount(name: str, value: float, form: str = "+.3g") -> str:
-    """Return an error with its unit: degrees for angles, percent for factors, um for lengths."""
+    """Return an error as text with its unit: degrees for angles, percent for factors, um for lengths."""
     if name.startswith("angle"):
         return f"{math.degrees(value):{form}}°"
     if name in ("height", "radius", "position"):
@@ -45,23 +45,23 @@ def amount(name: str, value: float, form: str = "+.3g") -> str:
 
 
 def interval(name: str, mean: float, sd: float, form: str = "+.3g") -> str:
-    """Return an error with its standard deviation."""
+    """Return an error and its standard deviation as text."""
     return f"{amount(name, mean, form)} ± {amount(name, sd, '.2g')}"
 
 
 def spread(name: str, mean: FloatArray, sd: FloatArray) -> str:
-    """Return the size of the errors of single asperities."""
+    """Return text on the size of the errors of single asperities."""
     rms = amount(name, float(np.sqrt((mean**2).mean())), ".2g")
     return f"{rms} rms, each ± {amount(name, float(np.median(sd)), '.2g')}"
 
 
 def stated(name: str, found: str, prior_sd: float) -> str:
-    """Return an error that was found, and the expected one."""
+    """Return text that compares an error with its prior standard deviation."""
     return f"{NAMES[name]} {found} (expected: 0 ± {amount(name, prior_sd, '.2g')})"
 
 
 def misfit(design: float, left: float, count: int, areas: bool) -> str:
-    """Return the misfit before and after; `areas`: the values include areas of single contacts."""
+    """Return a sentence on the misfit before and after; `areas` states whether contact areas are included."""
     values = "1 measured value" if count == 1 else f"{count} measured values"
     return (
         f"The measured law differs from the design by chi² = {chi(design)} over {values}"
@@ -71,7 +71,7 @@ def misfit(design: float, left: float, count: int, areas: bool) -> str:
 
 
 def ranking(shares: Mapping[str, float]) -> list[str]:
-    """Return which causes explain the misfit, the most important first."""
+    """Return sentences on the causes that explain the misfit, the largest share first."""
     named = [f"{NAMES[name]} ({part(value)})" for name, value in shares.items() if value >= SMALL]
     if not named:
         return []
@@ -86,12 +86,12 @@ def ranking(shares: Mapping[str, float]) -> list[str]:
 
 
 def part(share: float) -> str:
-    """Return a share of the misfit in whole percent."""
+    """Return a share of the misfit as text in whole percent."""
     return percent(round(share, 2) + 0.0, ".0f")
 
 
 def outlier(name: str, i: int, sites: IntArray | None, mean: float, sd: float, prior_sd: float) -> str:
-    """Return an asperity with an error far outside its tolerance."""
+    """Return a sentence on an asperity whose error is far outside its tolerance."""
     asperity = f"Asperity {i}" if sites is None else f"The asperity at site {sites[i]}"
     words = {"height": ("higher", "lower"), "radius": ("larger in radius", "smaller in radius")}[name]
     return (
@@ -101,7 +101,7 @@ def outlier(name: str, i: int, sites: IntArray | None, mean: float, sd: float, p
 
 
 def unresolved(change: Mapping[str, float], variance_left: float) -> str:
-    """Return a combination of errors that the data do not determine."""
+    """Return a sentence on a combination of errors that the data do not determine."""
     left = percent(math.sqrt(min(variance_left, 1.0)), ".0f")
     if len(change) == 1:
         (name,) = change
@@ -115,12 +115,12 @@ def unresolved(change: Mapping[str, float], variance_left: float) -> str:
 
 
 def joined(words: list[str]) -> str:
-    """Return words as a list in a sentence."""
+    """Return words joined as a list for a sentence."""
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
 
 
 def models(log_evidence: Mapping[str, float]) -> list[str]:
-    """Return which model the measured values favour."""
+    """Return sentences on the model that the measured values favour."""
     if len(log_evidence) < 2:
         return []
     (best, most), (second, less), *_ = sorted(log_evidence.items(), key=lambda item: -item[1])
@@ -132,7 +132,7 @@ def models(log_evidence: Mapping[str, float]) -> list[str]:
 
 
 def remaining(verdict: Verdict) -> str:
-    """Return what remains unexplained."""
+    """Return a sentence on the residuals that remain unexplained."""
     if verdict.fits:
         return f"What remains is no larger than the errors of the measurement: {verdict}."
     return f"Other errors remain: what is left is not explained by the errors of the measurement; {verdict}."

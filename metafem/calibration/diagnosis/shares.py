@@ -1,4 +1,4 @@
-"""The share of the misfit that each cause explains, and causes that the data do not distinguish."""
+"""Share of the misfit that each cause explains, and causes that the data do not distinguish."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from metafem.calibration.diagnosis.update import Posterior
 
 
 def shares(causes: Causes, posterior: Posterior) -> tuple[dict[str, float], dict[str, float], float, float]:
-    """Return the share of each group of causes in the explained misfit, the largest first.
+    """Return the shares of the causes in the explained misfit, the largest first, and misfits.
 
-    The other values are the misfit without each group, without all groups and with all groups.
+    The last three values are the misfits without each cause, without all causes and with all causes.
 
-    The misfit without causes is that of the values linearised at the posterior, ``r'S^-1 r``, with the
-    residuals r of the prior prediction and the covariance S of the measurement, loads included. With all:
-    ``r'(S + J J')^-1 r = r'S^-1 r - sum_c (J_c'S^-1 r).m_c`` with the posterior means m: cause c explains the
-    term c. It is negative if the cause corrects an excess of another one.
+    The misfit without causes is ``r'S^-1 r``. r are the residuals of the prior prediction, linearised at the
+    posterior, and S is the covariance of the measurement including the loads. The misfit with all causes is
+    ``r'(S + J J')^-1 r = r'S^-1 r - sum_c (J_c'S^-1 r).m_c`` with the posterior means m. Cause c explains the
+    term c of this sum. The term is negative if the cause compensates an excess of another cause.
     """
     at = posterior.linear
     residual = at.residual + at.gradient @ posterior.mean
@@ -30,7 +30,7 @@ def shares(causes: Causes, posterior: Posterior) -> tuple[dict[str, float], dict
     square = float(residual @ residual)
 
     def without(places: Iterable[slice]) -> tuple[FloatArray, float]:
-        """Return the means of the other unknowns and their misfit."""
+        """Return the posterior means (p,) and the misfit with the unknowns at `places` fixed at 0."""
         on, found = np.ones(causes.size, dtype=bool), np.zeros(causes.size)
         for where in places:
             on[where] = False
@@ -52,31 +52,32 @@ def shares(causes: Causes, posterior: Posterior) -> tuple[dict[str, float], dict
     return share, {name: without(groups[name])[1] for name in share}, before, after
 
 
-# Share of the prior variance above which a cause is not seen, even with all other causes known.
+# Remaining fraction of the prior variance above which the data do not determine a cause, even if all other
+# causes are known.
 UNSEEN = 0.7
 
-# Share of the prior variance above which a combination is unresolved: three quarters of the standard
-# deviation.
+# Remaining fraction of the prior variance above which a combination is unresolved (three quarters of the
+# standard deviation).
 UNRESOLVED = 0.55
 
-# Smallest component of a combination that is named, over the largest component.
+# Smallest component of a combination that is stated, over the largest component.
 NAMED = 0.3
 
-# Steps of the rotation to combinations of few errors.
+# Number of steps of the rotation to combinations of few errors.
 ROTATIONS = 50
 
 
 @dataclass(frozen=True)
 class Unresolved:
-    """Errors that the measured values do not determine: one, or several that compensate each other.
+    """An error that the measured values do not determine, or several errors that compensate each other.
 
     Attributes
     ----------
     change : mapping of str to float
-        Changes of the errors by one standard deviation [rad or relative]; together they remain within the
-        errors of the measurement.
+        Changes of the errors by one standard deviation [rad or relative]. Made together, the changes alter
+        the measured values by less than the measurement errors.
     variance_left : float
-        Variance that the measurement leaves, over that of the prior [-].
+        Posterior variance over prior variance [-].
 
     Examples
     --------
@@ -89,17 +90,17 @@ class Unresolved:
 
 
 def unresolved(causes: Causes, covariance: FloatArray) -> tuple[Unresolved, ...]:
-    """Return what is not resolved among the errors of the whole part.
+    """Return the unresolved errors and combinations of errors of the entire part.
 
-    covariance: of the unknowns over their prior standard deviations, (p, p). The combinations are
-    eigenvectors of the posterior covariance relative to the prior one, with all other unknowns free. Those
-    that are not resolved are rotated in their space until each has few errors.
+    `covariance` (p, p) is the posterior covariance of the unknowns over their prior standard deviations. The
+    combinations are eigenvectors of the block of `covariance` for the errors of the entire part. Unresolved
+    eigenvectors are rotated within the space that they span until each combines few errors.
     """
     names = causes.common
     index = np.array([causes.where[name].start for name in names], dtype=np.intp)
     sd = np.array([causes.sd[name] for name in names])
     block = covariance[np.ix_(index, index)]
-    # the other errors of the whole part are known; single errors and loads stay unknown
+    # here the other errors of the entire part are known; the errors of asperities and loads are unknown
     unseen = 1.0 / np.diag(np.linalg.inv(block)) > UNSEEN
     found = [Unresolved({names[i]: sd[i].item()}, float(block[i, i])) for i in np.flatnonzero(unseen)]
     seen = np.flatnonzero(~unseen)
@@ -115,9 +116,9 @@ def unresolved(causes: Causes, covariance: FloatArray) -> tuple[Unresolved, ...]
 
 
 def _sparse(vectors: FloatArray) -> FloatArray:
-    """Return orthonormal vectors (q, u) of the same space with few large entries each.
+    """Return orthonormal vectors (q, u) that span the same space and have few large entries each.
 
-    Varimax: Kaiser, Psychometrika 23, 187 (1958), doi:10.1007/BF02289233.
+    Varimax rotation: Kaiser, Psychometrika 23, 187 (1958), doi:10.1007/BF02289233.
     """
     rotated = vectors
     for _ in range(ROTATIONS if vectors.shape[1] > 1 else 0):

@@ -1,9 +1,9 @@
-"""The Gaussian posterior of the unknowns: a linear update, relinearised until it converges.
+"""Gaussian posterior of the unknowns by linear updates, repeated until they converge.
 
-The prior of the unknowns z is the standard normal distribution. A measured value has a Gaussian error. The
-indentation of a contact that was found open is at most 0: this step function in the likelihood is replaced by
-the Gaussian factor with the same mean and variance of the indentation (expectation propagation; Minka, Proc.
-17th Conf. Uncertainty in Artificial Intelligence, 362 (2001), arXiv:1301.2294).
+The prior of the unknowns z is the standard normal distribution. Measured values have Gaussian errors. The
+indentation of a contact that was found open is at most 0. This step function in the likelihood is replaced by
+the Gaussian factor that gives the same mean and variance of the indentation (expectation propagation; Minka,
+Proc. 17th Conf. Uncertainty in Artificial Intelligence, 362 (2001), arXiv:1301.2294).
 """
 
 from __future__ import annotations
@@ -19,23 +19,24 @@ from scipy.special import erfcx, log_ndtr
 from metafem._validate import FloatArray
 from metafem.calibration.diagnosis.linearised import Linear
 
-# The update ends when no mean moves by more than this part of its standard deviation.
+# The update ends when no mean changes by more than this fraction of its standard deviation.
 STILL = 1e-4
 
-# Number of full steps, after which the damping increases with each step, and largest number of steps.
+# Number of full steps, and largest number of steps. After the full steps, the damping increases with each
+# step.
 FULL_STEPS, MOST_STEPS = 15, 60
 
 # Largest change of an unknown in one step, in prior standard deviations.
 LONGEST = 10.0
 
-# Fraction of the change of the factors of open contacts that is applied in one step.
+# Fraction of the computed change of the Gaussian factors that one step applies.
 DAMPING = 0.7
 
-# Gap of an open contact, in standard deviations, beyond which the contact is left out.
+# Gap of an open contact, in standard deviations, beyond which the contact has no effect on the posterior.
 FAR = 8.0
 
-# Largest last step of a converged posterior, in its standard deviations. The step is not 0 if a contact
-# alternately opens and closes; smaller steps do not change an interval noticeably.
+# A posterior has converged if its last step is below this number of standard deviations. If a contact
+# alternately opens and closes, the steps do not vanish, but steps below this bound hardly change an interval.
 NEARLY = 0.1
 
 
@@ -47,11 +48,11 @@ class Posterior:
     covariance: FloatArray
     linear: Linear  # at the mean
     log_evidence: float
-    change: float  # last step over the standard deviations
+    change: float  # size of the last step, in standard deviations
 
 
 def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Posterior:
-    """Return the posterior of `size` unknowns under residuals that are linearised at its mean."""
+    """Return the posterior of `size` unknowns, with residuals linearised at the posterior mean."""
     mean, covariance, log_open, least = np.zeros(size), np.eye(size), 0.0, math.inf
     factors = np.zeros((2, 0))
     for step in range(MOST_STEPS):
@@ -63,7 +64,7 @@ def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Pos
         gradient, gap_gradient = at.gradient, at.indentation_gradient
         precision = gradient.T @ gradient + np.eye(size)
         precision += (gap_gradient.T * precision_open) @ gap_gradient
-        # Newton's step of the quadratic form around the present mean
+        # Newton step from the current mean
         force = gradient.T @ at.residual - mean
         force += gap_gradient.T @ (shift_open - precision_open * at.indentation)
         factor = cho_factor(precision, lower=True)
@@ -81,7 +82,7 @@ def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Pos
         change = max(whole, float(moved))
         if change <= STILL:
             break
-    if change > NEARLY:  # an adhesive contact alternately jumps in and out
+    if change > NEARLY:  # an adhesive contact alternately closes and opens
         mean, factor, log_open = best
         covariance = cho_solve(factor, np.eye(size))
     at = linear(mean, covariance)
@@ -94,9 +95,10 @@ def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Pos
 def _factors(
     at: Linear, move: FloatArray, covariance: FloatArray, factors: FloatArray
 ) -> tuple[FloatArray, float]:
-    """Return precision and shift (2, c) of factors ``exp(-precision g^2 / 2 + shift g)`` of open contacts.
+    """Return precision and shift (2, c) of factors ``exp(-precision g^2 / 2 + shift g)``, and a logarithm.
 
-    The last number is the logarithm of their product, normalised, at the mean of the indentations g.
+    Each open contact has one factor. The last value is the logarithm of the product of the normalised factors
+    at the mean of the indentations g.
     """
     gradient = at.indentation_gradient
     mean = at.indentation + gradient @ move
@@ -106,13 +108,13 @@ def _factors(
     if not active.any():
         return new, 0.0
     g, v, (tau, nu) = mean[active], variance[active], factors[:, active]
-    # the distribution without the factor itself
+    # variance and mean of the distribution without the contact's own factor
     without = 1.0 / np.maximum(1.0 / v - tau, 1e-6 / v)
     centre = without * (g / v - nu)
     width = np.sqrt(without + at.resolution[active] ** 2)
     u = -centre / width
     log_mass = log_ndtr(u)
-    ratio = math.sqrt(2.0 / math.pi) / erfcx(-u / math.sqrt(2.0))  # density over distribution, at any u
+    ratio = math.sqrt(2.0 / math.pi) / erfcx(-u / math.sqrt(2.0))  # n(u)/N(u), accurate for every u
     matched = centre - without * ratio / width
     narrowed = without - (without / width) ** 2 * ratio * (ratio + u)
     narrowed = np.clip(narrowed, 1e-9 * without, without)

@@ -1,1 +1,1 @@
-"""Areas of contacts in images of the contact interface."""
+"""Measurement of contact areas in images of the contact interface."""

@@ -1,4 +1,4 @@
-"""Areas of the dark contacts in an image, or in a series of images with one threshold."""
+"""Measurement of contact areas in one image, or in a series of images with a common threshold."""
 
 from __future__ import annotations
 
@@ -34,35 +34,37 @@ def contact_areas(
     bright_contacts: bool = False,
     smallest_area: float | None = None,
 ) -> ContactAreas:
-    """Measure the areas of the contacts in an image, dark on a brighter ground.
+    """Return the contacts in an image, dark regions on a brighter ground, with their areas.
 
-    The image is divided by its ground, a polynomial of degree 2 in x and in y. The image is then smoothed by
-    a Gaussian as wide as its own blur s, which gives the least noise. Contacts are the regions within the
-    contour half-way between the grey levels of the ground, 1, and of wide contacts. Blur and smoothing, with
-    the total variance s_t², move this contour inwards by s_t²/2 times its curvature. For any shape it
-    therefore encloses ``pi s_t²`` less than the contact. This is added, with the next term ``pi s_t⁴/(6 r²)``
-    of a circle.
+    The image is divided by the grey level of its ground, a polynomial of degree 2 in x and in y. It is then
+    smoothed by a Gaussian of the same width s as the blur of the image, which gives the least noise in the
+    areas. Contacts are the regions within the contour at the half level, half-way between the ground (grey
+    level 1) and the dark level of wide contacts. Blur and smoothing have the total variance s_t². They move
+    the contour inwards by s_t²/2 times its curvature, so that the contour of any shape encloses ``pi s_t²``
+    less than the contact. This area is added, together with the next term for a circle of radius r,
+    ``pi s_t⁴/(6 r²)``.
 
     Parameters
     ----------
     image : array_like, (rows, columns)
-        Grey values, integers or floats; row 0 is the uppermost.
+        Grey values, integers or floats; row 0 is at the top.
     pixel_size : float
         Side of a pixel [mm].
     threshold : float, optional
-        Threshold of `otsu_area`, over the grey level of the ground [-]; default: by Otsu's method.
+        Threshold for `otsu_area`, over the grey level of the ground [-]; default: by Otsu's method.
     dark_level : float, optional
-        Grey level of contacts, over that of the ground [-]; default: that of the widest contacts.
+        Grey level of the contacts, over the grey level of the ground [-]; default: measured in the widest
+        contacts.
     blur : float, optional
-        Standard deviation of the edges, from the optics and the pixels together [mm]; default: from the
-        distance of the quarter levels at the edges of the widest contacts.
+        Standard deviation of the edges, caused by the optics and the pixels [mm]; default: measured from the
+        distance between the quarter levels at the edges of the widest contacts.
     subpixel : bool
-        Whether `area` is found with the contour; if not, it is `otsu_area`, and `area_error` includes its
-        bias; default: True.
+        Whether `area` is measured with the contour; default: True. If False, `area` is `otsu_area`, and
+        `area_error` includes the bias.
     bright_contacts : bool
-        Whether contacts are brighter than the ground; default: False.
+        Whether the contacts are brighter than the ground; default: False.
     smallest_area : float, optional
-        Area below which dark regions are left out [mm^2]; default: a circle with the radius 2 s_t.
+        Area below which dark regions do not count as contacts [mm^2]; default: a circle of radius 2 s_t.
 
     Returns
     -------
@@ -71,20 +73,20 @@ def contact_areas(
     Raises
     ------
     InvalidInput
-        If the image has values that are not finite grey levels, or shows no contacts.
+        If the image has values that are not finite grey levels, or if it shows no contacts.
 
     Notes
     -----
-    The error of an area with the perimeter L is, for noise of standard deviation n of each pixel over the
-    contrast, ``n sqrt(2 sqrt(pi) s L)`` square pixels: 0.3, 0.1 and 0.03 % of the area at radii of 10, 20 and
-    50 pixels with n = 0.05 and s = 1.5 pixels. The scatter of the grey levels of ground and contacts is
-    added, and so are the errors of the dark level and of s, which are common to all contacts of an image.
-    Contacts of radius below 2 s_t are not measured, and those below 1.2 s_t do not reach the half level. A
-    contact within 2 s_t of the frame is at its edge. The blur of a neighbour within 2 s_t adds to an area, by
-    up to 1 %; nearer ones are merged.
+    n is the standard deviation of the noise of a pixel over the contrast. If an area has the perimeter L,
+    noise causes an error of ``n sqrt(2 sqrt(pi) s L)`` square pixels. For n = 0.05 and s = 1.5 pixels this is
+    0.3, 0.1 and 0.03 % of the area at radii of 10, 20 and 50 pixels. `area_error` also includes the scatter
+    of the grey levels of the ground and of the contacts, and the errors of the dark level and of s, which are
+    common to all contacts of an image. Contacts with a radius below 2 s_t are not measured; below 1.2 s_t
+    they do not reach the half level. A contact within 2 s_t of the frame counts as at the edge. The blur of a
+    neighbour within 2 s_t enlarges an area by up to 1 %; still closer neighbours are merged.
 
-    Otsu's method, IEEE Trans. Syst. Man Cybern. 9, 62 (1979), doi:10.1109/TSMC.1979.4310076, is that of
-    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234.
+    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, use Otsu's method: IEEE Trans. Syst.
+    Man Cybern. 9, 62 (1979), doi:10.1109/TSMC.1979.4310076.
 
     Examples
     --------
@@ -103,23 +105,25 @@ def contact_areas(
 def stack_areas(
     images: Sequence[Any], pixel_size: float, loads: ArrayLike | None = None, **options: Any
 ) -> tuple[ContactAreas, ...]:
-    """Measure the areas of the contacts in k images with the threshold of the image at the largest load.
+    """Return the contacts in k images, measured with the threshold of the image at the largest load.
 
-    That image also supplies the dark level and the blur, as the contacts at smaller loads may be too narrow
-    to show them. If it cannot be measured, the image at the next smaller load is used. If the wide contacts
-    of another image are brighter or darker than that level, a note says so, and the errors of its areas
-    include the possible effect; a change of the blur between images is not noticed. The images are read one
-    at a time, from the largest load to the smallest. If an image cannot be measured, the others still are:
-    its result has no contacts, `failed` is true, and its notes state the reason.
+    The image at the largest load also determines the dark level and the blur, because narrow contacts at
+    smaller loads may not show them. If this image cannot be measured, the image at the next smaller load is
+    used instead. If the wide contacts of another image are brighter or darker than the dark level, a note
+    says so, and the errors of the areas in that image include the possible effect. A change of the blur
+    between images is not detected. The images are read one at a time, from the largest load to the smallest.
+    An image that cannot be measured does not stop the others: its result has no contacts, `failed` is true,
+    and its notes state the reason.
 
     Parameters
     ----------
     images : sequence of array_like, (rows, columns)
-        Grey values, as for `contact_areas`; ``images[i]`` may read an image from a file.
+        Images as for `contact_areas`; the sequence may read an image from a file when ``images[i]`` is
+        evaluated.
     pixel_size : float
         Side of a pixel [mm].
     loads : array_like, (k,), optional
-        Normal loads [N]; default: the last image has the largest.
+        Normal loads [N]; default: the last image is assumed to have the largest load.
     **options
         ``threshold``, ``dark_level``, ``blur``, ``subpixel``, ``bright_contacts`` and ``smallest_area``, as
         for `contact_areas`.
@@ -127,12 +131,12 @@ def stack_areas(
     Returns
     -------
     tuple of ContactAreas, (k,)
-        In the order of the images.
+        Contacts of each image, in the order of the images.
 
     Raises
     ------
     InvalidInput
-        If no image can be measured, or an argument is outside its range.
+        If no image can be measured, or if an argument is outside its range.
 
     Examples
     --------
@@ -161,7 +165,7 @@ def stack_areas(
             failures[i] = own, Given("reason", str(error))
             continue
         if len(found) == 1 and failures:
-            # each result with these levels has a note on their source
+            # every result with these levels has a note that names the source of the levels
             other, _ = next(iter(failures.values()))
             source = "threshold and levels are from {.name}, because {.name} cannot be measured"
             found[i] = replace(found[i], notes=(*found[i].notes, ArgumentNote.of(source, own, other)))

@@ -1,4 +1,4 @@
-"""The contacts found in an image."""
+"""Contacts found in an image, with their areas."""
 
 from __future__ import annotations
 
@@ -14,34 +14,34 @@ from metafem.notes import Note
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ContactAreas(Value):
-    """The n contacts in one image, from top to bottom of the frame.
+    """The n contacts in one image, ordered from the top to the bottom of the frame.
 
     Attributes
     ----------
     area, area_error : ndarray, (n,)
-        Contact areas and their standard deviations [mm^2]. Contacts at the edge of the frame or merged with
-        another have the visible area.
+        Contact areas and their standard deviations [mm^2]. For a contact at the edge of the frame, the area
+        is the visible part; for merged contacts it is their total.
     otsu_area : ndarray, (n,)
-        Number of pixels below Otsu's threshold, times the area of a pixel [mm^2].
+        Contact areas by pixel count: number of pixels below Otsu's threshold times the area of a pixel
+        [mm^2].
     centre : ndarray, (n, 2)
-        Centres [mm]: x to the right and y upwards, from the lower left corner of the frame. A pixel is a
-        square; the centre of the lower left one is at half a pixel.
+        Centres [mm], with x to the right and y upwards from the lower left corner of the frame. The centre of
+        the lower left pixel is at half a pixel in x and y.
     axes : ndarray, (n, 2)
-        Semi-axes of the ellipses with the same second moments, the longer one first [mm].
+        Semi-axes of the ellipses with the second moments of the contacts, the longer axis first [mm].
     angle : ndarray, (n,)
-        Direction of the longer axis from x, anticlockwise, from -pi/2 to pi/2 [rad].
+        Angle of the longer axis from the x axis, anticlockwise, from -pi/2 to pi/2 [rad].
     edge, merged, saturated : ndarray of bool, (n,)
-        Whether the contact is at the edge of the frame; whether its outline has the waist of two merged
-        contacts; whether more than 1 % of the grey levels of the contact or of the ground are at an end of
-        the scale.
+        Whether a contact is at the edge of the frame, consists of merged contacts, or is saturated: more than
+        1 % of the grey levels of the contact or of the ground are at an end of the scale.
     holes : ndarray of int, (n,)
-        Number of bright spots within the contact; they do not count as area.
+        Number of bright spots within each contact, which do not count as contact area.
     threshold, dark_level : float
-        Otsu's threshold and the grey level of wide contacts, over the grey level of the ground [-].
+        Otsu's threshold and the grey level of wide contacts, both over the grey level of the ground [-].
     blur : float
-        Standard deviation of the Gaussian that blurs a step to the edges of the contacts [mm].
+        Standard deviation of the Gaussian blur of the contact edges [mm].
     noise : float
-        Standard deviation of the grey levels over the contrast, at the scale of the blur [-].
+        Standard deviation of the noise of a pixel over the contrast, measured at the scale of the blur [-].
     pixel_size : float
         Side of a pixel [mm].
     shape : tuple of int
@@ -49,7 +49,8 @@ class ContactAreas(Value):
     smallest_area : float
         Area below which a dark region does not count as a contact [mm^2].
     failed : bool
-        Whether the image could not be measured; `notes` state the reason, and there are no contacts.
+        Whether the measurement of the image failed. There are then no contacts, and `notes` states the
+        reason.
     notes : tuple of Note
 
     Examples
@@ -94,5 +95,5 @@ class ContactAreas(Value):
 
     @property
     def complete(self) -> NDArray[np.bool_]:
-        """Whether each contact is neither at the edge of the frame nor merged with another."""
+        """Whether each contact is neither at the edge of the frame nor merged, (n,)."""
         return ~(self.edge | self.merged)

@@ -1,4 +1,4 @@
-"""Images as grey values, clipped pixels, and the options of the measurement."""
+"""Grey values of images, clipped pixels, and the options of the measurement."""
 
 from __future__ import annotations
 
@@ -13,15 +13,16 @@ from metafem._extras import refuse_missing
 from metafem._given import shown
 from metafem.errors import InvalidInput, refuse_if
 
-# Smallest number of pixels along the shorter side of an image: a contact and the ground around it.
+# Smallest number of pixels along the shorter side of an image, enough for one contact and the ground around
+# it.
 FEWEST = 16
 
-# Largest grey levels of cameras, whose pictures of 10 to 14 bits are stored in 16.
+# Largest possible grey levels. Pictures of cameras with 10 to 14 bits are stored with 16 bits.
 FULL_SCALE = tuple(2**bits - 1 for bits in (8, 10, 12, 14, 16, 32))
 
 
 def grey_values(image: Any) -> NDArray[Any]:
-    """Return the grey values (rows, columns) of an image, row 0 uppermost, in its own type of numbers."""
+    """Return the grey values of an image, (rows, columns), row 0 at the top, in the original data type."""
     if isinstance(image, (str, bytes)) or hasattr(image, "__fspath__"):
         must = "is a name; it must be an array of grey values. `metafem images` reads files"
         raise InvalidInput(must, key="image", value=shown(image))
@@ -51,11 +52,11 @@ def grey_values(image: Any) -> NDArray[Any]:
 
 
 def _one_channel(values: NDArray[Any]) -> NDArray[Any]:
-    """Return the grey values of an image that is stored in colour; different channels are refused."""
+    """Return the grey values of an image stored in colour, or raise InvalidInput if its channels differ."""
     if values.ndim != 3 or values.shape[2] not in (1, 2, 3, 4) or min(values.shape[:2]) < FEWEST:
         return values
     channels = values.shape[2]
-    colours = values[..., : channels - (channels in (2, 4))]  # the last of 2 or 4 is the opacity
+    colours = values[..., : channels - (channels in (2, 4))]  # of 2 or 4 channels, the last is the opacity
     refuse_if(
         (colours != colours[..., :1]).any(),
         f"image has shape {values.shape}: it is in colour, and its channels differ; pass one channel, such "
@@ -65,7 +66,7 @@ def _one_channel(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def clipped(values: NDArray[Any]) -> tuple[NDArray[np.bool_] | None, NDArray[np.bool_] | None]:
-    """Return which pixels are at the lower and at the upper end of the scale, None where no pixel is."""
+    """Return masks of the pixels at the lower and the upper end of the scale; None for an empty mask."""
     if values.dtype.kind not in "ui":
         return None, None
     low = values == 0 if values.min() == 0 else None
@@ -75,7 +76,7 @@ def clipped(values: NDArray[Any]) -> tuple[NDArray[np.bool_] | None, NDArray[np.
 
 @dataclass(frozen=True)
 class Options:
-    """The arguments of `contact_areas`, checked; None where a value is to be measured."""
+    """Checked arguments of `contact_areas`; None for values that are to be measured."""
 
     pixel_size: float
     threshold: float | None = None

@@ -1,4 +1,4 @@
-"""Illumination of an image: a smooth surface through the grey levels of the ground between the contacts."""
+"""Correction of the illumination: a smooth surface is fitted to the grey levels between the contacts."""
 
 from __future__ import annotations
 
@@ -13,41 +13,44 @@ from scipy.ndimage import binary_dilation
 
 from metafem._validate import FloatArray
 
-# Degree of the polynomial in each coordinate: a tilt, and a lamp or a lens that is darker towards the
-# corners.
+# Degree of the polynomial in each coordinate. Degree 2 describes a gradient, and a lamp or lens that is
+# darker towards the corners.
 DEGREE = 2
 
-# Blocks of the coarse grid along the shorter side, their least size [pixels], and pixels that are read along
-# each side of a block.
+# Number of blocks along the shorter side of the image, smallest size of a block [pixels], and number of
+# pixels that are read along each side of a block.
 BLOCKS, LEAST_BLOCK, READ = 96, 4, 7
 
-# Largest distance of a block of the ground from the surface, in standard deviations; rounds of the fit.
+# Largest distance between a block of the ground and the surface, in standard deviations. Largest number of
+# iterations.
 CLIPPED, ROUNDS = 3.0, 12
 
 # Smallest share of the blocks for a fit.
 ENOUGH = 0.03
 
-# Weight of the blocks on the bright side of the surface in its initial guess. It admits contacts that cover
-# two thirds of the image.
+# Weight of the blocks on the bright side of the surface in the initial guess. With this weight, contacts may
+# cover up to two thirds of the image.
 WEIGHT = 50.0
 
-# Median absolute deviation of a normal distribution over its standard deviation.
+# Ratio of the median absolute deviation to the standard deviation of a normal distribution.
 MAD = 0.6745
 
-# Smallest grey level of the ground over the contrast for a division by the ground; in a dark field it is
-# smaller. Grey levels below zero by more than this share of the ground, or a ground below its square, are not
-# intensities.
+# Limit for the division of an image by its ground. An image with bright contacts is divided if the grey level
+# of the ground exceeds FAINT times the contrast, which is not the case in a dark field. An image with dark
+# contacts is divided unless grey levels lie below zero by more than FAINT times the ground, or the ground
+# lies below FAINT² times its mean level.
 FAINT = 0.2
 
 
 @dataclass(frozen=True)
 class Ground:
-    """The ground of an image.
+    """Image with corrected illumination, and properties of its ground.
 
-    `corrected` is the image with the illumination removed: 1 on the ground, and smaller in the contacts.
-    `span` is the range of its blocks, wider by itself on both sides: single bad pixels lie outside of it.
-    `structure` is the standard deviation of the residual of the polynomial, on the scale of a block.
-    `divided` states whether the image was divided by the ground; otherwise the ground was subtracted.
+    `corrected` is the image without the illumination: 1 on the ground, and smaller in the contacts.
+    `structure` is the standard deviation of the residuals of the polynomial, on the scale of a block. `level`
+    is the mean grey level of the ground. `divided` states whether the image was divided by the ground;
+    otherwise the ground was subtracted. `span` is the range of the corrected blocks, extended by its own
+    width at both ends; bad pixels lie outside of it.
     """
 
     corrected: NDArray[np.float32]
@@ -62,16 +65,16 @@ class Ground:
 
 
 def without_illumination(image: NDArray[np.float32], bright_contacts: bool) -> Ground:
-    """Return the image over its ground, inverted if the contacts are bright.
+    """Return the image with corrected illumination, inverted if the contacts are bright.
 
-    The ground is a polynomial of degree 2 in each coordinate, fitted to the interquartile means of blocks;
-    the blocks that hold contacts are left out by clipping.
+    The ground is a polynomial of degree 2 in each coordinate. It is fitted to the interquartile means of
+    blocks; clipping excludes the blocks that contain contacts.
     """
     grid, error, y, x = _blocks(image)
     sign = -1.0 if bright_contacts else 1.0
     terms = np.asarray(legendre.legvander2d(y, x, [DEGREE, DEGREE]), dtype=np.float64)
     above = sign * (grid.ravel() - terms @ _envelope(terms, grid.ravel(), sign))
-    # the first guess is better for large gradients, the second for large contacts
+    # neither initial guess suits both large gradients and large contacts, so the better of two fits is used
     guesses = [sign * grid, above.reshape(grid.shape)]
     fits = [_fitted(terms, grid, sign, _brighter(guess, error), error) for guess in guesses]
     coefficients, on_ground, scale = min(fits, key=lambda fit: fit[2])
@@ -102,20 +105,20 @@ def without_illumination(image: NDArray[np.float32], bright_contacts: bool) -> G
 
 
 def _brighter(guess: FloatArray, error: float) -> NDArray[np.bool_]:
-    """Return which blocks are ground by Otsu's threshold; all, if they differ only by noise."""
+    """Return which blocks Otsu's threshold assigns to the ground; all blocks if they differ only by noise."""
     return guess >= (otsu(guess) if np.ptp(guess) > CLIPPED * error else -np.inf)
 
 
 def _fitted(
     terms: FloatArray, grid: FloatArray, sign: float, bright: NDArray[np.bool_], error: float
 ) -> tuple[FloatArray, NDArray[np.bool_], float]:
-    """Return coefficients, the blocks they were fitted to, and the standard deviation of these blocks."""
+    """Return the coefficients of the ground, a mask of the fitted blocks, and their standard deviation."""
     on_ground = _clear_of(~bright)
     for _ in range(ROUNDS):
         used = terms[on_ground.ravel()]
         coefficients = np.linalg.solve(used.T @ used, used.T @ grid[on_ground])
         height = sign * (grid - (terms @ coefficients).reshape(grid.shape))
-        # blocks on the side of the surface opposite to the contacts are ground
+        # contacts lie on one side of the surface, so blocks on the other side are ground
         beyond = height[on_ground & (height > 0.0)]
         scale = float(max(np.median(beyond) / MAD if beyond.size else 0.0, error))
         now = _clear_of(height < -CLIPPED * scale) & (height < 2.0 * CLIPPED * scale)
@@ -133,9 +136,9 @@ def otsu(values: NDArray[Any]) -> float:
 
 
 def _envelope(terms: FloatArray, levels: FloatArray, sign: float) -> FloatArray:
-    """Return the coefficients of a surface near the blocks that are least like contacts: an expectile.
+    """Return the coefficients of a surface near the blocks that differ most from contacts (an expectile).
 
-    The blocks on one side of it have larger weights.
+    Blocks on the bright side, or for bright contacts on the dark side, have larger weights.
     """
     weight = np.ones(levels.size)
     for _ in range(ROUNDS):
@@ -146,17 +149,17 @@ def _envelope(terms: FloatArray, levels: FloatArray, sign: float) -> FloatArray:
 
 
 def _clear_of(dark: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return which blocks are not dark and, if enough blocks remain, have no dark neighbour."""
+    """Return which blocks are not dark and, if enough such blocks exist, have no dark neighbour."""
     clear = ~binary_dilation(dark, np.ones((3, 3)))
     enough = np.count_nonzero(clear) >= ENOUGH * dark.size
     return np.asarray(clear if enough else ~dark)
 
 
 def _structure(residual: FloatArray, error: float) -> float:
-    """Return the standard deviation of residuals, nan in contacts, without the noise of single blocks.
+    """Return the standard deviation of residuals (nan in contacts) without the noise of single blocks.
 
-    The noise of neighbouring blocks is independent, so the mean product of their residuals is free of it. Its
-    own error is subtracted.
+    Neighbouring blocks have independent noise, so the noise cancels in the mean product of their residuals.
+    The error of this mean is subtracted.
     """
     products = np.concatenate(
         [(residual[:, 1:] * residual[:, :-1]).ravel(), (residual[1:] * residual[:-1]).ravel()]
@@ -168,12 +171,12 @@ def _structure(residual: FloatArray, error: float) -> float:
 
 
 def _scaled(pixel: FloatArray, count: int) -> FloatArray:
-    """Return coordinates from -1 to 1."""
+    """Return pixel coordinates scaled to the range -1 to 1."""
     return 2.0 * pixel / count - 1.0
 
 
 def _blocks(image: NDArray[np.float32]) -> tuple[FloatArray, float, FloatArray, FloatArray]:
-    """Return the grey levels of blocks, their standard error from noise, and the centres of the blocks."""
+    """Return the grey levels of blocks, the standard error of a level, and the blocks' y and x centres."""
     size = max(min(image.shape) // BLOCKS, LEAST_BLOCK)
     step = max(size // READ, 1)
     rows, columns = (n // size for n in image.shape)
@@ -183,8 +186,8 @@ def _blocks(image: NDArray[np.float32]) -> tuple[FloatArray, float, FloatArray, 
     low = count // 4
     middle = values[:, low : count - low]
     levels = middle.mean(axis=1)
-    # the interquartile range of a normal distribution is 2 MAD standard deviations; the interquartile mean of
-    # many values has 1.1 times the standard error of their mean
+    # The interquartile range of a normal distribution is 2 MAD standard deviations. The standard error of an
+    # interquartile mean of many values is 1.1 times the standard error of their mean.
     noise = np.median(values[:, count - 1 - low] - values[:, low]) / (2.0 * MAD)
     y, x = np.meshgrid(
         _scaled((np.arange(rows) + 0.5) * size, image.shape[0]),

@@ -1,4 +1,4 @@
-"""Threshold of an image, and grey levels of contacts and the blur of their edges from the widest of them."""
+"""Threshold of an image, dark level of the contacts and blur of their edges."""
 
 from __future__ import annotations
 
@@ -16,51 +16,55 @@ from metafem.calibration.images.errors import EDGE_CURVATURE, EDGE_INTERPOLATION
 from metafem.calibration.images.illumination import MAD, Ground
 from metafem.errors import InvalidInput
 
-# Smallest standard deviation of the smoothing [pixels], used also before the blur is known: pixels do not
-# resolve narrower kernels.
+# Smallest standard deviation of the smoothing [pixels], because pixels do not resolve narrower kernels. It is
+# also used before the blur is known.
 LEAST_SMOOTHING = 1.0
 
-# Standard deviations at which the kernel of a smoothing is truncated; the variance is that of the truncated
-# kernel.
+# Number of standard deviations at which the smoothing kernel is truncated. The truncation is included in the
+# variance.
 CUT_OFF = 3.0
 
-# Largest number of contacts used for the levels, and their smallest depth over that of the deepest.
+# Largest number of contacts used for the levels, and the smallest ratio of their depth to the largest depth.
+# The depth of a contact is the distance from its edge to its deepest pixel.
 MOST, AS_DEEP = 64, 0.5
 
-# Depth [pixels] beyond which a contact has its dark level: four standard deviations of an edge after a blur
-# of 1.5 pixels and the first smoothing. Rounds of the correction of contacts without such pixels.
+# Depth [pixels] beyond which a contact shows its dark level: four standard deviations of an edge after a blur
+# of 1.5 pixels and the first smoothing. Number of corrections if contacts have no pixels at this depth.
 CORE, ROUNDS = 7.0, 3
 
-# Smallest depth of a contact that shows its dark level, in standard deviations of the smoothed edge.
+# Smallest depth, in standard deviations of the smoothed edge, at which a contact shows its dark level.
 DEEP = 3.0
 
-# Distance at which the noise of an image smoothed by a Gaussian is independent, in its standard deviations:
-# the correlation is exp(-9/4), a tenth. Smallest number of pairs of such blocks for the noise.
+# Distance between pixels with nearly independent noise in a smoothed image, in standard deviations of the
+# smoothing; the correlation is exp(-9/4), about 0.1. Smallest number of pairs of blocks that determine the
+# noise.
 INDEPENDENT, PAIRS = 3.0, 100
 
-# Error of the blur where it is not measured [pixels]: optics blur by 0.5 to 2 pixels.
+# Error of the blur if it cannot be measured [pixels]; typical optics have a blur of 0.5 to 2 pixels.
 UNKNOWN_BLUR = 0.5
 
-# Otsu's threshold lies within the noise of the ground if its distance from the ground is less than this
-# number of standard deviations of a pixel's noise, and less than this share of the depth of the darkest
-# region. This happens where contacts cover less than about half a percent of an image.
+# Otsu's threshold is invalid (within the noise of the ground) if its distance from the ground level is less
+# than IN_NOISE standard deviations of a pixel's noise and less than the share SHALLOW of the contrast of the
+# darkest region. This happens if contacts cover less than about 0.5 % of an image.
 IN_NOISE, SHALLOW = 2.0, 0.25
 
-# Smoothing in which the darkest region is sought [pixels]. The smallest contacts that are measured, with the
-# radius 2 s_t > 4 pixels, keep 9/10 of their depth in the middle, and one bad pixel 1/25.
+# Standard deviation of the smoothing before the search for the darkest region [pixels]. In their centres, the
+# smallest measured contacts (radius 2 s_t > 4 pixels) retain 9/10 of their contrast, a single bad pixel only
+# 1/25.
 WIDE = 2.0
 
-# The noise is read from every n-th pixel along each side.
+# The noise is estimated from every n-th pixel along each side.
 EVERY = 5
 
 
 @dataclass(frozen=True)
 class Levels:
-    """Grey level of the ground; Otsu's threshold and the dark level over it; the blur of the edge [pixels].
+    """Ground level, threshold and dark level over the ground level, and blur of the edges [pixels].
 
-    `dark_scatter` and `blur_error` are the standard deviations of the dark level among contacts and of the
-    blur; `narrow` says that no contact is wide enough to show its dark level, `cut` that all are at the
-    edge or merged, `sparse` that contacts cover too little of the image for Otsu's threshold.
+    `dark_scatter` is the standard deviation of the dark level among contacts, `blur_error` the standard
+    deviation of the blur. `narrow` states that no contact is wide enough to show its dark level, `cut` that
+    all contacts are at the edge or merged, and `sparse` that contacts cover too little of the image for
+    Otsu's threshold.
     """
 
     ground: float
@@ -75,12 +79,12 @@ class Levels:
 
     @property
     def half(self) -> float:
-        """The level half-way between ground and dark, in single precision as the images."""
+        """Grey level half-way between ground and dark level, in single precision like the images."""
         return float(np.float32(0.5 * (1.0 + self.dark)))
 
 
 def smoothed(corrected: NDArray[np.float32], width: float) -> tuple[NDArray[np.float32], float]:
-    """Return an image smoothed by a Gaussian, with a border of one pixel of ground, and its variance."""
+    """Return a smoothed image with a border of one ground pixel, and the variance of the Gaussian kernel."""
     bordered = np.ones((corrected.shape[0] + 2, corrected.shape[1] + 2), dtype=np.float32)
     gaussian_filter(corrected, width, output=bordered[1:-1, 1:-1], mode="nearest", truncate=CUT_OFF)
     reach = int(CUT_OFF * width + 0.5)
@@ -90,10 +94,10 @@ def smoothed(corrected: NDArray[np.float32], width: float) -> tuple[NDArray[np.f
 
 
 def smoothed_noise(bordered: NDArray[np.float32], labels: NDArray[np.int32], width: float) -> float:
-    """Return the standard deviation of the noise of a smoothed image, from differences across its ground.
+    """Return the standard deviation of the noise of a smoothed image, from differences on its ground.
 
-    The image is divided into blocks so large that the middle pixels of neighbours have independent noise.
-    Pairs of blocks enter that are away from contacts.
+    The image is divided into blocks that are so large that the middle pixels of neighbouring blocks have
+    independent noise. Only pairs of blocks that are away from contacts are used.
     """
     size = int(np.ceil(INDEPENDENT * width))
     rows, columns = (n // size for n in bordered.shape)
@@ -114,7 +118,7 @@ def smoothed_noise(bordered: NDArray[np.float32], labels: NDArray[np.int32], wid
             break
     if not difference.size:
         return 0.0
-    # differences by dust on the ground are left out
+    # exclude large differences, which dust on the ground causes
     scale = float(np.median(np.abs(difference))) / MAD
     within = difference[np.abs(difference) <= 4.0 * scale]
     return float(np.sqrt(np.mean(within**2) / 2.0))
@@ -123,7 +127,7 @@ def smoothed_noise(bordered: NDArray[np.float32], labels: NDArray[np.int32], wid
 def measured_levels(
     ground: Ground, threshold: float | None, dark: float | None, blur: float | None
 ) -> Levels:
-    """Return the levels of an image; arguments that are not None are not measured."""
+    """Return the levels of an image; only arguments that are None are measured."""
     level, darkest = threshold_of(ground) if threshold is None else (threshold, None)
     sparse = darkest is not None
     if dark is not None and blur is not None:
@@ -132,7 +136,7 @@ def measured_levels(
 
 
 def threshold_of(ground: Ground) -> tuple[float, float | None]:
-    """Return Otsu's threshold or, within noise, the half level of the darkest region and its level."""
+    """Return Otsu's threshold and None or, if invalid, the half level and the level of the darkest region."""
     level = ground.otsu()
     noise = float(np.median(np.abs(ground.corrected[::EVERY, ::EVERY] - 1.0))) / MAD
     if 1.0 - level > IN_NOISE * noise:
@@ -146,7 +150,7 @@ def threshold_of(ground: Ground) -> tuple[float, float | None]:
 def _from_widest(
     ground: Ground, threshold: float, darkest: float | None, dark: float | None, blur: float | None
 ) -> Levels:
-    """Return the levels of the widest contacts of an image."""
+    """Return the levels of an image, measured in its widest contacts."""
     image, variance = smoothed(ground.corrected, LEAST_SMOOTHING)
     below = image[1:-1, 1:-1][ground.corrected < threshold]
     if not below.size:
@@ -182,12 +186,12 @@ def _from_widest(
         total = float(np.median(edge)) if blur is None else np.sqrt(blur**2 + variance)
         if dark is not None or deepest > 2.0 * DEEP * total:
             break
-        # the share of the contrast of a smoothed circle within the pixels of its middle
+        # mean share of the contrast that the middle pixels of a smoothed circle retain
         shown = chndtr((radius / total) ** 2, 2.0, pixels / (2.0 * math.pi * total**2))
         level = float(np.median(1.0 - (1.0 - cores) / shown))
     error = float(np.median(np.abs(edge - total))) / MAD / np.sqrt(edge.size)
     own = np.sqrt(max(total**2 - variance, 0.0)) if blur is None else blur
-    # the error of s from that of s_t; the smoothing is exact
+    # the error of s follows from the error of s_t, since the variance of the smoothing is exact
     spread = 0.0 if blur is not None else total / max(own, LEAST_SMOOTHING) * error
     return Levels(
         ground.level, threshold, level, float(own), scatter, float(spread), narrow=deepest < DEEP * total
@@ -195,32 +199,33 @@ def _from_widest(
 
 
 def _core(window: NDArray[np.float32], depth: FloatArray) -> tuple[float, int]:
-    """Return the mean grey level of the middle of a contact, and its number of pixels."""
+    """Return the mean grey level of the middle pixels of a contact, and the number of these pixels."""
     deepest = float(depth.max())
     middle = window[depth >= max(0.5 * deepest, min(deepest - 1.0, CORE))]
     return float(middle.mean(dtype=np.float64)), middle.size
 
 
 def _scatter(cores: FloatArray, noise: float, pixels: FloatArray, width: float) -> float:
-    """Return the standard deviation of the dark level among contacts, with the error of its median.
+    """Return the standard deviation of the dark level among contacts, including the error of their median.
 
-    Noise smoothed by a Gaussian of standard deviation w has one independent value for 4 pi w² pixels.
+    After smoothing by a Gaussian of standard deviation w, the noise has one independent value per 4 pi w²
+    pixels.
     """
     spread = float(np.median(np.abs(cores - np.median(cores)))) / MAD
     independent = np.maximum(pixels / (4.0 * math.pi * width**2), 1.0)
     by_noise = float(np.mean(noise**2 / independent))
-    # a median has the variance pi/2 times that of a mean
+    # the variance of a median is pi/2 times the variance of a mean
     error = 0.5 * math.pi * max(spread**2, by_noise) / cores.size
-    # the square of a median absolute deviation has the relative scatter 2.3/sqrt(n)
+    # the square of a median absolute deviation of n values has the relative scatter 2.3/sqrt(n)
     chance = by_noise * (1.0 + 2.3 / math.sqrt(cores.size))
     return math.sqrt(max(spread**2 - chance, 0.0) + error)
 
 
 def _edge(window: NDArray[np.float32], depth: FloatArray, dark: float) -> tuple[float, float]:
-    """Return the standard deviation of a contact's edge, and the contact's radius.
+    """Return the standard deviation of the edge of a contact, and the radius of the contact [pixels].
 
-    The edge is found from the areas within the quarter levels, which are 2 x 0.6745 standard deviations apart
-    at a straight edge.
+    The standard deviation follows from the areas within the contours at the two quarter levels. At a straight
+    edge these contours are 2 x 0.6745 standard deviations apart.
     """
     ring = []
     for quarter in (0.75, 0.5, 0.25):
@@ -236,7 +241,7 @@ def _edge(window: NDArray[np.float32], depth: FloatArray, dark: float) -> tuple[
 
 
 def _within(window: NDArray[np.float32], depth: FloatArray, level: float) -> Contours | None:
-    """Return the contour at a level about the deepest point of a contact."""
+    """Return the contour at a level around the deepest pixel of a contact, or None if there is no contour."""
     level = float(np.float32(level))
     bordered = np.pad(window, 1, constant_values=1.0)
     labels, _ = label(bordered < level)

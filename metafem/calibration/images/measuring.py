@@ -1,4 +1,4 @@
-"""Measurement of the contacts in an image, and notes on uncertain values."""
+"""Measurement of the contacts in an image, with notes on uncertain values."""
 
 from __future__ import annotations
 
@@ -30,19 +30,19 @@ from metafem.calibration.images.levels import Levels
 from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note, information
 
-# Smallest contrast of contacts, in standard deviations of the noise of the smoothed image.
+# Smallest contrast of the contacts over the standard deviation of the noise of the smoothed image.
 CONTRAST = 6.0
 
-# Least radius of a contact that is measured, in standard deviations of the smoothed edge: below it, the area
-# at the half level is less than three quarters of the contact's, and depends strongly on noise.
+# Smallest radius of a measured contact, in standard deviations of the smoothed edge. For smaller contacts the
+# area at the half level is less than three quarters of the contact area and depends strongly on noise.
 SMALLEST = 2.0
 
-# Smallest difference of grey levels that is not attributed to noise, in standard deviations.
+# Smallest difference between grey levels, in standard deviations, that is not attributed to noise.
 CLEAR = 3.0
 
 
 def measured(image: Any, options: Options, found: Levels | None = None) -> tuple[ContactAreas, Levels]:
-    """Return the contacts of an image and its levels; `found` are the levels of another image, if any."""
+    """Return the contacts of an image and its levels; if `found` is not None, these levels are used."""
     values = grey_values(image)
     ground = without_illumination(values.astype(np.float32), options.bright_contacts)
     own = found is None
@@ -60,7 +60,7 @@ def measured(image: Any, options: Options, found: Levels | None = None) -> tuple
 def _contacts(
     values: NDArray[Any], ground: Ground, found: Levels, options: Options, own: bool
 ) -> ContactAreas:
-    """Measure the contacts of an image whose levels are known; `own` says that they are from this image."""
+    """Return the contacts of an image with known levels; `own` states that the levels are from this image."""
     width = max(found.blur, levels.LEAST_SMOOTHING)
     image, variance = levels.smoothed(ground.corrected, width)
     labels, count = label(image < found.half)
@@ -74,7 +74,7 @@ def _contacts(
     )
     above = f"must be above the grey level {found.dark:.4g} of the contacts"
     refuse_if(not found.dark < found.threshold, f"threshold = {found.threshold:.4g} {above}")
-    # white noise of the standard deviation n is n/(2 sqrt(pi) w) after the smoothing
+    # smoothing reduces white noise n to n/(2 sqrt(pi) w)
     noise = 2.0 * math.sqrt(math.pi * variance) * scatter / contrast
     total = math.sqrt(found.blur**2 + variance)
     pixel = options.pixel_size
@@ -82,7 +82,7 @@ def _contacts(
     if options.smallest_area is not None:
         least = options.smallest_area / pixel**2
     size = pixels_of(labels, windows)
-    # regions that are certainly too small are left out first, others after their contours are known
+    # regions that are certainly too small are excluded here, others after their contours are known
     large = size >= max(0.5 * (least - math.pi * total**2), 4.0)
     if not large.all():
         labels = np.concatenate([[0], np.where(large, np.cumsum(large), 0)]).astype(np.int32)[labels]
@@ -92,7 +92,7 @@ def _contacts(
     enough = area >= least
     edge = np.array([at_edge(w, image.shape, math.ceil(2.0 * total)) for w in windows], dtype=bool)
     counted = _counted(ground.corrected, labels, windows, found.threshold)
-    # one step of integer grey levels over that of the ground
+    # one step of integer grey levels, over the grey level of the ground
     step = 1.0 / abs(ground.level) if values.dtype.kind in "ui" else 0.0
     steps = errors.quantisation(noise, step / contrast)
     axes, angle = semi_axes(shape, total)
@@ -134,23 +134,23 @@ def _contacts(
 
 
 def _middle(image: NDArray[np.float32], centre: FloatArray, axes: FloatArray, total: float) -> FloatArray:
-    """Return the grey levels of contacts in the middle of those that are wide enough to show them."""
+    """Return the grey levels in the middle of the contacts that are wide enough to show their dark level."""
     wide = axes[:, 1] > levels.DEEP * total
     x, y = centre[wide].T
-    # the border shifts the pixels by one
+    # the border shifts the pixels by 1
     level = image[(image.shape[0] - 1 - y).astype(int), x.astype(int) + 1].astype(np.float64)
-    # a smoothed circle has this share of the contrast in its middle
+    # share of the contrast that a smoothed circle retains in its middle
     shown = 1.0 - np.exp(-0.5 * axes[wide].prod(axis=1) / total**2)
     return np.asarray(1.0 - (1.0 - level) / shown)
 
 
 def _drift(middle: FloatArray, found: Levels, scatter: float, common: float) -> float:
-    """Return the median of grey levels minus the dark level, 0 if the difference may be chance."""
+    """Return the median of the grey levels minus the dark level, 0 if the difference is not significant."""
     if not middle.size:
         return 0.0
     level = float(np.median(middle))
     spread = float(np.median(np.abs(middle - level))) / MAD
-    # a median has the variance pi/2 times that of a mean
+    # the variance of a median is pi/2 times the variance of a mean
     chance = math.sqrt(0.5 * math.pi / middle.size) * max(spread, scatter)
     away = level - found.dark
     return away if abs(away) > CLEAR * math.hypot(chance, found.dark_scatter, common) else 0.0
@@ -159,10 +159,11 @@ def _drift(middle: FloatArray, found: Levels, scatter: float, common: float) -> 
 def _counted(
     corrected: NDArray[np.float32], labels: NDArray[np.int32], windows: list[Window], threshold: float
 ) -> FloatArray:
-    """Return the numbers of pixels below the threshold in each region and around it."""
+    """Return the number of pixels below the threshold in each region and near its edge."""
     counts = []
     for number, (rows, columns) in enumerate(windows, 1):
-        # the border shifts the pixels by one; three more on each side belong to the edge of the contact
+        # the border shifts the pixels by 1; the edge of the contact extends up to three pixels further on
+        # each side
         window = (
             slice(max(rows.start - 4, 0), rows.stop + 2),
             slice(max(columns.start - 4, 0), columns.stop + 2),
@@ -173,19 +174,20 @@ def _counted(
     return np.array(counts, dtype=np.float64)
 
 
-# Structure of the ground over the contrast above which there is a note: the half level is then wrong by 1 %.
+# Structure of the ground over the contrast above which there is a note. At this value the half level has an
+# error of 1 % of the contrast.
 UNEVEN = 0.02
 
-# Largest number of contacts named in a note.
+# Largest number of contacts that a note names.
 NAMED = 10
 
 
 def remarks(
     found: ContactAreas, levels: Levels, ground: Ground, left_out: int, drift: float
 ) -> Iterator[Note]:
-    """Return notes on omitted regions and on uncertain values.
+    """Return notes on excluded regions and on uncertain values.
 
-    `drift` is the difference of the contacts' grey level from that of the levels, over the contrast.
+    `drift` is the grey level of the contacts minus the dark level in `levels`, over the contrast.
     """
     if levels.cut:
         yield Note(
@@ -223,7 +225,7 @@ def remarks(
 
 
 def contact_notes(found: ContactAreas) -> Iterator[Note]:
-    """Return the notes that name contacts: at the edge, merged, saturated or with bright spots inside."""
+    """Return notes that name contacts at the edge, merged, saturated or with bright spots inside."""
     for flags, text in (
         (found.edge, "at the edge of the frame; the area is what is seen of them"),
         (found.merged, "merged with others, or not convex; the area is that of all in one"),
@@ -236,7 +238,7 @@ def contact_notes(found: ContactAreas) -> Iterator[Note]:
 
 
 def _named(found: ContactAreas, flags: NDArray[np.bool_]) -> str:
-    """Return contacts by number and centre."""
+    """Return the numbers and centres of the flagged contacts as text."""
     which = np.flatnonzero(flags)
     parts = [
         f"{i} at ({found.centre[i, 0]:.4g}, {found.centre[i, 1]:.4g}) mm" for i in which[:NAMED].tolist()

@@ -1,1 +1,1 @@
-"""Measured friction laws: error bars, branches, crossover and agreement with a design."""
+"""Measured friction laws: their error bars, branches and crossover, and their agreement with a design."""

@@ -1,4 +1,4 @@
-"""Agreement of a measured law with that of a design."""
+"""Comparison of a measured law with the law of a design."""
 
 from __future__ import annotations
 
@@ -26,13 +26,14 @@ from metafem.notes import Note, information
 from metafem.prediction import FrictionLaw, friction_law
 from metafem.progress import doing
 
-# Parameters with errors that shift all points together.
+# Parameters whose errors shift all points together.
 PARAMETERS = ("composite_modulus", "shear_strength", "area_ratio")
 
-# Ratio of E* to that of the design above which the material or a unit is wrong.
+# Largest plausible ratio between E* of the part and E* of the design. If the ratio is larger, the material or
+# a unit is wrong.
 OTHER_MATERIAL = 3.0
 
-# Fewest points of a line whose scatter can be judged.
+# Smallest number of points of a line for an estimate of the scatter.
 FEWEST = 3
 
 
@@ -43,27 +44,28 @@ def compare(
     parameters: Mapping[str, float] | Sequence[str] = (),
     covariance: ArrayLike | None = None,
 ) -> Comparison:
-    """Compare a measured law with a design.
+    """Return the deviations of a measured law from a design, with their errors and a verdict.
 
-    The deviation at the measured load ``x = P/E*`` is ``d = y - f(x)``: y is the rescaled friction, f the law
-    of the design. Its variance is ``sd_y^2 + (f' sd_x)^2``, with the mean slope f' over ``x - sd_x`` to
-    ``x + sd_x``. Errors of E*, sigma and B shift all points: they add ``J C J^T`` to the covariance of the
-    deviations, with ``dd/dE* = f' x / E*``, ``dd/dsigma = -y / sigma`` and ``dd/dB = -y / B``.
+    The deviation at the measured load ``x = P/E*`` is ``d = y - f(x)``, with the measured rescaled friction y
+    and the law f of the design. The variance of d is ``sd_y^2 + (f' sd_x)^2``, where f' is the mean slope
+    between ``x - sd_x`` and ``x + sd_x``. Errors of E*, sigma and B shift all points together. They add
+    ``J C J^T`` to the covariance of the deviations, with ``dd/dE* = f' x / E*``, ``dd/dsigma = -y / sigma``
+    and ``dd/dB = -y / B``.
 
-    The slopes, operating points and the crossover are estimated from the measured points, and with the same
-    estimator from the design at the same loads.
+    The slopes, the friction at operating points and the crossover are estimated from the measured points. The
+    same method estimates the values of the design from its law at the same loads.
 
     Parameters
     ----------
     measured : MeasuredLaw
     design : Design or FrictionLaw
-        The law of a design is computed at the measured loads, a FrictionLaw is interpolated. Features follow
-        from the target of a design.
+        The law of a Design is computed at the measured loads, and the target of the Design defines the
+        features. A FrictionLaw is interpolated and has no features.
     parameters : mapping of str to float, or sequence of str
-        Standard deviations of ``composite_modulus`` [MPa], ``shear_strength`` [MPa] and ``area_ratio`` [-],
-        or the names of the rows of `covariance`; default: no errors.
+        Standard deviations of ``composite_modulus`` [MPa], ``shear_strength`` [MPa] and ``area_ratio`` [-].
+        With `covariance`, only their names, in the order of its rows. Default: no errors.
     covariance : array_like, (p, p), optional
-        Covariance matrix of the named parameters, for example from a calibration.
+        Covariance matrix of `parameters`, for example from a calibration.
 
     Returns
     -------
@@ -72,14 +74,15 @@ def compare(
     Raises
     ------
     InvalidInput
-        For unknown parameters, a matrix that is not positive semidefinite, errors of sigma or B of a law
-        without a Friction, and if no load is within the range of the design or all are below its target's.
+        If a parameter is unknown, the matrix is not positive semidefinite, sigma or B have errors but the law
+        has no Friction, no load is within the range of the design, or all loads are below the range of its
+        target.
     NotConverged
         If the model of the design has no solution at a measured load.
 
     Notes
     -----
-    Points at loads above the largest of ``design.law`` are left out, and a note names them.
+    Points above the largest load of ``design.law`` are left out, and a note names them.
 
     Examples
     --------
@@ -115,7 +118,7 @@ def compare(
             changes["area_ratio"] = by_force / measured.friction.area_ratio
         jacobian = np.column_stack([changes[name] for name in names])
         total = total + jacobian @ matrix @ jacobian.T
-    # if the law holds, whitened residuals in order of load are independent
+    # if the design's law is correct, the whitened residuals are independent
     residual = np.linalg.solve(np.linalg.cholesky(total), deviation)
     found = Comparison(
         measured=measured,
@@ -134,7 +137,7 @@ def compare(
 def _compared(
     measured: MeasuredLaw, design: Design | FrictionLaw
 ) -> tuple[NDArray[np.intp], tuple[Note, ...]]:
-    """Return the points at loads of the design, and notes on those that are left out."""
+    """Return the numbers of the points within the design's loads, and notes on the omitted points."""
     end, first = float(_law_of(design).rescaled_load[-1]), 0.0
     if isinstance(design, Design):
         starts = [branch.load_range[0] for branch, _ in design.fits]
@@ -172,7 +175,7 @@ def _points_at(load: FloatArray) -> str:
 def _magnitudes(
     measured: MeasuredLaw, point: NDArray[np.intp], predicted: FloatArray, design: Design | FrictionLaw
 ) -> Iterator[Note]:
-    """Return notes on loads within their errors, and on frictions and moduli far from the design's."""
+    """Return notes on loads within their errors, and on a friction or E* far from the design's values."""
     yield from within_errors("load", measured.load, measured.load_sd)
     there = predicted > 0.0
     ratio = (
@@ -191,14 +194,14 @@ def _magnitudes(
 def _predicted(
     measured: MeasuredLaw, point: NDArray[np.intp], design: Design | FrictionLaw
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return rescaled friction and mean slope of a design at measured points (m,).
+    """Return the rescaled friction and the mean slope of a design at measured points, (m,) each.
 
-    The last value is its friction at the operating points of its target, (q,).
+    The third value is the rescaled friction at the operating points of the design's target, (q,).
     """
     x, sd = measured.rescaled_load[point], measured.rescaled_load_sd[point]
     end = float(_law_of(design).rescaled_load[-1])
     middle, low, high = (np.clip(each, 0.0, end) for each in (x, x - sd, x + sd))
-    # where the whole error bar lies below 0, the slope at the smallest loads
+    # if an error bar lies entirely below 0, use the slope at the smallest loads
     high = np.where(high > low, high, np.minimum(sd, end))
     operating = np.empty(0)
     if isinstance(design, Design) and isinstance(design.target, OperatingPoints):
@@ -208,7 +211,7 @@ def _predicted(
         load, friction = (np.append(0.0, each) for each in (design.rescaled_load, design.rescaled_friction))
         friction = np.interp(loads, load, friction)
     else:
-        # with the material of the part, on whose modulus the effect of adhesion depends
+        # use the material of the part, because the effect of adhesion depends on E*
         surface = design.surface.replaced(material=measured.material)
         load = measured.material.composite_modulus * loads
         friction = friction_law(surface, design.law.model, load=load).rescaled_friction
@@ -223,7 +226,7 @@ def _law_of(design: Design | FrictionLaw) -> FrictionLaw:
 def _parameters(
     measured: MeasuredLaw, parameters: Mapping[str, float] | Sequence[str], covariance: ArrayLike | None
 ) -> tuple[tuple[str, ...], FloatArray]:
-    """Return the names of the parameters with an error and their covariance matrix."""
+    """Return the names of the parameters that have an error, and their covariance matrix."""
     names, known = tuple(parameters), ", ".join(PARAMETERS)
     for name in names:
         refuse_if(name not in PARAMETERS, f"parameters: {name!r:.40} is unknown; the names are {known}")
@@ -241,9 +244,9 @@ def _parameters(
 
 
 def _with_features(found: Comparison, design: Design, operating: FloatArray) -> Comparison:
-    """Return the comparison with the features of a design's target, and notes on missing ones.
+    """Return the comparison with the features of a design's target and notes on missing features.
 
-    operating: rescaled friction of the design at the operating points of its target, (q,) [mm^2].
+    `operating` is the rescaled friction of the design at the operating points of its target, (q,) [mm^2].
     """
     parts = [*_slopes(found, design), *_points(found, design, operating), *_crossover(found, design)]
     return replace(
@@ -256,14 +259,14 @@ def _with_features(found: Comparison, design: Design, operating: FloatArray) -> 
 def _sum(
     found: Comparison, name: str, unit: str, weight: FloatArray, predicted: float, target: float
 ) -> Feature:
-    """Return a feature that is a sum of the friction of the points with weights (m,)."""
+    """Return a feature that is the weighted sum of the rescaled friction of the points, weights (m,)."""
     value = predicted + float(weight @ found.deviation)
     sd = math.sqrt(float(weight @ found.covariance @ weight))
     return Feature(name, unit, value, sd, predicted, target, (value - sd, value + sd))
 
 
 def _slopes(found: Comparison, design: Design) -> Iterator[Feature | Note]:
-    """Return the slopes of the branches, by least squares of the points within their loads."""
+    """Return the slope of each branch, from a least-squares line through the points within its loads."""
     x = found.measured.rescaled_load[found.point]
     for i, (branch, _) in enumerate(design.fits):
         low, high = branch.load_range
@@ -279,7 +282,7 @@ def _slopes(found: Comparison, design: Design) -> Iterator[Feature | Note]:
 
 
 def _points(found: Comparison, design: Design, operating: FloatArray) -> Iterator[Feature | Note]:
-    """Return the friction at the operating points, from the two measured points around each."""
+    """Return the friction at each operating point, interpolated between the two nearest measured points."""
     if not isinstance(design.target, OperatingPoints):
         return
     x = found.measured.rescaled_load[found.point]
@@ -309,7 +312,7 @@ def _crossover(found: Comparison, design: Design) -> Iterator[Feature | Note]:
         wanted = 0.5 * sum(target.crossover_loads[0])
     else:
         return
-    # the slope changes again beyond the second branch
+    # points beyond the second branch are left out, because the slope changes again there
     end = design.fits[-1][0].load_range[1] if design.fits else np.inf
     measured = found.measured
     below = measured.rescaled_load[found.point] <= end
@@ -330,7 +333,7 @@ def _crossover(found: Comparison, design: Design) -> Iterator[Feature | Note]:
     except InvalidInput as error:
         yield information(f"crossover: {error}")
         return
-    # the same estimator on the law of the design at the same loads
+    # apply the same estimator to the law of the design at the same loads
     points = points_of(law)
     points[1] = found.predicted[below]
     exact = float(least(points, TRIED)[0][0, KINK])

@@ -1,4 +1,4 @@
-"""The arrays of a measured law: checked, completed by their standard deviations and sorted by load."""
+"""Checks of the arrays of a measured law, their default standard deviations, and sorting by load."""
 
 from __future__ import annotations
 
@@ -13,24 +13,25 @@ from metafem._validate import FloatArray
 from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.errors import refuse_if
 
-# The quantities of a measured law, and the arrays with their standard deviations.
+# Quantities of a measured law, and names of all its arrays, including the standard deviations.
 QUANTITIES = ("load", "friction_force", "asperity_area", "area")
 ARRAYS = (*QUANTITIES, *(f"{name}_sd" for name in QUANTITIES), "site")
 
-# A force or an area below zero by more than this number of standard deviations is not an error of
-# measurement: one normal error in a million is so large.
+# Number of standard deviations by which a force or an area may lie below zero. A larger deviation is not a
+# measurement error: only one normal error in a million is so large.
 BELOW_ZERO = 5.0
 
-# A slope below zero by more than this number of standard deviations contradicts every friction law of
-# contacts: one normal error in thirty thousand is so large.
+# Number of standard deviations by which a slope may lie below zero. A larger deviation contradicts every
+# friction law of contacts: only one normal error in thirty thousand is so large.
 FALLING = 4.0
 
-# Area that determines the error at a load without contact, over the largest area.
+# A load without contact has an error too: the standard deviation of a total area is at least the value for
+# this fraction of the largest area.
 SMALL_CONTACT = 0.01
 
 
 def checked(passed: Mapping[str, Any], errors: MeasurementErrors) -> dict[str, Any]:
-    """Return the arrays of a law that are known, in the order of load."""
+    """Return the known arrays of a law, sorted by load."""
     found: dict[str, Any] = {"load": check.array("load", passed["load"], shape=(None,))}
     count = len(found["load"])
     refuse_if(
@@ -59,7 +60,7 @@ def checked(passed: Mapping[str, Any], errors: MeasurementErrors) -> dict[str, A
 
 
 def _asperities(areas: Any, numbers: Any, count: int) -> dict[str, Any]:
-    """Return the checked areas of the asperities and their numbers."""
+    """Return the checked areas of the asperities and the numbers of the asperities."""
     filled = check.array_with_gaps("asperity_area", areas, shape=(count, None))
     check.refuse_entries("asperity_area", filled, filled < 0.0, "must be at least 0; 0 is an open contact")
     site = np.arange(filled.shape[1]) if numbers is None else np.array(numbers)
@@ -75,7 +76,7 @@ def _asperities(areas: Any, numbers: Any, count: int) -> dict[str, Any]:
 
 
 def _area(area: Any, count: int, found: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """Return the checked total areas, or the sums over the asperities: nan where one was not measured."""
+    """Return the checked total areas, or the sums over the asperities, nan where an area was not measured."""
     areas = found.get("asperity_area")
     unknown = np.zeros(count, dtype=bool) if areas is None else np.isnan(areas).any(axis=1)
     if area is not None:
@@ -91,7 +92,7 @@ def _area(area: Any, count: int, found: Mapping[str, FloatArray]) -> dict[str, F
 def _deviation(
     name: str, passed: Mapping[str, Any], found: Mapping[str, Any], errors: MeasurementErrors
 ) -> FloatArray:
-    """Return the standard deviation of a quantity, as passed or from the errors."""
+    """Return the standard deviations of a quantity, as passed or computed from `errors`."""
     values, sd = found[name], passed[f"{name}_sd"]
     missing = np.isnan(values)
     if sd is not None:
@@ -102,11 +103,11 @@ def _deviation(
     of = {"load": errors.of_load, "friction_force": errors.of_friction_force}.get(name, errors.of_area)
     if name != "area":
         return of(values)
-    total, parts = of(values), values  # the same for n contacts as for one: the squares add up
+    total, parts = of(values), values  # equal for n contacts and for one: variances add
     if passed["area"] is None:
         closed = found["asperity_area"] > 0.0
         total = np.sqrt((np.where(closed, found["asperity_area_sd"], 0.0) ** 2).sum(axis=1))
-    if missing.any():  # known contacts count at loads with an unknown total
+    if missing.any():  # where the total is unknown, use the sum of the known areas
         parts = np.where(missing, np.nansum(found["asperity_area"], axis=1), values)
     largest = float(parts.max())
     most = Given("area", largest)
@@ -126,7 +127,7 @@ def _refuse_negative(name: str, values: FloatArray, sd: FloatArray) -> None:
 
 
 def _refuse_falling(name: str, found: Mapping[str, FloatArray]) -> None:
-    """Refuse points whose friction or area decreases with the load."""
+    """Raise InvalidInput if the friction or the area decreases with the load."""
     known = np.flatnonzero(~np.isnan(found[name]))
     load, values, load_sd = found["load"][known], found[name][known], found["load_sd"][known]
     if not known.size or np.ptp(load) <= load_sd.max():
@@ -134,7 +135,7 @@ def _refuse_falling(name: str, found: Mapping[str, FloatArray]) -> None:
     centred = load - load.mean()
     weight = centred / (centred**2).sum()
     slope = float(weight @ values)
-    # the errors of the loads add to those of the values in proportion to the slope
+    # errors of the loads also change the values, in proportion to the slope
     sd = np.sqrt((weight**2) @ (found[f"{name}_sd"][known] ** 2 + (slope * load_sd) ** 2))
     ends = [
         (Given(f"{name}[{known[i]}]", values[i]), Given("load", load[i]))

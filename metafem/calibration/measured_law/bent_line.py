@@ -1,10 +1,10 @@
-"""Two straight lines that meet at a load, through points with errors on both axes.
+"""Fit of two straight lines that meet at a load to points with errors on both axes.
 
 The line is ``y = a + m1 (x - c)`` below the crossover c, and ``y = a + m2 (x - c)`` above it. The chi-square
-of a point is its squared distance from the line in standard deviations: the minimum of
-``(x - xi)^2 / sx^2 + (y - f(xi))^2 / sy^2`` over the true load xi, which is on one of the lines or at their
-meeting point. It is continuous in all parameters. All functions take the points x, y, sx, sy of many laws at
-once, (4, b, n), sorted by x, and return lines as c, a, m1, m2 (b, 4).
+of a point is its squared distance from the bent line in standard deviations. This is the minimum over the
+true load xi of ``(x - xi)^2 / sx^2 + (y - f(xi))^2 / sy^2``. The minimum is on one of the lines or at the
+point where they meet. The chi-square is continuous in all parameters. All functions take the points x, y, sx,
+sy of b laws at once, (4, b, n), sorted by x. Lines have the parameters c, a, m1, m2, (b, 4).
 """
 
 from __future__ import annotations
@@ -13,17 +13,17 @@ import numpy as np
 
 from metafem._validate import FloatArray
 
-# The parameters of a bent line, in the order of their arrays: c, a, m1, m2.
+# Indices of the parameters c, a, m1, m2 of a bent line.
 KINK, LEVEL, LEFT, RIGHT = range(4)
 
-# Steps of a descent, and the decrease of chi-square at which it ends: intervals are found where chi-square
-# has grown by about 1.
+# Largest number of steps of a descent. The descent ends if a step decreases chi-square by less than SETTLED,
+# which is small compared with the growth of chi-square at the ends of intervals, about 1.
 MOST_STEPS, SETTLED = 40, 1e-5
 
-# Levenberg–Marquardt damping: initial value, and its factors after a better and after a worse step.
+# Levenberg–Marquardt damping: initial value, and factors after a step that reduces or increases chi-square.
 DAMPING, EASED, TIGHTENED = 1e-3, 0.2, 10.0
 
-# Relative regularisation of the normal equations: a line through two points with equal loads has no slope.
+# Relative regularisation of the normal equations, because points with equal loads do not determine a slope.
 REGULAR = 1e-9
 
 
@@ -32,9 +32,10 @@ Lines = tuple[FloatArray, FloatArray]
 
 
 def deviations(points: FloatArray, p: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the deviations along y and along x in standard deviations (b, n), and their slopes (b, n, 4).
+    """Return the deviations along y and x in standard deviations, (b, n), and their derivatives (b, n, 4).
 
-    The second deviation is 0 for a point on a line. Its only slope, by c, is ``-1 / sx``.
+    The third value has the derivatives of the deviation along y. The deviation along x is 0, unless the true
+    load is the crossover. In this case its only derivative, with respect to c, is ``-1 / sx``.
     """
     c, a, left, right = (p[:, i : i + 1] for i in range(4))
     x, y, sx, sy = points
@@ -43,7 +44,7 @@ def deviations(points: FloatArray, p: FloatArray) -> tuple[FloatArray, FloatArra
     for m, side in ((left, -1.0), (right, 1.0)):
         spread = vy + m**2 * vx
         r = dy - m * dx
-        # points whose nearest true load is beyond the meeting point do not belong to this line
+        # points whose nearest true load is beyond the crossover do not belong to this line
         there = side * (dx * spread + m * vx * r) >= 0.0
         found.append((r, spread, np.where(there, r**2 / spread, np.inf)))
     (r1, v1, d1), (r2, v2, d2) = found
@@ -62,14 +63,14 @@ def deviations(points: FloatArray, p: FloatArray) -> tuple[FloatArray, FloatArra
 
 
 def chi_square(points: FloatArray, p: FloatArray) -> FloatArray:
-    """Return the chi-square of each law (b,) against its bent line (b, 4)."""
+    """Return the chi-square of each law about its bent line (b, 4), (b,)."""
     along_y, along_x, _ = deviations(points, p)
     found: FloatArray = (along_y**2 + along_x**2).sum(axis=1)
     return found
 
 
 def descended(points: FloatArray, start: FloatArray, free: tuple[int, ...]) -> Lines:
-    """Return the least chi-square over free parameters near a start (b, 4), by Levenberg and Marquardt."""
+    """Return lines and chi-squares of Levenberg–Marquardt fits of the free parameters from a start (b, 4)."""
     p, index = start.copy(), list(free)
     along_y, along_x, slopes = deviations(points, p)
     best = (along_y**2 + along_x**2).sum(axis=1)
@@ -98,7 +99,7 @@ def descended(points: FloatArray, start: FloatArray, free: tuple[int, ...]) -> L
         pick = better[:, None]
         along_y, along_x = np.where(pick, new_y, along_y), np.where(pick, new_x, along_x)
         slopes = np.where(pick[:, :, None], new_slopes, slopes)
-        # a step that is not better is repeated with more damping until it has no length
+        # a step that does not reduce chi-square is repeated with more damping, until the damping is 1
         going = np.where(better, gain > SETTLED, damping[active] < 1.0)
         if not going.any():
             break
@@ -108,11 +109,12 @@ def descended(points: FloatArray, start: FloatArray, free: tuple[int, ...]) -> L
 
 def fitted(points: FloatArray, kink: FloatArray, left: float | FloatArray | None = None,
            right: float | FloatArray | None = None) -> Lines:  # fmt: skip
-    """Return the best line of each law (b,) with fixed crossovers (b,), and optionally one fixed slope."""
+    """Return the best line of each law for fixed crossovers (b,), and optionally one fixed slope."""
     (x, y, sx, sy), b = points, len(kink)
     dx = x - kink[:, None]
     columns = np.stack([np.ones_like(dx), np.minimum(dx, 0.0), np.maximum(dx, 0.0)], axis=-1)
-    # initial guess: linear least squares, with the errors of x at the slope of all points
+    # initial guess: linear least squares; errors of x are converted with the slope of a line through all
+    # points
     centred = x - x.mean(axis=1, keepdims=True)
     overall = (centred * y).sum(axis=1, keepdims=True) / (centred**2).sum(axis=1, keepdims=True)
     root = 1.0 / np.sqrt(sy**2 + (overall * sx) ** 2)
@@ -134,7 +136,7 @@ def fitted(points: FloatArray, kink: FloatArray, left: float | FloatArray | None
 
 
 def kink_grid(x: FloatArray, count: int) -> FloatArray:
-    """Return crossovers (b, count) between the third and the last but two loads of each law."""
+    """Return crossovers between the third and the last but two loads of each law, (b, count)."""
     return x[:, 2:3] + (x[:, -3:-2] - x[:, 2:3]) * np.linspace(0.0, 1.0, count)
 
 
@@ -155,19 +157,20 @@ def least(points: FloatArray, count: int, left: float | FloatArray | None = None
     return np.where(better[:, None], polished, p), np.where(better, least_value, value)
 
 
-# Probability of the intervals, and that quantile of chi-square with one degree of freedom.
+# Probability of the intervals, and the corresponding quantile of chi-square with one degree of freedom.
 LEVEL_OF_INTERVALS, REGULAR_GROWTH = 0.68, 0.98894665
 
-# Number of crossovers at which chi-square of a simulated law is computed, besides the true one.
+# Number of crossovers, besides the true crossover, at which the chi-square of a simulated law is computed.
 TRIED = 25
 
 
 def growths(points: FloatArray, p: FloatArray, draws: int, rng: np.random.Generator) -> FloatArray:
-    """Return the growths of chi-square (3, b) at the ends of the intervals of crossover and slopes.
+    """Return the growth of chi-square at the ends of the intervals of the crossover and both slopes, (3, b).
 
-    Each is the 68 % quantile of chi-square minus its minimum, where chi-square is taken at the true value of
-    the parameter and minimised over all others. For a crossover at the end of its range the growth is smaller
-    than in the regular case, which is used instead: the true crossover is not at the end.
+    In each simulated law, one parameter is fixed at its true value, and chi-square is minimised over the
+    others. The growth is the 68 % quantile of the difference between this chi-square and the minimum over all
+    parameters. If the crossover is at the end of its range, the growth is smaller than REGULAR_GROWTH. Then
+    REGULAR_GROWTH is used, because the true crossover is not at the end.
     """
     found = [
         _quantiles(points[:, i], p[i], rng.standard_normal((draws, points.shape[2]))) for i in range(len(p))
@@ -178,14 +181,14 @@ def growths(points: FloatArray, p: FloatArray, draws: int, rng: np.random.Genera
 
 
 def _quantiles(points: FloatArray, p: FloatArray, error: FloatArray) -> FloatArray:
-    """Return the quantiles of one law (4, n) from errors (draws, n) in standard deviations, (3,)."""
+    """Return the growths (3,) for one law (4, n) from simulated errors (draws, n) in standard deviations."""
     (x, _, sx, sy), c = points, p[KINK]
     tried = np.append(c, kink_grid(x[None], TRIED)[0])
     dx = x - tried[:, None]
     slope = np.where(x < c, p[LEFT], p[RIGHT])
     root = 1.0 / np.sqrt(sy**2 + (slope * sx) ** 2)
     columns = root[:, None] * np.stack([np.ones_like(dx), np.minimum(dx, 0.0), np.maximum(dx, 0.0)], axis=-1)
-    # the level at the crossover has no effect
+    # the level a at the crossover has no effect
     law = root * slope * (x - c) + error
     square = (law**2).sum(axis=1)
     base = np.linalg.qr(columns)[0]

@@ -1,4 +1,4 @@
-"""Deviations of a measured law from a design, point by point and in the features of its target."""
+"""Result of a comparison: deviations of a measured law from a design in its points and features."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from metafem.notes import Note
 
 @dataclass(frozen=True)
 class Feature:
-    """A slope, the friction at an operating point, or the crossover load of a measured law.
+    """Feature of a measured law: a slope, the friction at an operating point, or the crossover load.
 
     Attributes
     ----------
     name : str
-        Kind of feature, with its loads.
+        Kind of the feature and its loads.
     unit : str
-        "" for a slope, else "mm²".
+        Unit of the values: "" for a slope, else "mm²".
     value, sd : float
-        Measured value, and its standard deviation from the errors of measurement and of the parameters; for a
-        crossover, half its 68 % interval from the errors of measurement.
+        Measured value, and its standard deviation due to the errors of measurement and of the parameters. For
+        a crossover, `sd` is half of `interval`, which includes the errors of measurement only.
     predicted : float
-        Value of the design, at the same loads by the same estimator.
+        Value of the design, estimated with the same method at the same loads.
     target : float
-        Specified value.
+        Value that the target specifies.
     interval : (float, float)
-        68 % interval of the value.
+        68 % interval of `value`.
     deviation, normalised : float
-        Relative deviation from the design, and in standard deviations [-].
+        Relative deviation from the design, and deviation over its standard deviation [-].
     target_deviation : float
         Relative deviation from the target [-].
 
@@ -87,24 +87,24 @@ class Comparison(Value):
     ----------
     measured : MeasuredLaw
     point : ndarray of int, (m,)
-        The points of the measured law that are compared.
+        Numbers of the compared points of the measured law.
     predicted : ndarray, (m,)
         Rescaled friction of the design at the measured loads [mm^2].
     deviation, deviation_sd : ndarray, (m,)
-        Measured minus predicted rescaled friction, and its standard deviation from the errors of the load, of
-        the friction, and of the parameters [mm^2].
+        Measured minus predicted rescaled friction, and its standard deviation due to the errors of the load,
+        the friction and the parameters [mm^2].
     covariance : ndarray, (m, m)
         Covariance matrix of the deviations [mm^4].
     features : tuple of Feature
-        Slopes, operating points and crossover, as far as the target of the design has them.
+        Slopes, friction at operating points, and crossover, if the target of the design has them.
     verdict : Verdict
-        Verdict on the deviations, with their correlation from the errors of the parameters.
+        Verdict on the deviations; it accounts for their correlation due to the errors of the parameters.
     parameters : mapping of str to float
-        Standard deviations of the parameters that are included.
+        Standard deviations of the parameters whose errors are included.
     notes : tuple of Note
-        What was left out.
+        Notes on what was left out.
     percent, normalised : ndarray, (m,)
-        Deviation over prediction [%], and over its standard deviation [-].
+        Deviation over predicted value [%], and over its standard deviation [-].
 
     Examples
     --------
@@ -133,7 +133,7 @@ class Comparison(Value):
 
     @property
     def percent(self) -> FloatArray:
-        """Deviation over prediction [%]; infinite where the design has no contact."""
+        """Deviation over predicted value [%]; infinite where the design has no contact."""
         infinite = np.full(self.deviation.shape, np.inf)
         above = self.predicted > 0.0
         return np.asarray(np.divide(100.0 * self.deviation, self.predicted, infinite, where=above))

@@ -1,4 +1,4 @@
-"""A measured friction law: points with error bars."""
+"""Measured friction law: points with error bars."""
 
 from __future__ import annotations
 
@@ -24,47 +24,48 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from xarray import Dataset
 
-# Error bars of Aymard et al. (2024).
+# Default measurement errors: the error bars of Aymard et al. (2024).
 PAPER = MeasurementErrors()
 
-# Default of a field that is computed from the others.
+# Default of a field that is computed from other fields.
 COMPUTED: Any = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredLaw(BaseLaw):
-    """Friction law of a part as measured: friction forces or contact areas at k loads, with error bars.
+    """Measured friction law of a part: friction forces or contact areas at k loads, with error bars.
 
-    The rescaled law is ``F/(sigma B)`` over ``P/E*`` where the friction force F was measured, else the
-    contact area A0 over P/E*. The standard deviations are those of the measurements: errors of E*,
-    sigma and B shift all points together, and `compare` takes them into account. Aymard et al., Science 383,
+    The rescaled friction is ``F/(sigma B)`` if the friction force F was measured, else the contact area A0.
+    The rescaled load is ``P/E*``. The standard deviations include the errors of measurement only. Errors of
+    E*, sigma and B shift all points together; `compare` takes them into account. Aymard et al., Science 383,
     200 (2024), doi:10.1126/science.adk4234, Figs. 3 to 5.
 
     Parameters
     ----------
     load : array_like, (k,)
-        Normal loads P [N], in any order; the law has them in increasing order.
+        Normal loads P [N], in any order; the law sorts them in increasing order.
     friction_force : array_like, (k,), optional
         Friction forces F [N].
     area : array_like, (k,), optional
         Real contact areas A0 [mm^2]; default: the sums of `asperity_area`.
     asperity_area : array_like, (k, n), optional
-        Contact area of each asperity [mm^2], 0 for an open contact; nan where it could not be measured. The
-        total area at such a load is nan unless `area` states it, and `compare` leaves the load out.
+        Contact area of each asperity [mm^2]; 0 for an open contact, nan for an area that could not be
+        measured. If an area at a load is nan, so is the total area, unless `area` is passed; `compare` leaves
+        this load out.
     site : array_like of int, (n,), optional
         Numbers of the asperities in the design; default: 0 to n - 1.
     material : Material
     friction : Friction, optional
-        Needed to rescale friction forces.
+        Friction with sigma and B; required to rescale friction forces.
     errors : MeasurementErrors
-        Standard deviations of quantities without their own ones; default: those of the paper.
+        Errors that provide the standard deviations that are not passed; default: the error bars of the paper.
     load_sd, friction_force_sd, area_sd, asperity_area_sd : array_like, optional
-        Standard deviations, in the units and shapes of the quantities, positive. For an open contact it is
-        the largest area that may have been overlooked, or 0.
+        Standard deviations in the units and shapes of the quantities, positive. For an open contact, the
+        largest area that may have been overlooked, or 0.
     label : str
         Name of the law; default: "static".
     notes : tuple of Note
-        What was left out.
+        Notes on what was left out.
 
     Attributes
     ----------
@@ -76,9 +77,9 @@ class MeasuredLaw(BaseLaw):
     Raises
     ------
     InvalidInput
-        If neither friction forces nor areas are given, for arrays that do not fit together, for standard
-        deviations that are not positive, for values below zero by more than five standard deviations, and
-        for friction forces without `friction` and without areas.
+        If neither friction forces nor areas are passed, if the shapes of arrays do not match, if a standard
+        deviation is not positive, if a value is below zero by more than five standard deviations, if the law
+        falls with the load, or if there are friction forces but neither `friction` nor areas.
 
     Examples
     --------
@@ -134,12 +135,12 @@ class MeasuredLaw(BaseLaw):
         label: str = "static",
         sites: ArrayLike | None = None,
     ) -> MeasuredLaw:
-        """Return the law of the contacts found in images.
+        """Return the measured law of contacts found in images.
 
-        The area of a load is the sum over its contacts. Images without a load are left out and, if some
-        images have a friction force, those without one; the notes name them. Areas of contacts that were not
-        matched to a site only enter the sums. If the area of a matched contact is unknown in an image, the
-        areas of its other contacts are used.
+        The area at a load is the sum over the contacts. Images without a load are left out. If some images
+        have a friction force and `friction` is passed, images without a friction force are left out too. The
+        notes name these images. The areas of contacts without a site contribute to the sums only. If the area
+        of a matched contact is unknown in an image, the areas of the image's other contacts are used.
 
         Parameters
         ----------
@@ -147,11 +148,11 @@ class MeasuredLaw(BaseLaw):
         material : Material
         friction : Friction, optional
         errors : MeasurementErrors
-            Errors of loads and friction forces; the table has those of the areas.
+            Errors of loads and friction forces; the table contains the errors of the areas.
         label : str
         sites : array_like of int, (n,), optional
-            Sites of the asperities of the design, ``Design.sites``; needed for a table of `metafem images` if
-            the design leaves sites empty. Default: asperities have the numbers of their sites.
+            Sites of the asperities of the design (``Design.sites``), required for a table of `metafem images`
+            if the design leaves sites empty. Default: each asperity has the number of its site.
 
         Returns
         -------
@@ -160,8 +161,8 @@ class MeasuredLaw(BaseLaw):
         Raises
         ------
         InvalidInput
-            If no image has a load, or none has a friction force or the areas of all contacts, and for a site
-            that is not in `sites`.
+            If no image has a load together with a friction force or the required areas, or if a site is not
+            in `sites`.
 
         Examples
         --------
@@ -191,7 +192,7 @@ class MeasuredLaw(BaseLaw):
         )
 
     def known(self) -> MeasuredLaw:
-        """Return the law of the loads at which all contacts, or the friction force, were measured."""
+        """Return the law without the loads at which the rescaled friction is unknown."""
         known = ~np.isnan(self.rescaled_friction)
         if known.all():
             return self
@@ -205,12 +206,12 @@ class MeasuredLaw(BaseLaw):
 
     @property
     def by_force(self) -> bool:
-        """Whether the rescaled friction is that of measured friction forces, and not the contact area."""
+        """Whether the rescaled friction follows from measured friction forces instead of contact areas."""
         return self.friction_force is not None and self.friction is not None
 
     @property
     def rescaled_load(self) -> FloatArray:
-        """P/E* [mm^2]."""
+        """Rescaled load P/E* [mm^2], (k,)."""
         return self.load / self.material.composite_modulus
 
     @property
@@ -220,7 +221,7 @@ class MeasuredLaw(BaseLaw):
 
     @property
     def rescaled_friction(self) -> FloatArray:
-        """F/(sigma B) where the friction force was measured, else A0 [mm^2]."""
+        """Rescaled friction: F/(sigma B) if friction forces were measured, else A0 [mm^2], (k,)."""
         return self._rescaled("")
 
     @property
@@ -244,12 +245,12 @@ class MeasuredLaw(BaseLaw):
         return self.friction.shear_strength * self.friction.area_ratio
 
     def _force(self, suffix: str = "") -> FloatArray:
-        """Return measured friction forces, or sigma B times measured areas, or their `suffix` "_sd" [N]."""
+        """Return friction forces, measured or sigma B times areas, or their standard deviations [N]."""
         measured = getattr(self, f"friction_force{suffix}")
         return np.asarray(self._stress * getattr(self, f"area{suffix}") if measured is None else measured)
 
     def quantities(self) -> dict[str, FloatArray]:
-        """Return the arrays (k,) of the law by name, in the order of its tables."""
+        """Return the arrays (k,) of the law by name, in the order of table columns."""
         found: dict[str, FloatArray] = {}
         for name in ("load", "area", "rescaled_load", "rescaled_friction", "friction_force"):
             if getattr(self, name) is not None:
@@ -262,7 +263,7 @@ class MeasuredLaw(BaseLaw):
         return {"label": self.label, "notes": to_lines(self.notes)}
 
     def to_xarray(self) -> Dataset:
-        """Return the law over its rescaled loads, with the areas of the asperities over ``site``."""
+        """Return the law as a dataset over the rescaled loads, with asperity areas over ``site``."""
         data = super().to_xarray()
         if self.asperity_area is not None:
             for name in ("asperity_area", "asperity_area_sd"):

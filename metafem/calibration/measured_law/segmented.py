@@ -1,4 +1,4 @@
-"""Two branches and their crossover: regression with errors on both axes, and the rule of the paper."""
+"""Crossover of a law with two branches, by regression with errors on both axes and by the paper's rule."""
 
 from __future__ import annotations
 
@@ -25,27 +25,30 @@ from metafem.errors import refuse_if
 from metafem.notes import Note, information
 from metafem.prediction import BranchFit, fit_branch
 
-# Fewest points: four parameters, three points on each side of the crossover.
+# Smallest number of points: there are four parameters, and at least three points on each side of the
+# crossover.
 LEAST = 7
 
-# Fewest different loads: as many as parameters.
+# Smallest number of different loads, equal to the number of parameters.
 DIFFERENT = 4
 
-# Numbers of crossovers that are tried: for the estimate, and for the ends of its interval.
+# Numbers of crossovers that are tried for the estimate and for the ends of its interval.
 TRIED, SCANNED = 41, 201
 
-# Divisions of the step that contains an end of an interval. Two rounds locate the end to a thousandth of its
-# distance from the estimate.
+# Number of divisions of the step that contains an end of an interval. Two rounds of division locate the end
+# to within a thousandth of its distance from the estimate.
 DIVISIONS = 32
 
-# Number of steps, each twice as long as the last, after which an interval counts as unbounded.
+# Number of steps after which an interval counts as unbounded; each step is twice as long as the previous
+# step.
 MOST_DOUBLINGS = 12
 
 
-# Fewest points of a line whose scatter can be judged.
+# Smallest number of points of a line for an estimate of the scatter.
 OF_LINE = 3
 
-# Largest deviation of a point on a line, in standard deviations: one point in twenty exceeds it by chance.
+# Largest deviation of a point on a line, in standard deviations. One point in twenty exceeds this deviation
+# by chance.
 OFF = 2.0
 
 
@@ -58,21 +61,21 @@ class SegmentedFit(Value):
     crossover_load : float
         P/E* at which the lines meet [mm^2].
     crossover_friction : float
-        Rescaled friction there [mm^2].
+        Rescaled friction at the crossover [mm^2].
     slopes : (float, float)
         Slopes below and above the crossover [-].
     crossover_interval : (float, float)
         68 % interval of the crossover [mm^2].
     slope_intervals : ((float, float), (float, float))
-        68 % intervals of the slopes; an end is infinite where the points do not bound the slope.
+        68 % intervals of the slopes; an end is infinite if the points do not limit the slope.
     growth : (float, float, float)
-        Growth of chi-square at the ends of the intervals of the crossover and of the two slopes; 0.989 for
-        many points or small errors.
+        Growth of chi-square from its minimum to the ends of the intervals of the crossover and the two
+        slopes; 0.989 for many points or small errors.
     residual : ndarray, (k,)
-        Distances of the points from the lines along the axis of the friction, in standard deviations.
+        Distances of the points from the lines along the friction axis, in standard deviations.
     verdict : Verdict
     notes : tuple of Note
-        Intervals that the points do not bound.
+        Notes on intervals that the points do not limit.
 
     Examples
     --------
@@ -107,20 +110,21 @@ class SegmentedFit(Value):
 
 
 def fit_segments(law: MeasuredLaw, *, draws: int = 2000, rng: Any = 0) -> SegmentedFit:
-    """Fit two straight lines that meet at a crossover, with errors on both axes.
+    """Return the fit of two straight lines that meet at a crossover, with errors on both axes.
 
-    Chi-square is the sum of the squared distances of the points from the bent line in standard deviations,
+    Chi-square is the sum of the squared distances of the points from the bent line, in standard deviations
     along both axes. An interval contains the values of a parameter for which chi-square, minimised over the
-    others, exceeds its minimum by at most q. For many points or small errors, q is the 68 % quantile of
-    chi-square with one degree of freedom, 0.989. If the error of the crossover is not small compared with the
-    distance of the points, several splits of the points into two branches fit similarly well, and intervals
-    with this q cover 62 to 68 % for the data of Fig. 5. q is therefore the 68 % quantile of the growth of
-    chi-square in simulated laws on the fitted lines.
+    other parameters, exceeds its overall minimum by at most q. For many points or small errors, q would be
+    the 68 % quantile of chi-square with one degree of freedom, 0.989. However, if the error of the crossover
+    is not small compared with the spacing of the points, several divisions of the points into two branches
+    fit similarly well. Intervals with q = 0.989 then contain the true value less often: in 62 to 68 % of
+    trials for the data of Fig. 5. Therefore laws on the fitted lines are simulated, and q is the 68 %
+    quantile of the growth of their chi-square.
 
     Parameters
     ----------
     law : MeasuredLaw
-        At least seven points. The crossover is sought between the third and the last but two loads.
+        Law with at least seven points. The crossover is sought between the third load and the last but two.
     draws : int
         Number of simulated laws, at least 100; default: 2,000.
     rng : int or numpy.random.Generator
@@ -133,15 +137,15 @@ def fit_segments(law: MeasuredLaw, *, draws: int = 2000, rng: Any = 0) -> Segmen
     Raises
     ------
     InvalidInput
-        For fewer than seven points or four different loads.
+        If the law has fewer than seven points or fewer than four different loads.
 
     Notes
     -----
-    The errors of load and friction are independent. Coverage for the data of Fig. 5 is measured by
-    ``validation/calibration/segmented_regression.py``. The likelihood has kinks where the crossover passes a
-    point, so that an interval from its curvature would be wrong; the crossover is found by a search over its
-    whole range. Muggeo, Stat. Med. 22, 3055 (2003), doi:10.1002/sim.1545, treats the case without errors of
-    the load.
+    The errors of load and friction are assumed to be independent.
+    ``validation/calibration/segmented_regression.py`` measures the coverage for the data of Fig. 5. The
+    likelihood has kinks where the crossover passes a point, so an interval from the curvature of the
+    likelihood would be wrong. Because of the kinks, the crossover is found by a search over its entire range.
+    Muggeo, Stat. Med. 22, 3055 (2003), doi:10.1002/sim.1545, treats the case without errors of the load.
 
     Examples
     --------
@@ -203,13 +207,13 @@ def fit_segments(law: MeasuredLaw, *, draws: int = 2000, rng: Any = 0) -> Segmen
 
 
 def points_of(law: MeasuredLaw) -> FloatArray:
-    """Return the rescaled points of a law and their standard deviations, (4, 1, k)."""
+    """Return the rescaled loads and friction of a law and their standard deviations, (4, 1, k)."""
     arrays = (law.rescaled_load, law.rescaled_friction, law.rescaled_load_sd, law.rescaled_friction_sd)
     return np.array(arrays)[:, None]
 
 
 def _crossover_interval(points: FloatArray, estimate: float, limit: float) -> tuple[float, float]:
-    """Return the outermost crossovers whose chi-square is at most a limit."""
+    """Return the smallest and the largest crossover whose chi-square is at most `limit`."""
     grid = np.union1d(kink_grid(points[0], SCANNED)[0], estimate)
     _, value = fitted(np.repeat(points, len(grid), axis=1), grid)
     inside = np.flatnonzero((value <= limit) | (grid == estimate))
@@ -217,17 +221,17 @@ def _crossover_interval(points: FloatArray, estimate: float, limit: float) -> tu
     for at, step in ((int(inside[0]), -1), (int(inside[-1]), 1)):
         beyond = min(max(at + step, 0), len(grid) - 1)
         rise = value[beyond] - value[at]
-        # chi-square is nearly linear over a step of the grid
+        # interpolate: chi-square is nearly linear over a step of the grid
         share = max((limit - value[at]) / rise, 0.0) if rise > 0.0 else 0.0
         ends.append(float(grid[at] + share * (grid[beyond] - grid[at])))
     return ends[0], ends[1]
 
 
 def _interval(profile: Callable[[Any], FloatArray], estimate: float, limit: float) -> tuple[float, float]:
-    """Return the ends of an interval about an estimate at which a profile reaches a limit."""
+    """Return the ends of the interval about an estimate, where a chi-square profile reaches `limit`."""
     ends = []
     for sign in (-1.0, 1.0):
-        # the profile at steps of doubling length, computed together
+        # evaluate the profile at steps of doubling length in one call
         steps = sign * 0.02 * abs(estimate) * 2.0 ** np.arange(MOST_DOUBLINGS)
         value = profile(estimate + steps)
         above = np.flatnonzero(value > limit)
@@ -246,23 +250,24 @@ def _interval(profile: Callable[[Any], FloatArray], estimate: float, limit: floa
 
 @dataclass(frozen=True)
 class Branches:
-    """Two straight branches of a measured law, with the crossover by the paper's rule.
+    """Two straight branches of a measured law, and their crossover according to the paper's rule.
 
-    The crossover is the middle between the last point on the first line and the first point off it, and its
-    error half their distance. It is biased: a point is found off the first line only where the two lines
-    already differ by more than the error bars, and a single error can end the first line early. Of
-    measurements simulated with the heights of Table S2 and the paper's errors, the stated interval contains
-    the target in about 15 % of the trials (``validation/calibration/segmented_regression.py``). The interval
-    of `fit_segments` has the stated coverage.
+    The crossover is the midpoint between two loads: the last load on the first line and the first load off
+    it. Its error is half the distance between the two loads. The rule is biased, because a point is found off
+    the first line only where the two lines already differ by more than the error bars, and because a single
+    large error can end the first line early. In measurements simulated with the heights of Table S2 and the
+    paper's errors, the interval of this rule contains the target in only about 15 % of the trials
+    (``validation/calibration/segmented_regression.py``). The intervals of `fit_segments` have the stated
+    coverage.
 
     Attributes
     ----------
     first, second : metafem.prediction.BranchFit
         Least-squares lines with Student's 68 % intervals of their slopes and intercepts.
     crossover_load : float
-        Middle of the two loads P/E* [mm^2].
+        Midpoint of the two loads P/E* [mm^2].
     crossover_interval : (float, float)
-        The two loads [mm^2]: the paper's rule, not a 68 % interval.
+        The two loads P/E* [mm^2]; not a 68 % interval.
 
     Examples
     --------
@@ -282,18 +287,18 @@ class Branches:
 
 
 def branches(law: MeasuredLaw, first: int | None = None, second: int | None = None) -> Branches:
-    """Fit lines to the first and to the last points of a law, and state the crossover by the paper's rule.
+    """Return lines through the first and the last points of a law, and their crossover by the paper's rule.
 
-    Without `first`, the first line begins with three points. The next point is added as long as it deviates
-    from the line by at most twice its error bar. Aymard et al., Science 383, 200 (2024),
+    If `first` is None, the first line begins with three points. The next point is added as long as it
+    deviates from the line by at most twice its error bar. Aymard et al., Science 383, 200 (2024),
     doi:10.1126/science.adk4234, Fig. 5 and supplementary text on friction laws with two branches.
 
     Parameters
     ----------
     law : MeasuredLaw
     first, second : int, optional
-        Numbers of points of the first and of the last line, at least 3. Default: the first line ends before
-        the first point off it, and the last line has all following points, at least 3.
+        Numbers of points of the first and the last line, at least 3. Default: the first line ends before the
+        first point that deviates from it, and the last line has all following points, at least 3.
 
     Returns
     -------
@@ -302,7 +307,8 @@ def branches(law: MeasuredLaw, first: int | None = None, second: int | None = No
     Raises
     ------
     InvalidInput
-        If the law has fewer than six points, or only one branch because no point is off the first line.
+        If the law has fewer than six points, or if no point deviates from the first line, so that there is
+        only one branch.
 
     Examples
     --------
@@ -336,7 +342,7 @@ def branches(law: MeasuredLaw, first: int | None = None, second: int | None = No
 
 
 def _line(law: MeasuredLaw, start: int, stop: int) -> BranchFit:
-    """Return the least-squares line of consecutive points."""
+    """Return the least-squares line through the consecutive points `start` to `stop`."""
     x, y = law.rescaled_load[start:stop], law.rescaled_friction[start:stop]
     one = f"the points {start + 1} to {stop} have one load; a line needs different loads"
     refuse_if(np.ptp(x) == 0.0, one)
@@ -344,7 +350,7 @@ def _line(law: MeasuredLaw, start: int, stop: int) -> BranchFit:
 
 
 def _off(law: MeasuredLaw, line: BranchFit) -> np.ndarray:
-    """Return which points are off a line by more than their error bars on both axes."""
+    """Return which points deviate from a line by more than twice their error bars of both axes, (k,)."""
     deviation = law.rescaled_friction - line.intercept - line.slope * law.rescaled_load
     spread = np.hypot(law.rescaled_friction_sd, line.slope * law.rescaled_load_sd)
     return np.asarray(np.abs(deviation) > OFF * spread)

@@ -1,1 +1,1 @@
-"""Sheared contacts: area ratio, shear strength, records of shear tests, fully contacting surfaces."""
+"""Shear calibration: area ratio, shear strength, records of shear tests, surfaces in full contact."""

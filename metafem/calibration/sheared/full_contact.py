@@ -1,4 +1,4 @@
-"""Shear strength from the friction of a surface with every asperity in contact."""
+"""Shear strength from the friction of a surface with all asperities in contact."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ from metafem.surface import Surface
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Relative step of the load in the derivative dA0/dP: the error of a central difference is the square of the
-# step, the rounding error 1e-16 over the step.
+# Relative step of central differences. The error of a difference is about the square of the step, and the
+# rounding error 1e-16 over the step.
 STEP = 1e-4
 
-# Parameters whose errors change sigma.
+# Parameters whose errors affect sigma.
 PARAMETERS = ("composite_modulus", "area_ratio", "radius")
 
-# Smallest number of points: one factor and a residual.
+# Smallest number of points: one for the factor and one for a residual.
 FEWEST = 2
 
 
@@ -51,32 +51,33 @@ def shear_strength(
     covariance: ArrayLike | None = None,
     parameters: Sequence[str] = PARAMETERS[:2],
 ) -> StrengthFit:
-    """Fit the shear strength to friction forces at loads under which all asperities are in contact.
+    """Return the shear strength sigma, fitted to friction forces at loads with all asperities in contact.
 
-    Under such loads no new contact is formed, and the area A0(P) that the model predicts hardly depends on
-    the heights. The factor sigma B of ``F = sigma B A0(P)`` is fitted with the errors of load and friction
-    force, and divided by B. The relative sensitivity of sigma to E*, ``dlog(sigma)/dlog(E*)``, is about 2/3,
-    that to B is -1, and that to the radius about -2/3. If E* was calibrated with caps of the same radius, it
-    is proportional to the radius, and an error of the radius nearly cancels. Aymard et al., Science 383, 200
-    (2024), doi:10.1126/science.adk4234, supplementary text "Model parameter values".
+    At these loads no new contacts form, and the predicted area A0(P) hardly depends on the heights. The fit
+    of ``F = sigma B A0(P)`` takes the errors of load and friction force into account and gives sigma B, which
+    is divided by B. The relative sensitivity of sigma to E*, ``dlog(sigma)/dlog(E*)``, is about 2/3. The
+    sensitivity to B is -1, and the sensitivity to the radius is about -2/3. If E* was calibrated with caps of
+    the same radius, E* is proportional to the radius, and the effect of an error of the radius on sigma
+    nearly cancels. Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text
+    "Model parameter values".
 
     Parameters
     ----------
     law : MeasuredLaw
-        With friction forces; points below `load_min` are not used.
+        Measured law with friction forces; points below `load_min` are not used.
     surface : Surface
-        The designed or measured surface, with E* and the area ratio B of its friction; if it has no friction,
-        the law provides B.
+        Designed or measured surface with its E*. Its friction provides the area ratio B; if it has no
+        friction, the law provides B.
     load_min : float
         Smallest load that is used [N].
     model : Model, optional
-        Default: `Independent()`.
+        Model of the contact area; default: `Independent()`.
     covariance : array_like, (p, p), optional
         Covariance of the `parameters`, in mm, MPa and 1; default: no errors.
     parameters : sequence of str
-        Names of its rows: ``radius`` (the mean one; all radii change by the same factor),
-        ``composite_modulus`` and ``area_ratio``; default: the last two. The names of
-        `metafem.calibration.joint_covariance` are accepted; ``shear_strength`` is ignored.
+        Names of the rows of `covariance`: ``radius`` (the mean radius; all radii change by the same factor),
+        ``composite_modulus`` and ``area_ratio``; default: the last two. The names from
+        `metafem.calibration.joint_covariance` are accepted, and ``shear_strength`` is ignored.
 
     Returns
     -------
@@ -85,8 +86,8 @@ def shear_strength(
     Raises
     ------
     InvalidInput
-        If an asperity is not in contact at `load_min` under the model, for fewer than two points above it,
-        for a law without friction forces, and if no area ratio is known.
+        If an asperity is open at `load_min` under the model, if fewer than two points are at or above
+        `load_min`, if the law has no friction forces, or if the area ratio is unknown.
 
     Examples
     --------
@@ -119,7 +120,7 @@ def shear_strength(
     load, force, load_sd = law.load[used], law.friction_force[used], law.load_sd[used]
     area, slope = _areas(surface, solver, load)
     area_sd, of_force, force_sd = slope * load_sd, law.errors.of_friction_force, law.friction_force_sd[used]
-    # default standard deviations follow from the fitted force, which is not noisy
+    # default standard deviations are computed from the fitted force, because the measured force is noisy
     of = of_force if np.allclose(force_sd, of_force(force), rtol=1e-9) else lambda _: force_sd
     points = np.stack([area, force])
     (factor,), ((variance,),), value = proportional(points, (lambda _: area_sd, of))
@@ -133,7 +134,7 @@ def shear_strength(
     residual = (force - factor * area) / np.sqrt(square)
     strength = factor / friction.area_ratio
     measured = float(variance) / friction.area_ratio**2
-    # relative changes of sigma: changes of the areas at these loads, weighted as in the fit, and of B
+    # relative changes of sigma with each parameter, through the areas (weighted as in the fit) or through B
     weight = area / square / (area**2 / square).sum()
     change = {
         "composite_modulus": lambda: float(weight @ (load * slope)) / surface.material.composite_modulus,
@@ -161,7 +162,7 @@ def shear_strength(
 def _covariance(
     covariance: ArrayLike | None, parameters: Sequence[str]
 ) -> tuple[tuple[str, ...], FloatArray]:
-    """Return the names of the parameters that change sigma and their covariance."""
+    """Return the names of the parameters that affect sigma, and their covariance."""
     if covariance is None:
         return (), np.zeros((0, 0))
     names = tuple(parameters)
@@ -174,7 +175,7 @@ def _covariance(
 
 
 def _growth(surface: Surface, model: Model, load: FloatArray) -> FloatArray:
-    """Return the change of A0 with the logarithm of all radii [mm^2]."""
+    """Return the derivative of A0 with respect to the logarithm of all radii [mm^2], (k,)."""
     low, high = (
         _areas(surface.replaced(radius=surface.radius * (1.0 + sign * STEP)), model, load)[0]
         for sign in (-1.0, 1.0)
@@ -183,7 +184,7 @@ def _growth(surface: Surface, model: Model, load: FloatArray) -> FloatArray:
 
 
 def _areas(surface: Surface, model: Model, load: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return A0 [mm^2] and dA0/dP [mm^2/N] at loads in any order."""
+    """Return A0 [mm^2] and dA0/dP [mm^2/N] at loads in any order, (k,) each."""
     wanted = load * (1.0 + STEP * np.array([[-1.0], [0.0], [1.0]]))
     single, places = np.unique(wanted, return_inverse=True)
     low, area, high = friction_law(surface, model, load=single).area[places].reshape(wanted.shape)
@@ -191,11 +192,11 @@ def _areas(surface: Surface, model: Model, load: FloatArray) -> tuple[FloatArray
 
 
 def _refuse_open(surface: Surface, model: Model, load: float) -> None:
-    """Refuse a load at which an asperity is open, and state the first at which no independent one is."""
+    """Raise InvalidInput if an asperity is open; the message states a sufficient load."""
     opened = int((equilibrium(surface, model, load=load).asperity_area <= 0.0).sum())
     if opened:
         least = equilibrium(surface, Independent(), approach=float(np.ptp(surface.height))).load
-        unit = 10.0 ** (math.floor(math.log10(least)) - 2)  # of the third digit
+        unit = 10.0 ** (math.floor(math.log10(least)) - 2)  # unit of the third digit
         raise InvalidInput(
             f"is too small: {opened} of {surface.count} asperities are not in contact at this load; all are "
             "from {.number} on without interaction",
@@ -207,33 +208,33 @@ def _refuse_open(surface: Surface, model: Model, load: float) -> None:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StrengthFit(Value):
-    """Shear strength of a surface in full contact, with its errors.
+    """Shear strength from a surface in full contact, with its errors.
 
     Attributes
     ----------
     shear_strength : float
-        sigma [MPa].
+        Shear strength sigma [MPa].
     parameters : tuple of str
-        Names of the rows of `covariance`: those of the call, and ``shear_strength`` last.
+        Names of the rows of `covariance`: the parameters of the call, then ``shear_strength``.
     covariance : ndarray, (p, p)
-        Their covariance, in mm, MPa and 1.
+        Covariance of `parameters`, in mm, MPa and 1.
     measured_sd : float
-        Standard deviation of sigma from the errors of loads and friction forces only [MPa].
+        Standard deviation of sigma due to the errors of loads and friction forces only [MPa].
     load, friction_force : ndarray, (k,)
-        Measured points that were used [N].
+        Loads and friction forces of the points that were used [N].
     area : ndarray, (k,)
         Predicted contact area before shear [mm^2].
     area_sd, friction_force_sd : ndarray, (k,)
-        Standard deviations of the area from the errors of the loads, and of the friction forces.
+        Standard deviations of the area due to the errors of the loads [mm^2], and of the friction forces [N].
     residual : ndarray, (k,)
         Residuals over their standard deviations [-].
     verdict : Verdict
         Whether the friction forces are proportional to the predicted areas.
     area_ratio : float
-        The area ratio B that was used [-].
+        Area ratio B that was used [-].
     friction : metafem.Friction
     shear_strength_interval : (float, float)
-        68 % interval [MPa].
+        68 % interval of sigma [MPa].
 
     Examples
     --------
@@ -275,7 +276,7 @@ class StrengthFit(Value):
 
     @property
     def friction(self) -> Friction:
-        """Friction with the fitted strength and the area ratio that was used."""
+        """Friction with the fitted shear strength and the area ratio that was used."""
         return Friction(self.shear_strength, self.area_ratio)
 
     @property
@@ -284,7 +285,7 @@ class StrengthFit(Value):
         return interval_of(self.shear_strength, self.covariance[-1, -1])
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw friction forces over predicted areas with error bars and the line, and return the axes.
+        """Draw friction forces over predicted areas with error bars and the fitted line, and return the axes.
 
         Parameters
         ----------

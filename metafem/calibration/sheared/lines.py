@@ -1,4 +1,4 @@
-"""Area ratio and shear strength from the areas and the friction forces of sheared contacts."""
+"""Fit of the area ratio and the shear strength to areas and friction forces of sheared contacts."""
 
 from __future__ import annotations
 
@@ -39,23 +39,24 @@ from metafem.notes import Note, information
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Names of the quantities of a point.
+# Names of the quantities that a point consists of.
 NAMES = ("area_before", "area_sheared", "friction_force")
 
-# Excess of B over 1, in standard deviations, above which a note is added: one normal error in a hundred is
+# Excess of B over 1, in standard deviations, above which a note is added. One normal error in a hundred is
 # larger.
 ABOVE_ONE = 2.33
 
-# Shear strengths [MPa] of soft contacts: hydrogels have 1e-4 MPa, and elastomers less than their moduli.
+# Smallest and largest plausible shear strength of soft contacts [MPa]. Hydrogels have about 1e-4 MPa, and the
+# shear strength of an elastomer is below its modulus.
 WEAKEST, STRONGEST = 1e-5, 30.0
 
-# Smallest number of points of a line through the origin: one factor and a residual.
+# Smallest number of points of a line through the origin: one for the factor and one for a residual.
 FEWEST = 2
 
 # The two lines: sheared area over area before shear, and friction force over sheared area.
 LINES = ("Af = B A0", "F = sigma Af")
 
-# Number of points of the bootstrap that are fitted at once.
+# Number of points of the bootstrap that are fitted in one call.
 AT_ONCE = 200_000
 
 DEFAULT_ERRORS = MeasurementErrors()
@@ -63,35 +64,36 @@ DEFAULT_ERRORS = MeasurementErrors()
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ShearCalibration(Value):
-    """Area ratio B and shear strength sigma from sheared contacts, with their errors.
+    """Area ratio B and shear strength sigma of sheared contacts, with their errors.
 
     Attributes
     ----------
     area_ratio, shear_strength : float
-        B [-] and sigma [MPa].
+        Area ratio B [-] and shear strength sigma [MPa].
     covariance : ndarray, (2, 2)
-        Covariance of B and sigma, in this order. Both depend on the sheared area, so they are correlated.
+        Covariance of B and sigma, in this order. They are correlated because both depend on the sheared area.
     area_before, area_sheared, friction_force : ndarray, (k,)
-        Measured points [mm^2], [mm^2] and [N]; nan where one was not measured.
+        Measured areas before and after shear [mm^2], and friction forces [N]; nan for values that were not
+        measured.
     area_fitted : ndarray, (k,)
-        Fitted area before shear [mm^2].
+        Fitted areas before shear [mm^2].
     area_residual, friction_residual : ndarray, (k,)
         Distances of the points from the lines ``Af = B A0`` and ``F = sigma Af`` over their standard
-        deviations [-]; nan where the point is not on this line.
+        deviations [-]; nan for points that lack a quantity of the line.
     area_verdict, friction_verdict : Verdict
-        Whether each line fits.
+        Verdicts on whether each line fits the points.
     errors : MeasurementErrors
-        The standard deviations of the points.
+        Standard deviations of the measured quantities.
     tests : tuple of SingleTest
-        B and sigma of each test, if there are several; nan if the test does not determine one.
+        B and sigma of each test if there are several tests; nan for a value that the test does not determine.
     heterogeneity : Heterogeneity or None
         Whether the tests agree; None for a single test.
     bootstrap : ndarray, (n, 2), or None
-        B and sigma of resampled points.
+        B and sigma of the fits to resampled points.
     notes : tuple of Note
     friction : metafem.Friction
     area_ratio_interval, shear_strength_interval : (float, float)
-        68 % intervals; they begin at 0 or above.
+        68 % intervals, nowhere negative.
 
     Examples
     --------
@@ -128,7 +130,7 @@ class ShearCalibration(Value):
 
     @property
     def friction(self) -> Friction:
-        """Friction with the fitted values."""
+        """Friction with the fitted area ratio and shear strength."""
         return Friction(self.shear_strength, self.area_ratio)
 
     @property
@@ -152,14 +154,15 @@ class ShearCalibration(Value):
         return interval_of(self.shear_strength, self.covariance[1, 1])
 
     def plot(self, ax: Axes | None = None, line: Literal["area", "friction"] = "friction") -> Axes:
-        """Draw the points of one line with their error bars, and return the axes.
+        """Draw one line and its points with error bars, and return the axes.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
             Axes to draw on; default: those of a new figure of ``matplotlib.pyplot``.
         line : {"area", "friction"}
-            Sheared area over area before shear, or friction force over sheared area; default: "friction".
+            Which line to draw: sheared area over area before shear ("area"), or friction force over sheared
+            area ("friction"); default: "friction".
 
         Examples
         --------
@@ -192,30 +195,33 @@ def shear(
     test: Sequence[Any] | None = None,
     bootstrap: Bootstrap | None = None,
 ) -> ShearCalibration:
-    """Fit the area ratio B and the shear strength sigma to sheared contacts, ``Af = B A0``, ``F = sigma Af``.
+    """Return the area ratio B and the shear strength sigma, fitted to sheared contacts.
 
-    Both lines pass through the origin, and all three quantities have errors. The area A0 of each point is an
-    unknown of the fit: A0, B A0 and sigma B A0 were measured with independent errors, whose standard
-    deviations follow from the fitted values. The sheared area belongs to both lines, which makes B and sigma
-    correlated (about -0.3 with the default errors). Separate fits of the two lines have nearly the same
-    values and errors, but not this covariance, and the error of sigma B that follows from them is too large.
-    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. 2, C and D.
+    The lines are ``Af = B A0`` and ``F = sigma Af`` with the area A0 before shear, the sheared area Af and
+    the friction force F. All three quantities have errors. The true A0 of each point is an unknown of the
+    fit; A0, B A0 and sigma B A0 were measured with independent errors, whose standard deviations are computed
+    from the fitted values. Both lines contain the sheared area, so B and sigma are correlated (about -0.3
+    with the default errors). Two separate fits give nearly equal values and errors, but no covariance. The
+    error of sigma B computed from them is too large. Aymard et al., Science 383, 200 (2024),
+    doi:10.1126/science.adk4234, Fig. 2, C and D.
 
-    The static friction force and the area at the same instant, or the sliding ones, may be used.
+    The data may be measured at static friction or during sliding, but friction force and sheared area must be
+    measured at the same instant.
 
     Parameters
     ----------
     area_before, area_sheared : array_like, (k,) or (k, n)
-        Contact areas A0 before shear and Af at the friction force [mm^2], positive: totals, or areas of n
-        contacts, which are added; nan where one was not measured.
+        Contact areas A0 before shear and Af at the friction force [mm^2], positive; nan if not measured.
+        Total areas (k,), or areas of n contacts (k, n), which are summed.
     friction_force : array_like, (k,)
-        Total friction forces F [N] of these contacts; nan where one was not measured.
+        Total friction forces F of these contacts [N]; nan if not measured.
     errors : MeasurementErrors
-        Standard deviations. The error of a total area is the same for any number of contacts.
+        Standard deviations of the measured quantities. The error of a total area does not depend on the
+        number of contacts.
     test : sequence, (k,), optional
-        Label of the test of each point; default: one test.
+        Label of each point's test; default: one test.
     bootstrap : Bootstrap, optional
-        Also fit points resampled from those of each test; default: none.
+        If set, also fit resampled points of each test; default: none.
 
     Returns
     -------
@@ -224,8 +230,8 @@ def shear(
     Raises
     ------
     InvalidInput
-        For areas that are not positive, lengths that differ, fewer than two points of a line, and friction
-        forces that do not grow with the area.
+        If an area is not positive, the lengths of the arrays differ, a line has fewer than two points, or the
+        friction force does not grow with the area.
 
     Examples
     --------
@@ -252,7 +258,7 @@ def shear(
 
 
 def _points(*quantities: ArrayLike) -> FloatArray:
-    """Return the measured quantities (3, k), areas of several contacts added."""
+    """Return the measured quantities (3, k); areas of several contacts are summed."""
     columns = [measured_or_nan(name, value) for name, value in zip(NAMES, quantities, strict=True)]
     lengths = ", ".join(f"{name} has {len(column)}" for name, column in zip(NAMES, columns, strict=True))
     alike = len({len(column) for column in columns}) == 1
@@ -261,7 +267,7 @@ def _points(*quantities: ArrayLike) -> FloatArray:
 
 
 def _refuse_contradiction(found: ShearCalibration) -> None:
-    """Refuse a strength that is not positive, and points with a significantly negative slope."""
+    """Raise InvalidInput if sigma is not positive, or if a line through the points falls significantly."""
     strength, names = found.shear_strength, zip(NAMES, NAMES[1:], LINES, strict=False)
     refuse_if(
         strength <= 0.0,
@@ -283,7 +289,7 @@ def _refuse_contradiction(found: ShearCalibration) -> None:
 
 
 def _notes(found: ShearCalibration) -> Iterator[Note]:
-    """Return notes on lines and tests that do not fit, and on points with a missing quantity."""
+    """Return notes on lines that do not fit, on tests that differ, and on points that lack a quantity."""
     for line, verdict in zip(LINES, (found.area_verdict, found.friction_verdict), strict=True):
         if not verdict.law_fits or verdict["largest"].noticed:
             valid = "the stated uncertainties hold only for a law that fits, without outliers"
@@ -305,7 +311,7 @@ def _notes(found: ShearCalibration) -> Iterator[Note]:
 
 
 def _magnitudes(found: ShearCalibration) -> Iterator[Note]:
-    """Return notes on values that only a wrong unit explains."""
+    """Return notes on values that indicate a wrong unit."""
     deviations = (found.errors.of_area, found.errors.of_area, found.errors.of_friction_force)
     for name, of in zip(NAMES, deviations, strict=True):
         yield from within_errors(name, getattr(found, name), of(getattr(found, name)))
@@ -323,18 +329,18 @@ def _magnitudes(found: ShearCalibration) -> Iterator[Note]:
 
 
 def parameters(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return B and sigma (..., 2), their covariance (..., 2, 2) and A0 (..., k) from points (..., 3, k)."""
+    """Return B and sigma (..., 2), their covariance (..., 2, 2) and A0 (..., k) for points (..., 3, k)."""
     deviation = (errors.of_area, errors.of_area, errors.of_friction_force)
     factor, covariance, value = proportional(points, deviation)
     ratio, strength = factor[..., 0], factor[..., 1] / factor[..., 0]  # the second factor is sigma B
     covariance = propagated(covariance, (1.0, 0.0), (-strength / ratio, 1.0 / ratio))
-    # symmetric to the last bit
+    # make the matrix exactly symmetric
     covariance = 0.5 * (covariance + np.swapaxes(covariance, -1, -2))
     return np.stack([ratio, strength], axis=-1), covariance, value
 
 
 def fitted(points: FloatArray, test: Sequence[str], errors: MeasurementErrors) -> ShearCalibration:
-    """Fit points (3, k); points with a single quantity have no fitted value."""
+    """Return the fit to points (3, k); a point with a single quantity has no fitted area."""
     used = np.isfinite(points).sum(axis=0) >= 2
     value = np.full(points.shape[1], np.nan)
     found, covariance, value[used] = parameters(points[:, used], errors)
@@ -375,13 +381,13 @@ def fitted(points: FloatArray, test: Sequence[str], errors: MeasurementErrors) -
 def fitted_tests(
     points: FloatArray, test: Sequence[str], errors: MeasurementErrors
 ) -> tuple[SingleTest, ...]:
-    """Return the fit of each test."""
+    """Return one fit for each test."""
     own = {name: points[:, np.array([each == name for each in test])] for name in dict.fromkeys(test)}
     return tuple(SingleTest(name, part.shape[1], *_of_known(part, errors)) for name, part in own.items())
 
 
 def _of_known(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray, FloatArray]:
-    """Return B and sigma with their covariance, nan for a line without points."""
+    """Return B and sigma (2,) and their covariance (2, 2); nan for a line without points."""
     known = np.isfinite(points)
     pairs = known[:2].all(axis=0), known[1:].all(axis=0)
     if pairs[0].any() and pairs[1].any():
@@ -399,10 +405,10 @@ def _of_known(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray
 def resampled(
     points: FloatArray, test: Sequence[str], errors: MeasurementErrors, bootstrap: Bootstrap
 ) -> FloatArray:
-    """Return B and sigma (draws, 2) of points that are drawn with replacement from each group.
+    """Return B and sigma of fits to points drawn with replacement from each group, (draws, 2).
 
-    The points of a group have the same test and the same measured quantities, so that each draw has the same
-    number of points on each line.
+    The points of a group belong to one test and have the same measured quantities. Therefore the number of
+    points on each line is equal in all draws.
     """
     known = np.isfinite(points)
     used = np.flatnonzero(known.sum(axis=0) >= 2)

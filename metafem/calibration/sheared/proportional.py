@@ -1,4 +1,4 @@
-"""Proportional quantities, all measured with errors that grow with the quantity."""
+"""Fit of proportional quantities that all have errors."""
 
 from __future__ import annotations
 
@@ -9,41 +9,43 @@ from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
 
-# The weights of the next step follow from the fitted values; the factors change by less than a thousandth of
-# their standard deviations after two or three steps.
+# Largest number of steps, and relative change of the factors at which the iteration ends. Each step computes
+# its weights from the fitted values. After two or three steps the factors change by less than a thousandth of
+# their standard deviations.
 STEPS, SETTLED = 50, 1e-10
 
-# Smallest fitted value over the largest. Smaller ones are noise, and their weights would be infinite.
+# Smallest fitted value over the largest fitted value. Smaller values are noise and would have infinite
+# weights.
 SMALLEST = 1e-6
 
 
 def proportional(
     measured: FloatArray, deviation: Sequence[Callable[[FloatArray], FloatArray]]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Fit the factors of c quantities that are proportional to the first, ``x_j = q_j x_0`` with q_0 = 1.
+    """Return the factors q_j of proportional quantities ``x_j = q_j x_0``, their covariance, and all x_0.
 
-    Each point has one unknown x_0. The sum over all measured quantities of ``((y_j - q_j x_0) / s_j)^2`` is
-    minimised over the factors and all x_0, with the standard deviations ``s_j(q_j x_0)`` at the fitted
-    values: at the measured ones, small values would have small deviations because of their noise, and the
-    factors would be biased. The residuals of a point are independent of its fitted x_0, so the weights used
-    here cause no bias.
+    The first factor q_0 is 1. Each point has one unknown x_0. The sum over all measured quantities of
+    ``((y_j - q_j x_0) / s_j)^2`` is minimised over the factors and all x_0. The standard deviations
+    ``s_j(q_j x_0)`` are computed from the fitted values. If they were computed from the measured values,
+    values that are too small by chance would have too much weight, and the factors would be biased. The
+    residuals of a point are independent of its fitted x_0, so weights from the fitted values cause no bias.
 
     Parameters
     ----------
     measured : ndarray, (..., c, k)
-        Quantities y_j of k points; nan where one was not measured. Each quantity and the previous one were
-        both measured at some points. Leading axes are separate fits.
+        Quantities y_j of k points; nan for values that were not measured. For each quantity, some points have
+        both this quantity and the previous quantity. Each entry of the leading axes is a separate fit.
     deviation : sequence of callables
-        Standard deviation of each quantity from its value.
+        Functions that return the standard deviation of each quantity at its values.
 
     Returns
     -------
     factor : ndarray, (..., c - 1)
-        q_1 to q_(c-1).
+        Factors q_1 to q_(c-1).
     covariance : ndarray, (..., c - 1, c - 1)
-        Their covariance, the inverse of the curvature of the sum.
+        Covariance of the factors, the inverse of the curvature of the sum.
     value : ndarray, (..., k)
-        Fitted x_0.
+        Fitted x_0 of the points.
     """
     known = np.isfinite(measured)
     y = np.where(known, measured, 0.0)
@@ -54,7 +56,7 @@ def proportional(
         weight = _weights(factor, value, known, deviation)
         value = _latent(factor, y, weight)
         residual = y - factor[..., None] * value[..., None, :]
-        # profiled over x_0: W - W q q^T W / (q^T W q), with the rows and columns of the unknown factors
+        # curvature after minimisation over x_0: W - W q q^T W / (q^T W q), in the unknown factors
         wq = weight * factor[..., None]
         total = (wq * factor[..., None]).sum(-2)
         square = value**2
@@ -71,14 +73,14 @@ def proportional(
 
 
 def _first(y: FloatArray, known: NDArray[np.bool_]) -> FloatArray:
-    """Return ratios of sums over the points at which a quantity and the previous one were measured."""
+    """Return initial factors (..., c), from sums over points with a quantity and the previous quantity."""
     both = known[..., 1:, :] & known[..., :-1, :]
     ratio = (both * y[..., 1:, :]).sum(-1) / (both * y[..., :-1, :]).sum(-1)
     return np.concatenate([np.ones((*y.shape[:-2], 1)), ratio.cumprod(axis=-1)], axis=-1)
 
 
 def _latent(factor: FloatArray, y: FloatArray, weight: FloatArray) -> FloatArray:
-    """Return the x_0 of each point that fit its quantities best."""
+    """Return the best x_0 of each point for fixed factors and weights, (..., k)."""
     weighted = weight * factor[..., None]
     value = (weighted * y).sum(-2) / (weighted * factor[..., None]).sum(-2)
     return np.asarray(np.maximum(value, SMALLEST * value.max(-1, keepdims=True)))

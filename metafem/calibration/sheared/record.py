@@ -14,19 +14,20 @@ from metafem._values import Value, span
 from metafem.errors import refuse_if
 from metafem.notes import Note, counted, information
 
-# Distances after the peak over which the paper averages the sliding friction (page 313 of its text) [mm].
+# Range of distances after the peak over which the paper averages the sliding friction (page 313) [mm].
 SLIDING = (0.1, 0.2)
 
-# Largest share of the peak force at which an area counts as measured before shear: areas fall with the square
-# of the force by 10 to 15 % at the peak (Fig. 2A of the paper), so by 0.2 % at a tenth of it.
+# Largest share of the peak force at which an area counts as measured before shear. The area decreases with
+# the square of the force, by 10 to 15 % at the peak (Fig. 2A of the paper), so by less than 0.2 % at a tenth
+# of the peak force.
 UNSHEARED = 0.1
 
-# Smallest excess of a peak over the sliding friction, in standard deviations of the noise: the largest of
-# 1,000 samples of noise is usually below it.
+# Smallest height of a peak above the sliding friction, in standard deviations of the noise. The largest of
+# 1,000 noise values is usually smaller.
 DISTINCT = 4.0
 
 
-# Rounding of a difference of decimal displacements, relative to the last one.
+# Rounding error of a difference between decimal displacements, relative to the last displacement.
 ROUNDING = 1e-12
 
 
@@ -37,21 +38,21 @@ class ShearRecord(Value):
     Attributes
     ----------
     static_force, sliding_force : float
-        Largest friction force, and its mean over the sliding range [N].
+        Largest friction force, and mean friction force over the sliding range [N].
     noise : float
-        Standard deviation of the friction force about a straight line over the sliding range [N]. The largest
-        of m noisy values near the peak lies about ``noise sqrt(2 ln m)`` too high.
+        Standard deviation of the friction force about a straight line over the sliding range [N]. If m noisy
+        values are near the peak, the largest is too high by about ``noise sqrt(2 ln m)``.
     peak_displacement : float
         Displacement at the largest friction force [mm].
     sliding_range : (float, float)
-        Distances after the peak between which sliding friction is averaged [mm].
+        Range of distances after the peak over which sliding friction is averaged [mm].
     area_before, static_area, sliding_area : float or None
-        Contact area before shear, at the peak, and its mean over the sliding range [mm^2]; None without
-        areas.
+        Contact areas before shear and at the peak, and mean contact area over the sliding range [mm^2]; None
+        if areas were not measured.
     displacement, friction_force : ndarray, (m,)
-        The record [mm], [N].
+        Recorded displacements [mm] and friction forces [N].
     area : ndarray, (m,), or None
-        Contact areas [mm^2]; nan where they were not measured.
+        Contact areas [mm^2]; nan for entries without an image.
     notes : tuple of Note
 
     Examples
@@ -90,24 +91,25 @@ def shear_record(
     *,
     sliding_range: tuple[float, float] = SLIDING,
 ) -> ShearRecord:
-    """Return static and sliding friction from the record of a shear test, and the contact areas at both.
+    """Return static and sliding friction from the record of a shear test, and the areas of contact.
 
-    The static friction force is the largest one, and the sliding one the mean of the record over a range of
-    distances after it. The areas belong to the same displacements: one is interpolated between the two frames
-    around the peak, the other is the mean of the frames in the range. The area before shear is that of the
-    first frame. Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text
-    "Mechanical testing" and "Applying the design strategy to the sliding friction force".
+    The static friction force is the largest force of the record. The sliding friction force is the mean over
+    a range of distances after this peak. The static area is interpolated between the frames before and after
+    the peak, and the sliding area is the mean of the frames in the range. The area before shear is the area
+    in the first frame. Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary
+    text "Mechanical testing" and "Applying the design strategy to the sliding friction force".
 
     Parameters
     ----------
     displacement : array_like, (m,)
         Tangential displacement [mm], not decreasing.
     friction_force : array_like, (m,)
-        Tangential force [N], positive where it resists sliding.
+        Tangential force [N], positive if it resists sliding.
     area : array_like, (m,) or (m, n), optional
-        Contact area at the same instants [mm^2]; n columns are added; nan between the frames.
+        Contact area at the same instants [mm^2], nan between the frames; n columns are summed.
     sliding_range : (float, float)
-        Distances after the peak [mm]; default: (0.1, 0.2), those of the paper.
+        Range of distances after the peak over which sliding friction is averaged [mm]; default: (0.1, 0.2),
+        as in the paper.
 
     Returns
     -------
@@ -116,8 +118,8 @@ def shear_record(
     Raises
     ------
     InvalidInput
-        If the force is largest at the first or the last entry, so that there is no peak, if the record ends
-        before the end of the sliding range or has fewer than two entries in it, and if areas are missing.
+        If the first or the last force is the largest, so that there is no peak, if the record ends before the
+        sliding range ends or has fewer than two entries in this range, or if areas are missing.
 
     Examples
     --------
@@ -185,7 +187,7 @@ def _refuse_without_peak(x: FloatArray, force: FloatArray, peak: int) -> None:
 
 
 def _noise(x: FloatArray, force: FloatArray) -> float:
-    """Return the standard deviation about the best straight line; 0 for two points."""
+    """Return the standard deviation of forces about their least-squares line [N]; 0 for two points."""
     apart, rest = x - x.mean(), force - force.mean()
     square = float(apart @ apart)
     rest = rest - (float(apart @ force) / square if square > 0.0 else 0.0) * apart
@@ -193,7 +195,7 @@ def _noise(x: FloatArray, force: FloatArray) -> float:
 
 
 def _with_areas(record: ShearRecord, area: FloatArray, sliding: NDArray[np.bool_]) -> ShearRecord:
-    """Return the record with the areas before shear, at the peak and while sliding."""
+    """Return the record with the areas before shear, at the peak and during sliding."""
     x, force, frames = record.displacement, record.friction_force, np.flatnonzero(np.isfinite(area))
     lengths = f"area has {len(area)} entries and displacement {len(x)}; give as many of both"
     refuse_if(len(area) != len(x), lengths)
@@ -220,7 +222,7 @@ def _with_areas(record: ShearRecord, area: FloatArray, sliding: NDArray[np.bool_
         record,
         area=area,
         area_before=float(area[frames[0]]),
-        # interpolation in time: entries are equidistant in time, and displacements may repeat
+        # interpolate over the entries, which are equidistant in time; displacements may repeat
         static_area=float(np.interp(peak, frames, area[frames])),
         sliding_area=float(area[moving].mean()),
         notes=tuple(notes),
@@ -228,7 +230,7 @@ def _with_areas(record: ShearRecord, area: FloatArray, sliding: NDArray[np.bool_
 
 
 def measured_or_nan(name: str, value: ArrayLike) -> FloatArray:
-    """Return forces (k,), or positive areas (k,) added over contacts (k, n); nan where not measured."""
+    """Return checked forces (k,), or positive areas (k,) summed over contacts; nan where not measured."""
     if name == "friction_force":
         return check.array_with_gaps(name, value, shape=(None,))
     entries = check.array_with_gaps(name, value, shape=(None,) * (2 if check.depth(value) > 1 else 1))

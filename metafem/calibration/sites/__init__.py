@@ -1,1 +1,1 @@
-"""Matching of the contacts in images to the sites of a design."""
+"""Matching of contacts in images to the sites of a design."""

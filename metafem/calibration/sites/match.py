@@ -27,18 +27,18 @@ from metafem.calibration.sites.search import (
 from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note, information
 
-# The sides from which contacts are viewed, and whether x is then mirrored.
+# Sides from which the contacts may be viewed, and whether x is mirrored.
 SIDES = {"glass": False, "block": True}
 
-# Smallest number of contacts: shift, rotation and scale have four unknowns, and three contacts six
+# Smallest number of contacts. Shift, rotation and scale are four unknowns, and three contacts have six
 # coordinates.
 FEWEST = 3
 
-# Smallest fraction of the contacts that lie on sites. For a lattice with two thirds or half of the pitch, the
-# fraction is at most 0.45.
+# Smallest fraction of the contacts that must lie on sites. If the design has two thirds or half of the true
+# pitch, at most 0.45 of the contacts lie on sites.
 ON_SITES = 0.6
 
-# Largest rotation and change of scale in the search.
+# Largest rotation [rad] and largest relative change of scale in the search.
 TURN, STRETCH = math.radians(5.0), 0.1
 
 
@@ -54,36 +54,38 @@ def match_sites(
     expected_area: ArrayLike | None = None,
     frame: ArrayLike | None = None,
 ) -> SiteMatch:
-    """Match the contacts in an image to the sites of a design, with unknown shift, rotation and scale.
+    """Return the sites of the contacts in an image, and the shift, rotation and scale of the image.
 
-    Pairs of contacts are compared with pairs of sites. Each similarity that maps one to the other is rated by
-    the number of contacts near sites, and the best ones are refined by least squares. Open contacts, regions
-    that are not contacts and sites outside the frame are allowed.
+    Pairs of contacts are compared with pairs of sites. Each similarity (shift, rotation and scale) that maps
+    a pair of sites to a pair of contacts is rated by the number of contacts near sites. The best similarities
+    are refined by least squares. There may be open contacts, regions that are not contacts, and sites outside
+    the frame.
 
     Parameters
     ----------
     centre : array_like, (n, 2)
         Centres of the contacts in the image [mm], x to the right and y upwards; at least 3.
     site_position : array_like, (m, 2)
-        Sites of the design [mm] as in `heights.csv`, viewed from above the asperities; any arrangement of at
-        least 3.
+        Positions of at least 3 sites of the design [mm], in any arrangement, as in `heights.csv`: viewed from
+        above the asperities.
     viewed_from : {"glass", "block"}
-        "glass": the view is through the glass onto the summits, as in heights.csv. "block": the view is
-        through the base of the block, and the image is mirrored relative to heights.csv, x -> -x, like
-        mould.csv. A mirror in the optics or in the camera's software exchanges the two. Default: "glass".
+        "glass": the camera looks through the glass at the summits, and x and y are those of heights.csv.
+        "block": the camera looks through the base of the block, and the image is mirrored (x -> -x), like
+        mould.csv. If the optics or the camera's software mirror the image, exchange the two values. Default:
+        "glass".
     rotation : float
-        Rotation of the design in the image, anticlockwise [rad], if it is known roughly; default: 0.
+        Approximate rotation of the design in the image, anticlockwise [rad]; default: 0.
     rotation_range : float
-        Largest difference from it [rad]; default: 5°. On a square lattice it must be less than 45°.
+        Largest difference from `rotation` [rad]; default: 5°. It must be less than 45° for a square lattice.
     scale_range : float
         Largest relative error of the pixel size [-]; default: 0.1.
     area, expected_area : array_like, (n,) and (m,)
-        Measured areas of the contacts and those that the design's law predicts at their sites [mm^2], up to a
-        common factor. They decide if several shifts match equally many contacts, and show if another viewing
-        side or a quarter turn is much more likely; default: None.
+        Measured areas of the contacts, and areas that the design's law predicts at the sites [mm^2], up to a
+        common factor; default: None. If several shifts match equally many contacts, the areas decide between
+        them. A note is added if the areas make another viewing side or a quarter turn much more likely.
     frame : array_like, (2,)
-        Width and height of the image [mm]. Sites outside it count neither as open nor as in contact when
-        areas are compared; default: all sites are in the image.
+        Width and height of the image [mm]. A comparison of areas ignores sites outside the image; default:
+        all sites are in the image.
 
     Returns
     -------
@@ -92,15 +94,14 @@ def match_sites(
     Raises
     ------
     InvalidInput
-        For fewer than 3 contacts, and if fewer than 60 % of them lie on sites: they belong to another
-        lattice.
+        If there are fewer than 3 contacts, or if fewer than 60 % of the contacts lie on sites.
 
     Notes
     -----
-    A square lattice with its outer row open looks like a smaller lattice in two places, and
-    ``SiteMatch.ambiguous`` says so unless the areas decide. Without areas, the design's middle is then placed
-    as near as possible to the middle of the frame or of the contacts. Positions do not reveal whether a
-    square lattice is mirrored or turned by 90°.
+    If an outer row of a square lattice is open, the remaining contacts match two positions of the lattice.
+    Then ``SiteMatch.ambiguous`` is true, unless the areas decide. Without areas, the position with the
+    design's centre nearest to the centre of the frame, or of the contacts if `frame` is None, is used.
+    Positions do not show whether a square lattice is mirrored or turned by 90°.
 
     Examples
     --------
@@ -147,7 +148,7 @@ def match_sites(
 
 @dataclass(frozen=True)
 class _Scene(Search):
-    """A search within bounds, seen from one side, with the measured and the expected areas."""
+    """Search within bounds for one viewing side, with the measured and the expected areas."""
 
     bounds: Bounds
     mirrored: bool
@@ -155,7 +156,7 @@ class _Scene(Search):
     frame: FloatArray | None
 
     def poses(self) -> list[Pose]:
-        """Return the poses that match the largest number of contacts, the most likely first."""
+        """Return the poses that match the largest number of contacts, the most likely pose first."""
         found = self.searched(self.bounds)
         return self._likeliest([*found, *self.shifted(found[0], self.bounds)] if found else [])
 
@@ -168,15 +169,16 @@ class _Scene(Search):
         return sorted(best, key=lambda pose: -self.likely(pose))
 
     def _off_centre(self, pose: Pose) -> float:
-        """Return the distance between the middle of the design and that of the frame or of the contacts."""
+        """Return the distance [mm] of the design's centre from the centre of the frame or of the contacts."""
         middle = 0.5 * complex(*self.frame) if self.frame is not None else self.points.mean()
         return float(abs(pose.image(self.sites).mean() - middle))
 
     def likely(self, pose: Pose) -> float:
-        """Return the log-likelihood of the areas under the expected ones, up to a constant.
+        """Return the log-likelihood of the measured areas for the expected areas, up to a constant.
 
-        The areas are those of the law times one unknown factor, for an error of modulus or load, with normal
-        errors of one unknown standard deviation. A site in the frame without a contact has the area 0.
+        The true areas are the expected areas times an unknown factor, which allows for errors of E* or load.
+        The measured areas have normal errors with an unknown common standard deviation. A site in the frame
+        without a contact has the area 0.
         """
         assert self.areas is not None
         area, expected = self.areas
@@ -190,11 +192,11 @@ class _Scene(Search):
         if not total or not own:
             return 0.0
         part = max(measured @ expected, 0.0) ** 2 / (total * own)
-        # areas that agree to the last digit would have an infinite likelihood
+        # the bound keeps the likelihood finite if the areas agree exactly
         return -0.5 * len(measured) * math.log(max(1.0 - part, np.finfo(float).eps))
 
     def match(self, poses: list[Pose]) -> SiteMatch:
-        """Return the match of the first of several poses that match equally many contacts."""
+        """Return the match for the first pose; all poses match equally many contacts."""
         best, matched = poses[0], poses[0].site >= 0
         away = self.points[matched] - best.image(self.sites[best.site[matched]])
         ambiguous = len(poses) > 1
@@ -232,7 +234,7 @@ class _Scene(Search):
             yield from self._other_views(best)
 
     def _other_views(self, best: Pose) -> Iterator[Note]:
-        """Return a warning if the areas are more likely from the other side or after a quarter turn."""
+        """Return a warning if the areas favour the other viewing side or a quarter turn."""
         own = self.likely(best)
         others: list[tuple[float, bool, int]] = []
         mirror = replace(self, sites=-self.sites.conj(), mirrored=not self.mirrored)
@@ -256,7 +258,7 @@ class _Scene(Search):
         )
 
     def another_lattice(self, poses: list[Pose]) -> str:
-        """Return the error for contacts that are not on sites."""
+        """Return the error message for contacts that are not on sites."""
         count, spacing, own = len(self.points), self.spacing, spacing_of(cKDTree(real_points(self.points)))
         apart = f"neighbours are {own:.3g} mm apart in the image and {spacing:.3g} mm in the design"
         turn, range_ = math.degrees(self.bounds.rotation), math.degrees(self.bounds.turn)
@@ -281,18 +283,19 @@ class _Scene(Search):
         )
 
 
-# Odds at which one of two placements is preferred: with equal prior probabilities the other one has 1 %.
+# Odds at which one of two poses is preferred. With equal prior probabilities, the other pose then has a
+# probability of 1 %.
 ODDS = 100.0
 
 
 def _decides(likely: float, other: float) -> bool:
-    """Whether a log-likelihood clearly exceeds another one."""
+    """Return whether a log-likelihood clearly exceeds another."""
     return likely - other >= math.log(ODDS)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SiteMatch(Value):
-    """The sites of the contacts in an image.
+    """Sites of the contacts in an image, and the map from the design to the image.
 
     A site x of the design appears at ``scale R(rotation) M x + shift``, with the rotation matrix R and
     M = diag(-1, 1) if the image is mirrored, else 1.
@@ -300,19 +303,19 @@ class SiteMatch(Value):
     Attributes
     ----------
     site : ndarray of int, (n,)
-        Index of the site of each contact in ``site_position``; -1 where a region lies on no site.
+        Index of each contact's site in ``site_position``; -1 if the region lies on no site.
     shift : ndarray, (2,)
         Position of the design's origin in the image [mm].
     rotation : float
         Anticlockwise rotation of the design in the image [rad].
     scale : float
-        Lengths in the image over those in the design [-].
+        Ratio of lengths in the image to lengths in the design [-].
     mirrored : bool
-        Whether the image is mirrored, x -> -x, as through the block.
+        Whether the image is mirrored (x -> -x), as in a view through the block.
     residual : float
-        Root mean square of the distances of the matched contacts from their sites [mm].
+        Root mean square distance of the matched contacts from their sites [mm].
     ambiguous : bool
-        Whether the contacts match as well with another shift, for example by one pitch.
+        Whether another shift, for example by one pitch, matches equally well.
     notes : tuple of Note
 
     Examples
@@ -334,13 +337,13 @@ class SiteMatch(Value):
     notes: tuple[Note, ...] = ()
 
     def to_image(self, position: ArrayLike) -> FloatArray:
-        """Return the positions in the image of points of the design (m, 2) [mm]."""
+        """Return the positions in the image [mm], (m, 2), of points of the design."""
         factor = self.scale * np.exp(1j * self.rotation)
         points = complex_points(np.asarray(position, dtype=np.float64), self.mirrored)
         return real_points(factor * points) + self.shift
 
     def to_design(self, position: ArrayLike) -> FloatArray:
-        """Return the positions in the design of points of the image (m, 2) [mm]."""
+        """Return the positions in the design [mm], (m, 2), of points of the image."""
         factor = self.scale * np.exp(1j * self.rotation)
         points = complex_points(np.asarray(position, dtype=np.float64) - self.shift) / factor
         return real_points(-points.conj() if self.mirrored else points)

@@ -1,4 +1,4 @@
-"""Contacts of an image at sites with positions known from another image of a stack."""
+"""Assignment of the contacts in an image to sites whose positions are known from another image."""
 
 from __future__ import annotations
 
@@ -20,40 +20,42 @@ from metafem.calibration.sites.search import (
     real_points,
 )
 
-# Number of regions used to guess the shift; at least one of them is assumed to be a contact.
+# Number of regions from which the shift is guessed; at least one of them is assumed to be a contact.
 GUESSES = 8
 
-# A shift by more than HALF of the distance between neighbouring sites is used only if it matches clearly more
-# regions than a shorter one: at least MORE of them, and this part of all. On a full square lattice of 8 x 8,
-# a wrong shift by one pitch loses 1/8 of them.
+# A shift by more than HALF the distance between neighbouring sites is used only if it matches clearly more
+# regions than a shorter shift. The difference must be at least MORE regions and at least the fraction PART of
+# all regions. On a full 8 x 8 lattice, a wrong shift by one pitch loses 1/8 of the regions.
 HALF, MORE, PART = 0.5, 3, 0.1
 
-# Longest unambiguous shift: a longer one is nearly as long as the shift to the next site, 0.6.
+# Longest unambiguous shift, over the distance between neighbouring sites. If a shift were longer than 0.4,
+# the shift to the next site, 0.6, would be nearly as short.
 CERTAIN = 0.4
 
-# Largest distance of a region at the edge of the frame from its site, in its semi-axes: for half a circle it
-# is 0.8, for a smaller part more. Other regions contain their sites.
+# Largest distance between a region at the edge of the frame and its site, in semi-axes of the region. The
+# distance is 0.8 for half a circle, and larger if less of the circle is visible. Other regions contain their
+# sites.
 SEMI_AXES = 1.5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Placed(Value):
-    """The sites in an image.
+    """Sites in an image, with their contacts.
 
     Attributes
     ----------
     position : ndarray, (m, 2)
         Positions of the sites in the image [mm].
     site : ndarray of int, (n,)
-        Site of each contact of the image that could be measured; -1 for others and for those without a site.
+        Site of each contact of the image; -1 for a contact that could not be measured or has no site.
     outside : ndarray of bool, (m,)
-        Whether a site is outside the frame.
+        Whether each site is outside the frame.
     spoilt : tuple
-        Sites that cannot be measured: pairs of site and reason.
+        Pairs of a site that could not be measured and the reason.
     strays : ndarray of int
-        Regions that belong to no site.
+        Numbers of the regions without a site.
     unclear : bool
-        Whether another shift, by a distance between sites, matches about as many regions or more.
+        Whether another shift, which differs by a distance between sites, matches about as many regions.
     shift : complex
         Displacement of the sites relative to the other image [mm], x + i y.
     """
@@ -67,7 +69,7 @@ class Placed(Value):
     shift: complex = 0j
 
     def values(self, of_contact: FloatArray, of_open: float) -> FloatArray:
-        """Return a quantity of the contacts at the sites (m,), nan where it was not measured."""
+        """Return a quantity of the contacts at the sites, (m,); nan where it was not measured."""
         result = np.where(self.outside, np.nan, of_open)
         result[[site for site, _ in self.spoilt]] = np.nan
         matched = self.site >= 0
@@ -82,12 +84,12 @@ def placed(
     reach: FloatArray | None = None,
     before: Placed | None = None,
 ) -> Placed:
-    """Return the sites in an image, from their positions in another one of the same sample (m, 2).
+    """Return the sites in an image, from their positions (m, 2) in another image of the sample.
 
-    Between two images the sample may move. The shortest shift is assumed, unless a longer one matches clearly
-    more regions; regions at the edge and merged ones count too. `names` are the names of the sites in
-    remarks, and `reach` (m,) are the errors of uncertain positions [mm]; default: 0. With `before`, the shift
-    of the same image with more sites is used.
+    The sample may move between two images. The shortest shift is assumed, unless a longer shift matches
+    clearly more regions. Regions at the edge and merged regions count too. `names` are the names of the sites
+    in remarks, and `reach` (m,) the errors of uncertain positions [mm]; default: 0. If `before` is not None,
+    its shift is used; `before` is an earlier result for the same image with more sites.
     """
     own = np.zeros(len(position)) if reach is None else reach
     view = _View(areas, Search(complex_points(areas.centre[areas.complete]), complex_points(position)), own)
@@ -120,14 +122,14 @@ def placed(
 
 @dataclass(frozen=True)
 class _View:
-    """The regions of an image, the search for the sites of its complete ones, and the errors of sites."""
+    """Regions of an image, the search for the sites of the complete regions, and errors of the sites."""
 
     areas: ContactAreas
     search: Search
     own: FloatArray
 
     def drifted(self) -> tuple[Pose, bool]:
-        """Return the shift with the sites of the complete regions, and whether another one is possible."""
+        """Return the shift with the sites of the complete regions, and whether another shift is possible."""
         points, sites, spacing = self.search.points, self.search.sites, self.search.spacing
         if not points.size:
             return Pose(1.0, 0.0), False
@@ -153,7 +155,7 @@ class _View:
         return chosen, max(others, default=0) > own - clearly
 
     def votes(self, pose: Pose) -> int:
-        """Return the number of regions at sites, including those at the edge and merged ones."""
+        """Return the number of regions at sites, including merged regions and regions at the edge."""
         where = real_points(pose.image(self.search.sites))
         taken = set(pose.site[pose.site >= 0].tolist())
         count = len(taken)
@@ -180,7 +182,7 @@ class _View:
         return replace(pose, site=site)
 
     def within(self, region: int, where: FloatArray, taken: set[int]) -> list[int]:
-        """Return the free sites within the ellipse of a region or within their errors, the nearest first."""
+        """Return the free sites within a region's ellipse or near its centre, the nearest site first."""
         areas = self.areas
         away = where - areas.centre[region]
         cos, sin = np.cos(areas.angle[region]), np.sin(areas.angle[region])
@@ -193,7 +195,7 @@ class _View:
 
 
 def _reason(areas: ContactAreas, region: int, inside: list[int], site: int, names: list[str]) -> str:
-    """Return why the area at a site is not measured."""
+    """Return the reason why the area at a site is not measured."""
     others = [names[s] for s in inside if s != site]
     if others:
         return f"merged with {' and '.join(others)}"
@@ -207,7 +209,7 @@ def _reason(areas: ContactAreas, region: int, inside: list[int], site: int, name
 def mean_positions(
     found: Sequence[Placed | None], areas: Sequence[ContactAreas], centre: FloatArray
 ) -> FloatArray:
-    """Return the mean positions of contacts, without the shifts between images, (m, 2)."""
+    """Return the mean positions of contacts over the images [mm], (m, 2), after removal of the shifts."""
     total, count = np.zeros_like(centre), np.zeros(len(centre))
     for one, each in zip(found, areas, strict=True):
         if one is not None:

@@ -1,4 +1,4 @@
-"""Remarks on what could not be measured in an image."""
+"""Remarks on the contacts that could not be measured in an image."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def remarks_of(
     found: Sequence[Placed | None],
     names: list[str],
 ) -> list[str]:
-    """Return the remarks on an image and on its sheared one: those on all of it first, then by sites."""
+    """Return remarks on an image and its sheared image: general remarks first, then remarks by site."""
     general: list[str] = []
     by_site: list[tuple[int, str]] = []
     for where, one, sites in zip(("", "in the sheared image "), areas, found, strict=True):
@@ -30,7 +30,7 @@ def remarks_of(
 
 
 def _general(areas: ContactAreas, found: Placed | None, names: list[str]) -> list[str]:
-    """Return the remarks on all of an image."""
+    """Return the general remarks on an image."""
     if found is None:
         return [str(note) for note in areas.notes] or ["could not be measured"]
     kind, of_contacts = names[0].split()[0], tuple(contact_notes(areas))
@@ -54,7 +54,7 @@ def _general(areas: ContactAreas, found: Placed | None, names: list[str]) -> lis
 
 
 def _of_sites(areas: ContactAreas, found: Placed | None) -> list[tuple[int, str]]:
-    """Return the remarks on the sites of an image by their indices."""
+    """Return pairs of site index and remark for the sites in an image."""
     if found is None:
         return []
     flagged = (
@@ -66,7 +66,7 @@ def _of_sites(areas: ContactAreas, found: Placed | None) -> list[tuple[int, str]
 
 
 def not_numbered(areas: ContactAreas, known: NDArray[np.bool_]) -> tuple[str, ...]:
-    """Return a remark on unnumbered contacts in the image that numbers the known ones (n,)."""
+    """Return a remark on contacts without a number; `known` (n,) marks the numbered contacts."""
     left = ~known & (areas.edge | areas.merged)
     if not left.any():
         return ()
@@ -76,6 +76,6 @@ def not_numbered(areas: ContactAreas, known: NDArray[np.bool_]) -> tuple[str, ..
 
 
 def unclear(names: list[str]) -> str:
-    """Return the remark on an image in which the contacts or sites may be confused."""
+    """Return the remark on an image in which contacts may be assigned to wrong sites."""
     remedy = "give --sites" if names[0].startswith("contact") else "compare the numbers in its picture"
     return f"contacts may be shifted by one lattice distance; {remedy}"

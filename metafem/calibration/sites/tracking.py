@@ -1,4 +1,4 @@
-"""The contacts of a stack of images of one sample, and their areas."""
+"""Tracking of the contacts in a stack of images of one sample, and their areas."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from metafem.calibration.sites.stack_remarks import not_numbered, remarks_of, un
 from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note
 
-# The sites in each image; None where there is no image, or none that could be measured.
+# The sites in each image; None if there is no image or if the image could not be measured.
 Views = tuple[Placed | None, ...]
 
-# Largest number of images, those with the most contacts, that are matched to the sites until one succeeds.
+# Largest number of images to try until one can be matched to the sites, starting with the most contacts.
 TRIED = 3
 
 
@@ -38,29 +38,30 @@ def track_contacts(
     sheared: Sequence[ContactAreas | None] | None = None,
     sites: DesignSites | None = None,
 ) -> TrackedContacts:
-    """Find the same contacts in all images of one sample, and list their areas.
+    """Return the contacts of one sample, identified in all its images, and their areas.
 
-    `match_sites` matches the image with the most contacts to the sites of the design; if loads are given, it
-    is an image with a load. In the other images, the same sites are found after the shift that matches the
-    most contacts. Without sites, the contacts of that image serve as sites, including those at its edge that
-    are complete in another image. The shortest shift is used unless a longer one matches clearly more
-    contacts; a warning names images where this is not clear. A site without a contact is open: its area is 0.
-    A site outside the frame, at its edge or with a merged contact has the area nan and a remark.
+    `match_sites` matches the reference image, the image with the most contacts, to the sites of the design.
+    If loads are passed, the reference is an image with a load. In each other image, the sites are located by
+    the shift that matches the most contacts. If `sites` is None, the contacts of the reference serve as
+    sites, including contacts at its edge that are complete in another image. The shortest shift is used,
+    unless a longer shift matches clearly more contacts; a warning names the images for which this is unclear.
+    A site without a contact is open: its area is 0. A site that is outside the frame, at the edge of the
+    frame or has a merged contact has the area nan and a remark.
 
     Parameters
     ----------
     areas : sequence of ContactAreas, (k,)
-        Contacts of the images, as `stack_areas` returns them. One that ``failed`` has areas nan.
+        Contacts of the images from `stack_areas`. An image that ``failed`` has the areas nan.
     image : sequence of str, (k,)
         Names of the images, all different.
     test : sequence of str, (k,), optional
-        Name of the test of each image; default: none.
+        Name of each image's test; default: none.
     load, friction_force : array_like, (k,), optional
-        Normal load and friction force of each image [N]; nan where they are not known; default: not known.
+        Normal load and friction force of each image [N]; nan where unknown; default: all unknown.
     sheared : sequence of ContactAreas or None, (k,), optional
         Contacts of the images at the peak of the friction force; default: none.
     sites : DesignSites, optional
-        Sites of the design and their view; default: contacts are numbered.
+        Sites of the design and viewing side; default: none, the contacts are numbered.
 
     Returns
     -------
@@ -69,7 +70,7 @@ def track_contacts(
     Raises
     ------
     InvalidInput
-        If no image shows a contact, or the images with the most contacts do not match the sites; the error
+        If no image shows a contact, or if the images with the most contacts do not match the sites. The error
         names the image.
 
     Examples
@@ -110,17 +111,17 @@ def track_contacts(
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DesignSites(Value):
-    """The m sites of a design and their view in images.
+    """The m sites of a design, with the viewing side and the rotation of the images.
 
     Parameters
     ----------
     position : array_like, (m, 2)
-        Sites of the design [mm], as in `heights.csv`.
+        Positions of the sites [mm], as in `heights.csv`.
     number : array_like of int, (m,), optional
-        Numbers of the sites in the table; default: 0 to m - 1.
+        Numbers of the sites for tables; default: 0 to m - 1.
     expected_area : array_like, (k, m), optional
-        Areas that the design's law predicts at the loads of k images [mm^2], nan where they are not known;
-        default: none.
+        Areas that the design's law predicts at the loads of k images [mm^2], nan where unknown; default:
+        none.
     viewed_from : {"glass", "block"}
         As for `match_sites`; default: "glass".
     rotation : float
@@ -129,7 +130,7 @@ class DesignSites(Value):
     Raises
     ------
     InvalidInput
-        If the numbers are not different, or not one for each site.
+        If two sites have the same number, or if there is not one number for each site.
 
     Examples
     --------
@@ -156,7 +157,7 @@ class DesignSites(Value):
 
 @dataclass(frozen=True)
 class _Stack:
-    """The images of a sample with their measured contacts, forces and names."""
+    """Images of a sample with their measured contacts, forces and names."""
 
     areas: tuple[ContactAreas, ...]
     sheared: tuple[ContactAreas | None, ...]
@@ -166,9 +167,9 @@ class _Stack:
     friction_force: FloatArray
 
     def fullest(self) -> list[int]:
-        """Return the images, sorted by the number of measurable contacts, the largest first.
+        """Return the indices of the images, sorted by the number of measurable contacts, the largest first.
 
-        If some have a load, images without one come last: they may not show the test.
+        Images without a load come last, because they may not belong to the test.
         """
         complete = [np.count_nonzero(one.complete) for one in self.areas]
         total = [one.area[one.complete].sum() for one in self.areas]
@@ -181,10 +182,11 @@ class _Stack:
         return order
 
     def numbered(self) -> TrackedContacts:
-        """Number the contacts of the fullest image from top to bottom of the frame."""
+        """Return the tracked contacts with numbers from the top to the bottom of the fullest image."""
         reference = self.fullest()[0]
         areas = self.areas[reference]
-        # a region at the edge counts if another image shows it whole; its centre is known to its semi-axis
+        # a region at the edge counts if another image shows all of it; its semi-axis is the error of its
+        # centre
         known = areas.complete | areas.edge
         reach = np.where(areas.edge, areas.axes[:, 0], 0.0)
         before: Sequence[Views] | None = None
@@ -203,7 +205,7 @@ class _Stack:
         return self._tracked(reference, before, (centre, number, names), None, remarks)
 
     def matched(self, sites: DesignSites) -> TrackedContacts:
-        """Match the contacts of the fullest image to sites."""
+        """Return the tracked contacts with the sites of the design, matched in the fullest image."""
         reference, match = self._match(sites)
         names = [f"site {s}" for s in sites.number]
         found = self._placed(match.to_image(sites.position), names)
@@ -211,7 +213,7 @@ class _Stack:
         return self._tracked(reference, found, (sites.position, sites.number, names), match, remarks)
 
     def _match(self, sites: DesignSites) -> tuple[int, SiteMatch]:
-        """Return the fullest image that can be matched, and its match."""
+        """Return the index of the fullest image that can be matched, and its match."""
         errors = []
         for i in self.fullest()[:TRIED]:
             areas = self.areas[i]
@@ -237,7 +239,7 @@ class _Stack:
         reach: FloatArray | None = None,
         before: Sequence[Views] | None = None,
     ) -> tuple[Views, Views]:
-        """Return the sites in each image, and in each sheared one."""
+        """Return the sites in each image and in each sheared image."""
         first, second = before or ((None,) * len(self.areas),) * 2
         found, sheared = [], []
         for i, (one, other) in enumerate(zip(self.areas, self.sheared, strict=True)):
@@ -257,7 +259,7 @@ class _Stack:
         match: SiteMatch | None,
         own: tuple[str, ...],
     ) -> TrackedContacts:
-        """Return the areas at sites with position, number and name; `own` are remarks on the reference."""
+        """Return the tracked contacts at the sites; `own` are remarks on the reference image."""
         position, number, names = sites
         remarks: list[str] = []
         for i, image in enumerate(self.image):
@@ -294,7 +296,7 @@ class _Stack:
 def _at_sites(
     found: Views, stack: Sequence[ContactAreas | None], count: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the areas at sites and their errors, (k, m); an open site has the error of the smallest area."""
+    """Return areas at sites and their errors, (k, m); the error of an open site is the smallest area."""
     none = np.full(count, np.nan)
     rows = [
         (none, none)
@@ -307,18 +309,18 @@ def _at_sites(
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TrackedContacts(Value):
-    """The contacts of a stack of images, and their positions in each.
+    """Contacts of a stack of images, their areas, and their positions in each image.
 
     Attributes
     ----------
     table : ContactTable
     reference : int
-        Index of the image with the most contacts; these were matched or, without sites, numbered.
+        Index of the reference image, whose contacts were matched to the sites or, without sites, numbered.
     match : SiteMatch or None
-        Match of that image; None without sites.
+        Match of the reference image; None without sites.
     placed, placed_sheared : tuple, (k,)
-        For each image the sites in it: ``position`` (m, 2) [mm], and ``site`` (n,) of each of its contacts,
-        -1 where there is none; None where there is no image.
+        Sites in each image: their ``position`` (m, 2) [mm], and the ``site`` of each contact (n,), -1 if it
+        has none; None if there is no image.
     notes : tuple of Note
 
     Examples

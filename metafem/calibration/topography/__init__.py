@@ -1,1 +1,1 @@
-"""Measured topography: base plane, spherical caps, the made surface and corrections for the next one."""
+"""Measured topography: base plane, spherical caps, the made surface, and corrected heights."""

@@ -1,4 +1,4 @@
-"""Matching of the summits of a map to the sites of a design, in any orientation of the part."""
+"""Matching of the summits on a map to the sites of a design, for any orientation of the part."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note, information
 from metafem.surface import Surface
 
-# Largest angle between the axes of the map and of the part, after quarter turns.
+# Largest angle between the axes of the map and the axes of the part, in addition to quarter turns.
 TURN = math.radians(20.0)
 
-# Ratio of the misfits of the heights above which the heights decide between two orientations of a part.
+# The heights decide between two orientations if the ratio of their height misfits exceeds this value.
 DECIDED = 1.5
 
 
 @dataclass(frozen=True, eq=False)
 class Alignment:
-    """Sites of summits (m,), -1 where there is none; positions in the design's frame (m, 2) [mm].
+    """Sites of summits (m,), -1 for no site, and their positions in the design's coordinates (m, 2) [mm].
 
-    `rotation` is the angle of the part on the map, anticlockwise [rad], and `scale` the scale of distances on
-    the map. If `decided` is false, another placement of the part fits the heights nearly as well. `misfit` is
-    the standard deviation of the height errors [mm].
+    `rotation` is the angle of the part on the map, anticlockwise [rad]. `scale` is the ratio of distances on
+    the map to distances in the design. `misfit` is the standard deviation of the height errors [mm]. If
+    `decided` is false, another orientation or shift of the part fits the heights nearly as well.
     """
 
     site: NDArray[np.intp]
@@ -48,10 +48,11 @@ class Alignment:
 
 
 def aligned(centre: FloatArray, height: FloatArray, design: Surface, mirrored: bool | None) -> Alignment:
-    """Match summits (m, 2) with heights (m,) to the sites of a design.
+    """Return the alignment of summits (m, 2) with heights (m,) to the sites of a design.
 
-    All quarter turns are compared, with the map as it is or mirrored (None: both). The orientation in which
-    most summits have a site is used. If there are several, the heights decide.
+    All quarter turns are compared. `mirrored` states whether the map is mirrored; if None, both cases are
+    compared. The orientation with the largest number of matched summits is used. If several orientations
+    match this number, the heights decide.
     """
     if min(len(centre), design.count) < FEWEST:
         return _few(centre, height, design)
@@ -69,13 +70,13 @@ def aligned(centre: FloatArray, height: FloatArray, design: Surface, mirrored: b
     best = min(found, key=lambda each: each.misfit)
     near = [each for each in found if each.misfit <= DECIDED * best.misfit]
     others = any((each.site != best.site).any() for each in near)
-    return replace(near[0], decided=False) if others else best  # the first: as the map is
+    return replace(near[0], decided=False) if others else best  # the first orientation tried
 
 
 def _placed(
     centre: FloatArray, height: FloatArray, design: Surface, mirrored: bool, rotation: float
 ) -> Alignment:
-    """Match summits in one view, then move them by the least-squares rigid motion."""
+    """Return the alignment for one orientation of the map, with summits moved by a rigid motion."""
     view: dict[str, Any] = {"viewed_from": "block" if mirrored else "glass", "rotation": rotation}
     match = match_sites(centre, design.position, rotation_range=TURN, **view)
     if match.ambiguous:
@@ -90,7 +91,7 @@ def _placed(
 
 
 def _rigid(points: FloatArray, have: FloatArray, wanted: FloatArray) -> tuple[FloatArray, float]:
-    """Return points after the least-squares rigid motion of some of them to others, and its angle."""
+    """Return points moved by the least-squares rigid motion from `have` to `wanted`, and its angle [rad]."""
     one, other = have - have.mean(axis=0), wanted - wanted.mean(axis=0)
     cross = one.T @ other
     angle = math.atan2(cross[0, 1] - cross[1, 0], cross[0, 0] + cross[1, 1])
@@ -99,7 +100,7 @@ def _rigid(points: FloatArray, have: FloatArray, wanted: FloatArray) -> tuple[Fl
 
 
 def _few(centre: FloatArray, height: FloatArray, design: Surface) -> Alignment:
-    """Match one or two summits to as many sites without rotation; the order of x and y decides."""
+    """Return the alignment of one or two summits to as many sites, by the order of their coordinates."""
     refuse_if(
         len(centre) != design.count,
         f"the map shows {len(centre)} caps and the design has {design.count} asperities; at least {FEWEST} "
@@ -114,15 +115,15 @@ def _few(centre: FloatArray, height: FloatArray, design: Surface) -> Alignment:
     return Alignment(site, position, 0.0, False, 1.0, misfit)
 
 
-# Largest relative error of distances on the map without a note: the calibration of microscopes.
+# Largest relative error of distances on the map without a note, typical of the calibration of microscopes.
 SCALE = 2e-3
 
-# A note is added if the standard deviation of the height errors exceeds these fractions of the standard
-# deviation and of the mean of the designed heights: manufacturing errors are a few percent; for another part
-# they are as large as its heights.
+# A note is added if the standard deviation of the height errors exceeds the fraction FOREIGN of the standard
+# deviation and the fraction FOREIGN_MEAN of the mean of the designed heights. Manufacturing errors are a few
+# percent. If the map shows another part, the errors are as large as the differences between heights.
 FOREIGN, FOREIGN_MEAN = 0.5, 0.05
 
-# Largest number of places of a kind that are listed individually.
+# Largest number of caps, hills or missing asperities that notes list individually.
 NAMED = 5
 
 UNDECIDED = "the heights do not show how the part was turned, mirrored or shifted; the map is used as it is"
@@ -131,7 +132,7 @@ UNDECIDED = "the heights do not show how the part was turned, mirrored or shifte
 def placement_notes(
     design: Surface, centre: FloatArray, place: Alignment, missing: IntArray, other: list[tuple[float, float]]
 ) -> Iterator[Note]:
-    """Return notes on unmatched summits, missing asperities, and rotation, mirroring or scale of the part."""
+    """Return notes on unmatched summits, missing asperities, and rotation, mirroring or scale of the map."""
     for what, places, one, many in (
         ("cap", centre[place.site < 0].tolist(), "has no site in the design", "have no site in the design"),
         ("hill", other, "is no cap of the design", "are no caps of the design"),
@@ -163,5 +164,5 @@ def placement_notes(
 
 
 def on_map(x: float, y: float) -> str:
-    """Return a point of a map for a note."""
+    """Return the coordinates of a point on a map as text."""
     return f"({x:.3f}, {y:.3f}) mm"

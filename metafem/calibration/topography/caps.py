@@ -1,4 +1,4 @@
-"""Spheres fitted to the caps of a map, with the covariance of summit and radius."""
+"""Fit of spheres to the caps on a map, with the covariance of summit position, height and radius."""
 
 from __future__ import annotations
 
@@ -15,36 +15,38 @@ from metafem.calibration.topography.correlation import correlation, summed
 from metafem.calibration.topography.levelled import OUTLIER, SD_OF_MEDIAN, Levelling
 from metafem.progress import each
 
-# Lowest share of a cap's height, which is left out because tool and microscope round the foot.
+# Lowest fraction of a cap's height, which the fit leaves out because tool and microscope round the foot.
 FOOT = 0.1
 
-# Steps of a fit, and number of those in which the circle of pixels is updated. Four suffice if the initial
-# guess is wrong by a tenth of the radius; with fixed pixels the other steps converge quadratically.
+# Largest number of steps of a fit, and number of first steps that update the circle of pixels. Four updates
+# suffice if the initial guess is wrong by a tenth of the radius. With fixed pixels, the remaining steps
+# converge quadratically.
 ROUNDS, FOLLOWED = 20, 6
 
-# Last change of the height in a converged fit, over the standard error of the height for white noise with the
-# standard deviation of the residuals, which is the smallest possible one.
+# A fit has converged if the last change of the height is at most this fraction of the standard error of the
+# height. The standard error is computed for white noise, which gives the smallest possible value.
 NEGLIGIBLE = 0.1
 
-# Fewest pixels of a cap, five for each unknown.
+# Smallest number of pixels of a cap, five for each unknown.
 FEWEST = 20
 
-# Number of cells across a cap in which residuals are summed for their correlation.
+# Number of cells across a cap; residuals are summed in cells to compute their correlation.
 ACROSS = 48
 
-# Smallest standard deviation of the distances over the radius: the resolution of single precision.
+# Smallest standard deviation of the distances over the radius, the resolution of single precision.
 RESOLUTION = float(np.finfo(np.float32).eps)
 
-# Number of pixels around an outlier that are left out as well.
+# Width of the margin around an outlier that the fit also leaves out [pixels].
 BESIDE = 3
 
 
 @dataclass(frozen=True)
 class Cap:
-    """A sphere on a map: centre x, y, height of the summit above the base plane, and radius [mm].
+    """Sphere on a map: centre x, y, height of the summit above the base plane, and radius [mm].
 
-    `sd` is the standard deviation of the pixels' distances from the sphere, `used` their number and `reach`
-    the radius of the circle that contains them [mm]; `cause` is the reason why a fit failed.
+    `sd` is the standard deviation of the distances of the pixels from the sphere [mm], `used` the number of
+    pixels, and `reach` the radius of the circle that contains them [mm]. `cause` is the reason why a fit
+    failed.
     """
 
     x: float
@@ -57,27 +59,27 @@ class Cap:
     cause: str = ""
 
     def part(self, steepest: float) -> float:
-        """Return the radius of the circle [mm] above the foot and below the largest slope."""
+        """Return the radius [mm] of the circle within which the cap is above its foot and not too steep."""
         height = (1.0 - FOOT) * self.height
         wide = max(height * (2.0 * self.radius - height), 0.0)
         steep = steepest / math.hypot(1.0, steepest) * self.radius
         return min(math.sqrt(wide), steep)
 
 
-# Of one fit: its derivatives by the four unknowns, residuals and weights, summed in cells (6, rows, columns),
-# and the inverse of the normal matrix.
+# Sums over the cells of a fit, (6, rows, columns), of the derivatives with respect to the four unknowns, the
+# residuals and the weights; and the inverse of the normal matrix, (4, 4).
 _Sums = tuple[FloatArray, FloatArray]
 
 
 def fitted_caps(
     height_map: HeightMap, levelling: Levelling, starts: list[Cap], steepest: float
 ) -> tuple[list[Cap], FloatArray]:
-    """Fit a sphere to each cap; return the caps and the covariance of (x, y, height, radius), (n, 4, 4).
+    """Return the sphere fitted to each cap, and the covariance of (x, y, height, radius), (n, 4, 4).
 
-    The squares of the distances from the sphere, per area of the sphere, are minimised: roughness varies
-    along the surface, so that equal areas of it have equal information. The weight of the square of a pixel's
-    vertical residual is therefore the cosine of the slope. Residuals above 4.5 robust standard deviations are
-    excluded, with their neighbours.
+    The fit minimises the squared distances from the sphere, integrated over the area of the sphere. Equal
+    areas of a rough surface contain equal information, so the squared vertical residual of a pixel has the
+    cosine of the slope as weight. Pixels with residuals above 4.5 robust standard deviations are excluded,
+    together with their neighbours.
     """
     widest = max(cap.part(steepest) for cap in starts)
     side = max(1, round(2.0 * widest / ACROSS / max(height_map.pixel)))
@@ -101,7 +103,7 @@ def fitted_caps(
 def _fitted(
     height_map: HeightMap, levelling: Levelling, start: Cap, steepest: float, side: int
 ) -> tuple[Cap, _Sums | None]:
-    """Fit one sphere by Gauss-Newton steps."""
+    """Return one sphere fitted by Gauss-Newton steps, and its sums over cells."""
     cap = start
     rows, columns = height_map.window(np.array([cap.x, cap.y]), 1.2 * cap.part(steepest))
     x, y = height_map.x(columns)[None, :], height_map.y(rows)[:, None]
@@ -118,7 +120,7 @@ def _fitted(
         count = int(used.sum())
         if count < FEWEST:
             return replace(cap, cause=f"only {count} of its pixels were measured"), None
-        # z = h - R + q with q = sqrt(R^2 - rho^2), and its derivatives by x, y, h and R
+        # z = h - R + q with q = sqrt(R^2 - rho^2), and its derivatives with respect to x, y, h and R
         dx, dy = np.broadcast_to(dx, z.shape)[used], np.broadcast_to(dy, z.shape)[used]
         root = np.sqrt(cap.radius**2 - square[used])
         cosine = root / cap.radius
@@ -145,7 +147,7 @@ def _fitted(
 def _outliers(
     z: FloatArray, known: NDArray[np.bool_], x: FloatArray, y: FloatArray, cap: Cap
 ) -> NDArray[np.bool_]:
-    """Return the pixels that are too far from a sphere, and their neighbours."""
+    """Return a mask of the pixels that are too far from a sphere, and of their neighbours."""
     square = (x - cap.x) ** 2 + (y - cap.y) ** 2
     root = np.sqrt(np.maximum(cap.radius**2 - square, 0.0))
     distance = (z - (cap.height - cap.radius + root)) * root / cap.radius
@@ -154,7 +156,7 @@ def _outliers(
 
 
 def _summed(used: NDArray[np.bool_], side: int, values: FloatArray) -> FloatArray:
-    """Return the sums of values at pixels (m, pixels) over cells."""
+    """Return the sums over cells of values at pixels (m, pixels), (m, rows, columns)."""
     row, column = np.nonzero(used)
     cells = (-(-used.shape[0] // side), -(-used.shape[1] // side))
     cell = (row // side) * cells[1] + column // side
@@ -162,10 +164,11 @@ def _summed(used: NDArray[np.bool_], side: int, values: FloatArray) -> FloatArra
 
 
 def pooled(value: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return (x, y, height, radius) of caps (n, 4) and their covariance (n, 4, 4) under one common radius.
+    """Return (x, y, height, radius) of caps (n, 4) and their covariance (n, 4, 4) for one common radius.
 
-    The radius is the mean weighted by the inverse variances. The others follow by their regression on it:
-    ``v - C_vR / C_RR (R_i - R)``, and their variance no longer includes the error of the single radius.
+    The common radius R is the mean of the radii R_i, weighted by their inverse variances. The other
+    quantities v are corrected by their regression on the radius, ``v - C_vR / C_RR (R_i - R)``. Their
+    variance then includes the error of R instead of the error of R_i.
     """
     variance = covariance[:, 3, 3]
     common = float((value[:, 3] / variance).sum() / (1.0 / variance).sum())

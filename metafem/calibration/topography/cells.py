@@ -1,4 +1,4 @@
-"""Mean heights of a map in large square cells, for the base plane and for the search for summits."""
+"""Mean heights of a map over large square cells, for the base plane and the search for summits."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from numpy.typing import NDArray
 from metafem._validate import FloatArray
 from metafem.progress import each
 
-# Number of pixels read at once: a band of rows of a large map, 32 MB in double precision.
+# Number of pixels that are read at once, in bands of rows (32 MB in double precision).
 AT_ONCE = 2**22
 
-# A cell is used if at least this part of its pixels was measured.
+# A cell is used if at least this fraction of its pixels was measured.
 MEASURED = 0.1
 
 
 @dataclass(frozen=True, eq=False)
 class HeightMap:
-    """Heights [mm] on pixels of a width and a height [mm], (rows, columns), nan where not measured.
+    """Heights [mm] of pixels, (rows, columns), nan where not measured, and the size of the pixels [mm].
 
-    y points upwards, and the first row is on top. The lower left corner of the map is the origin. `sign` is
-    -1 for the map of a mould.
+    The origin is the lower left corner of the map. y points upwards, and the first row is at the top. `sign`
+    is -1 for the map of a mould.
     """
 
     values: NDArray[np.floating]
@@ -37,15 +37,15 @@ class HeightMap:
         return self.pixel[0] * columns, self.pixel[1] * rows
 
     def x(self, columns: slice) -> FloatArray:
-        """Return the coordinates of the centres of columns [mm]."""
+        """Return the x coordinates of the centres of columns [mm]."""
         return self.pixel[0] * (np.arange(columns.start, columns.stop) + 0.5)
 
     def y(self, rows: slice) -> FloatArray:
-        """Return the coordinates of the centres of rows [mm]."""
+        """Return the y coordinates of the centres of rows [mm]."""
         return self.pixel[1] * (len(self.values) - np.arange(rows.start, rows.stop) - 0.5)
 
     def window(self, centre: FloatArray, reach: float) -> tuple[slice, slice]:
-        """Return rows and columns of the pixels within a distance of a point along both axes."""
+        """Return the rows and columns of the square window with half-width `reach` [mm] about a point."""
         rows, columns = self.values.shape
         column = np.rint((centre[0] + np.array([-reach, reach])) / self.pixel[0])
         row = np.rint(rows - (centre[1] + np.array([reach, -reach])) / self.pixel[1])
@@ -53,7 +53,7 @@ class HeightMap:
         return slice(int(top), int(bottom)), slice(int(left), int(right))
 
     def heights(self, rows: slice, columns: slice) -> FloatArray:
-        """Return a window in double precision; values that are not finite were not measured."""
+        """Return the heights in a window in double precision [mm]; values that are not finite become nan."""
         found = np.asarray(self.sign * self.values[rows, columns].astype(np.float64))
         found[~np.isfinite(found)] = np.nan
         return found
@@ -61,7 +61,7 @@ class HeightMap:
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Mean heights of cells of a map, (rows, columns), nan where less than a tenth of a cell was measured."""
+    """Mean heights of the cells of a map, (rows, columns); nan if too few pixels of a cell were measured."""
 
     mean: FloatArray
     x: FloatArray
@@ -72,9 +72,9 @@ class Cells:
 def cells(
     height_map: HeightMap, side: int, expected: Callable[[slice, slice], FloatArray] | None = None
 ) -> Cells:
-    """Return the means over cells of `side` pixels; incomplete cells at the right and below are left out.
+    """Return means over cells of `side` x `side` pixels, without incomplete cells at the right and bottom.
 
-    `expected` gives the heights that are subtracted from the pixels in rows and columns.
+    `expected` returns heights for rows and columns that are subtracted from the pixels [mm].
     """
     rows, columns = (length // side for length in height_map.values.shape)
     mean = np.empty((rows, columns))

@@ -1,4 +1,4 @@
-"""Corrected heights of the next part, from the systematic errors of this one."""
+"""Corrected heights for the next part, from the systematic errors of a measured part."""
 
 from __future__ import annotations
 
@@ -18,20 +18,21 @@ from metafem.inversion import Design
 from metafem.notes import Note, information
 from metafem.surface import Surface
 
-# Probability below which a term is significant: one in a hundred terms with the true value 0.
+# Probability of the F test below which a term is significant. If the true value of a term is 0, the term is
+# significant by chance in one of a hundred cases.
 SIGNIFICANT = 0.01
 
-# Smallest number of asperities of a regression, and of asperities in excess of the terms.
+# Smallest number of asperities of a regression, and smallest excess of this number over the number of terms.
 FEWEST, SPARE = 3, 2
 
-# A deviation of the mean radius is noted if it exceeds this number of its standard errors and this fraction
+# A note is added if the error of the mean radius exceeds NOTED standard errors plus the fraction RESOLUTION
 # of the radius, the resolution of single precision.
 NOTED, RESOLUTION = 3.0, 1e-6
 
-# Smallest divisor, in place of a norm of 0.
+# Smallest divisor; it replaces a norm of 0.
 _TINY = float(np.finfo(float).tiny)
 
-# Terms of the regression, by group: the terms of a group are used or left out together.
+# Groups of terms of the regression. The terms of a group are used or left out together.
 GROUPS = {
     "offset": ("offset",),
     "scale": ("scale",),
@@ -42,34 +43,35 @@ GROUPS = {
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Correction(Value):
-    """Systematic errors of the heights of a part, and the heights to make next.
+    """Systematic height errors of a part, and corrected heights for the next part.
 
-    The height errors of the part are ``e = offset + scale (h - h0) + tilt_x x + tilt_y y + bow_xx x^2 +
-    bow_xy x y + bow_yy y^2`` and a random error, with the designed height h, its mean h0, and x, y from the
-    mean position. Only groups of terms that are significant at 1 % by an F test are used.
+    The systematic height error e has the terms offset, ``scale (h - h0)``, ``tilt_x x + tilt_y y`` and
+    ``bow_xx x^2 + bow_xy x y + bow_yy y^2``. h is the designed height and h0 its mean; x and y are relative
+    to the mean position. All terms except the offset have the mean 0 over the measured asperities. Only
+    groups of terms that are significant at 1 % by an F test are used. The remaining height errors are random.
 
     Attributes
     ----------
     surface : Surface
-        The design with the heights to make next.
+        Surface of the design with the corrected heights.
     terms : tuple of str
         The significant terms: ``offset`` [mm], ``scale`` [-], ``tilt_x``, ``tilt_y`` [-], ``bow_xx``,
         ``bow_xy``, ``bow_yy`` [1/mm].
     value, value_sd : ndarray, (number of terms,)
-        Their values and standard deviations.
+        Values of the terms and their standard deviations.
     random_sd : float
-        Standard deviation of the random manufacturing errors [mm], without those of the measurement. They
-        cannot be corrected.
+        Standard deviation of the random manufacturing errors, without the measurement errors [mm]. Random
+        errors cannot be corrected.
     error, spread : float
-        Root mean square of the height errors of this part, and their standard deviation [mm]: a common
-        offset changes no friction law.
+        Root mean square and standard deviation of the height errors of this part [mm]. The standard deviation
+        excludes a common offset, which does not change the friction law.
     expected_error, expected_spread : float
-        The same for the next part [mm], if it has the same systematic errors: the random errors, and the
-        effect of the uncertainty of the terms.
+        Expected values of `error` and `spread` for the next part, if its systematic errors are the same [mm].
+        They include the random errors and the uncertainty of the terms.
     systematic : ndarray
-        The systematic error of each asperity of the design [mm].
+        Systematic height error of each asperity of the design [mm].
     design : Design or None
-        The design with the corrected heights, for `metafem.save`; its law is that of the designed heights,
+        Design with the corrected heights, for `metafem.save`. Its law is the law of the designed heights,
         which the next part is expected to have. None if a Surface was corrected.
     notes : tuple of Note
 
@@ -104,18 +106,19 @@ class Correction(Value):
 
 
 def corrected_heights(design: Surface | Design, made: MadeSurface) -> Correction:
-    """Return the heights to order so that the next part has the designed heights.
+    """Return the correction: the heights to order so that the next part has the designed heights.
 
-    An ordered height h' becomes ``h' + e(h')``; the corrected height is the h' for which this equals the
-    designed height. The errors are regressed on the designed heights and the positions (see `Correction`);
-    the least significant groups of terms are removed one after the other until all others are significant.
+    An ordered height h' is made with the height ``h' + e(h')``. The corrected height is the h' for which the
+    made height equals the designed height. The error e is found by regression of the height errors on the
+    designed heights and the positions (see `Correction`). The least significant group of terms is removed
+    repeatedly, until all remaining groups are significant.
 
     Parameters
     ----------
     design : Surface or Design
-        The design of the part; its asperities are those of `made.design`.
+        Design of the part, with the asperities of `made.design`.
     made : MadeSurface
-        The measured part.
+        Measured part.
 
     Returns
     -------
@@ -164,7 +167,7 @@ def corrected_heights(design: Surface | Design, made: MadeSurface) -> Correction
     scale = dict(zip(names, value.tolist(), strict=True)).get("scale", 0.0)
     surface = wanted.replaced(height=wanted.height - systematic / (1.0 + scale))
     random = max(variance - float((made.height_sd**2).mean()), 0.0)
-    # the errors of p terms add p / n of the variance; the error of the offset is common to all heights
+    # the errors of p terms add p / n of the variance; the error of the offset does not affect the spread
     around = terms - ("offset" in groups)
     return Correction(
         surface=surface,
@@ -183,7 +186,7 @@ def corrected_heights(design: Surface | Design, made: MadeSurface) -> Correction
 
 
 def _terms(surface: Surface, site: IntArray) -> dict[str, FloatArray]:
-    """Return the terms of each group (p, n); except the offset, their mean over the measured ones is zero."""
+    """Return the terms of each group (p, n); all but the offset have the mean 0 over measured sites."""
     x, y = (surface.position - surface.position[site].mean(axis=0)).T
     groups = {"scale": [surface.height], "tilt": [x, y], "bow": [x**2, x * y, y**2]}
     centred = {
@@ -193,7 +196,7 @@ def _terms(surface: Surface, site: IntArray) -> dict[str, FloatArray]:
 
 
 def _determined(measured: dict[str, FloatArray]) -> tuple[list[str], list[str]]:
-    """Return the groups that the asperities determine, with degrees of freedom left, and the others."""
+    """Return the groups that the asperities determine with spare degrees of freedom, and the other groups."""
     groups: list[str] = []
     left_out: list[str] = []
     for group in measured:
@@ -205,7 +208,7 @@ def _determined(measured: dict[str, FloatArray]) -> tuple[list[str], list[str]]:
 
 
 def _least_significant(measured: dict[str, FloatArray], groups: list[str], error: FloatArray) -> str | None:
-    """Return the group with the largest probability of an F test, None if all are significant."""
+    """Return the group with the largest probability of the F test, or None if all groups are significant."""
     matrix, _, square = _least_squares(measured, groups, error)
     freedom = len(error) - matrix.shape[1]
     variance = square / freedom
@@ -228,7 +231,7 @@ def _matrix(measured: dict[str, FloatArray], groups: list[str]) -> FloatArray:
 def _least_squares(
     measured: dict[str, FloatArray], groups: list[str], error: FloatArray
 ) -> tuple[FloatArray, FloatArray, float]:
-    """Return the matrix of some groups, the coefficients and the sum of the squares of the residuals."""
+    """Return the matrix of the groups' terms, the coefficients, and the sum of the squared residuals."""
     matrix = _matrix(measured, groups)
     value = np.asarray(np.linalg.lstsq(matrix, error, rcond=None)[0]) if matrix.size else np.empty(0)
     return matrix, value, float(((error - matrix @ value) ** 2).sum())
@@ -243,7 +246,7 @@ def _notes(made: MadeSurface, surface: Surface, left_out: list[str]) -> Iterator
     designed = float(made.design.radius[made.site].mean())
     weight = made.radius_sd**-2 if made.radius_sd.all() else np.ones(len(made.site))
     off = float((weight * made.radius_error).sum() / weight.sum())
-    # caps with one common radius do not scatter, and have the error of that radius
+    # radii fitted with a common value do not scatter; their standard error is the error of this value
     spread = float(made.radius_error.std() / math.sqrt(len(made.site)))
     if np.ptp(made.surface.radius) == 0.0:
         spread = max(spread, float(made.radius_sd.min()))

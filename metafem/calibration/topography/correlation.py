@@ -11,15 +11,16 @@ from metafem._validate import FloatArray
 
 
 def correlation(sums: Sequence[FloatArray], weights: Sequence[FloatArray], parameters: int) -> FloatArray:
-    """Return the common correlation of residuals on several grids, each after a fit of some parameters.
+    """Return the common autocorrelation of residuals on several grids, (2 reach + 1, 2 reach + 1).
 
-    It is the covariance as a function of the lag in cells, (2 reach + 1, 2 reach + 1), divided by the
-    variance of the residuals. It exceeds 1 at the lag 0: the fit reduces the variance of its residuals. Its
-    sum is the number of cells that count as one independent value.
+    The correlation is the covariance at each lag [cells], divided by the variance of the residuals. At lag 0
+    it exceeds 1, because a fit reduces the variance of its residuals. The sum of the correlation over all
+    lags is the number of cells per independent value.
 
-    `sums` holds the sum of the residuals in each cell, `weights` their number. The covariance is summed up to
-    the first ring of lags at which it vanishes. The fit reduces the covariance at each lag by
-    ``parameters S / N``, with the sum S over all lags and the number N of cells; this is added back.
+    `sums` holds the sum of the residuals in each cell, `weights` their number, and `parameters` the number of
+    fitted parameters of each grid. Lags are included up to the first ring of lags with a mean covariance of
+    at most 0. The fit reduces the covariance at each lag by ``parameters S / N``, with the sum S over all
+    lags and the number N of cells. This reduction is added back.
     """
     reach = max(1, min(max(each.shape) for each in weights) // 2)
     total, pairs = np.zeros((2 * reach + 1,) * 2), np.zeros((2 * reach + 1,) * 2)
@@ -35,10 +36,10 @@ def correlation(sums: Sequence[FloatArray], weights: Sequence[FloatArray], param
     vanished = np.flatnonzero(mean[: reach + 1] <= 0.0)
     cut = int(vanished[0]) if vanished.size else reach + 1
     inside = ring < cut
-    taken = parameters * len(weights) / count  # of the sum over lags, at each lag
+    taken = parameters * len(weights) / count  # reduction at each lag, over the sum S
     whole = covariance[inside].sum() / max(1.0 - taken * inside.sum(), taken)
     variance = covariance[reach, reach]
-    if not variance > 0.0:  # exact data
+    if not variance > 0.0:  # exact data have no residuals
         return np.ones((1, 1))
     covariance = np.where(inside, covariance + taken * whole, 0.0)
     keep = slice(reach - cut, reach + cut + 1) if cut <= reach else slice(None)
@@ -46,7 +47,7 @@ def correlation(sums: Sequence[FloatArray], weights: Sequence[FloatArray], param
 
 
 def summed(columns: FloatArray, correlation: FloatArray) -> FloatArray:
-    """Return ``sum_ij X_ik c(i - j) X_jl`` of columns (p, rows, columns) on a grid, (p, p)."""
+    """Return ``sum_ij X_ik c(i - j) X_jl`` for columns X (p, rows, columns) on a grid, (p, p)."""
     spread = fftconvolve(columns, correlation[None], mode="same", axes=(1, 2))
     return np.asarray(np.einsum("kij,lij->kl", columns, spread))
 

@@ -1,4 +1,4 @@
-"""The base plane of a height map: tilt and bow, fitted between the asperities."""
+"""Fit of the base plane of a height map, with tilt and bow, between the asperities."""
 
 from __future__ import annotations
 
@@ -13,32 +13,32 @@ from metafem.calibration.topography.cells import Cells, HeightMap
 from metafem.calibration.topography.correlation import correlation, summed
 from metafem.errors import refuse_if
 
-# Standard deviation of a normal variable over the median of its absolute value.
+# Ratio of the standard deviation of a normal variable to the median of its absolute value.
 SD_OF_MEDIAN = 1.4826
 
-# Distance of outliers from the base plane or from a sphere, in standard deviations. One value in 150,000 of a
-# normal variable is farther away.
+# Distance from the base plane or from a sphere beyond which a value is an outlier, in standard deviations.
+# For a normal variable, one value in 150,000 is farther away.
 OUTLIER = 4.5
 
-# Steps of the reweighting: with 40 % of the cells on caps it needs 15.
+# Largest number of reweighting steps. If 40 % of the cells are on caps, 15 steps suffice.
 STEPS = 50
 
-# Smallest number of cells of the base plane, five for each of six unknowns.
+# Smallest number of cells for the base plane, five for each of six unknowns.
 FEWEST = 30
 
-# Powers of x and y: a plane, and with the bow.
+# Powers of x and y of a plane, and of a plane with bow.
 PLANE = ((0, 0), (1, 0), (0, 1))
 BOWED = (*PLANE, (2, 0), (1, 1), (0, 2))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Levelling(Value):
-    """The base plane that was subtracted from a map, about the centre of the map.
+    """Base plane that was subtracted from a map; coordinates are relative to the centre of the map.
 
     Attributes
     ----------
     centre : ndarray, (2,)
-        Centre of the map, from its lower left corner [mm].
+        Centre of the map, relative to its lower left corner [mm].
     extent : float
         Half of the larger side of the map [mm].
     tilt : ndarray, (2,)
@@ -46,13 +46,13 @@ class Levelling(Value):
     bow : ndarray, (3,)
         Coefficients of x^2, x y and y^2 [1/mm]; zeros if only the tilt was removed.
     offset : float
-        Height of the base plane at the centre in the map [mm].
+        Height of the base plane at the centre of the map [mm].
     sd : float
-        Robust standard deviation of the cells' heights about the base plane [mm].
+        Robust standard deviation of the mean heights of cells about the base plane [mm].
     cell : float
         Side of a cell [mm].
     excluded : float
-        Part of the cells on caps, or excluded as outliers [-].
+        Fraction of the cells that are on caps or outliers [-].
     covariance : ndarray
         Covariance of the coefficients of the powers of (x, y) / extent [mm^2].
     """
@@ -68,13 +68,13 @@ class Levelling(Value):
     covariance: FloatArray
 
     def base(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Return the height of the base plane [mm] at points on the map [mm]."""
+        """Return the height of the base plane at points on the map [mm]."""
         u, v = x - self.centre[0], y - self.centre[1]
         bow = self.bow[0] * u**2 + self.bow[1] * u * v + self.bow[2] * v**2
         return np.asarray(self.offset + self.tilt[0] * u + self.tilt[1] * v + bow)
 
     def base_sd(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Return the standard deviation of the base plane at points (n,) [mm]."""
+        """Return the standard deviation of the base plane at points on the map, (n,) [mm]."""
         rows = _powers((x - self.centre[0]) / self.extent, (y - self.centre[1]) / self.extent, bowed=True)
         rows = rows[: len(self.covariance)]
         return np.asarray(np.sqrt(np.einsum("kn,kl,ln->n", rows, self.covariance, rows)))
@@ -83,12 +83,12 @@ class Levelling(Value):
 def levelled(
     height_map: HeightMap, found: Cells, bowed: bool, caps: NDArray[np.bool_] | None = None
 ) -> Levelling:
-    """Fit the base plane to the means of cells.
+    """Return the base plane, fitted to the mean heights of cells.
 
-    Without `caps` the plane is fitted to all cells, from below: least absolute deviations, then least squares
-    over the cells that lie at most 4.5 robust standard deviations above it; the deviations below it determine
-    that standard deviation. With `caps`, the cells on summits, the other cells are fitted and outliers on
-    both sides are excluded.
+    If `caps` is None, all cells are fitted. The fit starts with least absolute deviations and continues with
+    least squares over the cells within 4.5 robust standard deviations of the plane. Only the cells below the
+    plane determine this standard deviation, because the caps lie above it. If `caps` marks the cells on caps,
+    only the other cells are fitted, and outliers on both sides are excluded.
     """
     rows, columns = height_map.values.shape
     centre = 0.5 * np.array(height_map.pixel) * np.array([columns, rows])

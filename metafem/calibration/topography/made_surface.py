@@ -1,4 +1,4 @@
-"""The surface that was made, from a map of its heights."""
+"""Measurement of a made surface on a map of its heights."""
 
 from __future__ import annotations
 
@@ -22,46 +22,47 @@ from metafem.notes import Note
 from metafem.progress import doing
 from metafem.surface import Surface
 
-# Number of cells across the smallest cap of the design, for the search for summits.
+# Number of cells across the smallest cap of the design in the search for summits.
 ACROSS = 10
 
-# Summits are searched above this fraction of the lowest height of the design.
+# Summits are sought above this fraction of the smallest height of the design.
 LOWEST = 0.25
 
-# Caps lower than this fraction of their radius look like roughness [-]: 5 um for the paper's radius.
+# Smallest height of a cap over its radius [-]; 5 um for the paper's radius. Lower caps cannot be
+# distinguished from roughness.
 FLATTEST = 0.01
 
-# A map needs at least this many pixels along each axis.
+# Smallest number of pixels of a map along each axis.
 FEWEST = 16
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MadeSurface(Value):
-    """A measured surface, with its design.
+    """Measured surface of a part, and its design.
 
     Attributes
     ----------
     surface : Surface
-        The asperities that were found: heights above the base plane, radii, positions in the design's
-        coordinates; material, friction and block are those of the design.
+        Asperities that were found, with heights above the base plane, radii, and positions in the design's
+        coordinates. The design provides material, friction and block.
     design : Surface
-        The designed surface.
+        Designed surface.
     site : ndarray of int, (n,)
-        Asperity of the design for each measured one.
+        Number of the design's asperity for each measured asperity.
     height_sd, radius_sd, position_sd : ndarray, (n,)
-        Standard deviations [mm]; that of the position is along each axis.
+        Standard deviations of height, radius and each position coordinate [mm].
     levelling : Levelling
-        The tilt and bow that were subtracted.
+        Tilt and bow that were subtracted.
     missing : ndarray of int
-        Asperities of the design that were not found.
+        Numbers of the design's asperities that were not found.
     roughness : float
-        Standard deviation of the heights about the spheres [mm].
+        Standard deviation of the pixels' distances from the spheres [mm].
     rotation : float
-        Angle of the part on the map, anticlockwise [rad], quarter turns included.
+        Angle of the part on the map, anticlockwise, including quarter turns [rad].
     mirrored : bool
         Whether the map is a mirror image of the part.
     on_map : ndarray, (n, 2)
-        Summits on the map, from its lower left corner [mm].
+        Positions of the summits on the map, relative to its lower left corner [mm].
     notes : tuple of Note
     height_error, radius_error : ndarray, (n,)
         Made minus designed [mm].
@@ -128,39 +129,39 @@ def measured_surface(
     mould: bool = False,
     mirrored: bool | None = None,
 ) -> MadeSurface:
-    """Measure the heights, radii and positions of the asperities on a map of heights.
+    """Return the made surface: heights, radii and positions of the asperities on a map of heights.
 
-    The base plane (tilt and bow) is fitted between the caps, and a sphere ``z = h - R + sqrt(R^2 - rho^2)``
-    to the upper nine tenths of each cap where its slope is below `steepest`. The largest possible part of the
-    cap is used because it has the most information: for roughness of the standard deviation s with the
-    covariance ``s^2 exp(-r^2/l^2)``, white noise on a circle of radius a gives the standard errors
-    ``2 s l/a`` of the height, ``4 sqrt(3) s l R^2/a^3`` of the radius and ``2 s l R/a^2`` of each coordinate,
-    to first order in a/R and l/a. No unbiased estimate is better by more than terms of the order l/a. Caps of
-    0.05 to 0.27 mm with R = 0.526 mm and an arithmetic roughness of 1.2 um have height errors of 0.1 um (root
-    mean square) up to l = 12 um, with a common radius up to l = 23 um. The standard errors returned follow
-    from the correlation of the measured residuals.
+    The base plane (tilt and bow) is fitted between the caps. A sphere ``z = h - R + sqrt(R^2 - rho^2)`` is
+    fitted to the part of each cap that belongs to the upper nine tenths of its height and has a slope below
+    `steepest`. This large part is used because it contains the most information. For roughness with the
+    standard deviation s and the covariance ``s^2 exp(-r^2/l^2)`` on a circle of radius a, the standard errors
+    are ``2 s l/a`` for the height, ``4 sqrt(3) s l R^2/a^3`` for the radius and ``2 s l R/a^2`` for each
+    coordinate, to first order in a/R and l/a. No unbiased estimate is better by more than terms of order l/a.
+    For caps 0.05 to 0.27 mm high with R = 0.526 mm and an arithmetic roughness of 1.2 um, the root mean
+    square error of the heights is at most 0.1 um up to l = 12 um, or up to l = 23 um with a common radius.
+    The returned standard errors are computed from the correlation of the measured residuals.
 
     Parameters
     ----------
     height_map : array_like, (rows, columns)
-        Heights [mm], nan where not measured. Columns run along x, rows downwards along -y, as in an image.
+        Heights [mm], nan where not measured. As in an image, columns run along x and rows downwards along -y.
     pixel_size : float or (float, float)
-        Distance of the centres of two pixels [mm], or those along x and y.
+        Distance between the centres of neighbouring pixels [mm], or the two distances along x and y.
     design_surface : Surface
-        The designed surface, for the sites and the size of caps.
+        Designed surface, with the sites and the size of the caps.
     bow : bool
-        Whether to subtract a second-order surface, not only a plane; default: True. The bow of the part
-        itself is then subtracted as well: a block glued to glass is flat, a free block may not be.
+        Whether to subtract a second-order surface instead of a plane; default: True. This also subtracts a
+        bow of the part itself. A block glued to glass has no bow, but a free block may have one.
     steepest : float
-        Largest slope of a cap that is used [-], positive; default: 1, 45 degrees.
+        Largest slope at which a cap is used [-], positive; default: 1 (45 degrees).
     common_radius : bool
-        Whether all caps have one radius, for example if one tool made them; default: False. The errors of the
-        heights are then halved.
+        Whether all caps have the same radius, for example because one tool made them; default: False. A
+        common radius halves the errors of the heights.
     mould : bool
-        Whether the map shows the mould, whose holes are the caps; default: False.
+        Whether the map shows the mould, whose holes form the caps; default: False.
     mirrored : bool, optional
-        Whether the map is a mirror image of the part, as the map of a mould is; default: whichever fits the
-        heights better.
+        Whether the map is a mirror image of the part, like the map of a mould; default: the choice that fits
+        the heights better.
 
     Returns
     -------
@@ -169,13 +170,14 @@ def measured_surface(
     Raises
     ------
     InvalidInput
-        If the map is too small or holds no base plane, if it shows no cap of a radius within a factor of two
-        of the design's, or if no cap has a site.
+        If the map is too small or shows no base plane, if it shows no cap with a radius within a factor of
+        two of the design's radius, or if no cap lies on a site.
 
     Notes
     -----
-    ISO 25178-2 defines the autocorrelation length of a surface as the fastest decay to 0.2: 1.27 l here. The
-    fit of spheres by least squares of the distances: Forbes, NPL Report DITC 140/89 (1991).
+    ISO 25178-2 defines the autocorrelation length of a surface as the distance of the fastest decay of the
+    autocorrelation to 0.2. For the covariance above it is 1.27 l. For the least-squares fit of spheres see
+    Forbes, NPL Report DITC 140/89 (1991).
 
     Examples
     --------
@@ -234,7 +236,7 @@ def measured_surface(
 def _spheres(
     picture: HeightMap, design: Surface, bow: bool, steepest: float, mould: bool
 ) -> tuple[Levelling, list[Cap], FloatArray, list[tuple[float, float]]]:
-    """Return the base plane, the caps with their covariance, and the centres of other hills."""
+    """Return the base plane, the fitted caps, their covariance, and the centres of other hills [mm]."""
     lowest = _lowest(design)
     foot = math.sqrt(lowest * (2.0 * float(design.radius.min()) - lowest))
     side = max(1, int(2.0 * foot / ACROSS / max(picture.pixel)))
@@ -252,7 +254,7 @@ def _spheres(
 
 
 def _height_map(values: ArrayLike, pixel_size: float | tuple[float, float], mould: bool) -> HeightMap:
-    """Return the checked map; its heights are not copied."""
+    """Return the checked height map, without a copy of the heights."""
     if check.scalar(pixel_size):
         width = height = check.number("pixel_size", pixel_size, above=0.0)
     else:
@@ -272,7 +274,7 @@ def _height_map(values: ArrayLike, pixel_size: float | tuple[float, float], moul
 
 
 def _lowest(design: Surface) -> float:
-    """Return the smallest height of a cap that can be measured [mm]."""
+    """Return the smallest height of a measurable cap [mm]."""
     measurable = design.height > FLATTEST * design.radius
     refuse_if(not measurable.any(), f"design_surface has no summit above {FLATTEST:g} of its radius")
     return float(min(design.height[measurable].min(), design.radius.min()))

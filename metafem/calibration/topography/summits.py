@@ -1,4 +1,4 @@
-"""Positions of caps on a height map, and initial guesses of their spheres."""
+"""Search for caps on a height map, and initial guesses of their spheres."""
 
 from __future__ import annotations
 
@@ -11,25 +11,27 @@ from metafem.calibration.topography.caps import Cap
 from metafem.calibration.topography.cells import Cells
 from metafem.calibration.topography.levelled import Levelling
 
-# A cap rises at least this many robust standard deviations of the cells' means above the base plane.
+# Smallest height of a cap above the base plane, in robust standard deviations of the cells' means.
 ABOVE = 6.0
 
-# Smallest number of cells of a cap, twice the number of unknowns; smaller hills are dust.
+# Smallest number of cells of a cap, twice the number of unknowns. Smaller hills are assumed to be dust.
 FEWEST = 8
 
-# Largest ratio of the radii of a cap and of the design.
+# Largest ratio between the radius of a cap and the radius of the design.
 RADIUS_FACTOR = 2.0
 
-# The initial guess of a sphere is fitted above this share of the height of a hill, without its foot.
+# The initial guess of a sphere is fitted to the cells above this fraction of the height of a hill, which
+# excludes its foot.
 UPPER = 0.3
 
 
 def hills(
     found: Cells, levelling: Levelling, lowest: float, radius: float
 ) -> tuple[NDArray[np.bool_], list[Cap], list[tuple[float, float]]]:
-    """Return cells on the hills of a map with a margin, guesses of caps, and centres [mm] of other hills.
+    """Return a mask of the cells on hills, initial guesses of caps, and the centres of other hills [mm].
 
-    `lowest` is the smallest height of a cap, `radius` the radius of the design [mm].
+    The mask includes a margin. `lowest` is the smallest height of a cap, `radius` the radius of the design
+    [mm].
     """
     x, y = np.meshgrid(found.x, found.y)
     above = found.mean - levelling.base(x, y)
@@ -47,12 +49,12 @@ def hills(
             starts.append(guess)
         else:
             other.append((float(at[0].mean()), float(at[1].mean())))
-    # the foot below the threshold reaches one cell further; one more for the closing
+    # margin: one cell for the foot of a hill below the threshold, and one for the closing
     return np.asarray(ndimage.binary_dilation(closed, np.ones((3, 3)), iterations=2)), starts, other
 
 
 def _sphere(x: FloatArray, y: FloatArray, z: FloatArray) -> Cap | None:
-    """Return the sphere that minimises the squares of ``|p|^2 - 2 c p - (R^2 - |c|^2)``, if there is one."""
+    """Return the least-squares sphere ``|p|^2 - 2 c p - (R^2 - |c|^2) = 0``, or None if invalid."""
     upper = z > UPPER * z.max()
     if upper.sum() < FEWEST:
         return None
