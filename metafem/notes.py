@@ -3,11 +3,14 @@
 A note is a warning unless it is made by `information`. The thresholds of the notes are defined next to their
 texts:
 
-- effects that a model neglects: `BOUND` and `TOO_WIDE` in `prediction/validity.py`;
+- effects that a model neglects: `BOUND`, `STATED`, `WIDEST` and `TOO_WIDE` in `prediction/validity.py`;
+- the range in which order 3 was compared: `COMPARED` and `COMPARED_ON_LAYER` in `models/truncation.py`;
 - choice of the model: the tolerance of `Automatic` in `models/automatic.py`;
 - designs: `MISSED` in `inversion/assessment.py` and `HEIGHT_TO_ERROR` in `inversion/design_notes.py`;
 - height errors: `FINEST_SCALE_IN_SD` of `inversion/height_density.py`, used in
-  `inversion/strategies/exponential.py`.
+  `inversion/strategies/exponential.py`;
+- measurements: `REJECTED` in `calibration/verdict.py`, `KNOWN` and `STIFF` in
+  `calibration/compression/calibrate.py`, and `ABOVE_ONE` in `calibration/sheared/lines.py`.
 """
 
 from __future__ import annotations

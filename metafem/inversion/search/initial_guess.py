@@ -40,8 +40,8 @@ def initial_heights(
     """Return at most `count` heights whose law is near the samples, and their radii [mm].
 
     The tallest height is first and equal to 0. Asperities added for sample k have the k-th radius. With
-    `few_levels`, asperities added for consecutive samples have one height, as if all came into contact between
-    two samples.
+    `few_levels`, asperities added for consecutive samples have one height, as if all came into contact
+    between two samples.
     """
     if law.power == 1.0:
         # cones have the same P/A at any depth, so the first load is divided among all asperities

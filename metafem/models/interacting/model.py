@@ -48,12 +48,12 @@ class Interacting:
     Errors are measured against resolved contacts. For paraboloids on a half-space, up to a/pitch = 0.32, the
     error of order 3 is at most 0.03 % in the total load at fixed approach, and 0.25 % in A0 at fixed load
     (0.12 % for up to nine contacts). The error of order 1 in A0 reaches 3 %. For nine spheres or power caps
-    with powers up to 4, the error of order 3 is at most 0.04 % in the load and 0.4 % in A0. On a bonded layer
-    with nu = 0.5 and up to a/t = 0.3, the error of order 3 in A0 is at most 0.2 %. This error increases as
-    (a/t)^5, and is smaller for smaller Poisson's ratios.
+    with powers up to 4, order 3 is off by at most 0.04 % in the load and 0.4 % in A0. On a bonded layer with
+    nu = 0.5, the error of order 3 in A0 is at most 0.2 % up to a/t = 0.3. This error increases as (a/t)^5,
+    and is smaller for smaller Poisson's ratios.
 
     The notes of a state or law warn if contacts overlap, or if the estimated error of order 3 in A0 exceeds
-    4 %. They also state if a/r exceeds 0.32.
+    4 %. They also state if a/r exceeds 0.32, or a/t exceeds 0.3.
 
     Parameters
     ----------
