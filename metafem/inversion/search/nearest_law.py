@@ -147,7 +147,7 @@ class LawSearch:
             levels, _ = initial_heights(*of_samples, few_levels=True)
             few = levels.size > 0 and np.ptp(levels) <= span
             if few and self._misfit(levels, radius) < self._misfit(height, radius):
-                starts.insert(0, levels)
+                starts.append(levels)
         return residual_of_heights(model, radius, self.law), starts
 
     def _misfit(self, height: FloatArray, radius: float) -> float:
