@@ -22,7 +22,7 @@ ROUNDING = 4.0 * np.finfo(np.float64).eps
 
 @compiled
 def load_and_slope(law, gap, approach):
-    """Return P/E* [mm^2] and its derivative dP/dx [mm] with respect to the approach."""
+    """Return P/E* [mm^2] and its derivative with respect to the approach x [mm]."""
     _, which, scale, data = law
     load = rest = slope = 0.0
     for i in range(gap.size):
@@ -65,7 +65,7 @@ def approach_at_load(law, gap, load, below, carried, slope):
 
 @compiled
 def at_approach(law, gap, approach):
-    """Return P/E* [mm^2], A0 [mm^2] and dP/dx [mm] at an approach."""
+    """Return P/E* [mm^2], A0 [mm^2] and the derivative of P/E* [mm] at the approach x."""
     _, which, scale, data = law
     load = load_rest = square = square_rest = slope = 0.0
     for i in range(gap.size):

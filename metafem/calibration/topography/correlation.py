@@ -36,7 +36,7 @@ def correlation(sums: Sequence[FloatArray], weights: Sequence[FloatArray], param
     vanished = np.flatnonzero(mean[: reach + 1] <= 0.0)
     cut = int(vanished[0]) if vanished.size else reach + 1
     inside = ring < cut
-    taken = parameters * len(weights) / count  # reduction at each lag, over the sum S
+    taken = parameters * len(weights) / count  # reduction at each lag, divided by the sum S
     whole = covariance[inside].sum() / max(1.0 - taken * inside.sum(), taken)
     variance = covariance[reach, reach]
     if not variance > 0.0:  # exact data have no residuals

@@ -230,7 +230,7 @@ def _of_shear(found: ShearCalibration) -> tuple[list[Row], list[str]]:
 
 
 def _of_strength(found: StrengthFit) -> tuple[list[Row], list[str]]:
-    """Return the row of the shear strength of a part in full contact, and the verdict on its fit."""
+    """Return the row of the shear strength with all asperities in contact, and the verdict on its fit."""
     sd, what = math.sqrt(found.covariance[-1, -1]), "σ, full contact"
     row = _row(what, found.shear_strength, sd, found.shear_strength_interval, "MPa")
     return [row], [f"{what}, {len(found.load)} points: {found.verdict}"]

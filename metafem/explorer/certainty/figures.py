@@ -75,7 +75,7 @@ class Figure:
 
 
 def figures(answer: Answer) -> tuple[Figure, ...]:
-    """Return the figures for the surface in an answer; an empty tuple without a surface."""
+    """Return the key numbers for the surface in an answer; an empty tuple without a surface."""
     design = answer.design
     if design is None:
         return ()
@@ -158,7 +158,7 @@ def _interaction(design: Design) -> Figure:
 
 
 def _scatter(answer: Answer, design: Design) -> list[Figure]:
-    """Return the figures for the scatter of the law and of its slope among manufactured surfaces."""
+    """Return the key numbers for the scatter of the law and of its slope among manufactured surfaces."""
     name, tolerances = "scatter of the law of made surfaces", band.tolerances_of(answer)
     if tolerances is None:
         words = 'State the errors of the part, for example limits.height_sd = "0.9 um".'

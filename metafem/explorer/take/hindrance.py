@@ -13,7 +13,7 @@ NO_DESIGN = (
     "The specification itself can be downloaded."
 )
 NO_PART = "The tables of the design and the specification can be downloaded."
-# Messages beside a file. A message above the files states the first two in full.
+# Short reasons shown beside a file. For the first two, a message above the files gives the full reason.
 NEEDS_DESIGN, NEEDS_PART = "needs a surface", "needs a part that can be made"
 NO_BLOCK = "needs the section [block] with width, length and thickness"
 

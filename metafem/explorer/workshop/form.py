@@ -1,4 +1,4 @@
-"""The form of the workshop: its sections and fields, and their contents."""
+"""The input form of the panel "Workshop": its sections, its fields and their values."""
 
 from __future__ import annotations
 

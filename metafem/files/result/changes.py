@@ -1,4 +1,4 @@
-"""Detection of changes in a result folder since metafem wrote it, and the law of changed heights."""
+"""Detect changes of a result folder after metafem wrote it, and compute the law anew for changed heights."""
 
 from __future__ import annotations
 

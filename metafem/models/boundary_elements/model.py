@@ -128,7 +128,7 @@ class BoundaryElements(WithoutGradients):
         return Curve.joined(parts)
 
     def _light(self, surface: Surface, values: FloatArray, by_load: bool) -> Curve:
-        """Return the part of a curve at light loads, for which the cells are too coarse, by order 3."""
+        """Return the part of a curve at loads too light for the cells, by `Interacting` of order 3."""
         model = self.gradient_model
         first = model.curve(surface, values) if by_load else model.curve(surface, approach=values)
         end = surface.material.composite_modulus * first.load[-1]
@@ -191,7 +191,7 @@ def _field(scene: Scene, solution: Solution) -> ContactField:
 
 
 def _notes(scene: Scene, solution: Solution) -> tuple[Note, ...]:
-    """Return notes on the number of cells, on contacts of other shapes, and on contacts with few cells."""
+    """Return notes on the number of cells, and on contacts that are deformed, merged or of few cells."""
     patches, contacts = solution.patches, solution.contacts
     cells = sum(p.gap.size for p in patches)
     corner = np.array([p.corner for p in patches])

@@ -56,8 +56,8 @@ MAX_ITERATIONS = 1000
 # Relative error of the equations for the stiffness; the relative error of the stiffness is its square.
 STIFFNESS_TOLERANCE = 1e-3
 
-# Number of vectors in a solution, and memory of a transform per cell of the largest patch [bytes]: three
-# complex arrays with four times the cells, in each of two threads.
+# For the estimate of the memory: number of arrays that a solution holds, and bytes that a Fourier transform
+# needs for each cell of the largest patch: three complex arrays with four times the cells, in two threads.
 VECTORS = 16
 TRANSFORM_BYTES = 4 * 16 * 3 * 2
 
