@@ -81,7 +81,8 @@ def test_scatter_of_the_law_is_that_of_the_band_by_draws_once_there_are_some():
     rms = np.sqrt((((high - low) / (high + low)) ** 2).mean())
     assert percentage(before.value) == pytest.approx(rms, rel=0.05)
     assert before.sentence.startswith("By linear response to errors of the heights of 0.9 µm (SD)")
-    drawn = band.draw(answer, lambda: True)
+    # the first draws may compile kernels, which takes longer than draws may
+    drawn = band.draw(answer, lambda: True) or band.draw(answer, lambda: True)
     after = figure(answer, "scatter of the law")
     assert percentage(after.value) == pytest.approx(np.sqrt(((drawn.sd / drawn.mean) ** 2).mean()), rel=0.05)
     assert after.sentence.startswith("Of 200 drawn surfaces")
