@@ -26,7 +26,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.law import Contacts, contacts
-from metafem.errors import refuse_if
+from metafem.errors import InvalidInput, refuse_if
 from metafem.models.model import PARABOLOID
 
 # If the scale is below this many standard deviations of the manufactured heights, their density is no longer
@@ -200,8 +200,9 @@ class ExponentialDensity:
         """
         delta = np.asarray(separation, dtype=np.float64)
         outside = not ((delta >= 0.0) & (delta <= self.max_height)).all()
-        words = f"must lie within the density, from 0 to {self.max_height:g} mm"
-        refuse_if(outside, words, key="separation", value=f"{separation!r:.60}")
+        if outside:
+            words = f"must lie within the density, from 0 to {self.max_height:g} mm"
+            raise InvalidInput(words, key="separation", value=f"{separation!r:.60}")
         lam, q = self.scale, power
         total = np.zeros_like(delta)
         for piece in self.pieces:

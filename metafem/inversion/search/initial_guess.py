@@ -35,13 +35,12 @@ def initial_heights(
     friction: FloatArray,
     radius: FloatArray,
     count: int,
-    few_levels: bool = False,
-) -> tuple[FloatArray, FloatArray]:
-    """Return at most `count` heights whose law is near the samples, and their radii [mm].
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return at most `count` heights whose law is near the samples, radii, and heights of few levels [mm].
 
-    The tallest height is first and equal to 0. Asperities added for sample k have the k-th radius. With
-    `few_levels`, asperities added for consecutive samples have one height, as if all came into contact
-    between two samples.
+    The tallest height is first and equal to 0. Asperities added for sample k have the k-th radius. In the
+    heights of few levels, asperities added for consecutive samples have one height, as if all came into
+    contact between two samples.
     """
     if law.power == 1.0:
         # cones have the same P/A at any depth, so the first load is divided among all asperities
@@ -60,9 +59,8 @@ def initial_heights(
             kinds.append(new)
             at.append(k)
         plane -= depth
-    if few_levels:
-        return _joined(np.array(levels), np.array(numbers), np.array(kinds), np.array(at), count)
-    return _spread(np.array(levels), np.array(numbers), np.array(kinds), plane, count)
+    added = np.array(levels), np.array(numbers)
+    return *_spread(*added, np.array(kinds), plane, count), _joined(*added, np.array(at), count)
 
 
 def _entering(
@@ -180,16 +178,12 @@ def slowest_law(
     return height[:count], radius[:count]
 
 
-def _joined(
-    levels: FloatArray, numbers: FloatArray, kinds: FloatArray, at: IntArray, count: int
-) -> tuple[FloatArray, FloatArray]:
-    """Return a whole number of asperities at the mean level of each run of consecutive samples `at`."""
+def _joined(levels: FloatArray, numbers: FloatArray, at: IntArray, count: int) -> FloatArray:
+    """Return a whole number of heights at the mean level of each run of consecutive samples `at`."""
     run = np.cumsum((np.diff(at, prepend=-1) > 1) | (at == 1))
     weight = np.bincount(run, numbers)
     mean = np.bincount(run, numbers * levels) / np.where(weight > 0.0, weight, 1.0)
-    whole = np.rint(np.minimum(weight, count)).astype(int)
-    last = np.searchsorted(run, np.arange(len(whole)), side="right") - 1
-    return np.repeat(mean, whole)[:count], np.repeat(kinds[last], whole)[:count]
+    return np.repeat(mean, np.rint(np.minimum(weight, count)).astype(int))[:count]
 
 
 def _spread(

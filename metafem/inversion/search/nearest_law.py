@@ -106,7 +106,7 @@ class LawSearch:
         model, load = self.problem.independent, self.law.load
         rising, middle = np.geomspace(radii.low, radii.high, len(load)), len(load) // 2
         starts = [
-            initial_heights(model.contact, load, law, ramp, count)
+            initial_heights(model.contact, load, law, ramp, count)[:2]
             for law in self.guesses
             for ramp in (rising, rising[::-1])
         ]
@@ -138,13 +138,11 @@ class LawSearch:
         model, span, starts = self.problem.independent, self.problem.limits.span, []
         for law in self.guesses:
             radii = np.full(len(law), radius)
-            of_samples = model.contact, self.law.load, law, radii, self.problem.count
-            height, _ = initial_heights(*of_samples)
+            height, _, levels = initial_heights(model.contact, self.law.load, law, radii, self.problem.count)
             inside = int((height >= height[0] - span).sum())
             # if heights are deeper than the span, further guesses have fewer of these heights
             numbers = dict.fromkeys(inside + round(part * (len(height) - inside)) for part in LOW_FRACTIONS)
             starts += [height[:number] for number in numbers]
-            levels, _ = initial_heights(*of_samples, few_levels=True)
             few = levels.size > 0 and np.ptp(levels) <= span
             if few and self._misfit(levels, radius) < self._misfit(height, radius):
                 starts.append(levels)

@@ -16,7 +16,7 @@ def test_no_asperity_enters_where_the_earlier_ones_have_load_and_area(law):
     own = law.for_material(MATERIAL)
     for depth in np.random.default_rng(0).uniform(1e-3, 0.02, 50):
         one = contacts(own, depth * np.geomspace(0.01, 1.0, 6), np.array(0.526))
-        height, radius = initial_heights(own, one.load, one.area, np.full(6, 0.526), 4)
+        height, radius, _ = initial_heights(own, one.load, one.area, np.full(6, 0.526), 4)
         assert len(height) == len(radius) >= 1
         assert ((-depth <= height) & (height <= 0.0)).all()
 
