@@ -7,8 +7,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import ClassVar
 
-import numpy as np
-
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact import Contact
@@ -21,7 +19,7 @@ from metafem.models.independent import Independent, load_equation
 from metafem.models.interacting.model import DENSE_LIMIT, Interacting
 from metafem.models.load_equation import sunk
 from metafem.models.model import WithoutGradients
-from metafem.models.rungs import independent_errors, order_1_error, probed
+from metafem.models.rungs import independent_error, order_1_error
 from metafem.models.truncation import truncation
 from metafem.notes import Level, Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
@@ -167,16 +165,14 @@ class Automatic(WithoutGradients):
         If they do not converge or their error exceeds the tolerance, return None and infinity.
         """
         curve = self._uncoupled.curve(surface, load)
-        rows = probed(load, surface.count)
-        if not rows.size or not curve.converged:
-            return (curve, 0.0) if curve.converged else (None, math.inf)
+        if not curve.converged:
+            return None, math.inf
+        if not curve.area.any():
+            return curve, 0.0
         equation = load_equation(self.contact.for_material(surface.material), self._uncoupled)
         bound = self.substrate.for_surface(surface)
-        for some in (rows[-1:], rows):  # the error is usually largest at the last load
-            error, sinking = independent_errors(equation, surface, curve, some, bound)
-            if error.max() > self.tolerance:
-                return None, math.inf
-        return sunk(curve, np.interp(load, load[rows], sinking)), float(error.max())
+        error, sinking = independent_error(equation, surface, bound, curve, self.tolerance)
+        return (sunk(curve, sinking), error) if error <= self.tolerance else (None, math.inf)
 
     def _order_1(
         self, surface: Surface, load: FloatArray | None, approach: FloatArray | None
@@ -187,10 +183,9 @@ class Automatic(WithoutGradients):
         """
         point = self._point_loads
         values, by_load = controlled(load, approach)
-        if len(values) > 1:  # the error is usually largest at the last load
-            last = (values[-1:], None) if by_load else (None, values[-1:])
-            if self._order_1(surface, *last)[0] is None:
-                return None, math.inf
+        last = _control(values[-1:], by_load)  # the error is usually largest there
+        if len(values) > 1 and self._order_1(surface, *last)[0] is None:
+            return None, math.inf
         try:
             if load is None:
                 curve = point.curve(surface, approach=approach)
@@ -229,27 +224,23 @@ class Automatic(WithoutGradients):
     ) -> Curve:
         """Return a curve of asperity models at light loads, and of resolved contacts from there on."""
 
-        def control(rows: slice) -> tuple[FloatArray | None, FloatArray | None]:
-            """Return the loads and the approaches of some rows; one of the two is None."""
-            return (values[rows], None) if by_load else (None, values[rows])
-
         low, high = 0, len(values) - 1  # the error grows with the load: bisection
         while low < high:
             middle = (low + high) // 2
-            _, estimate = self._order_3(surface, *control(slice(middle, middle + 1)))
+            _, estimate = self._order_3(surface, *_control(values[middle : middle + 1], by_load))
             low, high = (middle + 1, high) if estimate <= self.tolerance else (low, middle)
         parts = []
         if low:
-            light, estimate, title = self._asperities(surface, *control(slice(low)))
+            light, estimate, title = self._asperities(surface, *_control(values[:low], by_load))
             if light is not None:
                 end = surface.material.composite_modulus * float(light.load[-1])
                 text = f"chosen up to {end:.4g} N: {title}; its estimated error of A0(P) is {estimate:.1e}"
                 parts.append(light.with_notes((information(text), *light.notes)))
             else:
                 low = 0
-        cell = self._cell(surface, *control(slice(low, low + 1)), error)
+        cell = self._cell(surface, *_control(values[low : low + 1], by_load), error)
         model = BoundaryElements(cell, substrate, self.contact)
-        load, approach = control(slice(low, None))
+        load, approach = _control(values[low:], by_load)
         heavy = model.curve(surface, load, approach=approach)
         note = information(f"chosen: resolved contacts with cells of {model.cell:.3g} mm; {reason}")
         parts.append(heavy.with_notes((note, *heavy.notes)))
@@ -263,12 +254,16 @@ class Automatic(WithoutGradients):
         error: the estimated error of order 3, infinite if contacts overlap.
         The contacts are computed by order 1, or as independent asperities if order 1 has no solution.
         """
-        point = Interacting(1, self.substrate, self.contact)
         try:
-            last = point.curve(surface, load, approach=approach).checked().last
+            last = self._point_loads.curve(surface, load, approach=approach).checked().last
         except MetafemError:
-            last = Independent(self.contact).curve(surface, load, approach=approach).last
+            last = self._uncoupled.curve(surface, load, approach=approach).last
         count = int((last.area > 0.0).sum())
         cells = CELL_ERROR if math.isfinite(error) else MERGING_ERROR
         cell = math.sqrt(self.tolerance * float(last.area.sum()) / (cells * count))
         return min(cell, math.sqrt(float(last.area.max()) / math.pi) / FEWEST_CELLS)
+
+
+def _control(values: FloatArray, by_load: bool) -> tuple[FloatArray | None, FloatArray | None]:
+    """Return loads and approaches, one of which is None."""
+    return (values, None) if by_load else (None, values)

@@ -10,20 +10,20 @@ the same way, by steps from its solution with the equations of order 3.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import cast
 
 import numpy as np
-import scipy
 
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.models.curve import Curve
-from metafem.models.interacting.elastic import ElasticCoupling
+from metafem.models.interacting.elastic import ElasticCoupling, Response
 from metafem.models.interacting.influence import displacements, nearest_distance
 from metafem.models.interacting.model import Interacting
 from metafem.models.load_equation import LoadEquation
-from metafem.models.truncation import NEIGHBOURS, equivalent_radii, truncation
+from metafem.models.truncation import equivalent_radii, nearest, truncation
 from metafem.substrate import Substrate
 from metafem.surface import Surface
 
@@ -57,25 +57,46 @@ def probed(load: FloatArray, count: int) -> IntArray:
     return rows[np.unique(np.rint(np.linspace(0, rows.size - 1, some)).astype(np.int64))]
 
 
-def independent_errors(
+def independent_error(
+    equation: LoadEquation, surface: Surface, substrate: Substrate, curve: Curve, tolerance: float
+) -> tuple[float, FloatArray]:
+    """Return the largest relative error of A0 along a curve, and the sinking per load [1/mm] (k,).
+
+    The last load, where the error is usually largest, is judged first; the others only if it is within the
+    tolerance. substrate: with the thickness and the material of the surface.
+    """
+    rows = probed(curve.load, surface.count)
+    displacement = displacements(surface, substrate)
+    largest = float(curve.last.load.max())
+    wide = _higher_orders(equation.law, surface, substrate, curve, largest)
+    for some in dict.fromkeys(((rows.size - 1, rows.size), (0, rows.size))):
+        judged = rows[slice(*some)]
+        error, sinking = _steps(equation, surface, curve, judged, displacement)
+        worst = SAFETY * float(error.max()) + wide
+        if worst > tolerance:
+            break
+    return worst, np.interp(curve.load, curve.load[judged], sinking)
+
+
+def _steps(
     equation: LoadEquation,
     surface: Surface,
     curve: Curve,
     rows: IntArray,
-    substrate: Substrate,
+    displacement: Callable[[FloatArray], FloatArray],
 ) -> tuple[FloatArray, FloatArray]:
-    """Return relative errors of A0 and the sinking per load [1/mm] at m rows of a curve, (m,) each.
-
-    substrate: with the thickness and the material of the surface.
-    """
-    displacement = displacements(surface, substrate)
+    """Return relative changes of A0 by interaction and sinkings per load [1/mm] at m rows, (m,) each."""
     radius, load, area = surface.radius, curve.load[rows], curve.area[rows]
     z = curve.approach[rows, None] - surface.gap
     own, rate, _, _ = equation.rates(z, radius)
 
+    def sinking(u: FloatArray) -> FloatArray:
+        """Return the sinking of the base [mm], (m,), for displacements u (m, n)."""
+        return np.asarray((rate * u).sum(axis=1) / rate.sum(axis=1))
+
     def step(u: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the areas A0 (m,) and the loads of the contacts (m, n) after displacements u (m, n)."""
-        shifted = z - u + ((rate * u).sum(axis=1) / rate.sum(axis=1))[:, None]
+        shifted = z - u + sinking(u)[:, None]
         for _ in range(2):
             pressed, slope, areas, area_slope = equation.rates(shifted, radius)
             missing = ((load - pressed.sum(axis=1)) / slope.sum(axis=1))[:, None]
@@ -88,10 +109,7 @@ def independent_errors(
     if (error > NEGLIGIBLE * area).any():
         second, _ = step(displacement(pressed))
         error = np.abs(second - area) + np.abs(second - first)
-    sinking = (rate * u).sum(axis=1) / rate.sum(axis=1)
-    error = error / area
-    wide = _higher_orders(equation.law, surface, substrate, curve, float(own.max()))
-    return SAFETY * error + wide, sinking / load
+    return error / area, sinking(u) / load
 
 
 def _higher_orders(law: Contact, surface: Surface, substrate: Substrate, curve: Curve, load: float) -> float:
@@ -111,9 +129,8 @@ def _higher_orders(law: Contact, surface: Surface, substrate: Substrate, curve: 
     load_of, position = curve.last.load[closed], surface.position[closed]
     curvature = own * load_of
     if closed.size > 1:
-        some = min(NEIGHBOURS + 1, closed.size)
-        r, near = scipy.spatial.cKDTree(position).query(position, k=some)
-        curvature += (load_of[near[:, 1:]] / (2.0 * math.pi * r[:, 1:] ** 3)).sum(axis=1)
+        r, near = nearest(position)
+        curvature += (load_of[near] / (2.0 * math.pi * r**3)).sum(axis=1)
     response = equivalent_radii(law, surface, area)[0][closed]
     flatter = FLATTENING * float(curvature * response @ area[closed] / area.sum())
     return flatter + truncation(surface, area, substrate, law)
@@ -130,20 +147,20 @@ def order_1_error(model: Interacting, surface: Surface, curve: Curve, indentatio
     few = max(surface.count, PROBED // FEWEST) if model.contact == PARABOLOID else surface.count
     some = probed(curve.load[first:], few)
     touching = np.argsort(np.abs(indentation).min(axis=1))[:FEWEST]
-    bound = cast("ElasticCoupling", model.bound(surface))
+    response = cast("ElasticCoupling", model.bound(surface)).response()
     worst = 0.0
     for row in sorted({*some.tolist(), *touching.tolist()}):
         load, area, x = (float(part[first + row]) for part in (curve.load, curve.area, curve.approach))
         if area > 0.0:
-            worst = max(worst, abs(_area_of_order_3(bound, indentation[row], x, load) / area - 1.0))
+            worst = max(worst, abs(_area_of_order_3(response, indentation[row], x, load) / area - 1.0))
     return SAFETY * worst
 
 
-def _area_of_order_3(bound: ElasticCoupling, z: FloatArray, approach: float, load: float) -> float:
+def _area_of_order_3(response: Response, z: FloatArray, approach: float, load: float) -> float:
     """Return A0 [mm^2] after one step from a solution of order 1; infinite if a contact exceeds its law."""
-    state, error = bound.response(z, approach)
+    state, error = response(z, approach)
     rate = np.where(state.z > 0.0, state.rate / state.bend, 0.0)
-    state, _ = bound.response(z - (error - rate @ error / rate.sum()) / state.bend, approach)
+    state, _ = response(z - (error - rate @ error / rate.sum()) / state.bend, approach)
     closed = state.z > 0.0
     if not closed.any() or state.outside[closed].any():
         return math.inf

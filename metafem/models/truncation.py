@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from metafem._kernels.truncation import SMALL, pair_sum
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import area_change
@@ -105,12 +105,19 @@ def _tilt(law: Contact, surface: Surface, area: FloatArray, substrate: Substrate
     return float(change @ area[closed] / area.sum())
 
 
+def nearest(position: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return the distances [mm] and the indices of the nearest neighbours of each position, (n, q) each."""
+    some = min(NEIGHBOURS + 1, len(position))
+    distance, other = scipy.spatial.cKDTree(position).query(position, k=some)
+    return distance[:, 1:], other[:, 1:]
+
+
 def _nearest_slopes(position: FloatArray, load: FloatArray) -> FloatArray:
     """Return the slope at each contact of the field of its nearest neighbours on a half-space, (n,) [-]."""
-    _, other = scipy.spatial.cKDTree(position).query(position, k=min(NEIGHBOURS + 1, len(load)))
-    apart = position[:, None] - position[other[:, 1:]]
+    _, other = nearest(position)
+    apart = position[:, None] - position[other]
     distance = np.linalg.norm(apart, axis=-1)
-    field = load[other[:, 1:]] / (math.pi * distance**3)
+    field = load[other] / (math.pi * distance**3)
     return np.asarray(np.linalg.norm((field[..., None] * apart).sum(axis=1), axis=-1))
 
 
@@ -121,8 +128,7 @@ def _nearest_pairs(surface: Surface, response: FloatArray, source: FloatArray, a
         return 0.0
     contact_radius, response, source = np.sqrt(area[closed] / math.pi), response[closed], source[closed]
     position = surface.position[closed]
-    distance, other = scipy.spatial.cKDTree(position).query(position, k=min(NEIGHBOURS + 1, closed.size))
-    distance, other = distance[:, 1:], other[:, 1:]
+    distance, other = nearest(position)
     if (contact_radius[:, None] + contact_radius[other] >= distance).any():
         return math.inf
     terms = (contact_radius[other] / distance) ** 5 * response[:, None] / source[other]

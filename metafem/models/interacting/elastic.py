@@ -48,6 +48,10 @@ LATTICE_LIMIT, DENSE_LIMIT = 400, 2000
 PAIRS_PER_THREAD = 200_000
 
 
+# State of nominal indentations (n,) [mm] at an approach [mm], and the errors of its equations (n,) [mm].
+Response = Callable[[FloatArray, float], tuple[State, FloatArray]]
+
+
 @dataclass(frozen=True, eq=False)
 class Solution:
     """Results (m, k) for m lists of heights, and the last list of heights (n,) with its last state."""
@@ -116,24 +120,32 @@ class ElasticCoupling(Coupled):
         self._refuse_thin_layer(solution.results)
         return np.where(solution.solved, solution.results.area, np.nan)
 
-    def response(self, z: FloatArray, approach: float) -> tuple[State, FloatArray]:
-        """Return the state at nominal indentations z (n,) [mm], and the errors of its equations (n,) [mm]."""
+    def response(self) -> Response:
+        """Return a function of nominal indentations z (n,) and the approach [mm].
+
+        It returns the state, and the errors of its equations (n,) [mm].
+        """
         surface = self.surface
         gap, self_term = surface.gap, np.zeros(surface.count) + self.pedestals(surface.height, surface.radius)
         law = tables(self.law, surface.radius)
         if self.summed is not None:
             equations = LargeScene(surface, self.summed, self.order).equations(law, self_term, gap)
-            found = equations.respond(z, approach, 0.0)
-            state, error = found.state, found.error
-            count = int(found.closed.sum())
-        else:
-            coupling, regular = coupling_between(surface, self.substrate, self.order)
+
+            def summed(z: FloatArray, approach: float) -> tuple[State, FloatArray]:
+                found = equations.respond(z, approach, 0.0)
+                widen(law, found.state, int(found.closed.sum()))
+                return found.state, found.error
+
+            return summed
+        coupling, regular = coupling_between(surface, self.substrate, self.order)
+
+        def dense(z: FloatArray, approach: float) -> tuple[State, FloatArray]:
             state = empty_state(surface.count)
             state.z[:] = z
-            count = respond(coupling, self.order, law, self_term + regular, state)
-            error = state.indentation + state.displacement - (approach - gap)
-        widen(law, state, count)
-        return state, error
+            widen(law, state, respond(coupling, self.order, law, self_term + regular, state))
+            return state, state.indentation + state.displacement - (approach - gap)
+
+        return dense
 
     def _curve(self, solution: Solution) -> Curve:
         approach, load, area, stiffness, residual = (part[0] for part in solution.results[:5])
