@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
@@ -36,6 +37,11 @@ class Value:
         shown = [field.name for field in fields(self) if field.repr]  # type: ignore[arg-type]
         members = (f"{name}={_short(getattr(self, name))}" for name in shown)
         return f"{type(self).__name__}({', '.join(members)})"
+
+    def __getstate__(self) -> dict[str, Any]:
+        for field in fields(self):  # type: ignore[arg-type]
+            getattr(self, field.name)  # a delayed value is computed: its function cannot always be pickled
+        return self.__dict__
 
     def _members(self) -> tuple[Any, ...]:
         compared = [field.name for field in fields(self) if field.compare]  # type: ignore[arg-type]
@@ -95,6 +101,8 @@ def _comparable(value: Any) -> Any:
         return frozenset((name, _comparable(member)) for name, member in value.items())
     if isinstance(value, (tuple, list)):
         return tuple(map(_comparable, value))
+    if isinstance(value, float) and math.isnan(value):
+        return repr(value)
     return value
 
 

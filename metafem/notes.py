@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
 from functools import partial
-from typing import Any, cast
+from typing import Any
 
 from metafem._given import AS_IN_PYTHON, Given, Names
 
@@ -126,35 +126,38 @@ def from_lines(text: str) -> tuple[Note, ...]:
     return tuple(Note(rest, Level(word)) for word, _, rest in parts)
 
 
-class LateNotes:
-    """Descriptor for notes, set to a tuple or to a function that is called at the first read.
+class Late:
+    """Descriptor for a value that is set as itself, or as a function that is called at the first read.
 
-    The notes are delayed because estimating a model's errors takes longer than solving for one equilibrium,
-    and most callers do not read the notes.
+    Notes and error estimates are delayed because they take longer than the solution for one equilibrium, and
+    most callers do not read them.
     """
+
+    def __init__(self, default: Any) -> None:
+        self._default = default
 
     def __set_name__(self, owner: type, name: str) -> None:
         self._name = f"_{name}"
 
-    def __get__(self, instance: Any, owner: type | None = None) -> tuple[Note, ...]:
+    def __get__(self, instance: Any, owner: type | None = None) -> Any:
         if instance is None:
-            return ()
-        notes = instance.__dict__[self._name]
-        if callable(notes):
-            notes = instance.__dict__[self._name] = notes()
-        return cast("tuple[Note, ...]", notes)
+            return self._default
+        value = instance.__dict__[self._name]
+        if callable(value):
+            value = instance.__dict__[self._name] = value()
+        return value
 
-    def __set__(self, instance: Any, notes: tuple[Note, ...] | Callable[[], tuple[Note, ...]]) -> None:
-        instance.__dict__[self._name] = notes
-
-
-def late_notes() -> Any:
-    """Return a dataclass field whose value is a tuple of notes, computed when it is first read."""
-    return LateNotes()
+    def __set__(self, instance: Any, value: Any) -> None:
+        instance.__dict__[self._name] = value
 
 
-def when_read(function: Callable[..., tuple[Note, ...]], *arguments: Any, size: int) -> Any:
-    """Return a placeholder for notes that `function` computes; `size` counts asperities and loads."""
+def late(default: Any) -> Any:
+    """Return a dataclass field whose value may be a function that is called when it is first read."""
+    return Late(default)
+
+
+def when_read(function: Callable[..., Any], *arguments: Any, size: int) -> Any:
+    """Return a placeholder for a value that `function` computes; `size` counts asperities and loads."""
     later: Any = partial(function, *arguments)
     later.size = size
     return later

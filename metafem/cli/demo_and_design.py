@@ -148,6 +148,7 @@ def _design_data(result: Design, folder: Path, notes: tuple[Note, ...], part: Pa
         "misfit_meaning": result.misfit_meaning,
         "asperities": result.surface.count,
         "model": mf.report.model_data(result.law.model),
+        "model_error": mf.report.error_data(result.law.model_error),
         "parameters": mf.files.plain_data(result.parameters),
         "slopes": [_fit_data(result, branch, fit) for branch, fit in result.fits],
         "part": None if part is None else part.record(),

@@ -192,6 +192,7 @@ def _print_laws(laws: list[FrictionLaw], whole: bool) -> None:
     for number, law in enumerate(laws, 1):
         label = f"{number}: " if len(laws) > 1 else ""
         say(console, f"{label}model {law.model.name}, {law.status.value}")
+        say(console, f"{label}{mf.report.error_words(law.model_error)}")
         print_notes(console, law.notes)
 
 
@@ -225,4 +226,5 @@ def _law_data(law: FrictionLaw) -> dict[str, Any]:
     about = {"model": mf.report.model_data(law.model), "status": law.status.name.lower()}
     # the friction coefficient at zero load is not finite, and JSON has no such number
     numbers = mf.files.plain_data(columns(law.quantities()))
-    return {**about, **numbers, "notes": notes_data(law.notes)}
+    error = mf.report.error_data(law.model_error)
+    return {**about, "model_error": error, **numbers, "notes": notes_data(law.notes)}

@@ -32,7 +32,7 @@ from metafem.inversion.strategies import exponential
 from metafem.inversion.strategies.mixture import Mixture
 from metafem.inversion.targets.target import Target
 from metafem.models.model import contact_of
-from metafem.notes import Note, late_notes, printed_count
+from metafem.notes import Note, late, printed_count
 from metafem.prediction import BranchFit, FrictionLaw
 from metafem.prediction.perturbation import Tolerances
 from metafem.surface import Surface
@@ -115,7 +115,7 @@ class Design(Value):
     limits: Limits
     fits: tuple[tuple[Branch, BranchFit], ...] = ()
     density: ExponentialDensity | None = None
-    notes: tuple[Note, ...] = late_notes()
+    notes: tuple[Note, ...] = late(())
     radii: RadiusRange | tuple[float, ...] | None = None
     layout: Layout | None = None
     robust: Tolerances | None = None

@@ -13,27 +13,33 @@ from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import checked_contact
 from metafem.errors import MetafemError
-from metafem.models.boundary_elements.model import BoundaryElements, resolvable
-from metafem.models.curve import Curve, controlled
+from metafem.models.boundary_elements.model import (
+    CELL_ERROR,
+    MERGING_ERROR,
+    BoundaryElements,
+    resolvable,
+)
+from metafem.models.curve import Curve, ModelError, controlled
 from metafem.models.independent import Independent, load_equation
 from metafem.models.interacting.model import DENSE_LIMIT, Interacting
 from metafem.models.load_equation import sunk
 from metafem.models.model import WithoutGradients
-from metafem.models.rungs import independent_error, order_1_error
+from metafem.models.rungs import (
+    DISPLACEMENTS,
+    HIGHER_TERMS,
+    independent_error,
+    order_1_error,
+    order_3_error,
+)
 from metafem.models.truncation import truncation
 from metafem.notes import Level, Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
-# Assumed error in the area of one contact by `BoundaryElements`, in cells. The measured error is up to 7
-# cells; a quarter is added for safety.
-CELL_ERROR = 9.0
-
-# Assumed error per contact, in cells, if contacts merge or are separated by narrow gaps: measured up to 11.
-MERGING_ERROR = 30.0
-
 # Minimum number of cells per radius of the largest contact.
 FEWEST_CELLS = 10.0
+
+UNSOLVED = ModelError(math.nan, "order 3 has no solution")
 
 UNUSED_BLOCK = information("the surface's block is not used: the contacts are coupled through a half-space")
 
@@ -117,35 +123,35 @@ class Automatic(WithoutGradients):
         unused = (UNUSED_BLOCK,) if surface.block is not None and self.substrate == HalfSpace() else ()
         if not resolvable(self.contact):
             alone = self.gradient_model.curve(surface, load, approach=approach)
-            return alone.with_notes((self._unchecked(surface, alone), *alone.notes, *unused))
+            error = order_3_error(surface, alone.last.area, self.substrate, self.contact)
+            return alone.with_notes((self._unchecked(error), *alone.notes, *unused), error)
         curve, error, title = self._asperities(surface, load, approach)
         if curve is not None and error <= self.tolerance:
-            note = information(f"chosen: {title}; its estimated error of A0(P) is {error:.1e}")
-            return curve.with_notes((note, *curve.notes, *unused))
+            note = information(f"chosen: {title}; {_stated(error)}")
+            return curve.with_notes((note, *curve.notes, *unused), error)
         if surface.count > DENSE_LIMIT or not isinstance(self.substrate, Radial):
             curve = curve or self.gradient_model.curve(surface, load, approach=approach)
-            text = f"order 3; its estimated error of A0(P) is {error:.1e}: resolved contacts are needed"
-            return curve.with_notes((Note(f"chosen: {text}", Level.WARNING), *curve.notes, *unused))
-        reason = "order 3 has no solution" if curve is None else "contacts overlap"
+            note = Note(f"chosen: order 3; {_stated(error)}: resolved contacts are needed", Level.WARNING)
+            return curve.with_notes((note, *curve.notes, *unused), error)
+        reason = error.source
         if math.isfinite(error):
             reason = f"the estimated error of A0(P) by order 3 is {error:.1e}"
         curve = self._resolved(surface, *controlled(load, approach), self.substrate, error, reason)
         return curve.with_notes((*curve.notes, *unused))
 
-    def _unchecked(self, surface: Surface, curve: Curve) -> Note:
+    def _unchecked(self, error: ModelError) -> Note:
         """Return a note on the order used, and its estimated error, if the contacts cannot be resolved."""
         order = f"order {self.gradient_model.order}"
         rest = f"contacts of {self.contact!r} cannot be resolved, so the tolerance of {self.tolerance:g} is"
         if self.gradient_model.order == 1:
             text = f"chosen: {order}, as the law has no profile; {rest} not checked"
             return Note(text, Level.WARNING)
-        error = truncation(surface, curve.last.area, self.substrate, self.contact)
-        text = f"chosen: {order}; its estimated error of A0(P) is {error:.1e}; {rest} checked by this alone"
+        text = f"chosen: {order}; {_stated(error)}; {rest} checked by this alone"
         return Note(text, Level.INFORMATION if error <= self.tolerance else Level.WARNING)
 
     def _asperities(
         self, surface: Surface, load: FloatArray | None, approach: FloatArray | None
-    ) -> tuple[Curve | None, float, str]:
+    ) -> tuple[Curve | None, ModelError, str]:
         """Return the curve of the cheapest sufficient asperity model, its estimated error and its title.
 
         If none is sufficient, these are the curve, error and title of order 3; the curve is None if it fails.
@@ -159,33 +165,34 @@ class Automatic(WithoutGradients):
             return curve, error, "order 1"
         return *self._order_3(surface, load, approach), "order 3"
 
-    def _independent(self, surface: Surface, load: FloatArray) -> tuple[Curve | None, float]:
+    def _independent(self, surface: Surface, load: FloatArray) -> tuple[Curve | None, ModelError]:
         """Return the curve of independent asperities on a sinking base, with its largest estimated error.
 
-        If they do not converge or their error exceeds the tolerance, return None and infinity.
+        If they do not converge or their error exceeds the tolerance, return None.
         """
         curve = self._uncoupled.curve(surface, load)
         if not curve.converged:
-            return None, math.inf
+            return None, UNSOLVED
         if not curve.area.any():
-            return curve, 0.0
+            return curve, ModelError(0.0, "there is no contact")
         equation = load_equation(self.contact.for_material(surface.material), self._uncoupled)
         bound = self.substrate.for_surface(surface)
         error, sinking = independent_error(equation, surface, bound, curve, self.tolerance)
-        return (sunk(curve, sinking), error) if error <= self.tolerance else (None, math.inf)
+        found = ModelError(error, DISPLACEMENTS)
+        return sunk(curve, sinking) if error <= self.tolerance else None, found
 
     def _order_1(
         self, surface: Surface, load: FloatArray | None, approach: FloatArray | None
-    ) -> tuple[Curve | None, float]:
+    ) -> tuple[Curve | None, ModelError]:
         """Return the curve of order 1 with its largest estimated error.
 
-        If order 1 fails or its error exceeds the tolerance, return None and infinity.
+        If order 1 fails or its error exceeds the tolerance, return None.
         """
         point = self._point_loads
         values, by_load = controlled(load, approach)
         last = _control(values[-1:], by_load)  # the error is usually largest there
         if len(values) > 1 and self._order_1(surface, *last)[0] is None:
-            return None, math.inf
+            return None, UNSOLVED
         try:
             if load is None:
                 curve = point.curve(surface, approach=approach)
@@ -194,24 +201,24 @@ class Automatic(WithoutGradients):
                 found = point.sensitivity(surface, load)
                 curve, indentation = found.curve, found.indentation
         except MetafemError:
-            return None, math.inf
+            return None, UNSOLVED
         error = truncation(surface, curve.last.area, self.substrate, self.contact)
         if not curve.converged or error > self.tolerance:
-            return None, math.inf
+            return None, UNSOLVED
         error += order_1_error(self.gradient_model, surface, curve, indentation)
-        return (curve, error) if error <= self.tolerance else (None, math.inf)
+        return curve if error <= self.tolerance else None, ModelError(error, HIGHER_TERMS)
 
     def _order_3(
         self, surface: Surface, load: FloatArray | None, approach: FloatArray | None
-    ) -> tuple[Curve | None, float]:
-        """Return the curve of order 3 with the estimated error of its last state, or None and infinity."""
+    ) -> tuple[Curve | None, ModelError]:
+        """Return the curve of order 3 with the estimated error of its last state; None if it fails."""
         try:
             curve = self.gradient_model.curve(surface, load, approach=approach)
         except MetafemError:
-            return None, math.inf
+            return None, UNSOLVED
         if not curve.converged:
-            return None, math.inf
-        return curve, truncation(surface, curve.last.area, self.substrate, self.contact)
+            return None, UNSOLVED
+        return curve, order_3_error(surface, curve.last.area, self.substrate, self.contact)
 
     def _resolved(
         self,
@@ -234,8 +241,8 @@ class Automatic(WithoutGradients):
             light, estimate, title = self._asperities(surface, *_control(values[:low], by_load))
             if light is not None:
                 end = surface.material.composite_modulus * float(light.load[-1])
-                text = f"chosen up to {end:.4g} N: {title}; its estimated error of A0(P) is {estimate:.1e}"
-                parts.append(light.with_notes((information(text), *light.notes)))
+                note = information(f"chosen up to {end:.4g} N: {title}; {_stated(estimate)}")
+                parts.append(light.with_notes((note, *light.notes), estimate))
             else:
                 low = 0
         cell = self._cell(surface, *_control(values[low : low + 1], by_load), error)
@@ -251,7 +258,7 @@ class Automatic(WithoutGradients):
     ) -> float:
         """Return the side of the cells [mm] with which the error of A0 is within the tolerance.
 
-        error: the estimated error of order 3, infinite if contacts overlap.
+        error: the estimated error of order 3, nan if contacts overlap.
         The contacts are computed by order 1, or as independent asperities if order 1 has no solution.
         """
         try:
@@ -267,3 +274,10 @@ class Automatic(WithoutGradients):
 def _control(values: FloatArray, by_load: bool) -> tuple[FloatArray | None, FloatArray | None]:
     """Return loads and approaches, one of which is None."""
     return (values, None) if by_load else (None, values)
+
+
+def _stated(error: ModelError) -> str:
+    """Return text on an estimated error, or the reason why it is unknown."""
+    if math.isnan(error):
+        return f"its error of A0(P) is unknown, as {error.source}"
+    return f"its estimated error of A0(P) is {error:.1e}"

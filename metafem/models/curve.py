@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -20,12 +21,61 @@ from metafem.surface import Surface
 # Names of the arrays of a curve, each with one entry per equilibrium.
 ARRAYS = ("approach", "load", "area", "stiffness", "residual")
 
+NONE: FloatArray = np.zeros(0)
+
 
 class Status(Enum):
     """Whether a solution converged; the value of a member is its message."""
 
     CONVERGED = "converged: the residual is within the model's tolerance"
     NOT_CONVERGED = "not converged: the residual exceeds the model's tolerance"
+
+
+class ModelError(float):
+    """Estimated relative error of A0(P) of a model: a number, with the estimate that it is based on.
+
+    The error is the largest along a curve, compared with resolved contacts on the same substrate. It is nan
+    if it cannot be estimated.
+
+    Attributes
+    ----------
+    source : str
+        Model or quantity from which the error was estimated; if the error is nan, the reason.
+    load : ndarray, (m,)
+        Rescaled loads [mm^2] at which the model was compared with the source; empty if the source is not a
+        model.
+    change : ndarray, (m,)
+        Relative difference of A0 of the source from A0 of the model, at these loads.
+    solved : bool
+        Whether the source has a solution at all loads at which it was compared.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = mf.Surface.square_lattice(0.1, (4, 4), radius=0.526, material=mf.Material(1.36))
+    >>> error = mf.equilibrium(surface, mf.Interacting(1), load=0.2).model_error
+    >>> round(error, 4), error.source
+    (0.0007, 'order 3 on the half-space')
+    """
+
+    source: str
+    load: FloatArray
+    change: FloatArray
+    solved: bool
+
+    def __new__(
+        cls,
+        value: float,
+        source: str = "",
+        load: FloatArray = NONE,
+        change: FloatArray = NONE,
+        *,
+        solved: bool = True,
+    ) -> Self:
+        """Return the number `value` with its attributes."""
+        error = super().__new__(cls, value)
+        error.source, error.load, error.change, error.solved = source, load, change, solved
+        return error
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +119,8 @@ class Curve:
         Function that returns the last state; it is called when `last` is first read.
     notes : tuple of Note
         Approximations that concern the complete curve.
+    error : ModelError, optional
+        Estimated error of the model, if the model estimates it while it solves.
 
     Examples
     --------
@@ -87,6 +139,7 @@ class Curve:
     tolerance: float
     compute_last: Callable[[], RescaledState]
     notes: tuple[Note, ...] = ()
+    error: ModelError | None = None
 
     def part(self, rows: IntArray, compute_last: Callable[[], RescaledState]) -> Curve:
         """Return the curve at some of its rows; `compute_last` is used if they end before the last one."""
@@ -105,6 +158,7 @@ class Curve:
             **arrays,
             tolerance=max(part.tolerance for part in parts),
             notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
+            error=_largest([part.error for part in parts]),
         )
 
     @cached_property
@@ -127,10 +181,10 @@ class Curve:
         """`Status.CONVERGED` if all equilibria have converged, else `Status.NOT_CONVERGED`."""
         return Status.CONVERGED if self.converged else Status.NOT_CONVERGED
 
-    def with_notes(self, notes: tuple[Note, ...]) -> Curve:
-        """Return the curve with other notes; cached results are retained."""
+    def with_notes(self, notes: tuple[Note, ...], error: ModelError | None = None) -> Curve:
+        """Return the curve with other notes and, if given, another error; cached results are retained."""
         curve = object.__new__(Curve)
-        curve.__dict__.update(self.__dict__, notes=notes)
+        curve.__dict__.update(self.__dict__, notes=notes, error=self.error if error is None else error)
         return curve
 
     def checked(self) -> Curve:
@@ -138,6 +192,12 @@ class Curve:
         if not self.converged:
             raise NotConverged(f"not converged: largest residual {self.residual.max():.2g}", self)
         return self
+
+
+def _largest(errors: list[ModelError | None]) -> ModelError | None:
+    """Return the largest of several errors; nan if one of them is nan, None if one of them is not known."""
+    known = [error for error in errors if error is not None]
+    return max(known, key=lambda error: (math.isnan(error), error)) if len(known) == len(errors) else None
 
 
 def controlled(load: FloatArray | None, approach: FloatArray | None) -> tuple[FloatArray, bool]:

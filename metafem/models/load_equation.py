@@ -252,6 +252,8 @@ def at_fixed_load(stiffness: FloatArray, area_rate: FloatArray) -> FloatArray:
     return np.asarray(area_rate - area_rate.sum(axis=1, keepdims=True) * share)
 
 
+# a law that cannot carry the load leads to an infinite approach, and the residual shows it
+@np.errstate(over="ignore", invalid="ignore")
 def approach_at_load(law: Contact, gap: FloatArray, radius: FloatArray, load: FloatArray) -> FloatArray:
     """Return the approaches (k,) [mm] of one surface at loads (k,), for any law without adhesion.
 

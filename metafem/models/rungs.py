@@ -18,7 +18,7 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
-from metafem.models.curve import Curve
+from metafem.models.curve import Curve, ModelError
 from metafem.models.interacting.elastic import ElasticCoupling, Response
 from metafem.models.interacting.influence import displacements, nearest_distance
 from metafem.models.interacting.model import Interacting
@@ -26,6 +26,11 @@ from metafem.models.load_equation import LoadEquation
 from metafem.models.truncation import equivalent_radii, nearest, truncation
 from metafem.substrate import Substrate
 from metafem.surface import Surface
+
+# Sources of the estimates.
+DISPLACEMENTS = "the displacements by the loads of independent contacts"
+HIGHER_TERMS = "the terms of order 3"
+RADII = "the contact radii relative to the distances and the thickness"
 
 # Number of contacts, summed over the loads, for which the error of independent asperities is estimated; and
 # minimum number of these loads. A contact that closes between two of them changes A0 by a fraction of about
@@ -154,6 +159,14 @@ def order_1_error(model: Interacting, surface: Surface, curve: Curve, indentatio
         if area > 0.0:
             worst = max(worst, abs(_area_of_order_3(response, indentation[row], x, load) / area - 1.0))
     return SAFETY * worst
+
+
+def order_3_error(surface: Surface, area: FloatArray, substrate: Substrate, law: Contact) -> ModelError:
+    """Return the error of A0 by order 3, and by order 1 for laws without a profile, for areas (n,) [mm^2]."""
+    if law.largest_order == 1:
+        return ModelError(math.nan, f"{law!r} has no profile, so its contacts cannot be resolved")
+    error = truncation(surface, area, substrate, law)
+    return ModelError(error, RADII) if math.isfinite(error) else ModelError(math.nan, "contacts overlap")
 
 
 def _area_of_order_3(response: Response, z: FloatArray, approach: float, load: float) -> float:

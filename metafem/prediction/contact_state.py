@@ -12,7 +12,9 @@ from metafem._values import Value
 from metafem.drawing import card
 from metafem.errors import InvalidInput
 from metafem.models import ContactField, Model, Status
-from metafem.notes import Note, late_notes, printed_count
+from metafem.models.curve import ModelError
+from metafem.notes import Note, late, printed_count
+from metafem.prediction.validity import NOT_ESTIMATED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,6 +51,9 @@ class ContactState(Value):
         Smallest distance between the plane and the displaced base near a summit [mm]; see Notes.
     notes : tuple of Note
         Approximations made in the solution, with their bounds, and estimates of neglected effects.
+    model_error : ModelError
+        Estimated relative error of A0(P), compared with resolved contacts on the same substrate; computed
+        when it is first read. It is nan if it cannot be estimated; its `source` states the reason.
     field : ContactField
         Pressure, gap and displacement on the cells of `BoundaryElements`; other models raise InvalidInput.
 
@@ -85,7 +90,8 @@ class ContactState(Value):
     status: Status
     model: Model
     base_gap: float
-    notes: tuple[Note, ...] = late_notes()
+    notes: tuple[Note, ...] = late(())
+    model_error: ModelError = late(NOT_ESTIMATED)
     _field: ContactField | None = None
 
     @property

@@ -12,7 +12,7 @@ from metafem.models import Independent, Model
 from metafem.models.model import checked_model
 from metafem.notes import when_read
 from metafem.prediction.contact_state import ContactState
-from metafem.prediction.validity import REMEDY, left_out_notes
+from metafem.prediction.validity import REMEDY, Validity
 from metafem.surface import Surface
 
 
@@ -76,6 +76,7 @@ def equilibrium(
         curve = solver.curve(surface, approach=np.array([depth]))
     last, reached = curve.last, float(curve.approach[0])
     notes = (*curve.notes, *last.notes)
+    validity = Validity(surface, solver, curve)
     state = ContactState(
         load=modulus * float(curve.load[0]),
         area=float(curve.area[0]),
@@ -88,9 +89,8 @@ def equilibrium(
         status=curve.status,
         model=last.model,
         base_gap=last.base_gap,
-        notes=when_read(left_out_notes, surface, solver, curve, notes, size=surface.count)
-        if curve.converged
-        else notes,
+        notes=when_read(validity.notes, notes, size=surface.count) if curve.converged else notes,
+        model_error=when_read(getattr, validity, "error", size=surface.count),
         _field=None if last.field is None else replace(last.field, pressure=modulus * last.field.pressure),
     )
     if not curve.converged:

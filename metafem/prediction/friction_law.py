@@ -15,7 +15,7 @@ from metafem.models.model import checked_model, contact_of, with_contact
 from metafem.notes import when_read
 from metafem.prediction.flattening import unloading_curve
 from metafem.prediction.law import FrictionLaw
-from metafem.prediction.validity import REMEDY, left_out_notes
+from metafem.prediction.validity import REMEDY, Validity
 from metafem.surface import Surface
 
 # Number of loads of the default grid.
@@ -152,6 +152,7 @@ def law_of_curve(
     """Return the friction law of a model's curve; raise NotConverged if the curve has not converged."""
     if separation is None:
         separation = surface.height.max() - curve.approach
+    validity, size = Validity(surface, model, curve, unloading), surface.count + curve.area.size
     law = FrictionLaw(
         rescaled_load=np.array(rescaled_load),
         area=curve.area,
@@ -163,10 +164,8 @@ def law_of_curve(
         model=model,
         material=surface.material,
         friction=surface.friction,
-        notes=when_read(
-            *(left_out_notes, surface, model, curve, curve.notes, unloading),
-            size=surface.count + curve.area.size,
-        ),
+        notes=when_read(validity.notes, curve.notes, size=size),
+        model_error=when_read(getattr, validity, "error", size=size),
     )
     if not curve.converged:
         worst = curve.residual.max()

@@ -14,9 +14,11 @@ from metafem._values import span
 from metafem.drawing import card
 from metafem.errors import InvalidInput, refuse_if
 from metafem.models import Model, Status
-from metafem.notes import Note, late_notes, printed_count, to_lines
+from metafem.models.curve import ModelError
+from metafem.notes import Note, late, printed_count, to_lines
 from metafem.prediction import tables
 from metafem.prediction.base_law import BaseLaw
+from metafem.prediction.validity import NOT_ESTIMATED
 from metafem.surface import Friction, Material
 
 if TYPE_CHECKING:
@@ -60,6 +62,10 @@ class FrictionLaw(BaseLaw):
     notes : tuple of Note
         Approximations with their bounds, and estimates of neglected effects, computed when `notes` is first
         read.
+    model_error : ModelError
+        Largest estimated relative error of A0(P) over the loads, compared with resolved contacts on the same
+        substrate; computed when it is first read. It is nan if it cannot be estimated; its `source` states
+        the reason.
     load, stiffness : ndarray
         Normal load P [N] and normal contact stiffness [N/mm].
 
@@ -84,7 +90,8 @@ class FrictionLaw(BaseLaw):
     model: Model
     material: Material
     friction: Friction | None = None
-    notes: tuple[Note, ...] = late_notes()
+    notes: tuple[Note, ...] = late(())
+    model_error: ModelError = late(NOT_ESTIMATED)
 
     def __post_init__(self) -> None:
         converged = self.status is Status.CONVERGED  # the last state of a failed solver may be arbitrary
@@ -162,7 +169,8 @@ class FrictionLaw(BaseLaw):
         return {name: getattr(self, name) for name in names}
 
     def _about(self) -> dict[str, str]:
-        return {"model": repr(self.model), "status": self.status.value, "notes": to_lines(self.notes)}
+        about = {"model": repr(self.model), "status": self.status.value, "notes": to_lines(self.notes)}
+        return about | {"model_error": f"{self.model_error:.2g}, by {self.model_error.source}"}
 
     def _draw(self, ax: Axes, forces: bool, label: str | None) -> None:
         x, y = (self.load, self.friction_force) if forces else (self.rescaled_load, self.area)

@@ -1,37 +1,35 @@
-"""Estimates of the effects that a model neglects, and the notes that report them.
+"""Estimated error of a result, and notes on the effects that its model neglects.
 
-The A0 of every model at given load is compared with that of a reference model. The reference has the same
-contact law, the highest interaction order of this law, and a bonded layer if the surface has a block. A sum
-over the neighbours is not accurate enough: uniform sinking does not change A0(P), the remaining change may
-have either sign, and the sum is wrong by a factor of ten if contacts are crowded. Order 3 at a few loads
-costs less than a design. It estimates the change by resolved contacts within a factor of two, even if
-contacts overlap or are as wide as the layer is thick. `truncation` estimates the error of the reference. The
-true block differs from the layer by less than 0.4 % in A0, but its influence takes a minute to compute, so
-the layer is used.
+The change of A0 by neglected effects is that of `models.model_error`. It is compared with a reference model
+at a few loads, because a sum over the neighbours is not accurate enough: uniform sinking does not change
+A0(P), the remaining change may have either sign, and the sum is wrong by a factor of ten if contacts are
+crowded. Order 3 estimates the change by resolved contacts within a factor of two, even if contacts overlap or
+are as wide as the layer is thick. The true block differs from the layer by less than 0.4 % in A0, but its
+influence takes a minute to compute, so the layer is used.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
-from typing import Any, cast
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy
 
-from metafem._validate import FloatArray, IntArray
 from metafem._values import percent
 from metafem.contact import Contact
-from metafem.errors import MetafemError, NotConverged
+from metafem.errors import MetafemError
 from metafem.models import Curve, Interacting, Model
 from metafem.models.boundary_elements.model import resolvable
-from metafem.models.interacting.model import DENSE_LIMIT
+from metafem.models.curve import ModelError
 from metafem.models.model import contact_of, has_paraboloids
+from metafem.models.model_error import compared, model_error, reference_of, rung_name, without_jumps
 from metafem.models.truncation import COMPARED, COMPARED_ON_LAYER, crowding, truncation
 from metafem.notes import Note, information
 from metafem.prediction.part_notes import part_notes
-from metafem.substrate import BondedLayer, HalfSpace
+from metafem.substrate import HalfSpace
 from metafem.surface import Surface
 
 # Relative error of A0 at given load, rms over the loads, above which a note is a warning. The interaction
@@ -44,19 +42,11 @@ BOUND = 0.04
 # Smallest error for which there is an information note.
 STATED = 0.01
 
-# Number of loads at which the error is estimated: for most surfaces, and for surfaces too large for the dense
-# solver.
-PROBES, FEW_PROBES = 8, 3
-
 # Bounds of the contact radius over the radius of curvature: above WIDEST there is an information note, above
 # TOO_WIDE a warning. For a soft cap at large strain, the load of Hertz's law with a fitted modulus has an
 # error of 2 % at a/R = 0.5; WIDEST is 10 % higher. An error of BOUND in A0 corresponds to 6 % in the load. If
 # the error grows as (a/R)^4, it reaches 6 % at 1.3 times 0.5.
 WIDEST, TOO_WIDE = 0.55, 0.65
-
-# Largest number of adhesive asperities whose jumps are followed to estimate the interaction. For larger
-# surfaces this takes too long, and the interaction is estimated without adhesion.
-MOST_ADHESIVE = 100
 
 # Second moment of a uniform pressure over that of Hertz's pressure, 1/2 over 2/5.
 UNIFORM = 1.25
@@ -66,6 +56,8 @@ SIZE_TOLERANCE = 1e-6
 
 # Remedy if a model finds no equilibrium.
 REMEDY = "use lighter loads, a larger pitch or the model resolved"
+
+NOT_ESTIMATED = ModelError(math.nan, "it was not estimated with the law")
 
 UNKNOWN = "the effect of elastic interaction cannot be estimated over all loads"
 
@@ -77,66 +69,62 @@ BASE_TOLERANCE = 1e-9
 MOST_STEPS = 60
 
 
-def left_out_notes(
-    surface: Surface, model: Model, curve: Curve, notes: tuple[Note, ...], unloading: bool = False
-) -> tuple[Note, ...]:
-    """Return `notes`, followed by estimates of the effects that the model neglects along a curve.
+@dataclass(frozen=True, eq=False)
+class Validity:
+    """Estimated error of a curve of a model, and notes on the effects that the model neglects.
 
     `unloading` says whether the states of the curve are those on unloading from its largest load.
     """
-    return (
-        *notes,
-        *contact_of(model).for_material(surface.material).notes(curve.last.indentation, surface.radius),
-        *_base_notes(surface, model, curve),
-        *_wide_notes(surface, model, curve),
-        *_interaction_notes(surface, model, curve, unloading),
-        *part_notes(surface, contact_of(model).shape()),
-    )
 
+    surface: Surface
+    model: Model
+    curve: Curve
+    unloading: bool = False
 
-def reference_of(surface: Surface, model: Model) -> Interacting:
-    """Return the reference model for a model and a surface; on a bonded layer if the surface has a block."""
-    reference = model.reference
-    if surface.block is not None and reference.substrate == HalfSpace():
-        return replace(reference, substrate=BondedLayer())
-    return reference
+    @cached_property
+    def error(self) -> ModelError:
+        """Estimated error of A0(P)."""
+        return model_error(self.surface, self.model, self.curve, self.unloading)
 
+    def notes(self, notes: tuple[Note, ...]) -> tuple[Note, ...]:
+        """Return `notes`, followed by estimates of the effects that the model neglects."""
+        surface, model, curve = self.surface, self.model, self.curve
+        law = contact_of(model)
+        return (
+            *notes,
+            *law.for_material(surface.material).notes(curve.last.indentation, surface.radius),
+            *_base_notes(surface, model, curve),
+            *_wide_notes(surface, model, curve),
+            *(self._interaction_notes() if (curve.load > 0.0).any() else ()),
+            *part_notes(surface, law.shape()),
+        )
 
-def _interaction_notes(surface: Surface, model: Model, curve: Curve, unloading: bool) -> Iterator[Note]:
-    """Yield notes on the change of A0 by neighbours and block, and on the validity of the reference model."""
-    rows = _probed(curve.load, surface.count)
-    if not rows.size:
-        return
-    load, area, law = curve.load[rows], curve.area[rows], contact_of(model)
-    if law.adhesive and surface.count > MOST_ADHESIVE:
-        bare = cast("Model", replace(cast("Any", model), contact=law.without_adhesion))
-        yield from _interaction_notes(surface, bare, bare.curve(surface, load), False)
-        return
-    reference, gradient_model = reference_of(surface, model), model.gradient_model
-    try:
-        if reference != gradient_model:
-            full = _on_path(reference, surface, load, unloading)
-            if model.couples:  # excludes the difference between resolved contacts and order 3
-                area = _on_path(gradient_model, surface, load, unloading).checked().area
-            if full.solved.any():
-                change = full.area[full.solved] / area[full.solved] - 1.0
-                yield from _change_notes(surface, model, reference, load[full.solved], change)
-            if not full.converged:
-                newtons = surface.material.composite_modulus * load[~full.solved][0]
-                raise NotConverged(f"order {reference.order} has no solution at {newtons:.4g} N", full)
-    except MetafemError as reason:
-        yield Note(f"{UNKNOWN}: {reason}; use {_resolved_or(law)}lighter loads")
-    if model == gradient_model:  # otherwise the contacts are resolved and may merge
-        yield from _width_notes(surface, model, reference, curve)
-    if model.couples and law.largest_order == 1:
-        yield _size_note(surface, reference, float(area[-1]))
+    def _interaction_notes(self) -> Iterator[Note]:
+        """Yield notes on the change of A0 by neighbours and block, and on the validity of order 3."""
+        surface, model, law = self.surface, self.model, contact_of(self.model)
+        error, reference = self.error, reference_of(surface, model)
+        if model.couples and model.reference != reference:
+            error = self._change_by_block(reference)
+        if error.load.size:
+            yield from _change_notes(surface, model, reference, error)
+        if not error.solved:
+            yield Note(f"{UNKNOWN}: {error.source}; use {_resolved_or(law)}lighter loads")
+        if model == model.gradient_model:  # otherwise the contacts are resolved and may merge
+            yield from _width_notes(surface, model, reference, self.curve)
+        if model.couples and law.largest_order == 1:
+            yield _size_note(surface, reference, float(self.curve.area[-1]))
 
-
-def _on_path(model: Model, surface: Surface, load: FloatArray, unloading: bool) -> Curve:
-    """Return the curve of a model on loading, or on unloading from the largest load."""
-    if unloading:
-        return cast("Curve", cast("Any", model).curve(surface, load, unloading=True))
-    return model.curve(surface, load)
+    def _change_by_block(self, reference: Interacting) -> ModelError:
+        """Return the difference of a model on a half-space from a reference model on the bonded layer."""
+        surface, curve = self.surface, self.curve
+        # for resolved contacts, order 3 is compared with order 3
+        model = without_jumps(surface, self.model.gradient_model)
+        if model != self.model:
+            try:
+                curve = model.curve(surface, curve.load[curve.load > 0.0]).checked()
+            except MetafemError as reason:
+                return ModelError(math.nan, str(reason), solved=False)
+        return compared(surface, without_jumps(surface, reference), curve, self.unloading)
 
 
 def _resolved_or(law: Contact) -> str:
@@ -169,20 +157,11 @@ def _size_note(surface: Surface, reference: Interacting, area: float) -> Note:
     )
 
 
-def _probed(load: FloatArray, count: int) -> IntArray:
-    """Return the indices of at most a few positive loads, including the last one."""
-    rows: IntArray = np.flatnonzero(load > 0.0)
-    some = PROBES if count <= DENSE_LIMIT else FEW_PROBES
-    if rows.size <= some:
-        return rows
-    ends: IntArray = np.rint(np.arange(1, some + 1) * rows.size / some).astype(np.int64) - 1
-    return rows[ends]
-
-
 def _change_notes(
-    surface: Surface, model: Model, reference: Interacting, load: FloatArray, change: FloatArray
+    surface: Surface, model: Model, reference: Interacting, error: ModelError
 ) -> Iterator[Note]:
     """Yield a note on the change of A0 at given load due to effects that the model neglects."""
+    load, change = error.load, error.change
     rms = math.sqrt(float((change**2).mean()))
     if rms < STATED:
         return
@@ -197,8 +176,7 @@ def _change_notes(
     spread = f"by {percent(rms)} rms and " if load.size > 1 else ""
     text = (
         f"{cause} changes A0 at a given load {spread}by up to {percent(change[most], '+.2g')}, at "
-        f"{surface.material.composite_modulus * load[most]:.4g} N (order {reference.order} on the "
-        f"{'bonded layer' if layer else 'half-space'})"
+        f"{surface.material.composite_modulus * load[most]:.4g} N ({rung_name(reference)})"
     )
     remedy = f"; use the model {'layer' if layer else 'half-space'}, or a larger pitch"
     yield Note(text + remedy) if rms > BOUND else information(text)

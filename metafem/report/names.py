@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
 
+from metafem._values import percent
 from metafem.contact import JKR, Contact, Hertz, JacksonGreen, KogutEtsion, PowerCap, SphericalCap
 from metafem.errors import MetafemWarning
 from metafem.inversion import Design, plasticity_index
 from metafem.inversion.assessment import misfit_text
 from metafem.models import Model
+from metafem.models.curve import ModelError
 from metafem.models.model import contact_of
 from metafem.notes import Note
 
@@ -70,6 +73,26 @@ def model_data(model: Model) -> dict[str, str]:
     {'name': 'independent', 'python': 'Independent()'}
     """
     return {"name": model.name, "python": in_python(model)}
+
+
+def error_words(error: ModelError) -> str:
+    """Return the estimated error of a model in words.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = mf.Surface.square_lattice(0.1, (4, 4), radius=0.526, material=mf.Material(1.36))
+    >>> error_words(mf.equilibrium(surface, mf.Interacting(1), load=0.2).model_error)
+    'estimated error of A0(P): 0.067 %, by order 3 on the half-space'
+    """
+    if math.isnan(error):
+        return f"error of A0(P): unknown, because {error.source}"
+    return f"estimated error of A0(P): {percent(error)}, by {error.source}"
+
+
+def error_data(error: ModelError) -> dict[str, Any]:
+    """Return the estimated error of a model for JSON; its value is None if it is unknown."""
+    return {"value": None if math.isnan(error) else float(error), "source": error.source}
 
 
 def misfit_words(design: Design) -> tuple[str, str]:

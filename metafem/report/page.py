@@ -22,7 +22,7 @@ from metafem.report.elements import elements_section
 from metafem.report.figures import comparison_figure, force_figure, law_figure, sensitivity_figure
 from metafem.report.fits import fit_table
 from metafem.report.html import render
-from metafem.report.names import all_notes, in_python, misfit_words, model_words
+from metafem.report.names import all_notes, error_words, in_python, misfit_words, model_words
 from metafem.report.sections.exactness import exactness_section
 from metafem.report.sections.explanation import explanation_section
 from metafem.report.sections.measured import measured_section
@@ -163,6 +163,7 @@ def page(
         summits=_summits(design),
         residual=f"{design.law.residual.max():.1e}",
         model=model_words(design.law.model),
+        model_error=error_words(design.law.model_error),
         python=in_python(design.law.model),
     )
 

@@ -149,7 +149,7 @@ def test_notes_are_estimated_when_read_and_kept(monkeypatch):
         again = pickle.loads(pickle.dumps(result))
         first = result.notes
         assert again.notes == first
-        monkeypatch.setattr("metafem.prediction.validity.left_out_notes", None)
+        monkeypatch.setattr("metafem.prediction.validity.Validity.notes", None)
         assert result.notes is first
         monkeypatch.undo()
 
@@ -209,7 +209,7 @@ def test_adhesive_contacts_are_compared_on_their_own_path(monkeypatch):
     change = full.area / alone.area - 1.0
     assert f"by up to {100.0 * change[np.abs(change).argmax()]:+.2g} %" in said(alone)
     # large scenes are compared without adhesion
-    monkeypatch.setattr("metafem.prediction.validity.MOST_ADHESIVE", 1)
+    monkeypatch.setattr("metafem.models.model_error.MOST_ADHESIVE", 1)
     alone, bare = (mf.friction_law(surface, mf.Independent(c), load=[0.1]) for c in (law, mf.Hertz()))
     assert next(note for note in bare.notes if "interaction" in note.text) in alone.notes
 

@@ -16,20 +16,17 @@ from metafem._values import percent, three_digits
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
 from metafem.explorer.certainty import band
-from metafem.explorer.certainty.band import MOST_COUPLED
 from metafem.inversion import Design
 from metafem.inversion.assessment import DesignStatus
 from metafem.inversion.feasibility import ELASTIC_LIMIT
-from metafem.models import Independent
 from metafem.models.model import contact_of
+from metafem.models.model_error import reference_of
 from metafem.models.truncation import COMPARED, crowding
 from metafem.prediction.validity import (
     BOUND,
-    MOST_ADHESIVE,
     TOO_WIDE,
     WIDEST,
     base_contact_load,
-    reference_of,
 )
 from metafem.report import fit_table, misfit_words
 from metafem.studies.largest_tolerances import ALLOWED
@@ -82,7 +79,7 @@ def figures(answer: Answer) -> tuple[Figure, ...]:
     parts: tuple[tuple[str, Callable[[], list[Figure]]], ...] = (
         ("misfit", lambda: [_misfit(design)]),
         ("fitted slopes", lambda: _slopes(design)),
-        ("effect of elastic interaction", lambda: [_interaction(design)]),
+        ("estimated error of the model", lambda: [_model_error(design)]),
         ("scatter of made surfaces", lambda: _scatter(answer, design)),
         ("load at which the plane touches the base", lambda: [_base(design)]),
         ("largest contacts", lambda: _widths(design)),
@@ -127,34 +124,27 @@ def _slopes(design: Design) -> list[Figure]:
     return found
 
 
-def _interaction(design: Design) -> Figure:
-    """Return the figure for the change of A0 by elastic interaction of the asperities at equal load."""
-    name, surface, model = "effect of elastic interaction", design.surface, design.law.model
-    law, load = contact_of(model), design.law.rescaled_load
-    most = MOST_ADHESIVE if law.adhesive else MOST_COUPLED
-    if surface.count > most:
+def _model_error(design: Design) -> Figure:
+    """Return the figure for the estimated error of the law by its model."""
+    name, error, model = "estimated error of the model", design.law.model_error, design.law.model
+    if math.isnan(error):
+        return Figure(name, "unknown", "", Standing.UNKNOWN, _sentence(error.source))
+    words, remedy, places = f"Estimated by {error.source}.", "", ("law", "model.kind", "lattice.pitch")
+    size, value = float(error), percent(error)
+    substrate = "half-space" if reference_of(design.surface, model).substrate == HalfSpace() else "layer"
+    if not model.couples and error.load.size:
+        most, size = int(np.abs(error.change).argmax()), math.sqrt(float((error.change**2).mean()))
+        value = f"{percent(size)} rms"
+        way = "lowers" if error.change[most] < 0.0 else "raises"
+        newtons = design.surface.material.composite_modulus * error.load[most]
         words = (
-            f"It is not computed at once for more than {most:,} asperities; `metafem study interaction` does."
+            f"Elastic interaction on the {substrate}, which this design leaves out, {way} the friction at a "
+            f"given load by up to {percent(abs(error.change[most]))}, at {three_digits(newtons)} N."
         )
-        return Figure(name, "unknown", "", Standing.UNKNOWN, words)
-    alone = Independent(contact=law)
-    reference = reference_of(surface, alone)
-    change = reference.curve(surface, load).checked().area / alone.curve(surface, load).checked().area - 1.0
-    rms, largest = math.sqrt(float((change**2).mean())), int(np.abs(change).argmax())
-    substrate = "half-space" if reference.substrate == HalfSpace() else "layer"
-    way = "lowers" if change[largest] < 0.0 else "raises"
-    words = (
-        f"On the {substrate} it {way} the friction at a given load by up to "
-        f"{percent(abs(change[largest]))}, at {three_digits(design.law.load[largest])} N."
-    )
-    value, bound = f"{percent(rms)} rms", f"at most {percent(BOUND, 'g')}"
-    if model.couples:
-        return Figure(name, value, "", Standing.GOOD, f"{words} The model of this design includes it.")
-    if rms <= BOUND:
-        return Figure(name, value, bound, Standing.GOOD, f"{words} This design leaves it out.")
-    remedy = f"This design leaves it out: use the model {substrate}, or a larger pitch."
-    places = ("law", "model.kind", "lattice.pitch")
-    return Figure(name, value, bound, Standing.WARNING, f"{words} {remedy}", places)
+        remedy = f" Use the model {substrate}, or a larger pitch."
+    good = size <= BOUND
+    bound = f"at most {percent(BOUND, 'g')}"
+    return Figure(name, value, bound, _judged(good), words + remedy * (not good), places)
 
 
 def _scatter(answer: Answer, design: Design) -> list[Figure]:

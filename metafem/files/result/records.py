@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
@@ -20,6 +21,7 @@ from metafem.contact import TabulatedContact, flattened
 from metafem.errors import InvalidInput, refuse_if
 from metafem.inversion import candidate, height_density
 from metafem.inversion.targets import wording
+from metafem.models.curve import ModelError
 
 # Modules whose dataclasses and enums may occur in a record.
 MODULES = (
@@ -31,12 +33,15 @@ TYPES: Mapping[str, type] = {
     for module in MODULES
     for name, kind in vars(module).items()
     if isinstance(kind, type) and (is_dataclass(kind) or issubclass(kind, Enum))
-}
+} | {"ModelError": ModelError}
 # Functions that build a value from its fields if its constructor takes other arguments, here the rows of a
 # table.
 MAKERS: Mapping[str, Callable[..., Any]] = {
-    "TabulatedContact": lambda table, material: TabulatedContact(*table, material=material)
+    "TabulatedContact": lambda table, material: TabulatedContact(*table, material=material),
+    "ModelError": lambda value, **rest: ModelError(math.nan if value is None else value, **rest),
 }
+# Members that earlier versions did not write; they have a default.
+ADDED: Mapping[str, set[str]] = {"FrictionLaw": {"model_error"}}
 # Types whose modules are imported only when a record contains the type.
 LATE: Mapping[str, str] = {"Block3D": "metafem.fe"}
 ARRAYS = ("float64", "int64")
@@ -62,6 +67,9 @@ def to_record(value: Any) -> Any:
                     "give it as a table"
                 )
         return {"type": title, **{name: to_record(member) for name, member in members.items()}}
+    if isinstance(value, ModelError):
+        number = None if math.isnan(value) else float(value)
+        return {"type": title, "value": number, **{name: to_record(v) for name, v in vars(value).items()}}
     if isinstance(value, np.ndarray) and value.dtype.name in ARRAYS:
         return {value.dtype.name: value.tolist()}
     if isinstance(value, np.generic):
@@ -110,14 +118,15 @@ def _made(kind: Any, record: dict[str, Any], name: str) -> Any:
     """Return the instance of a class that a record describes; the class checks the members."""
     title = kind.__name__
     given, known = record.keys() - {"type"}, _members(kind).keys()
-    if given != known:
-        differing = printable(", ".join(sorted(given ^ known)))
-        raise InvalidInput(f"{name}, a {title}, has missing or unknown members: {differing}")
+    differing = (given ^ known) - ADDED.get(title, set())
+    if differing:
+        words = printable(", ".join(sorted(differing)))
+        raise InvalidInput(f"{name}, a {title}, has missing or unknown members: {words}")
     members = {}
-    for key, adapter in _members(kind).items():
+    for key in known & given:
         members[key] = from_record(record[key], f"{name}.{key}")
         try:
-            adapter.validate_python((members[key],))
+            _members(kind)[key].validate_python((members[key],))
         except ValidationError as error:
             words = error.errors()[0]["msg"].removeprefix("Input should ")
             raise InvalidInput(f"{name}.{key} = {shown(record[key])} must {words}") from None
@@ -131,7 +140,10 @@ def _made(kind: Any, record: dict[str, Any], name: str) -> Any:
 def _members(kind: Any) -> dict[str, TypeAdapter[Any]]:
     """Return for each member of a class an adapter, which validates a tuple that contains the member."""
     hints, one = get_type_hints(kind), cast(Any, tuple)
-    return {field.name: TypeAdapter(one[hints[field.name]], config=STRICT) for field in fields(kind)}
+    if kind is ModelError:
+        hints = {"value": float | None, **hints}
+    names = [field.name for field in fields(kind)] if is_dataclass(kind) else hints
+    return {name: TypeAdapter(one[hints[name]], config=STRICT) for name in names}
 
 
 def _array(record: dict[str, Any], name: str) -> Any:

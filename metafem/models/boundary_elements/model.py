@@ -19,12 +19,24 @@ from metafem.errors import InvalidInput
 from metafem.models.boundary_elements import far_field
 from metafem.models.boundary_elements.field import ContactField
 from metafem.models.boundary_elements.solve import COARSEST, TOLERANCE, Scene, Solution
-from metafem.models.curve import Curve, RescaledState, controlled
+from metafem.models.curve import Curve, ModelError, RescaledState, controlled
 from metafem.models.model import WithoutGradients
+from metafem.models.rungs import order_3_error
 from metafem.notes import Note, information
 from metafem.progress import each
 from metafem.substrate import HalfSpace, Radial
 from metafem.surface import Surface
+
+# Assumed error in the area of one contact, in cells. The measured error is up to 7 cells; a quarter is added
+# for safety.
+CELL_ERROR = 9.0
+
+# Assumed error per contact, in cells, if contacts merge or are separated by narrow gaps: measured up to 11.
+MERGING_ERROR = 30.0
+
+# Error in the area of one contact, in cells, if its pressure has the shape of its law: 0.37 pi for a Hertz
+# contact (0.37/n^2 for n cells per radius), and a quarter more for safety.
+LAWFUL_ERROR = 1.25 * 0.37 * math.pi
 
 
 def resolvable(contact: object) -> bool:
@@ -136,13 +148,15 @@ class BoundaryElements(WithoutGradients):
             f"up to {end:.4g} N the law is that of the model {model.name}: the largest contact "
             f"has fewer than {COARSEST:g} cells of {self.cell:g} mm per radius"
         )
-        return replace(first, notes=(*first.notes, note))
+        error = order_3_error(surface, first.last.area, self.substrate, self.contact)
+        return replace(first, notes=(*first.notes, note), error=error)
 
     def _point(self, scene: Scene, guess: Curve | None, value: float, by_load: bool) -> Curve:
         """Return the equilibrium at one load [mm^2] or approach [mm] as a curve."""
         if guess is None:  # no load, or no contact
             row = (0.0 if by_load else value, 0.0, 0.0, 0.0, 0.0)
             last = partial(self._open, scene.surface, row[0])
+            estimate = ModelError(0.0, "there is no contact")
         else:
             solution, h = scene.solve(guess, value if by_load else None), self.cell
             load, area = (h**2 * math.fsum(part) for part in (solution.contacts.load, solution.contacts.area))
@@ -151,8 +165,9 @@ class BoundaryElements(WithoutGradients):
                 residual = max(residual, abs(load - value) / value)
             row = (h * solution.minimum.multiplier, load, area, h * solution.stiffness, residual)
             last = partial(self._last, scene, solution)
+            estimate = ModelError(_cell_error(solution), "the number of cells in contact")
         approach, carried, total, stiffness, error = np.array(row)[:, None]
-        return Curve(approach, carried, total, stiffness, error, TOLERANCE, last)
+        return Curve(approach, carried, total, stiffness, error, TOLERANCE, last, error=estimate)
 
     def _open(self, surface: Surface, approach: float) -> RescaledState:
         """Return the state without contact."""
@@ -174,6 +189,14 @@ class BoundaryElements(WithoutGradients):
             notes=_notes(scene, solution),
             field=_field(scene, solution),
         )
+
+
+def _cell_error(solution: Solution) -> float:
+    """Return the assumed relative error of A0 for the numbers of cells in contact."""
+    contacts = solution.contacts
+    cells = np.where(contacts.deformed, CELL_ERROR, LAWFUL_ERROR)
+    cells[contacts.merged.ravel()] = MERGING_ERROR
+    return float(cells[contacts.area > 0.0].sum() / contacts.area.sum())
 
 
 def _field(scene: Scene, solution: Solution) -> ContactField:

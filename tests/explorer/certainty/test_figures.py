@@ -54,14 +54,15 @@ def test_misfit_and_slopes_are_those_of_the_report(shown):
 
 @pytest.mark.slow
 def test_interaction_is_that_of_the_study(shown):
-    found = figure(shown, "effect of elastic interaction")
+    found, law = figure(shown, "estimated error of the model"), shown.design.law
     change = (
         mf.studies.interaction(shown.design, placements=1).area_change.sel(substrate="layer", order=3).values
     )
-    assert percentage(found.value) == pytest.approx(np.sqrt((change**2).mean()), rel=0.07)
     largest = change[np.abs(change).argmax()]
+    # the estimate is made at eight loads of the law, and includes the error of order 3
+    assert 0.5 < law.model_error / abs(largest) < 1.2
     way = "lowers" if largest < 0 else "raises"
-    assert f"it {way} the friction at a given load by up to {100 * abs(largest):.2g} %" in found.sentence
+    assert f"{way} the friction at a given load by up to" in found.sentence
     assert found.standing is Standing.GOOD
 
 
