@@ -3,7 +3,7 @@
 from metafem.models.automatic import Automatic
 from metafem.models.boundary_elements.field import ContactField
 from metafem.models.boundary_elements.model import BoundaryElements
-from metafem.models.curve import Curve, RescaledState, Sensitivity, Status
+from metafem.models.curve import Curve, ModelError, RescaledState, Sensitivity, Status
 from metafem.models.independent import Independent
 from metafem.models.interacting.model import Interacting
 from metafem.models.mean_field import MeanField
@@ -18,6 +18,7 @@ __all__ = [
     "Interacting",
     "MeanField",
     "Model",
+    "ModelError",
     "RescaledState",
     "Sensitive",
     "Sensitivity",

@@ -18,7 +18,7 @@ PAGES: dict[str, tuple[str, ...] | None] = {
     "metafem": None,
     "metafem.contact": None,
     "metafem.substrate": None,
-    "metafem.models": ("Model", "Curve", "ContactField", "Sensitivity"),
+    "metafem.models": ("Model", "ModelError", "Curve", "ContactField", "Sensitivity"),
     "metafem.prediction": ("BranchFit",),
     "metafem.fe": None,
     "metafem.studies": None,
