@@ -26,7 +26,7 @@ from metafem.models.curve import Curve, ModelError
 from metafem.models.independent import Independent, load_equation
 from metafem.models.interacting.model import DENSE_LIMIT, Interacting
 from metafem.models.model import Model, contact_of
-from metafem.models.rungs import DISPLACEMENTS, independent_error, order_3_error
+from metafem.models.rungs import DISPLACEMENTS, PROBED, independent_error, order_3_error
 from metafem.substrate import BondedLayer, HalfSpace
 from metafem.surface import Surface
 
@@ -34,8 +34,8 @@ from metafem.surface import Surface
 # errors are computed with a coupled model; the estimate would be wrong by up to a factor of three.
 SMALL = 0.01
 
-# Number of loads at which models are compared: for most surfaces, and for surfaces too large for the dense
-# solver.
+# Number of loads at which models are compared: at least PROBES, and as many as there are with PROBED contacts
+# in all; FEW_PROBES for surfaces too large for the dense solver.
 PROBES, FEW_PROBES = 8, 3
 
 # Largest number of adhesive asperities whose jumps are followed to estimate the interaction. For larger
@@ -131,7 +131,7 @@ def compared(surface: Surface, reference: Interacting, curve: Curve, unloading: 
 def _probed(load: FloatArray, count: int) -> IntArray:
     """Return the indices of at most a few positive loads, including the last one."""
     rows: IntArray = np.flatnonzero(load > 0.0)
-    some = PROBES if count <= DENSE_LIMIT else FEW_PROBES
+    some = max(PROBES, PROBED // count) if count <= DENSE_LIMIT else FEW_PROBES
     if rows.size <= some:
         return rows
     ends: IntArray = np.rint(np.arange(1, some + 1) * rows.size / some).astype(np.int64) - 1

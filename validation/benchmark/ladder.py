@@ -1,4 +1,4 @@
-"""What `Automatic` chooses on random scenes, and its time on sparse ones."""
+"""What `Automatic` chooses on random scenes, its time on sparse ones, and estimated errors of models."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.models import Model
-from validation.scenes.ladder import Choice, choices
+from validation.scenes.ladder import Choice, choices, estimates
 from validation.timing import Row, best
 
 # Random scenes; rows of the sparse lattices and their pitch [mm], of which contacts are below a hundredth.
@@ -30,6 +30,12 @@ def rows() -> Iterator[Row]:
     yield Row(f"{what}: dearer than the cheapest [%]", 10.0, 100.0 * float((above > 0).mean()))
     apart = (ratio > 3.0) | (ratio < 1.0 / 3.0)
     yield Row(f"{large.sum()} estimates off by more than a factor of three [%]", 1.0, 100.0 * apart.mean())
+    judged = estimates(SCENES)
+    estimate, error = judged[judged[:, 1] > SMALL].T
+    ratio = estimate / error
+    what = f"{len(ratio)} errors of independent asperities and of order 1: estimates"
+    apart = ~((ratio > 1.0 / 3.0) & (ratio < 3.0))
+    yield Row(f"{what} off by more than a factor of three [%]", 1.0, 100.0 * apart.mean())
     for side in SIDES:
         ratio = _seconds(mf.Automatic(1e-3), side) / _seconds(mf.Independent(), side)
         yield Row(f"{side**2} sparse asperities, 100 loads: time over independent", 1.2, ratio)

@@ -9,11 +9,12 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.contact import Contact
+from metafem.models import Model
+from metafem.models.model_error import model_error
 from metafem.models.truncation import truncation
 from metafem.substrate import Substrate
 
 LAWS = (mf.Hertz(), mf.SphericalCap(), mf.PowerCap(3.0), mf.PowerCap(4.0))
-TITLES = ("independent asperities", "order 1", "order 3")
 TOLERANCES = (1e-4, 1e-3, 1e-2)
 
 # Part of the tolerance up to which the estimated error of order 3 makes it the reference.
@@ -21,7 +22,7 @@ NEGLIGIBLE = 0.3
 
 
 class Choice(NamedTuple):
-    """What `Automatic` chose: numbers of models in `TITLES`, errors of A0 against order 3."""
+    """What `Automatic` chose: 0 for independent asperities, 1 and 2 for orders 1 and 3; errors of A0."""
 
     tolerance: float
     chosen: int
@@ -52,9 +53,9 @@ def choices(count: int, seed: int = 0) -> list[Choice]:
     rng, found = np.random.default_rng(seed), []
     for _ in range(count):
         surface, law, substrate, load = scene(rng)
-        orders = [mf.Interacting(order, substrate, law) for order in (1, 3)]
+        models = _models(law, substrate)
         try:
-            curves = [model.curve(surface, load).checked() for model in (mf.Independent(law), *orders)]
+            curves = [model.curve(surface, load).checked() for model in models]
         except mf.MetafemError:
             continue
         errors = [float(np.abs(curve.area / curves[2].area - 1.0).max()) for curve in curves]
@@ -62,9 +63,35 @@ def choices(count: int, seed: int = 0) -> list[Choice]:
         for tolerance in TOLERANCES:
             if last <= NEGLIGIBLE * tolerance:
                 curve = mf.Automatic(tolerance, substrate, law).curve(surface, load)
-                words = curve.notes[0].text.removeprefix("chosen: ")
-                chosen = next(i for i, title in enumerate(TITLES) if words.startswith(title))
+                chosen = models.index(curve.last.model)
                 cheapest = next(i for i, error in enumerate(errors) if error <= tolerance)
                 error = float(np.abs(curve.area / curves[2].area - 1.0).max())
-                found.append(Choice(tolerance, chosen, cheapest, float(words.split()[-1]), error))
+                found.append(Choice(tolerance, chosen, cheapest, float(curve.error or 0.0), error))
     return found
+
+
+def estimates(count: int, seed: int = 0) -> FloatArray:
+    """Return `model_error` and the error against order 3 of independent asperities and order 1, (m, 2).
+
+    The reference of independent asperities is on the layer. Scenes on which the estimated error of order 3
+    is not negligible are left out.
+    """
+    rng, found = np.random.default_rng(seed), []
+    for _ in range(count):
+        surface, law, substrate, load = scene(rng)
+        for row, medium in enumerate((mf.BondedLayer(), substrate)):
+            *models, reference = _models(law, medium)
+            try:
+                curve, truth = (model.curve(surface, load).checked() for model in (models[row], reference))
+            except mf.MetafemError:
+                continue
+            error = float(np.abs(curve.area / truth.area - 1.0).max())
+            if truncation(surface, truth.last.area, medium, law) <= NEGLIGIBLE * error:
+                found.append((float(model_error(surface, models[row], curve)), error))
+    return np.array(found)
+
+
+def _models(law: Contact, substrate: Substrate) -> tuple[Model, ...]:
+    """Return independent asperities and orders 1 and 3."""
+    orders = (mf.Interacting(order, substrate, law) for order in (1, 3))
+    return (mf.Independent(law), *orders)
