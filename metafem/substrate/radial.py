@@ -97,13 +97,18 @@ class Radial(ABC):
 
     def influence_derivatives(self, surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return gradient (x, y) [1/mm^2] and Laplacian [1/mm^3] at i of the influence of j, (n, n) each."""
+        return self.influence_terms(surface)[1:]
+
+    def influence_terms(self, surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return `influence_matrix` and the three `influence_derivatives`; G is evaluated once."""
         bound = self.for_surface(surface)
         dx, dy, r = _differences(surface.position)
-        _, first, second = bound.influence(r, derivatives=True)
+        matrix, first, second = bound.influence(r, derivatives=True)
+        np.fill_diagonal(matrix, bound.self_influence)
         first /= r
         laplacian = second + first
         np.fill_diagonal(laplacian, 2.0 * bound.self_curvature)
-        return first * dx, first * dy, laplacian
+        return matrix, first * dx, first * dy, laplacian
 
 
 def _differences(position: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

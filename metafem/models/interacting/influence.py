@@ -90,10 +90,15 @@ def _computed(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupl
     """Return the influence of the asperities on each other, and the regular self terms (n,), uncached."""
     # the matrices, their transposes, the Jacobian, and temporary arrays of the same size
     require_memory(8 * surface.count**2 * (3 if order == 1 else 14), f"{surface.count} asperities")
-    influence = np.array(substrate.influence_matrix(surface), dtype=np.float64, order="C")
+    if order == 3 and isinstance(substrate, Radial):
+        given, *terms = substrate.influence_terms(surface)
+    else:
+        given = substrate.influence_matrix(surface)
+        terms = [] if order == 1 else [*substrate.influence_derivatives(surface)]
+    influence = np.array(given, dtype=np.float64, order="C")
     regular = np.diagonal(influence).copy()
     np.fill_diagonal(influence, 0.0)
     if order == 1:
         return Coupling(influence, *(np.empty((0, 0)) for _ in range(6))), regular
-    derivatives = [np.ascontiguousarray(d) for d in substrate.influence_derivatives(surface)]
+    derivatives = [np.ascontiguousarray(term) for term in terms]
     return Coupling(influence, *derivatives, *(np.ascontiguousarray(d.T) for d in derivatives)), regular

@@ -212,8 +212,8 @@ def test_curves_agree_with_single_loads_where_many_close_heights_enter(seed):
 
 def test_an_influence_is_computed_once_for_all_heights_on_the_same_sites(monkeypatch):
     calls = []
-    plain = mf.HalfSpace.influence_matrix
-    monkeypatch.setattr(mf.HalfSpace, "influence_matrix", lambda *a: calls.append(1) or plain(*a))
+    plain = mf.HalfSpace.influence_terms
+    monkeypatch.setattr(mf.HalfSpace, "influence_terms", lambda *a: calls.append(1) or plain(*a))
     surface = mf.Surface.square_lattice(0.1, (3, 3), 1.234, radius=0.5, material=mf.Material(1.0))
     first = mf.equilibrium(surface, mf.Interacting(), load=0.1)
     again = mf.equilibrium(surface.perturbed(0.0), mf.Interacting(), load=0.1)
