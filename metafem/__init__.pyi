@@ -54,10 +54,12 @@ from .models import Status as Status
 from .notes import Note as Note
 from .prediction import ContactState as ContactState
 from .prediction import FrictionLaw as FrictionLaw
+from .prediction import Onset as Onset
 from .prediction import Tolerances as Tolerances
 from .prediction import equilibrium as equilibrium
 from .prediction import flattened as flattened
 from .prediction import friction_law as friction_law
+from .prediction import onset as onset
 from .substrate import BondedLayer as BondedLayer
 from .substrate import HalfSpace as HalfSpace
 from .surface import Surface as Surface

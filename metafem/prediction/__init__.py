@@ -2,16 +2,18 @@
 
 from metafem.prediction.branch_fit import BranchFit, fit_branch
 from metafem.prediction.contact_state import ContactState
-from metafem.prediction.equilibrium import equilibrium
+from metafem.prediction.equilibria import equilibrium
 from metafem.prediction.flattening import flattened
 from metafem.prediction.friction_law import default_loads, friction_law, law_of_curve
 from metafem.prediction.law import FrictionLaw
 from metafem.prediction.perturbation import Perturbed, Tolerances
+from metafem.prediction.sliding import Onset, onset
 
 __all__ = [
     "BranchFit",
     "ContactState",
     "FrictionLaw",
+    "Onset",
     "Perturbed",
     "Tolerances",
     "default_loads",
@@ -20,4 +22,5 @@ __all__ = [
     "flattened",
     "friction_law",
     "law_of_curve",
+    "onset",
 ]
