@@ -8,10 +8,20 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from validation.cost import model_table, peers, scaling, work_precision
+from validation.cost import choice, ladder_picture, model_table, peers, scaling, work_precision
 from validation.cost.measured import Point, fastest_within
 from validation.cost.peers import Grid
-from validation.cost.times import LEAST, exponent, floor, in_words, machine, renewed, rounded, timed
+from validation.cost.times import (
+    LEAST,
+    exponent,
+    floor,
+    in_words,
+    machine,
+    percent,
+    renewed,
+    rounded,
+    timed,
+)
 from validation.readme import README
 from validation.scenes import costs
 
@@ -79,6 +89,11 @@ def test_numbers_are_rounded_to_one_two_and_five():
     assert rounded(1e5, down=True) == pytest.approx(1e5)
 
 
+def test_percentages_have_two_digits_and_no_exponent():
+    values = (1.4708, 0.1, 3.576e-3, 1e-5, 6.31e-6, 0.0)
+    assert [percent(each) for each in values] == ["150 %", "10 %", "0.36 %", "0.001 %", "0.00063 %", "0 %"]
+
+
 def test_the_limit_of_an_error_of_second_order_is_exact():
     values = [3.0 + 0.2 * h**2 for h in (0.4, 0.2, 0.1)]
     limit, uncertainty = costs.extrapolated(values)
@@ -112,10 +127,12 @@ def test_the_fastest_point_within_an_error():
 
 def test_scenes_are_as_their_titles_say():
     assert {name: scene.surface.count for name, scene in costs.SCENES.items()} == {
-        "paper": 64, "dense": 64, "irregular": 64, "many": 10_000
+        "sparse": 64, "paper": 64, "dense": 64, "irregular": 64, "merged": 4, "several": 400, "many": 10_000
     }  # fmt: skip
     for scene in costs.SCENES.values():
         assert all(coarse == 2.0 * fine for coarse, fine in itertools.pairwise(scene.finest))
+        if not scene.peer_cells:  # as the README states
+            assert Grid(scene.surface, 0.04).side ** 2 > 1e7
     sites = costs.irregular().position
     distance = np.linalg.norm(sites[:, None] - sites, axis=-1)
     assert distance[~np.eye(64, dtype=bool)].min() >= 0.8
@@ -150,8 +167,56 @@ def test_readme_shows_every_model_with_its_assumption_and_range():
 
 def test_picture_is_drawn():
     document = minidom.parse(str(model_table.PICTURE))
-    labels = re.findall(r"(Interacting|BoundaryElements|Independent)\(", document.toxml())
-    assert len(set(labels)) == 3
+    labels = re.findall(r"(Interacting|BoundaryElements|Independent|Automatic)\(", document.toxml())
+    assert len(set(labels)) == 4
+    for scene in ladder_picture.SHOWN:
+        assert costs.SCENES[scene].title in document.toxml()
+
+
+def solved(line, setting, cold, error, model=None, estimate=np.nan):
+    return Point(line, setting, cold, cold, np.nan, error, 0.0, solved=model, estimate=estimate)
+
+
+@pytest.fixture
+def choices(monkeypatch):
+    """Rows of the choices on the scene of the paper, by tolerance, from given times and errors."""
+    points = (
+        solved("Independent()", "", 1e-4, 4e-3),
+        solved("Interacting(order=1)", "", 4e-4, 8e-4),
+        solved(costs.ORDER_3, "", 5e-4, 2e-5),
+        solved(costs.AUTOMATIC, "0.01", 2e-4, 4e-3, mf.Independent(), 5e-3),
+        solved(costs.AUTOMATIC, "0.001", 1e-3, 2e-5, mf.Interacting(), 1e-5),
+        solved(costs.AUTOMATIC, "0.0001", 1e-3, 2e-5, mf.Interacting(), 2e-4),
+        solved(costs.AUTOMATIC, "1e-05", 9.0, 6e-5, mf.BoundaryElements(0.01), 1e-5),
+    )
+    monkeypatch.setattr(choice, "models", lambda _: points)
+    monkeypatch.setattr(choice, "reference", lambda _: costs.Reference(4.2, 0.04, 5e-5, 6e-6, 13.6))
+    return {each.tolerance: each for each in choice.choice("paper")}
+
+
+def test_a_choice_is_needed_if_no_cheaper_model_is_within_the_tolerance(choices):
+    assert {each.tolerance: each.needed for each in choices.values()} == {
+        1e-2: True, 1e-3: False, 1e-4: True, 1e-5: True
+    }  # fmt: skip
+    assert not choices[1e-2].cheaper
+    assert [*choices[1e-5].cheaper] == ["Independent()", "Interacting(order=1)", costs.ORDER_3]
+
+
+def test_the_row_of_a_choice_states_the_next_cheaper_model(choices):
+    rows = {tolerance: choice._cells(each) for tolerance, each in choices.items()}
+    assert rows[1e-2] == ("independent", "200 µs", "0.5 %", "0.4 %", "none", "–", "–")
+    assert rows[1e-3] == ("order 3 *", "1 ms", "0.001 %", "< 0.005 %", "order 1", "500 µs", "0.08 %")
+    cells = "resolved, 10 µm"
+    assert rows[1e-5] == (cells, "10 s", "0.001 %", "0.006 %", "order 3", "500 µs", "< 0.005 %")
+
+
+def test_every_tolerance_has_a_row_on_every_scene(choices):
+    parts = choice._table([*choices.values()]).parts
+    assert [*parts] == [scene.title for scene in costs.SCENES.values()]
+    for rows in parts.values():
+        assert [row[0] for row in rows] == ["10 %", "1 %", "0.1 %", "0.01 %", "0.001 %"]
+        assert {len(row) for row in rows} == {len(choice.HEADER)}
+    assert parts["Fig. 4 red, 64 asperities"][0][1:3] == ("resolved", "not computed")
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from metafem.drawing import new_figure
 from metafem.drawing.inline import drawn
 from validation import verdicts
 from validation.chapters import CHAPTERS
-from validation.check import Difference, Reason, below, near, reported
+from validation.check import Difference, Reason, Table, below, near, reported
 from validation.page import readme_table, report
 from validation.results import Evaluated
 from validation.sources import printed, publication
@@ -53,6 +53,21 @@ def one_question(monkeypatch):
         },
     }
     monkeypatch.setattr(verdicts, "QUESTIONS", {"asked": asked})
+
+
+def test_a_table_of_a_claim_is_on_its_page_and_in_the_data(results):
+    table = Table("Two cells.", ("a <b>", "c"), {"Few": [("1 %", "none")]})
+    pages = report({**results, "fe_hertz": replace(results["fe_hertz"], table=table)})
+    page = pages["finite_elements.html"]
+    assert "Two cells." in page
+    assert "<th>a &lt;b&gt;</th><th>c</th>" in page
+    assert (
+        '<tr><th colspan="2">Few</th></tr>\n<tr><td class="value">1 %</td><td class="value">none</td></tr>'
+        in page
+    )
+    data = json.loads(pages["results.json"])["claims"]
+    assert data["fe_hertz"]["table"]["parts"] == {"Few": [["1 %", "none"]]}
+    assert "table" not in data["fig4_linear"]
 
 
 def test_there_is_a_page_for_each_chapter_and_the_numbers_beside(results):

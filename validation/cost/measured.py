@@ -13,7 +13,7 @@ import metafem as mf
 from metafem.models.model import Model
 from validation.cost.peers import Answer, Grid, installed
 from validation.cost.times import renewed, timed
-from validation.scenes.costs import RESOLVED, SCENES, reference, scattered
+from validation.scenes.costs import AUTOMATIC, MODELS, SCENES, reference, scattered
 
 # Relative errors of A0 at which times are compared with those of other codes. With the last one the grid of
 # another code is not refined any further.
@@ -35,7 +35,8 @@ class Point:
 
     cold: one load of a new surface; at_separation: one given separation of a new surface; per_load: each load
     of a curve, nan where it is not measured. The errors are those of A0 at the load of the scene, and of P at
-    the separation of the reference. cell: of the grid of another code [mm].
+    the separation of the reference; nan where they are not measured. cell: of the grid of another code [mm].
+    solved: the model that was solved; estimate: that of `Automatic` of the error of A0.
     """
 
     line: str
@@ -46,6 +47,8 @@ class Point:
     area_error: float
     load_error: float
     cell: float = 0.0
+    solved: Model | None = None
+    estimate: float = math.nan
 
     @property
     def code(self) -> str:
@@ -93,26 +96,33 @@ def _measured(scene: str, line: str, setting: str, model: Model) -> Point:
     known, exact = SCENES[scene], reference(scene)
     surface, load = known.surface, known.newtons
     cold, found = timed(lambda run: mf.equilibrium(renewed(surface, run), model, load=load))
-    at_separation, other = timed(
-        lambda run: mf.equilibrium(renewed(surface, run), model, separation=exact.separation)
-    )
-    per_load = math.nan
-    if surface.count > MANY or (line != RESOLVED and cold < RESOLVING):
+    at_separation = load_error = per_load = math.nan
+    if known.finest or line in MODELS:
+        at_separation, other = timed(
+            lambda run: mf.equilibrium(renewed(surface, run), model, separation=exact.separation)
+        )
+        load_error = abs(other.load / load - 1.0)
+    solved = found.model
+    resolved = isinstance(solved, mf.BoundaryElements)
+    if (line in MODELS and surface.count > MANY) or (not resolved and cold < RESOLVING):
         count = FEW_LOADS if surface.count > MANY else LOADS
         loads = load * np.arange(1, count + 1) / count
         per_load = timed(lambda _: mf.friction_law(surface, model, load=loads))[0] / count
-    area_error, load_error = abs(found.area / exact.area - 1.0), abs(other.load / load - 1.0)
-    if not known.finest and isinstance(model, mf.Interacting) and model.order == 3:
-        # the reference is this state: its own estimates stand for the errors
-        area_error, load_error = exact.area_uncertainty, exact.load_uncertainty
-    return Point(line, setting, cold, at_separation, per_load, area_error, load_error)
+    area_error = abs(found.area / exact.area - 1.0)
+    if not known.finest:
+        # the reference is the state of order 3, whose own estimates stand for its errors
+        area_error = max(area_error, exact.area_uncertainty)
+        load_error = max(load_error, exact.load_uncertainty)
+    times = (cold, at_separation, per_load)
+    estimate = float(found.model_error) if line == AUTOMATIC else math.nan
+    return Point(line, setting, *times, area_error, load_error, solved=solved, estimate=estimate)
 
 
 def _refined(scene: str, code: str) -> list[Point]:
     """Measure a code until its own area is within the error, or for too long.
 
     The time is that of its solver alone. The area by second moments, which this project computes from its
-    pressures, is a line of its own with the same times.
+    pressures, is a line of its own with the same times. Merged contacts have no such moments.
     """
     known, exact = SCENES[scene], reference(scene)
     found: list[Point] = []
@@ -123,10 +133,11 @@ def _refined(scene: str, code: str) -> list[Point]:
         seconds, answer = statistics.median(each.seconds for each in answers), answers[-1]
         # linear in the separation: the change is a few micrometres at most
         load_error = abs(exact.stiffness * (answer.separation - exact.separation))
-        for line, area in ((code, answer.area), (f"{code}, second moments", answer.moments)):
-            error = abs(area / exact.area - 1.0)
+        readings = {code: answer.area, f"{code}, second moments": answer.moments}
+        errors = {line: abs(area / exact.area - 1.0) for line, area in readings.items()}
+        for line, error in [*errors.items()][: 1 if known.merged else 2]:
             setting = f"{1e3 * cell:g} µm"
             found.append(Point(line, setting, seconds, seconds, math.nan, error, load_error, cell))
-        if found[-2].area_error <= PEER_ERRORS[-1] or seconds > PATIENCE:
+        if errors[code] <= PEER_ERRORS[-1] or seconds > PATIENCE:
             break
     return found

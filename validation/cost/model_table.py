@@ -7,9 +7,10 @@ import tomllib
 from pathlib import Path
 
 from metafem.drawing import svg
+from validation.cost.ladder_picture import ladder_picture
 from validation.cost.measured import LOADS, models
-from validation.cost.times import in_words
-from validation.cost.work_precision import TABLE_SCENE, one_panel
+from validation.cost.times import in_words, percent
+from validation.cost.work_precision import TABLE_SCENE
 from validation.readme import renew
 from validation.scenes.costs import SCENES, Reference, reference
 
@@ -26,7 +27,9 @@ TABLE = [
 def renew_readme() -> None:
     """Write the table and the picture of the README from what was measured in this run."""
     renew(MARKS, readme_table())
-    PICTURE.write_text(svg(one_panel(TABLE_SCENE), "Seconds against error of the models"), "utf-8")
+    PICTURE.write_text(
+        svg(ladder_picture(), "Seconds against error of the models, from sparse to merged contacts"), "utf-8"
+    )
 
 
 def readme_table() -> str:
@@ -51,12 +54,7 @@ def readme_table() -> str:
 def shown_errors(errors: tuple[float, float], exact: Reference) -> tuple[str, str]:
     """Return the errors of A0 and P to two digits, or the reference's uncertainty if they are smaller."""
     area, load = (
-        _percent(error) if error > uncertainty else f"below {_percent(uncertainty)}"
+        percent(error) if error > uncertainty else f"below {percent(uncertainty)}"
         for error, uncertainty in zip(errors, (exact.area_uncertainty, exact.load_uncertainty), strict=True)
     )
     return area, load
-
-
-def _percent(value: float) -> str:
-    """Return a percentage to two digits, without an exponent."""
-    return f"{float(f'{100.0 * value:.2g}'):g} %"

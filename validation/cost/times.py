@@ -81,6 +81,11 @@ def rounded(value: float, *, down: bool = False) -> float:
     return float(steps[np.abs(np.log(steps / value)).argmin()])
 
 
+def percent(value: float) -> str:
+    """Return a percentage to two digits, without an exponent."""
+    return f"{float(f'{100.0 * value:.2g}'):.10f}".rstrip("0").rstrip(".") + " %"
+
+
 def in_words(seconds: float) -> str:
     """Return a time rounded to 1, 2 or 5 with its unit."""
     value = rounded(seconds)

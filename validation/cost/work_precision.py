@@ -1,4 +1,4 @@
-"""Seconds against error in A0(P) and P(δ), for every model on four surfaces, and for other public codes."""
+"""Seconds against error in A0(P) and P(δ), for every model on seven surfaces, and for other public codes."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from functools import partial
 
 import metafem as mf
-from metafem.drawing import new_figure
+from metafem.drawing import MEASURED, new_figure
 from metafem.models.interacting.model import TOLERANCE as RESIDUAL
 from validation.check import Claim, Picture, Row, below, reported
 from validation.cost.measured import PEER_ERRORS, Point, fastest_within, models, peers
@@ -48,6 +48,7 @@ SOLVED_BY = {
 }
 WARM = f"tamaas from the pressures of {BEFORE:g} of the load, order 3 from its load before"
 EXTRAPOLATED = "resolved contacts extrapolated from three cells"
+MERGED = "resolved contacts extrapolated from seven to thirteen cells"
 TIMES = "median of repeated runs, rounded to 1, 2 or 5"
 SMALLER = "the uncertainty of the reference of this scene; the error is smaller"
 
@@ -62,17 +63,18 @@ STYLES = {
     ORDER_3: ("#1b6f8a", "D"),
     AUTOMATIC: ("#8d6fc0", "*"),
     RESOLVED: ("#c8553d", "v"),
-    PEER: ("#7a8699", "X"),
-    f"{PEER}, second moments": ("#7a8699", "x"),
+    PEER: (MEASURED, "X"),
+    f"{PEER}, second moments": (MEASURED, "x"),
     "ContactMechanics": ("#b07a1e", "P"),
     "ContactMechanics, second moments": ("#b07a1e", "+"),
 }
 
 
 def measure() -> Claim:
-    """Errors are counted from resolved contacts on a half-space, extrapolated from three cells. For 10,000
-    asperities there is no such reference: the error of order 3 is its own estimate, and the errors of the
-    other models are counted from order 3.{conditions} {machine}
+    """Errors are counted from resolved contacts on a half-space, extrapolated from three cells, for merged
+    contacts from up to thirteen. For 400 and 10,000 asperities there is no such reference: the error of
+    order 3 is its own estimate, and the errors of the other models are counted from order 3.{conditions}
+    {machine}
     """
     rows: list[Row] = [row for scene in SCENES for row in _errors(scene)]
     figures = {
@@ -87,19 +89,22 @@ def _errors(scene: str) -> Iterator[Row]:
     """Compare the errors on one scene with those that the models state, and report what they cost."""
     known, exact, found = SCENES[scene], reference(scene), models(scene)
     title = known.title
-    order_3 = next(each for each in found if each.line == ORDER_3)
+    order_3 = next((each for each in found if each.line == ORDER_3), None)
     if known.finest:
-        resolved = second_method(mf.BoundaryElements, EXTRAPOLATED)
+        resolved = second_method(mf.BoundaryElements, MERGED if known.merged else EXTRAPOLATED)
         yield below(f"{title}: uncertainty of A0 of the reference",
                     exact.area_uncertainty, UNCERTAINTY, resolved)  # fmt: skip
-        yield below(f"{title}: error of order 3, A0(P)", order_3.area_error, AREA_ERROR, resolved)
-        yield below(f"{title}: error of order 3, P(δ)", order_3.load_error, LOAD_ERROR, resolved)
+        if order_3:
+            yield below(f"{title}: error of order 3, A0(P)", order_3.area_error, AREA_ERROR, resolved)
+            yield below(f"{title}: error of order 3, P(δ)", order_3.load_error, LOAD_ERROR, resolved)
+        # a smaller error than the uncertainty of the reference cannot be seen
         yield from (
-            below(f"{title}: error of Automatic({value:g}), A0(P)", each.area_error, value, resolved)
+            below(f"{title}: error of Automatic({value:g}), A0(P)",
+                  each.area_error, max(value, exact.area_uncertainty), resolved)
             for value in known.tolerances
             for each in found
             if (each.line, each.setting) == (AUTOMATIC, f"{value:g}")
-        )
+        )  # fmt: skip
     for each in found:
         if each is order_3 or (scene == TABLE_SCENE and each.setting in SHOWN):
             yield from _results(scene, each)
@@ -161,22 +166,11 @@ def _compared(point: Point, error: float) -> Iterator[Row]:
         yield reported(words, rounded(seconds / order_3.per_load, down=True), f"{method}; {WARM}")
 
 
-def one_panel(scene: str):
-    """Draw seconds against error of A0 on one scene."""
-    figure = new_figure(7.6, 3.8)
-    ax = figure.add_subplot()
-    _panel(ax, scene, "area_error")
-    ax.set_xlabel("seconds for one load")
-    ax.set_ylabel("relative error of A0")
-    figure.legend(*_entries(ax), frameon=False, fontsize=8, loc="outside right center")
-    return figure
-
-
 def _drawn(error: str):
     """Error of {what} at a given {given} against the time for it. Filled symbols: one {given} of a new
-    surface. Open symbols: each load of a curve. Lines join finer cells or smaller tolerances. Errors below
-    the dotted line cannot be told from those of the reference. Dashed line: the time to read all pairs once,
-    in which numpy sums the rows of a dense matrix.
+    surface. Open symbols: each load of a curve. Lines join finer cells or smaller tolerances. Dotted line:
+    the uncertainty of the reference; smaller errors are drawn on it. Dashed line: the time to read all pairs
+    once, in which numpy sums the rows of a dense matrix.
     """
     # one column: readable on a narrow screen
     figure = new_figure(6.0, 2.9 * len(SCENES) + 1.2)
@@ -185,7 +179,7 @@ def _drawn(error: str):
         _panel(ax, scene, error)
         ax.set_xlabel("seconds for one load" if error == "area_error" else "seconds for one separation")
         ax.set_ylabel("relative error of A0" if error == "area_error" else "relative error of P")
-    figure.legend(*_entries(panels[0]), frameon=False, fontsize=9, ncols=2, loc="outside lower center")
+    figure.legend(*_entries(panels[1]), frameon=False, fontsize=9, ncols=2, loc="outside lower center")
     return figure
 
 
@@ -205,7 +199,7 @@ def _panel(ax, scene: str, error: str) -> None:
         shown = [each for each in every if each.line == line]
         if not shown or (error == "load_error" and line.endswith("moments")):
             continue
-        value = [getattr(each, error) for each in shown]
+        value = [max(uncertainty, getattr(each, error)) for each in shown]
         style = {"marker": marker, "ms": 6, "color": colour}
         ax.plot([getattr(each, time) for each in shown], value, lw=1, label=line, **style)
         on_curves = [(each.per_load, v) for each, v in zip(shown, value, strict=True)

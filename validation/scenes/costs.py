@@ -12,6 +12,7 @@ import numpy as np
 import metafem as mf
 from metafem.models.model import Model
 from metafem.models.truncation import truncation
+from validation.methods.resolved_areas import extrapolated_area
 from validation.paper.surfaces import surfaces
 
 MATERIAL = mf.Material(1.36)
@@ -25,9 +26,12 @@ MODELS: dict[str, dict[str, Model]] = {
 }
 RESOLVED, AUTOMATIC = "BoundaryElements(cell)", "Automatic(tolerance)"
 
-# Tolerances of the rule that chooses between order 3 and resolved contacts. With the last one it would
-# resolve the contacts of the dense lattice by cells of 1 µm, which takes hours.
-TOLERANCES = (0.1, 1e-2, 1e-3, 1e-4)
+# Tolerances of the rule that chooses the model. A scene is not solved with tolerances at which its contacts
+# would be resolved by more than a million cells, which takes from minutes to hours.
+TOLERANCES = (0.1, 1e-2, 1e-3, 1e-4, 1e-5)
+
+# Uncertainty at which the area of merged contacts is no longer refined.
+MERGED_UNCERTAINTY = 1.5e-4
 
 
 @dataclass(frozen=True)
@@ -35,8 +39,8 @@ class Scene:
     """A surface under a rescaled load [mm²].
 
     cells: of the resolved contacts that are timed [mm], coarsest first. finest: three cells, each half the
-    one before, of the reference; none if the contacts cannot be resolved. peer_cells: of the other codes.
-    tolerances: of `Automatic`.
+    one before, of the reference; none if order 3 is the reference. peer_cells: of the other codes.
+    tolerances: of `Automatic`. merged: whether contacts overlap, so that order 3 has no solution.
     """
 
     title: str
@@ -46,6 +50,7 @@ class Scene:
     finest: tuple[float, ...]
     peer_cells: tuple[float, ...]
     tolerances: tuple[float, ...]
+    merged: bool = False
 
     @property
     def surface(self) -> mf.Surface:
@@ -62,15 +67,17 @@ class Scene:
         """Models by line and setting."""
         resolved: dict[str, Model] = {f"{1e3 * cell:g} µm": mf.BoundaryElements(cell) for cell in self.cells}
         automatic: dict[str, Model] = {f"{value:g}": mf.Automatic(value) for value in self.tolerances}
-        more = {AUTOMATIC: automatic, RESOLVED: resolved}
-        return {**MODELS, **{line: models for line, models in more.items() if models}}
+        every = {**MODELS, AUTOMATIC: automatic, RESOLVED: resolved}
+        return {
+            line: found for line, found in every.items() if found and not (self.merged and line == ORDER_3)
+        }
 
 
 @dataclass(frozen=True)
 class Reference:
     """A0 [mm²], separation [mm], and the relative uncertainties of A0 at the load and of P at the separation.
 
-    stiffness: dP/dδ over P [1/mm], by order 3; zero without resolved contacts.
+    stiffness: dP/dδ over P [1/mm].
     """
 
     area: float
@@ -89,6 +96,18 @@ def heights(count: int | tuple[int, ...]) -> np.ndarray:
 def dense() -> mf.Surface:
     """Return 64 asperities on a lattice of pitch 0.8 mm."""
     return mf.Surface.square_lattice(heights(64), (8, 8), 0.8, radius=0.526, material=MATERIAL)
+
+
+@cache
+def sparse() -> mf.Surface:
+    """Return 64 asperities on a lattice of pitch 20 mm: contact radii are a hundredth of it."""
+    return mf.Surface.square_lattice(heights(64), (8, 8), 20.0, radius=0.526, material=MATERIAL)
+
+
+@cache
+def merged() -> mf.Surface:
+    """Return four asperities on a lattice of pitch 0.2 mm, so high that the base plane does not touch."""
+    return mf.Surface.square_lattice(0.1 + heights(4), (2, 2), 0.2, radius=0.526, material=MATERIAL)
 
 
 @cache
@@ -112,19 +131,33 @@ def scattered(count: int) -> mf.Surface:
 
 
 SCENES = {
+    "sparse": Scene(
+        "lattice of 20 mm, 64 asperities", sparse, 0.6,
+        (0.02, 0.01, 0.005), (0.01, 0.005, 0.0025), (), TOLERANCES,
+    ),
     "paper": Scene(
         "Fig. 4 red, 64 asperities", lambda: surfaces()["Fig. 4 red"], 0.6,
-        (0.04, 0.02, 0.01, 0.005), (0.01, 0.005, 0.0025), (0.04, 0.028, 0.02, 0.014, 0.01), TOLERANCES,
+        (0.04, 0.02, 0.01, 0.005), (0.01, 0.005, 0.0025), (0.04, 0.028, 0.02, 0.014, 0.01), TOLERANCES[:-1],
     ),
     "dense": Scene(
         "lattice of 0.8 mm, 64 asperities", dense, 0.75,
-        (0.02, 0.01), (0.02, 0.01, 0.005), (0.04, 0.02), TOLERANCES[:-1],
+        (0.02, 0.01), (0.02, 0.01, 0.005), (0.04, 0.02), TOLERANCES[:-2],
     ),
     "irregular": Scene(
         "random sites and radii, 64 asperities", irregular, 0.5,
-        (0.02, 0.01), (0.02, 0.01, 0.005), (0.04, 0.02), TOLERANCES,
+        (0.02, 0.01), (0.02, 0.01, 0.005), (0.04, 0.02), TOLERANCES[:-1],
     ),
-    "many": Scene("10,000 scattered asperities", cache(partial(scattered, 10_000)), 30.0, (), (), (), ()),
+    "merged": Scene(
+        "merged contacts, 4 asperities", merged, 0.08,
+        (0.02, 0.01, 0.005, 0.0025), (0.01, 0.005, 0.0025), (0.02, 0.01, 0.005), TOLERANCES[:-2], merged=True,
+    ),
+    "several": Scene(
+        "400 scattered asperities", cache(partial(scattered, 400)), 1.2,
+        (0.02, 0.01), (), (0.08, 0.056, 0.04), TOLERANCES[:-1],
+    ),
+    "many": Scene(
+        "10,000 scattered asperities", cache(partial(scattered, 10_000)), 30.0, (), (), (), TOLERANCES
+    ),
 }  # fmt: skip
 
 
@@ -139,24 +172,23 @@ def reference(scene: str) -> Reference:
     """Return the state from which errors are counted.
 
     Where contacts can be resolved, it is extrapolated from the two finest cells, and its uncertainty is the
-    larger of the change from the extrapolation before and the change from the finest cells. For many
-    asperities it is order 3 with its own estimate of the error of A0.
+    larger of the change from the extrapolation before and the change from the finest cells. The area of
+    merged contacts scatters more from cell to cell: it is fitted to more cells. For many asperities the
+    reference is order 3 with its own estimate of the error of A0.
     """
     known = SCENES[scene]
-    found = state(scene, mf.Interacting())
     if not known.finest:
+        found = state(scene, mf.Interacting())
         error = truncation(known.surface, found.asperity_area, mf.HalfSpace())
         # the load at a fixed separation has a third of the error of the area at a fixed load, or less
-        return Reference(found.area, found.separation, error, error, 0.0)
-    step = 1e-4 * float(np.ptp(known.surface.height))
-    lower, higher = (
-        mf.equilibrium(known.surface, mf.Interacting(), separation=found.separation + sign * step).load
-        for sign in (-1.0, 1.0)
-    )
-    stiffness = abs(higher - lower) / (2.0 * step * known.newtons)
+        return Reference(found.area, found.separation, error, error, found.stiffness / known.newtons)
     states = [state(scene, mf.BoundaryElements(cell)) for cell in known.finest]
-    area, area_change = extrapolated([each.area for each in states])
+    stiffness = states[-1].stiffness / known.newtons
     separation, change = extrapolated([each.separation for each in states])
+    if known.merged:
+        area, relative = extrapolated_area(known.surface, known.newtons, MERGED_UNCERTAINTY)
+        return Reference(area, separation, relative, stiffness * change, stiffness)
+    area, area_change = extrapolated([each.area for each in states])
     return Reference(area, separation, area_change / area, stiffness * change, stiffness)
 
 
