@@ -18,7 +18,7 @@ ROWS, COLUMNS = 2, 3
 # Lines of the picture: the models of the ladder and another code, with the two readings of its area.
 LINES = (*LADDER, PEER, f"{PEER}, second moments")
 
-CHOSEN = f"{AUTOMATIC}: its tolerances"
+CHOSEN = f"{AUTOMATIC}, tolerance above"
 
 
 def ladder_picture():
@@ -60,8 +60,9 @@ def _panel(ax, scene: str) -> None:
         x, y = places([each.point for each in chosen])
         ax.plot(x, y, marker=marker, ms=12, mew=1.3, lw=0, mfc="none", color=colour, label=CHOSEN)
         ends = dict.fromkeys(powers(f"{each.tolerance:.0e}") for each in (chosen[0], chosen[-1]))
+        side = "left" if len(ends) == 1 or max(x) < 1.0 else "right"  # where the panel has room
         ax.annotate(" … ".join(ends), (max(x), max(y)), (0, 8), textcoords="offset points", fontsize=8.5,
-                    ha="center", color=colour)  # fmt: skip
+                    ha=side, color=colour)  # fmt: skip
     ax.axhline(least, color="grey", lw=0.8, ls=":")
     ax.set_title(SCENES[scene].title, fontsize=10)
     ax.spines[["top", "right"]].set_visible(False)
