@@ -36,6 +36,10 @@ from metafem.notes import Level, Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
+# Factor of the cell if resolved contacts are computed again. The error is proportional to the square of the
+# cell, within a fifth.
+FINER = 0.9
+
 # Minimum number of cells per radius of the largest contact.
 FEWEST_CELLS = 10.0
 
@@ -246,9 +250,12 @@ class Automatic(WithoutGradients):
             else:
                 low = 0
         cell = self._cell(surface, *_control(values[low : low + 1], by_load), error)
-        model = BoundaryElements(cell, substrate, self.contact)
         load, approach = _control(values[low:], by_load)
+        model = BoundaryElements(cell, substrate, self.contact)
         heavy = model.curve(surface, load, approach=approach)
+        if heavy.error is not None and heavy.error > self.tolerance:  # the contacts are smaller than assumed
+            model = replace(model, cell=FINER * cell * math.sqrt(self.tolerance / heavy.error))
+            heavy = model.curve(surface, load, approach=approach)
         note = information(f"chosen: resolved contacts with cells of {model.cell:.3g} mm; {reason}")
         parts.append(heavy.with_notes((note, *heavy.notes)))
         return Curve.joined(parts)

@@ -189,3 +189,13 @@ def test_the_estimate_covers_a_small_contact_beside_a_large_one(ratio):
     surface = mf.Surface([[0, 0], [r, 0]], [0.2, 0.1], R, mf.Material(1.0))
     changed = np.pi * R * (exact - known) / area.sum()
     assert changed < truncation(surface, area, mf.HalfSpace()) < 10 * changed
+
+
+def test_merged_contacts_smaller_than_assumed_are_resolved_by_finer_cells():
+    """Order 1, which sets the first cells, overestimates areas that merge."""
+    height = 0.1 + 0.02 * np.random.default_rng(3).random(4)
+    surface = mf.Surface.square_lattice(height, (2, 2), 0.2, radius=0.526, material=mf.Material(1.36))
+    for load in (0.1, 0.2):
+        state = mf.equilibrium(surface, mf.Automatic(0.1), load=load)
+        assert state.model.title == "resolved"
+        assert state.model_error <= 0.1
