@@ -14,18 +14,28 @@ Fong and Darve, J. Comput. Phys. 228, 8712 (2009), doi:10.1016/j.jcp.2009.08.031
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
 from metafem._kernels.expansion import apply_pairs
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 
 # Largest estimated relative error of the influence between two patches. The estimate is conservative:
 # measured errors of sums over all cells were below 3e-10.
 TOLERANCE = 1e-8
+
+# The same for products in single precision, whose error multiplies the step of an iteration.
+SINGLE_TOLERANCE = 1e-5
+
+# Number of coefficients that are computed at once: those of a few pairs, within the cache.
+BATCH = 2**16
+
+SingleArray = NDArray[np.float32]
+Vector = TypeVar("Vector", FloatArray, SingleArray)
 
 # Offset [cells] of two points along each side of a cell. The points represent a cell of side 1/sqrt(2) and
 # are used for both source and target. The influence then remains symmetric and equals Love's far field, G +
@@ -48,7 +58,7 @@ def convergence_rate(centre: FloatArray, half: FloatArray) -> FloatArray:
     return np.asarray(np.minimum(worst, worst.T))
 
 
-def orders(rate: FloatArray) -> NDArray[np.int64]:
+def orders(rate: FloatArray) -> IntArray:
     """Return the number of terms q per side for which rate^-q is below the tolerance."""
     return np.asarray(np.ceil(math.log(1.0 / TOLERANCE) / np.log(rate)).astype(np.int64) + 1)
 
@@ -72,32 +82,48 @@ class FarField:
         shape: list[tuple[int, int]],
     ) -> None:
         half = 0.5 * np.array(shape, dtype=np.float64)
-        self.first, self.second = np.triu_indices(len(shape), 1)
-        rate = convergence_rate(centre, half)[self.first, self.second]
-        self.order = orders(rate) if len(rate) else np.zeros(0, dtype=np.int64)
-        self.size = int(self.order.max(initial=1))
-        self.start = np.concatenate([[0], np.cumsum(self.order**4)])
-        self.table = np.empty(self.start[-1])
-        for k, (i, j) in enumerate(zip(self.first, self.second, strict=True)):
-            block = _coefficients(influence, centre[i] - centre[j], half[i], half[j], int(self.order[k]))
-            self.table[self.start[k] : self.start[k + 1]] = block.ravel()
-        self.bases = [tuple(_basis(n, self.size) for n in rows_columns) for rows_columns in shape]
+        first, second = np.triu_indices(len(shape), 1)
+        order = orders(convergence_rate(centre, half)[first, second])
+        place = np.argsort(order, kind="stable")
+        self.first, self.second, order = first[place], second[place], order[place]
+        share = math.log(SINGLE_TOLERANCE) / math.log(TOLERANCE)
+        fewer = np.ceil(share * order).astype(np.int64)
+        start, begin = (np.concatenate([[0], np.cumsum(q**4)]) for q in (order, fewer))
+        table, single = np.empty(start[-1]), np.empty(begin[-1], dtype=np.float32)
+        for a, b in _batches(order):
+            i, j, q, r = self.first[a:b], self.second[a:b], int(order[a]), slice(int(fewer[a]))
+            block = _coefficients(influence, centre[i] - centre[j], half[i], half[j], q)
+            table[start[a] : start[b]] = block.ravel()
+            single[begin[a] : begin[b]] = block[:, r, r, r, r].ravel()
+        self.size = int(order.max(initial=1))
         self.shape = shape
+        # by precision; that in single precision has the leading terms
+        self.tables: dict[np.dtype[Any], tuple[IntArray, IntArray, NDArray[Any]]] = {
+            np.dtype(np.float64): (order, start, table),
+            np.dtype(np.float32): (fewer, begin, single),
+        }
+        bases = {s: (_basis(s[0], self.size), _basis(s[1], self.size)) for s in set(shape)}
+        self.bases: dict[np.dtype[Any], dict[tuple[int, int], tuple[NDArray[Any], NDArray[Any]]]] = {
+            np.dtype(t): {
+                s: (x.astype(t, copy=False), y.astype(t, copy=False)) for s, (x, y) in bases.items()
+            }
+            for t in (np.float64, np.float32)
+        }
 
-    def moments(self, pressure: FloatArray, k: int) -> FloatArray:
-        """Return the Chebyshev moments of patch k, (size, size)."""
-        x, y = self.bases[k]
+    def moments(self, pressure: Vector, shape: tuple[int, int]) -> Vector:
+        """Return the Chebyshev moments of patches of one shape, (k, size, size)."""
+        x, y = self.bases[pressure.dtype][shape]
         return np.asarray(x.T @ pressure @ y)
 
-    def local(self, moments: FloatArray) -> FloatArray:
+    def local(self, moments: Vector) -> Vector:
         """Return the coefficients of each patch's displacement by the other patches, (m, size, size)."""
         result = np.zeros_like(moments)
-        apply_pairs(self.first, self.second, self.order, self.start, self.table, moments, result)
+        apply_pairs(self.first, self.second, *self.tables[moments.dtype], moments, result)
         return result
 
-    def displacement(self, local: FloatArray, k: int) -> FloatArray:
-        """Return the displacement of the cells of patch k from its coefficients."""
-        x, y = self.bases[k]
+    def displacement(self, local: Vector, shape: tuple[int, int]) -> Vector:
+        """Return the displacement of the cells of patches of one shape from their coefficients."""
+        x, y = self.bases[local.dtype][shape]
         return np.asarray(x @ local @ y.T)
 
 
@@ -108,6 +134,14 @@ def _basis(count: int, size: int) -> FloatArray:
     return np.asarray(0.5 * (below + above))
 
 
+def _batches(order: IntArray) -> Iterator[tuple[int, int]]:
+    """Yield ranges of sorted orders with one value, whose tables together have about `BATCH` coefficients."""
+    for q in np.unique(order).tolist():
+        start, end = np.searchsorted(order, (q, q + 1)).tolist()
+        step = max(1, BATCH // q**4)
+        yield from ((k, min(k + step, end)) for k in range(start, end, step))
+
+
 def _coefficients(
     influence: Callable[[FloatArray], FloatArray],
     apart: FloatArray,
@@ -115,13 +149,18 @@ def _coefficients(
     half_source: FloatArray,
     q: int,
 ) -> FloatArray:
-    """Return the coefficients C, (q, q, q, q); axes 0 and 1 belong to the target, 2 and 3 to the source."""
+    """Return the coefficients C of pairs, (m, q, q, q, q); the last two axes belong to the source."""
     node = np.cos(math.pi * (np.arange(q) + 0.5) / q)
     transform = (2.0 / q) * chebvander(node, q - 1).T
     transform[0] *= 0.5
-    dx, dy = (apart[k] + half_target[k] * node[:, None] - half_source[k] * node[None, :] for k in range(2))
-    # Axes: target x, target y, source x, source y.
-    values = influence(np.hypot(dx[:, None, :, None], dy[None, :, None, :]))
+    dx, dy = (
+        apart[:, k, None, None]
+        + half_target[:, k, None, None] * node[:, None]
+        - half_source[:, k, None, None] * node
+        for k in range(2)
+    )
+    # Axes: pair, target x, target y, source x, source y.
+    values = influence(np.hypot(dx[:, :, None, :, None], dy[:, None, :, None, :]))
     for _ in range(4):
-        values = np.tensordot(values, transform, axes=(0, 1))
+        values = np.tensordot(values, transform, axes=(1, 1))
     return np.asarray(values)

@@ -5,14 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 
 from metafem._kernels import love
 from metafem._validate import FloatArray
 from metafem.models._resources import THREADS
-from metafem.models.boundary_elements.far_field import FarField
+from metafem.models.boundary_elements.far_field import FarField, SingleArray, Vector
 from metafem.models.boundary_elements.patches import Patch
 
 # Number of aliases on each side in the symbol of the preconditioner; their terms decrease as the cube of the
@@ -23,6 +25,14 @@ ALIASES = 3
 GAUSS_POINTS = [
     (x, y) for x in (-math.sqrt(1 / 12), math.sqrt(1 / 12)) for y in (-math.sqrt(1 / 12), math.sqrt(1 / 12))
 ]
+
+
+# Number of cells of patches that are transformed together. Each call costs as much as some hundred cells, and
+# a smaller number distributes the work more evenly over the threads.
+CELLS_PER_GROUP = 8192
+
+# Number of values that are transformed at once. Beyond the cache, larger blocks are not faster.
+BLOCK = 2**20
 
 
 class Influence:
@@ -47,9 +57,14 @@ class Influence:
             near += 0.25 * regular(np.hypot(i + x, j + y))
         self.shapes = shapes
         self.edges = np.concatenate([[0], np.cumsum([a * b for a, b in shapes])])
-        self.spectra = {s: _spectrum(near[: s[0], : s[1]]) for s in set(shapes)}
-        self.symbols = {s: _symbol(_fast(s)) for s in set(shapes)}
+        spectra = {s: _spectrum(near[: s[0], : s[1]]) for s in set(shapes)}
+        self.spectra: dict[np.dtype[Any], dict[tuple[int, int], NDArray[Any]]] = {
+            np.dtype(t): {s: v.astype(t, copy=False) for s, v in spectra.items()}
+            for t in (np.float64, np.float32)
+        }
+        self.symbols = {s: _symbol(_fast(s)).astype(np.float32) for s in set(shapes)}
         self.far = FarField(influence, np.array([p.centre for p in patches]), shapes)
+        self.groups = _groups(shapes)
         self.products = 0
 
     @property
@@ -57,54 +72,90 @@ class Influence:
         """Number of cells."""
         return int(self.edges[-1])
 
-    def split(self, vector: FloatArray) -> list[FloatArray]:
+    def split(self, vector: Vector) -> list[Vector]:
         """Return views of a vector's part for each patch, in the shape of the patch."""
         return [
             vector[a:b].reshape(s)
             for a, b, s in zip(self.edges[:-1], self.edges[1:], self.shapes, strict=True)
         ]
 
-    def product(self, pressure: FloatArray) -> FloatArray:
-        """Return the displacement of every cell [cells] by pressures p/E*."""
+    def product(self, pressure: Vector) -> Vector:
+        """Return the displacement of every cell [cells] by pressures p/E*, in the precision of these."""
         self.products += 1
         result = np.empty_like(pressure)
         sources, targets = self.split(pressure), self.split(result)
+        spectra = self.spectra[pressure.dtype]
+        moments = np.empty((len(sources), self.far.size, self.far.size), dtype=pressure.dtype)
 
-        def near(k: int) -> None:
-            _convolve(sources[k], self.spectra[self.shapes[k]], targets[k])
+        def near(group: list[int]) -> None:
+            source: Vector = _stacked(sources, group)
+            image: Vector = _convolved(source, spectra[self.shapes[group[0]]], self._threads)
+            _spread(image, targets, group)
 
-        def far(k: int) -> None:
-            targets[k] += self.far.displacement(local[k], k)
+        def gather(group: list[int]) -> None:
+            moments[group] = self.far.moments(_stacked(sources, group), self.shapes[group[0]])
 
-        count = range(len(sources))
+        def far(group: list[int]) -> None:
+            shift = self.far.displacement(local[group], self.shapes[group[0]])
+            for k, part in zip(group, shift, strict=True):
+                targets[k] += part
+
         if len(sources) == 1:
-            near(0)
+            near([0])
             return result
         with ThreadPoolExecutor(THREADS) as pool:
-            moments = np.array(list(pool.map(self.far.moments, sources, count)))
+            list(pool.map(gather, self.groups))
             between = pool.submit(self.far.local, moments)
-            list(pool.map(near, count))
-            local = between.result()
-            list(pool.map(far, count))
+            list(pool.map(near, self.groups))
+            local: Vector = between.result()
+            list(pool.map(far, self.groups))
         return result
 
-    def precondition(self, vector: FloatArray) -> FloatArray:
+    def precondition(self, vector: SingleArray) -> SingleArray:
         """Return an approximate solution on each patch: the inverse symbol of the half-space is applied."""
         result = np.empty_like(vector)
         sources, targets = self.split(vector), self.split(result)
 
-        def one(k: int) -> None:
-            shape = self.shapes[k]
-            size = _fast(shape)
-            image = fft.irfft2(fft.rfft2(sources[k], s=size) * self.symbols[shape], s=size)
-            targets[k][...] = image[: shape[0], : shape[1]]
+        def solve(group: list[int]) -> None:
+            rows, columns = shape = self.shapes[group[0]]
+            size, workers = _fast(shape), self._threads
+            wave = fft.rfft2(_stacked(sources, group), s=size, workers=workers)
+            wave *= self.symbols[shape]
+            image = fft.irfft2(wave, s=size, overwrite_x=True, workers=workers)
+            _spread(image[:, :rows, :columns], targets, group)
 
-        if len(sources) == 1:
-            one(0)
+        if len(self.groups) == 1:
+            solve(self.groups[0])
         else:
             with ThreadPoolExecutor(THREADS) as pool:
-                list(pool.map(one, range(len(sources))))
+                list(pool.map(solve, self.groups))
         return result
+
+    @property
+    def _threads(self) -> int:
+        """Number of threads in each group of patches: several groups are distributed over the threads."""
+        return THREADS if len(self.groups) == 1 else 1
+
+
+def _groups(shapes: list[tuple[int, int]]) -> list[list[int]]:
+    """Return groups of patches of equal shape, each with at most `CELLS_PER_GROUP` cells or one patch."""
+    groups = []
+    for shape in sorted(set(shapes), reverse=True):
+        same = [k for k, other in enumerate(shapes) if other == shape]
+        count = max(1, CELLS_PER_GROUP // math.prod(shape))
+        groups += [same[k : k + count] for k in range(0, len(same), count)]
+    return groups
+
+
+def _stacked(parts: list[Vector], group: list[int]) -> Vector:
+    """Return the parts of a group of patches as one array, (k, rows, columns)."""
+    return parts[group[0]][None] if len(group) == 1 else np.stack([parts[k] for k in group])
+
+
+def _spread(stack: Vector, parts: list[Vector], group: list[int]) -> None:
+    """Write an array (k, rows, columns) to the parts of a group of patches."""
+    for k, part in zip(group, stack, strict=True):
+        parts[k][...] = part
 
 
 def _fast(shape: tuple[int, int]) -> tuple[int, int]:
@@ -128,14 +179,28 @@ def _spectrum(quadrant: FloatArray) -> FloatArray:
     return np.ascontiguousarray(fft.rfft2(full).real)
 
 
-def _convolve(source: FloatArray, spectrum: FloatArray, target: FloatArray) -> None:
-    """Write the convolution to `target`; lines that contain only padding are not transformed."""
-    rows, columns = source.shape
+def _convolved(source: Vector, spectrum: NDArray[Any], threads: int) -> Vector:
+    """Return the convolutions of patches, (k, rows, columns).
+
+    Lines that contain only padding are not transformed. The columns are transformed in blocks, so that their
+    padding needs little memory.
+    """
+    count, rows, columns = source.shape
     m0, m1 = _padded((rows, columns))
-    work = fft.fft(fft.rfft(source, m1, axis=1), m0, axis=0, overwrite_x=True)
-    work *= spectrum
-    work = fft.ifft(work, axis=0, overwrite_x=True)[:rows]
-    target[...] = fft.irfft(work, m1, axis=1)[:, :columns]
+    work = fft.rfft(source, m1, axis=2, workers=threads)
+    step = max(1, BLOCK // (count * m0))
+    for start in range(0, work.shape[2], step):
+        block = slice(start, start + step)
+        wave = fft.fft(work[:, :, block], m0, axis=1, workers=threads)
+        wave *= spectrum[:, block]
+        wave = fft.ifft(wave, axis=1, overwrite_x=True, workers=threads)
+        work[:, :, block] = wave[:, :rows]
+    result = np.empty_like(source)
+    step = max(1, BLOCK // (count * m1))
+    for start in range(0, rows, step):
+        block = slice(start, start + step)
+        result[:, block] = fft.irfft(work[:, block], m1, axis=2, workers=threads)[:, :, :columns]
+    return result
 
 
 def _symbol(shape: tuple[int, int]) -> FloatArray:

@@ -1,16 +1,18 @@
 """Bound-constrained quadratic programs by projected, preconditioned conjugate gradients.
 
 Minimises ``p.A p / 2 + p.(g - z)`` for p >= 0, where z is given, or for p >= 0 with a fixed sum, where z is
-the Lagrange multiplier. Conjugate gradients are applied on the cells that carry pressure. A step that
-violates the bounds is projected. Cells that overlap the plane are added when their violation exceeds the
-error on the other cells (proportioning: Dostál, Optimal Quadratic Programming Algorithms (2009), chapter 5,
-doi:10.1007/b138610).
+the Lagrange multiplier. Each cycle fixes the face: the cells that carry pressure or overlap the plane. On it
+conjugate gradients solve ``A p + g = z`` without the bounds, until the error there is well below the error
+that the bounds will cause. The result is then projected, which removes the cells in tension, and the next
+cycle begins with the new face (proportioning: Dostál, Optimal Quadratic Programming Algorithms (2009),
+chapter 5, doi:10.1007/b138610).
 
 A projected step is accepted only if it decreases the energy; otherwise a sufficiently short projected
-gradient step replaces it. Since the energy decreases at every step, no set of cells recurs.
-The program is strictly convex. The residual of its optimality conditions is recomputed for the returned
-pressure and certifies the solution. In contrast, Polonsky and Keer, Wear 231, 206 (1999),
-doi:10.1016/S0043-1648(99)00113-1, accept all projected steps.
+gradient step replaces it. Since the energy decreases in every cycle, no set of cells recurs.
+The program is strictly convex. Within a cycle the products are in single precision; their errors are
+proportional to the step. The projected pressure has its product in double precision, from which the residual
+of the optimality conditions is computed. It certifies the solution. In contrast, Polonsky and Keer, Wear 231,
+206 (1999), doi:10.1016/S0043-1648(99)00113-1, accept all projected steps.
 """
 
 from __future__ import annotations
@@ -22,7 +24,23 @@ from numpy.typing import NDArray
 
 from metafem._kernels import vectors as kernel
 from metafem._validate import FloatArray
+from metafem.models.boundary_elements.far_field import SingleArray
 from metafem.models.boundary_elements.influence import Influence
+
+# Conjugate gradients on a face stop if their error is below this share of the error that the bounds cause.
+# Smaller values need fewer cycles, each with a product in double precision, and more steps in each. Between
+# 0.03 and 1 the time of a solution changes by less than a tenth.
+SHARE = 0.1
+
+# Growth of this share when a projected step does not decrease the energy: the next face is solved less
+# accurately, down to one step, after which few cells are in tension.
+GROWTH = 10.0
+
+# Tolerance on a face divided by that of the program. The errors of single precision are below the rest.
+INNER = 0.5
+
+# Smallest reduction of the error on a face. Beyond it, rounding in single precision determines the steps.
+REDUCTION = 1e-6
 
 # Maximum number of halvings of a gradient step; 2^-40 of the first step is below rounding.
 MAX_HALVINGS = 40
@@ -73,46 +91,26 @@ def minimise(
 ) -> Minimum:
     """Return the solution of the program; `pressure` is an initial guess that satisfies the constraints.
 
-    operator: A and its preconditioner; gap: g; multiplier: z, or a first guess of z if the pressure has a
-    fixed sum `total`. The iteration stops when the error, in the units of g, is within the tolerance.
+    operator: A and its preconditioner, in the precision of their argument; gap: g; multiplier: z, or a first
+    guess of z if the pressure has a fixed sum `total`. The iteration stops when the error, in the units of g,
+    is within the tolerance.
     """
     problem = _Problem(operator, gap, total, multiplier)
-    p = pressure
-    v = operator.product(p) + gap
-    face = problem.face(p, v)
-    d = np.zeros_like(p)
-    rho = 0.0
-    for iteration in range(max_iterations):
-        s = problem.direction(v, face)
-        w = v - problem.multiplier
-        inner = np.where(face, w, 0.0)
-        inside, outside = kernel.violations(w, face)
-        if max(inside, outside) <= tolerance:
-            again = operator.product(p) + gap
-            if _error(p, again, problem) <= tolerance:
-                return _result(p, again, problem, iteration)
-            v = again
-        if outside > inside:
-            face = (p > 0.0) | (w < 0.0)
-            rho = 0.0
-            continue
-        new_rho = -kernel.dot(inner, s)
-        d = s + (new_rho / rho) * d if rho > 0.0 else s
-        rho = new_rho
-        slope = kernel.dot(inner, d)
-        image = operator.product(d)
-        length = -slope / kernel.dot(d, image)
-        trial = p + length * d
-        if trial.min() >= 0.0:
-            v = v + length * image
-            p = trial
-            continue
-        p, v, moved = _projected_step(problem, p, v, trial)
-        face = problem.face(p, v)
-        rho = 0.0
-        if not moved:
+    p, v = pressure, operator.product(pressure) + gap
+    iterations, halvings, share = 0, 0, SHARE
+    while True:
+        problem.restrict(p, v)
+        error = problem.error(p, v)
+        if error <= tolerance or iterations >= max_iterations or halvings == MAX_HALVINGS:
             break
-    return _result(p, operator.product(p) + gap, problem, max_iterations)
+        trial, steps = _on_face(problem, p, v, INNER * tolerance, max_iterations - iterations, share)
+        iterations += max(steps, 1)
+        if total is not None:
+            trial *= total / trial.sum()  # which rounding may have changed
+        p, v, halvings = _projected_step(problem, p, v, trial, tolerance)
+        if halvings > 0:
+            share *= GROWTH
+    return Minimum(p, v - problem.multiplier, problem.multiplier, error, iterations)
 
 
 def solve_on(
@@ -120,98 +118,117 @@ def solve_on(
 ) -> FloatArray:
     """Return q with A q = right on the face and q = 0 elsewhere, by preconditioned conjugate gradients.
 
-    The iteration stops when the largest error of the equations is within `tolerance`, or after
-    `max_iterations`.
+    The iteration stops when the largest error of the equations, recomputed in double precision, is within
+    `tolerance`, or after `max_iterations`.
     """
-    q = np.zeros_like(right)
-    rest = np.where(face, right, 0.0)
-    d = np.zeros_like(right)
-    rho = np.inf
-    for _ in range(max_iterations):
-        if float(np.abs(rest).max()) <= tolerance:
-            break
-        s = np.where(face, operator.precondition(rest), 0.0)
-        new = kernel.dot(rest, s)
-        d = s + (new / rho) * d
-        rho = new
-        image = np.where(face, operator.product(d), 0.0)
-        length = rho / kernel.dot(d, image)
-        q += length * d
-        rest -= length * image
+    problem = _Problem(operator, -right, None, 0.0)
+    problem.face = face
+    q, v = np.zeros_like(right), -right
+    iterations = 0
+    while np.abs(v[face]).max(initial=0.0) > tolerance and iterations < max_iterations:
+        q, steps = _on_face(problem, q, v, INNER * tolerance, max_iterations - iterations, 0.0)
+        iterations += max(steps, 1)
+        v = operator.product(q) - right
     return q
 
 
 class _Problem:
-    """The data of the program, and the current multiplier."""
+    """The data of the program, and the current face and multiplier."""
 
     def __init__(self, operator: Influence, gap: FloatArray, total: float | None, multiplier: float) -> None:
         self.operator = operator
         self.gap = gap
         self.total = total
         self.multiplier = multiplier
-        self._ones: tuple[NDArray[np.bool_], FloatArray, float] | None = None
+        self.face: NDArray[np.bool_] = np.zeros(gap.shape, dtype=bool)
 
-    def face(self, p: FloatArray, v: FloatArray) -> NDArray[np.bool_]:
-        """Return whether each cell has pressure or overlaps the plane; with a fixed sum, update z first."""
+    def restrict(self, p: FloatArray, v: FloatArray) -> None:
+        """Set the face, the cells with pressure or overlap; with a fixed sum, update z first."""
         if self.total is not None:
             self.multiplier = float(v[p > 0.0].mean())
-        return np.asarray((p > 0.0) | (v < self.multiplier))
+        self.face = np.asarray((p > 0.0) | (v < self.multiplier))
 
-    def direction(self, v: FloatArray, face: NDArray[np.bool_]) -> FloatArray:
-        """Return a preconditioned descent direction on the face, which preserves the sum if this is fixed.
+    def restricted(self, vector: SingleArray) -> FloatArray:
+        """Return the preconditioner on the face, applied to a vector that is zero elsewhere."""
+        return np.multiply(self.operator.precondition(vector), self.face, dtype=np.float64)
 
-        In that case the multiplier is set such that the sum of the direction is zero.
-        """
-        s = self._restricted(self.multiplier - v, face)
-        if self.total is None:
-            return s
-        if self._ones is None or self._ones[0] is not face:
-            one = self._restricted(np.ones_like(v), face)
-            self._ones = (face, one, float(one.sum()))
-        _, one, sum_one = self._ones
-        change = -float(s.sum()) / sum_one
-        self.multiplier += change
-        return np.asarray(s + change * one)
-
-    def _restricted(self, vector: FloatArray, face: NDArray[np.bool_]) -> FloatArray:
-        return np.where(face, self.operator.precondition(np.where(face, vector, 0.0)), 0.0)
+    def error(self, p: FloatArray, v: FloatArray) -> float:
+        """Return the largest |gap| of a cell with pressure, or overlap of a cell without."""
+        return float(max(kernel.violations(v, self.multiplier, p > 0.0)))
 
     def energy_change(self, step: FloatArray, before: FloatArray, after: FloatArray) -> float:
         """Return the change of the energy by a step, from both gradients, without cancellation."""
-        return float(0.5 * kernel.dot(step, before + after)) - self.multiplier * float(step.sum())
+        z = self.multiplier
+        return float(0.5 * (kernel.shifted_dot(step, before, z) + kernel.shifted_dot(step, after, z)))
+
+
+def _on_face(
+    problem: _Problem,
+    p: FloatArray,
+    v: FloatArray,
+    tolerance: float,
+    max_steps: int,
+    share: float,
+) -> tuple[FloatArray, int]:
+    """Return the solution on the face without bounds, which may be negative, and the number of steps.
+
+    With a fixed sum, the directions preserve it, and the multiplier is updated. The iteration stops if the
+    error is within `tolerance`, or within a share of the error that the bounds cause.
+    """
+    face, operator = problem.face, problem.operator
+    p, v = p.copy(), v.copy()
+    d = np.zeros_like(p)
+    rho = np.inf
+    if problem.total is not None:
+        one = problem.restricted(face.astype(np.float32))
+        sum_one = float(one.sum())
+    for step in range(max_steps):
+        s = problem.restricted(kernel.shortage(v, problem.multiplier, face))
+        if problem.total is not None:
+            change = -float(s.sum()) / sum_one
+            problem.multiplier += change
+            kernel.add_multiple(s, change, one)
+        inside, outside = kernel.violations(v, problem.multiplier, face)
+        if step == 0:
+            tolerance = max(tolerance, REDUCTION * inside)
+        if inside <= max(tolerance, share * max(outside, -float(p.min()))):
+            return p, step
+        new = -kernel.shifted_dot(s, v, problem.multiplier)
+        d *= new / rho
+        d += s
+        rho = new
+        image = operator.product(d.astype(np.float32))
+        curvature = kernel.dot(d, image)
+        if curvature <= 0.0:  # the step is zero, or lost in rounding
+            return p, step
+        length = -kernel.shifted_dot(d, v, problem.multiplier) / curvature
+        kernel.add_multiple(p, length, d)
+        kernel.add_multiple(v, length, image)
+    return p, max_steps
 
 
 def _projected_step(
-    problem: _Problem, p: FloatArray, v: FloatArray, trial: FloatArray
-) -> tuple[FloatArray, FloatArray, bool]:
-    """Return pressure and A p + g after the projected trial step, or a projected gradient step, and success.
+    problem: _Problem, p: FloatArray, v: FloatArray, trial: FloatArray, tolerance: float
+) -> tuple[FloatArray, FloatArray, int]:
+    """Return pressure and A p + g after a projected step, and the number of halvings.
 
-    The trial step is used if it decreases the energy; otherwise the gradient step is halved until it does.
+    The trial step is used if it decreases the energy or solves the program: 0 halvings. Otherwise a gradient
+    step is halved until it decreases the energy. After MAX_HALVINGS, the pressure has not changed.
     """
     operator, gap = problem.operator, problem.gap
     step, length = np.zeros(0), 0.0
     for halvings in range(MAX_HALVINGS):
         new = project(trial, problem.total)
         image = operator.product(new) + gap
-        if problem.energy_change(new - p, v, image) < 0.0:
-            return new, image, True
+        if problem.energy_change(new - p, v, image) < 0.0 or problem.error(new, image) <= tolerance:
+            return new, image, halvings
         if halvings == 0:
-            face = problem.face(p, v)
-            w = v - (problem.multiplier if problem.total is None else v[face].mean())
-            step = np.where(face, -w, 0.0)
+            problem.restrict(p, v)
+            z = problem.multiplier if problem.total is None else v[problem.face].mean()
+            step = np.where(problem.face, z - v, 0.0)
             if not step.any():
                 break
             length = kernel.dot(step, step) / kernel.dot(step, operator.product(step))
         trial = p + length * step
         length *= 0.5
-    return p, v, False
-
-
-def _error(p: FloatArray, v: FloatArray, problem: _Problem) -> float:
-    w = v - problem.multiplier
-    closed = np.abs(w[p > 0.0]).max(initial=0.0)
-    return float(max(closed, -w[p == 0.0].min(initial=0.0)))
-
-
-def _result(p: FloatArray, v: FloatArray, problem: _Problem, iterations: int) -> Minimum:
-    return Minimum(p, v - problem.multiplier, problem.multiplier, _error(p, v, problem), iterations)
+    return p, v, MAX_HALVINGS
