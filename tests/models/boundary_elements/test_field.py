@@ -131,7 +131,7 @@ def test_the_picture_shows_each_patch_to_scale(pair):
 
 
 def test_pressure_is_the_same_to_the_bit_in_every_run():
-    surface = mf.Surface.square_lattice([0.1, 0.11, 0.12, 0.1], (2, 2), 0.9, 0.526, mf.Material(MODULUS))
+    surface = mf.Surface.square_lattice([0.1, 0.11, 0.12, 0.1], (2, 2), 0.9, radius=RADIUS, material=MATERIAL)
     first, second = (mf.equilibrium(surface, mf.BoundaryElements(0.01), load=0.1).field for _ in range(2))
     np.testing.assert_array_equal(first.pressure, second.pressure)
     np.testing.assert_array_equal(first.gap, second.gap)
