@@ -27,11 +27,11 @@ GAUSS_POINTS = [
 ]
 
 
-# Number of cells of patches that are transformed together. Each call costs as much as some hundred cells, and
-# a smaller number distributes the work more evenly over the threads.
+# Largest number of cells of patches that are transformed together. Small patches share the cost of calls;
+# several groups remain, which distribute the work over the threads.
 CELLS_PER_GROUP = 8192
 
-# Number of values that are transformed at once. Beyond the cache, larger blocks are not faster.
+# Largest number of values that are transformed at once with their padding: 8 MiB in single precision.
 BLOCK = 2**20
 
 
