@@ -14,7 +14,7 @@ import numpy as np
 from metafem._kernels import projected_cg
 from metafem._kernels.compiled import compiled, inlined
 from metafem._kernels.contact import hertz, tabulated
-from metafem._kernels.coupling import State, copy, empty_state, quadratic_form
+from metafem._kernels.coupling import State, copy, empty_state, quadratic_form, spread
 from metafem._kernels.interacting import TOLERANCE, Scratch, empty_scratch, rates, refresh, settle
 
 # Relative residual of the tangent. The stiffness is stationary at the tangent and has twice as many correct
@@ -228,7 +228,7 @@ def curves(field, order, law, self_term, gap, control, by_load, results, state, 
             results.approach[row, j] = new
             results.load[row, j] = load
             results.residual[row, j] = residual
-            results.area[row, j], results.radius[row, j] = areas(state, count)
+            results.area[row, j], results.radius[row, j] = areas(order, law_of_row, state, count)
             if residual > TOLERANCE or count == 0:
                 points = 0
                 continue
@@ -249,11 +249,14 @@ def curves(field, order, law, self_term, gap, control, by_load, results, state, 
 
 
 @compiled
-def areas(state, count):
+def areas(order, law, state, count):
     """Return the total area of the contacts [mm^2], and the largest contact radius [mm]."""
     area = largest = 0.0
+    sloping = order > 1 and law.data.size > 0
+    if sloping:
+        spread(order, law, state)
     for k in range(count):
-        square = state.square[state.closed[k]]
-        area += square
-        largest = max(largest, square)
+        i = state.closed[k]
+        area += state.footprint[i] if sloping else state.square[i]
+        largest = max(largest, state.square[i])
     return math.pi * area, math.sqrt(largest)

@@ -51,7 +51,7 @@ class State(NamedTuple):
     load: np.ndarray  # p [mm^2]
     rate: np.ndarray  # dp/dz [mm]
     square: np.ndarray  # a^2 [mm^2]
-    widening: np.ndarray  # da^2/dp [-], filled for Hertz contacts by `widen`
+    widening: np.ndarray  # da^2/dp [-], not filled for Hertz contacts
     indentation: np.ndarray  # d [mm]
     displacement: np.ndarray  # u at the contact [mm]
     bend: np.ndarray  # dd/dz [-]; (1 + k R)^(1/3) for Hertz's law
@@ -62,6 +62,10 @@ class State(NamedTuple):
     slope_x: np.ndarray
     slope_y: np.ndarray
     curvature: np.ndarray  # 2 k, the sum of p lap G [1/mm]
+    footprint: np.ndarray  # A/pi [mm^2], filled by `spread` as are its derivatives
+    by_load: np.ndarray  # derivative of A/pi with respect to p [-]
+    by_curvature: np.ndarray  # derivative of A/pi with respect to k [mm^3]
+    by_slope: np.ndarray  # derivative of A/pi with respect to |g|^2 [mm^2]
     outside: np.ndarray  # 1 if z or the extra curvature is outside the range of the law, else 0
     part: np.ndarray  # scratch
     other: np.ndarray  # scratch
@@ -171,12 +175,27 @@ def sharpen(law, state, count):
 
 
 @compiled
-def widen(law, state, count):
-    """Fill da^2/dp = R/(2 sqrt(R z) b^2) of Hertz contacts, with b = dd/dz; only sensitivities need this."""
-    if law.data.size == 0:
-        for k in range(count):
-            i = state.closed[k]
-            state.widening[i] = law.radius[i] / (state.rate[i] * state.bend[i] * state.bend[i])
+def spread(order, law, state):
+    """Fill the areas of the contacts and their derivatives; only results and sensitivities need them."""
+    radius, which, scale, data = law
+    plain = data.size == 0
+    for i in range(state.z.size):
+        square = state.square[i]
+        state.footprint[i] = state.by_load[i] = state.by_curvature[i] = state.by_slope[i] = 0.0
+        if not square > 0.0:
+            continue
+        state.footprint[i] = square
+        # for Hertz's law da^2/dp = R/(2 sqrt(R z) b^2), with b = dd/dz
+        wider = radius[i] / (state.rate[i] * state.bend[i] * state.bend[i]) if plain else state.widening[i]
+        if order > 1 and not plain:
+            slope = state.slope_x[i] * state.slope_x[i] + state.slope_y[i] * state.slope_y[i]
+            (
+                state.footprint[i], state.by_load[i], state.by_curvature[i], state.by_slope[i]
+            ) = tabulated.on_slope(data, which[i], scale[i], square, wider, slope)  # fmt: skip
+            continue
+        state.by_load[i] = wider
+        if order > 1:
+            state.by_curvature[i] = -4.0 / 3.0 * square * math.sqrt(square) * wider
 
 
 @compiled

@@ -9,7 +9,7 @@ import numpy as np
 
 from metafem._kernels import projected_cg
 from metafem._kernels.compiled import compiled, inlined
-from metafem._kernels.coupling import assemble, copy, energy, measure, respond, widen
+from metafem._kernels.coupling import assemble, copy, energy, measure, respond, spread
 from metafem._kernels.vectors import factorise, substitute
 
 # Largest residual of a solution, and residual at which Newton's method stops; it is smaller to allow for
@@ -247,7 +247,7 @@ def area_gradients(field, order, law, self_term, indentation, state, matrix, scr
     for row in range(indentation.shape[0]):
         copy(indentation[row], state.z)
         count = respond(field, order, law, self_term, state)
-        widen(law, state, count)
+        spread(order, law, state)
         hessian(field, order, self_term, state, count, matrix, scratch)
         if not factorise(matrix, count, scratch[5]):
             return row
@@ -273,7 +273,7 @@ def hessian(field, order, self_term, state, count, matrix, scratch):
         for m in range(k + 1):
             matrix[k, m] = point[closed[m]]
         matrix[k, k] += state.bend[i] / state.rate[i] + self_term[i]
-        by_area[k] = math.pi * state.widening[i]
+        by_area[k] = math.pi * state.by_load[i]
         by_approach[k] = 1.0
     if order == 1:
         return
@@ -282,12 +282,14 @@ def hessian(field, order, self_term, state, count, matrix, scratch):
         square, lever, slope_x, slope_y = state.square[i], state.lever[i], state.slope_x[i], state.slope_y[i]
         curved = 2.0 / 45.0 * square * square * math.sqrt(square)
         bend, tilt = square / 6.0, -state.lever_rate[i]
-        narrowing = 2.0 / 3.0 * math.pi * square * math.sqrt(square) * state.widening[i]
+        narrowing, sloping = 0.5 * math.pi * state.by_curvature[i], 2.0 * math.pi * state.by_slope[i]
         # curvature and slopes at this contact due to the load of each contact
         for m in range(count):
             j = closed[m]
             lap[m], gx[m], gy[m] = field.laplacian[i, j], field.slope_x[i, j], field.slope_y[i, j]
-            by_area[m] -= narrowing * lap[m]
+            by_area[m] += narrowing * lap[m]
+            if sloping != 0.0:
+                by_area[m] += sloping * (slope_x * gx[m] + slope_y * gy[m])
         for m in range(count):
             mixed = bend * lap[m] + tilt * (slope_x * gx[m] + slope_y * gy[m])
             if m <= k:

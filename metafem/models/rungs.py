@@ -23,7 +23,7 @@ from metafem.models.interacting.elastic import ElasticCoupling, Response
 from metafem.models.interacting.influence import displacements, nearest_distance
 from metafem.models.interacting.model import Interacting
 from metafem.models.load_equation import LoadEquation
-from metafem.models.truncation import equivalent_radii, nearest, truncation
+from metafem.models.truncation import equivalent_radii, nearest, slope_effects, truncation
 from metafem.substrate import Substrate
 from metafem.surface import Surface
 
@@ -138,7 +138,8 @@ def _higher_orders(law: Contact, surface: Surface, substrate: Substrate, curve: 
         curvature += (load_of[near] / (2.0 * math.pi * r**3)).sum(axis=1)
     response = equivalent_radii(law, surface, area)[0][closed]
     flatter = FLATTENING * float(curvature * response @ area[closed] / area.sum())
-    return flatter + truncation(surface, area, substrate, law)
+    tilted = 0.0 if law == PARABOLOID else slope_effects(law, surface, area, substrate)[0]
+    return flatter + tilted + truncation(surface, area, substrate, law)
 
 
 def order_1_error(model: Interacting, surface: Surface, curve: Curve, indentation: FloatArray) -> float:
@@ -179,4 +180,4 @@ def _area_of_order_3(response: Response, z: FloatArray, approach: float, load: f
         return math.inf
     rate = state.rate[closed] / state.bend[closed]
     missing = (load - float(state.load[closed].sum())) / float(rate.sum())
-    return math.pi * float((state.square[closed] + state.widening[closed] * rate * missing).sum())
+    return math.pi * float((state.footprint[closed] + state.by_load[closed] * rate * missing).sum())

@@ -7,7 +7,7 @@ import metafem as mf
 from metafem._kernels.truncation import pair_sum
 from metafem.models import automatic as automatic_module
 from metafem.models import truncation as truncation_module
-from metafem.models.truncation import ALL_PAIRS, truncation
+from metafem.models.truncation import ALL_PAIRS, slope_effects, truncation
 from tests.models.scenes import lattice, scene
 
 # Errors of A0 at fixed load of order 3 against resolved contacts on a 3 x 3 lattice, and the approaches at
@@ -23,16 +23,18 @@ def test_estimates_bound_the_errors_against_resolved_contacts(approach, error):
 
 
 # The same for other caps, at a largest contact radius of 0.2 and 0.27 of the pitch; see the benchmark "caps".
+# The last column is the largest ratio of the estimate to the error.
 @pytest.mark.parametrize(
-    ("law", "radius", "ratio", "error"),
+    ("law", "radius", "ratio", "error", "most"),
     [
-        (mf.PowerCap(4), 0.526, 0.2, 0.0006),
-        (mf.PowerCap(4), 0.526, 0.27, 0.0019),
-        (mf.SphericalCap(), 0.6, 0.2, 0.00042),
-        (mf.SphericalCap(), 0.81, 0.27, 0.00122),
+        (mf.PowerCap(4), 0.526, 0.2, 0.000117, 1.5),
+        (mf.PowerCap(4), 0.526, 0.27, 0.000387, 1.5),
+        (mf.PowerCap(4), 0.526, 0.35, 0.001947, 1.5),
+        (mf.SphericalCap(), 0.6, 0.2, 0.000165, 1.5),
+        (mf.SphericalCap(), 0.81, 0.27, 0.000458, 1.8),
     ],
 )
-def test_estimates_of_other_caps_bound_their_errors(law, radius, ratio, error):
+def test_estimates_of_other_caps_bound_their_errors(law, radius, ratio, error, most):
     surface, a = lattice(0.5 * np.ones(9), radius), 1.5 * ratio
     approach = 1.5 * float(law.indentation(a, radius))  # about that of the approach with this radius
     model = mf.Interacting(contact=law)
@@ -42,7 +44,7 @@ def test_estimates_of_other_caps_bound_their_errors(law, radius, ratio, error):
             law.indentation(a, radius) / law.indentation(np.sqrt(last.area.max() / np.pi), radius)
         )
     assert np.sqrt(last.area.max() / np.pi) == pytest.approx(a, rel=1e-3)
-    assert error < truncation(surface, last.area, mf.HalfSpace(), law) < 1.5 * error
+    assert error < truncation(surface, last.area, mf.HalfSpace(), law) < most * error
 
 
 def test_estimates_of_a_power_of_two_are_those_of_the_paraboloid():
@@ -58,9 +60,9 @@ def test_slopes_in_large_scenes_are_those_of_the_nearest_neighbours(monkeypatch)
     height = 0.12 - np.minimum(np.random.default_rng(0).exponential(0.035, 324), 0.12)
     surface, law = lattice(height), mf.PowerCap(4)
     area = mf.Interacting(contact=law).curve(surface, np.array([2.0])).last.area
-    every = truncation(surface, area, mf.HalfSpace(), law)
+    every, _ = slope_effects(law, surface, area, mf.HalfSpace())
     monkeypatch.setattr(truncation_module, "DENSE_LIMIT", 1)
-    assert truncation(surface, area, mf.HalfSpace(), law) == pytest.approx(every, rel=0.35)
+    assert slope_effects(law, surface, area, mf.HalfSpace())[0] == pytest.approx(every, rel=0.35)
 
 
 def test_pairs_of_many_contacts_are_those_of_their_nearest_neighbours():
@@ -105,8 +107,9 @@ def test_what_order_3_does_not_hold_is_resolved():
 
 def test_other_caps_are_resolved_where_order_3_does_not_hold():
     law = mf.PowerCap(4)
-    for load, chosen in ((0.05, mf.Independent), (0.3, mf.Interacting), (2.0, mf.BoundaryElements)):
-        state = mf.equilibrium(lattice(0.5 * np.ones(4)), mf.Automatic(2e-3, contact=law), load=load)
+    chosen_at = ((0.05, 2e-3, mf.Independent), (0.3, 2e-3, mf.Interacting), (2.0, 1e-3, mf.BoundaryElements))
+    for load, tolerance, chosen in chosen_at:
+        state = mf.equilibrium(lattice(0.5 * np.ones(4)), mf.Automatic(tolerance, contact=law), load=load)
         assert isinstance(state.model, chosen)
         assert state.model.contact == law
         assert state.notes[0].text.startswith("chosen: ")

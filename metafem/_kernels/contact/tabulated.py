@@ -9,6 +9,16 @@ lines continue the table beyond both ends.
 If the neighbours add the curvature k, a contact with load p has the radius a with ``P(a) + 4/3 k a^3 = p``.
 Then ``d = D + k a^2``, ``M = M(a) + 8/15 k a^5``, ``dd/dp = 1/(2 a)`` and ``da^2/dp = 1/(D' + 2 k a)``. A
 slope g adds the energy ``-T g^2`` with ``T(p) = 2/3 a^3``, where a is the contact radius without curvature.
+
+The slope also changes the area. A circular contact of any radius a, indented by d, moves on the slope by the
+distance e that makes the energy stationary,
+
+    U(a, e) = int_0^a (d - g e - D - e^2 D''/4)^2 ds + 1/2 int_0^a (e D' + 2 g s)^2 ds + constant,
+
+which is ``e = -2 a g/D'`` for any d. Then ``U = int_0^a (d - D)^2 ds + g^2 (2/3 a^3 + 2 a^2 (d - D(a))/D')``
+to second order in g, and dU/da = 0 gives d, and with P = dU/dd the load. At a given load the area is
+``pi a^2 (1 - 2 y)`` with ``y = (a D''/D' - 1) (g/D')^2``, where the curvature k is part of D. It is unchanged
+for paraboloids.
 """
 
 from __future__ import annotations
@@ -241,6 +251,49 @@ def bent(data, at, scale, load, square, widening, curvature):
     return (
         wide * area, (depth + k * wide) * scale, a0 * per_a, 1.0 / slope, 0.25 * moment * area * area, inside
     )  # fmt: skip
+
+
+@compiled
+def derivatives(data, at, first, t, beyond):
+    """Return the results of `line`, and the second and third derivatives; for values of few contacts."""
+    f = f1 = f2 = f3 = 0.0
+    for k in range(COEFFICIENTS - 1, -1, -1):
+        f3 = f3 * t + f2
+        f2 = f2 * t + f1
+        f1 = f1 * t + f
+        f = f * t + data[at, first + k]
+    if beyond != 0.0:
+        f2 = f3 = 0.0
+    return f + f1 * beyond, f1, 2.0 * f2, 6.0 * f3
+
+
+@compiled
+def on_slope(data, at, scale, square, widening, steepness):
+    """Return A/pi of a contact on a slope g, and its derivatives with respect to p, k and g^2.
+
+    square, widening: a^2 [mm^2] and da^2/dp = 1/(D' + 2 k a), without the slope; steepness: g^2.
+    ``A/pi = a^2 F(y)``, with y from the head of the module. For D convex in a^2 (y > 0), F = 1/sqrt(1 + 4 y),
+    which is ``1 - 2 y`` to first order and positive for any slope; else F = 1 - 2 y.
+    """
+    a = math.sqrt(square) / scale
+    first, inverse, t, beyond = panel(data, at, BY_RADIUS, math.log(a))
+    f, f1, f2, f3 = derivatives(data, at, first, t, beyond)
+    f1, f2, f3 = f1 * inverse, f2 * inverse**2, f3 * inverse**3
+    # E = a^2 D'' - a D', and a dE/da; both are without k, as for every paraboloid
+    depth = math.exp(f)
+    bend = depth * (f1 * f1 + f2 - 2.0 * f1)
+    bend_rate = depth * (f1 * (f1 * f1 + 3.0 * f2) + f3 - 2.0 * (f1 * f1 + f2))
+    per_slope = widening**3 / a  # 1/(a (D' + 2 k a)^3)
+    y_rate = bend * per_slope  # dy/dg^2
+    y = y_rate * steepness
+    y_radius = bend_rate * per_slope * steepness - y * (4.0 + 3.0 * bend * widening / a)  # a dy/da at fixed k
+    factor = 1.0 / math.sqrt(1.0 + 4.0 * y) if y > 0.0 else 1.0 - 2.0 * y
+    rate = -2.0 * factor**3 if y > 0.0 else -2.0  # dF/dy
+    by_load = widening * (factor + 0.5 * rate * y_radius)
+    # at given p, da^2/dk = -4/3 a^3 da^2/dp
+    by_curvature = scale * a * (-4.0 / 3.0 * a * a * scale * scale * by_load)
+    by_curvature += square * rate * (-6.0 * y * a * widening * scale)
+    return square * factor, by_load, by_curvature, square * rate * y_rate
 
 
 @compiled

@@ -8,11 +8,8 @@ of the displacement field of the other contacts. The equations are of order 3, a
 
 with the influence G, its Laplacian L and its gradient S between the sites. A contact on a slope g moves down
 the slope. The slope of the field shifts a paraboloid by R g, so that r = R and Q = p R. Then u is the
-derivative of the energy sum U*(p, k) - p R |g|^2/2 + p.G p/2. For other caps ``r = 2 a/c`` with c = dd/da of
-the cap, and ``Q = 4/3 a^3 - r 2 a s``, where s is the decrease of the indentation by adhesion. The first term
-is the moment of a tilted circle; the second is due to the moving edge of an adhesive contact. As without
-adhesion, the terms of the slope use the radius of a contact with k = 0 on which the cap carries the same
-load. In order 1, L = S = 0.
+derivative of the energy sum U*(p, k) - p R |g|^2/2 + p.G p/2. For other caps the slope also changes d, P and
+M, and an energy exists up to terms in g^4; see `slopes`. In order 1, L = S = 0.
 """
 
 from __future__ import annotations
@@ -29,12 +26,7 @@ from metafem._validate import FloatArray, IntArray
 from metafem.contact import JKR
 from metafem.contact.adhesion import of_sizes
 from metafem.contact.elastic import PARABOLOID
-
-# Maximum number of Newton steps, sufficient to reach rounding from a relative error of a few hundredths.
-MOST_STEPS = 20
-
-# Relative step of the finite difference for the derivative of r, which occurs only in a small term.
-STEP = 1e-5
+from metafem.models.adhesion.slopes import Slopes
 
 
 @dataclass(frozen=True)
@@ -132,52 +124,16 @@ class Contacts:
             return Fields(load, moment, none, none, none, none, none, u, depth, depth - law.deficit(a))
         doubled, gx, gy = self.fields @ p
         k = 0.5 * doubled
-        load, moment = law.load(a, radius, k), law.second_moment(a, radius, k)
-        depth = law.cap.indentation(a, radius, k)
-        tilt, turn = (radius * p, radius) if self.scene.paraboloid else self._tilt(a, k)[:2]
-        u = self.influence @ p - 0.5 * turn * (gx**2 + gy**2)
+        depth, steepness = law.cap.indentation(a, radius, k), gx**2 + gy**2
+        if self.scene.paraboloid:
+            load, moment = law.load(a, radius, k), law.second_moment(a, radius, k)
+            tilt, turn, indentation = radius * p, radius, depth - law.deficit(a)
+        else:
+            load, moment, tilt, turn, indentation = Slopes(law, radius, a, k, steepness).values
+        u = self.influence @ p - 0.5 * turn * steepness
         for matrix, weight in zip(self.fields, (0.25 * moment, -tilt * gx, -tilt * gy), strict=True):
             u += weight @ matrix
-        return Fields(load, moment, k, gx, gy, tilt, turn, u, depth, depth - law.deficit(a))
-
-    def _tilt(self, a: FloatArray, k: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return Q [mm^3], r [mm], the radius a0 at which the cap has its load with k = 0, and dr/da0."""
-        law, radius = self.scene.law, self.radius
-        carried = law.cap.load(a, radius, k)
-        lost = 2.0 * a * law.deficit(a)
-        own = a
-        for _ in range(MOST_STEPS):
-            step = (law.cap.load(own, radius) - carried) / (2.0 * own * law.profile_slope(own, radius))
-            own = own - step
-            if (np.abs(step) <= 4.0 * np.finfo(np.float64).eps * own).all():
-                break
-        low, turn, high = (law.cap.area_slope(own * t, radius) / np.pi for t in (1 - STEP, 1.0, 1 + STEP))
-        rate = (high - low) / (2.0 * STEP * own)
-        return 4.0 / 3.0 * own**3 - turn * lost, turn, own, rate
-
-    def _add_tilt(
-        self,
-        a: FloatArray,
-        found: Fields,
-        slope: FloatArray,
-        s: FloatArray,
-        by_loads: FloatArray,
-        direct: FloatArray,
-    ) -> None:
-        """Add the derivatives with respect to p and a that arise because Q and r depend on the cap's load."""
-        lap, sx, sy = self.fields
-        gx, gy, turn = found.slope_x, found.slope_y, found.turn
-        *_, own, bend = self._tilt(a, found.curvature)
-        cap_a, cap_k = 2.0 * a * slope, 4.0 / 3.0 * a**3
-        turning = bend * turn / (4.0 * own**2)  # dr/dp_cap
-        tilting = turn - 2.0 * a * s * turning  # dQ/dp_cap
-        raised = 0.5 * (gx**2 + gy**2) * turning
-        by_loads -= (0.5 * raised * cap_k)[:, None] * lap
-        direct[np.diag_indices(len(a))] -= raised * cap_a
-        by_curve, by_radius = 0.5 * tilting * cap_k, tilting * cap_a - 3.0 * s * turn
-        for matrix, gradient in ((sx, gx), (sy, gy)):
-            by_loads -= (matrix.T * (gradient * by_curve)) @ lap
-            direct -= matrix.T * (gradient * by_radius)
+        return Fields(load, moment, k, gx, gy, tilt, turn, u, depth, indentation)
 
     @cached_property
     def _outward(self) -> FloatArray:
@@ -217,6 +173,8 @@ class Contacts:
             matrix = self.influence * by_load
             matrix[diagonal] += by_depth
             return Linear(matrix, self.influence, by_load, by_depth, by_load, None)
+        if not self.scene.paraboloid:
+            return self._linearise_on_slopes(a, found)
         lap, sx, sy = self.fields
         gx, gy, tilt, turn = found.slope_x, found.slope_y, found.tilt, found.turn
         by_moment = 4.0 / 3.0 * a**3 * slope - 14.0 / 3.0 * a**2 * s  # dM/da
@@ -225,17 +183,45 @@ class Contacts:
         by_loads = self.fields.reshape(-1, len(a)).T @ (factors[:, :, None] * self.fields).reshape(-1, len(a))
         by_loads += self.influence + (0.5 * a**2)[:, None] * lap
         by_loads -= (turn * gx)[:, None] * sx + (turn * gy)[:, None] * sy
+        by_loads -= sx.T * (turn * gx) + sy.T * (turn * gy)
         direct = lap.T * (0.25 * by_moment)
         direct[diagonal] += by_depth
-        if self.scene.paraboloid:
-            by_loads -= sx.T * (turn * gx) + sy.T * (turn * gy)
-        else:
-            self._add_tilt(a, found, slope, s, by_loads, direct)
         mixed = (-2.0 / 3.0 * a**3)[:, None] * lap
-        mixed[diagonal] += 1.0
-        factor, pivot, _ = dgetrf(mixed)
-        loads = dgetrs(factor, pivot, np.diag(by_load))[0]
-        return Linear(direct + by_loads @ loads, by_loads, loads, by_depth, by_load, (factor, pivot))
+        return _eliminated(direct, by_loads, mixed, by_depth, by_load)
+
+    def _linearise_on_slopes(self, a: FloatArray, found: Fields) -> Linear:
+        """Return the derivatives for caps other than paraboloids, whose law depends on the slopes."""
+        (lap, sx, sy), gx, gy = self.fields, found.slope_x, found.slope_y
+        steepness = gx**2 + gy**2
+        given = Slopes(self.scene.law, self.radius, a, found.curvature, steepness)
+        by_a, by_k, by_g = given.derivatives()
+        bend = 0.5 * lap  # dk/dp
+        steep = (2.0 * gx)[:, None] * sx + (2.0 * gy)[:, None] * sy  # d|g|^2/dp
+        by_curve = by_k.indentation - 0.5 * by_k.turn * steepness
+        by_slope = by_g.indentation - 0.5 * found.turn
+        by_loads = self.influence + by_curve[:, None] * bend + by_slope[:, None] * steep
+        by_loads += 0.25 * lap.T @ (by_k.moment[:, None] * bend + by_g.moment[:, None] * steep)
+        direct = lap.T * (0.25 * by_a.moment)
+        direct[np.diag_indices(len(a))] += by_a.indentation - 0.5 * by_a.turn * steepness
+        tilting = by_k.tilt[:, None] * bend + by_g.tilt[:, None] * steep
+        for matrix, gradient in ((sx, gx), (sy, gy)):
+            by_loads -= matrix.T @ (found.tilt[:, None] * matrix + gradient[:, None] * tilting)
+            direct -= matrix.T * (gradient * by_a.tilt)
+        mixed = -by_k.load[:, None] * bend - by_g.load[:, None] * steep
+        return _eliminated(direct, by_loads, mixed, by_a.indentation, by_a.load)
+
+
+def _eliminated(
+    direct: FloatArray, by_loads: FloatArray, mixed: FloatArray, by_depth: FloatArray, by_load: FloatArray
+) -> Linear:
+    """Return the derivatives with loads that follow the radii; direct: dF/da at fixed loads, (m, m).
+
+    mixed: minus the derivatives of the loads P by the loads through the fields; by_load: dP/da, (m,).
+    """
+    mixed[np.diag_indices(len(by_load))] += 1.0
+    factor, pivot, _ = dgetrf(mixed)
+    loads = dgetrs(factor, pivot, np.diag(by_load))[0]
+    return Linear(direct + by_loads @ loads, by_loads, loads, by_depth, by_load, (factor, pivot))
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 
 from metafem._kernels import continuation as kernel
 from metafem._kernels.contact.tabulated import Law
-from metafem._kernels.coupling import State, empty_state, respond, widen
+from metafem._kernels.coupling import State, empty_state, respond, spread
 from metafem._validate import FloatArray
 from metafem.contact.law import contacts
 from metafem.errors import InvalidInput, NotConverged
@@ -133,7 +133,7 @@ class ElasticCoupling(Coupled):
 
             def summed(z: FloatArray, approach: float) -> tuple[State, FloatArray]:
                 found = equations.respond(z, approach, 0.0)
-                widen(law, found.state, int(found.closed.sum()))
+                spread(self.order, law, found.state)
                 return found.state, found.error
 
             return summed
@@ -142,7 +142,8 @@ class ElasticCoupling(Coupled):
         def dense(z: FloatArray, approach: float) -> tuple[State, FloatArray]:
             state = empty_state(surface.count)
             state.z[:] = z
-            widen(law, state, respond(coupling, self.order, law, self_term + regular, state))
+            respond(coupling, self.order, law, self_term + regular, state)
+            spread(self.order, law, state)
             return state, state.indentation + state.displacement - (approach - gap)
 
         return dense
@@ -152,7 +153,7 @@ class ElasticCoupling(Coupled):
 
         def last() -> RescaledState:
             state = solution.last
-            parts = state.load, math.pi * state.square, state.indentation
+            parts = state.load, math.pi * state.footprint, state.indentation
             return self.state(solution.height, *parts, solution.notes)
 
         return Curve(approach, load, area, stiffness, residual, solution.tolerance, last)
@@ -200,6 +201,7 @@ class ElasticCoupling(Coupled):
                 coupling, self.order, rows_of(law, rows), self_term[rows], gap[rows], control, by_load, part,
                 state, memory, scratch, indentation,
             )  # fmt: skip
+            spread(self.order, rows_of(law, rows.stop - 1), state)
             states[rows.stop] = state
 
         run_rows(run, len(gap), gap.size * surface.count * len(control), PAIRS_PER_THREAD)

@@ -8,7 +8,7 @@ import numpy as np
 
 from metafem._kernels.contact.tabulated import Law
 from metafem._kernels.continuation import Results, empty_memory, predict, uniform_approach
-from metafem._kernels.coupling import State
+from metafem._kernels.coupling import State, spread
 from metafem._validate import FloatArray
 from metafem.models.interacting.coarse import coarsen
 from metafem.models.interacting.newton_krylov import TOLERANCE, ContactEquations, Iterate, open_state
@@ -73,6 +73,7 @@ class LargeScene:
                 largest = float(state.state.indentation.max())
                 state.residual = max(state.residual, self.sums.error(state.state.load) / largest)
                 width, x = new - x, new
+                spread(self.order, law, state.state)
                 self._record(results, j, x, state)
                 if state.residual <= TOLERANCE:
                     points = min(2, points + 1) if width > 0.0 else 1
@@ -91,7 +92,7 @@ class LargeScene:
     def _record(results: Results, j: int, approach: float, state: Iterate) -> None:
         results.approach[j] = approach
         results.load[j] = math.fsum(state.state.load)
-        results.area[j] = math.pi * math.fsum(state.state.square)
+        results.area[j] = math.pi * math.fsum(state.state.footprint)
         results.radius[j] = math.sqrt(float(state.state.square.max()))
         results.residual[j] = state.residual
         results.steps[j] = state.steps

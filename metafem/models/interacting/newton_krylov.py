@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._kernels.contact.tabulated import Law
-from metafem._kernels.coupling import State, empty_state, press, sharpen, widen
+from metafem._kernels.coupling import State, empty_state, press, sharpen, spread
 from metafem._validate import FloatArray
 from metafem.models.interacting.coarse import Coarse
 from metafem.models.interacting.ewald_sums import ScatteredSums
@@ -159,11 +159,11 @@ class ContactEquations:
         `interacting.sensitivity`.
         """
         closed, found, none = state.closed, state.state, np.zeros_like(self.gap)
-        widen(self.law, found, int(closed.sum()))
-        widened = np.where(closed, found.widening, 0.0)
+        spread(self.order, self.law, found)
+        widened = found.by_load
         if self.order == 3:
-            flattening = -2.0 / 3.0 * found.square**1.5 * widened
-            widened = widened + self.sums.displacement(none, flattening, none, none)
+            slopes = (2.0 * found.by_slope * slope for slope in (found.slope_x, found.slope_y))
+            widened = widened + self.sums.displacement(none, 0.5 * found.by_curvature, *slopes)
         by_load = np.where(closed, math.pi * widened, 0.0)
         change, _, _ = self.solve(state, by_load, 0.0, SENSITIVITY * float(by_load.max()), exact=True)
         return change

@@ -17,7 +17,7 @@ from scipy.linalg.lapack import dgesv
 
 from metafem._kernels import interacting as kernel
 from metafem._kernels.contact.tabulated import Law
-from metafem._kernels.coupling import Coupling, State, empty_state, respond, widen
+from metafem._kernels.coupling import Coupling, State, empty_state, respond, spread
 from metafem._validate import FloatArray, IntArray
 
 # Largest number of asperities for which the kernel is faster than LAPACK: 2.7 times with 64, 1.2 times with
@@ -62,7 +62,7 @@ def general_gradients(
         count = respond(field, order, law, self_term, state)
         if count == 0:
             continue
-        widen(law, state, count)
+        spread(order, law, state)
         closed = state.closed[:count]
         hessian, by_load = _system(influences, self_term, state, closed)
         _, _, found, failed = dgesv(hessian, np.column_stack([by_load, np.ones(count)]), overwrite_a=True)
@@ -87,16 +87,15 @@ def _system(
 ) -> tuple[FloatArray, FloatArray]:
     """Return d2W/dp2 [1/mm] and dA0/dp [-] for the asperities in contact.
 
-    d2W/dp2 has all the terms of `coupling.quadratic_form`. A load changes its own contact radius and, through
-    the curvature of its field, the radii of other contacts: ``d a^2 = da^2/dp (dp - 2/3 a^3 d(2 k))`` with
-    the extra curvature k.
+    d2W/dp2 has all the terms of `coupling.quadratic_form`. A load changes the area of its own contact and,
+    through the curvature and the slope of its field, the areas of other contacts.
     """
     part = influences.take(closed, axis=1).take(closed, axis=2)
     matrix, rates = part[0], part[1:]
-    widened, square = state.widening[closed], state.square[closed]
+    by_load, square = state.by_load[closed], state.square[closed]
     matrix[np.diag_indices(len(closed))] += state.bend[closed] / state.rate[closed] + self_term[closed]
     if not len(rates):
-        return matrix, math.pi * widened
+        return matrix, math.pi * by_load
     slope_x, slope_y, lever = state.slope_x[closed], state.slope_y[closed], state.lever[closed]
     tilt = -2.0 * state.lever_rate[closed]
     weights = np.stack([square / 3.0, tilt * slope_x, tilt * slope_y])
@@ -107,4 +106,6 @@ def _system(
     stacked = rates.reshape(-1, len(closed))
     matrix -= stacked.T @ (weights[:, :, None] * rates).reshape(-1, len(closed))
     matrix[np.diag_indices(len(closed))] -= 0.5 * state.lever_bend[closed] * (slope_x**2 + slope_y**2)
-    return matrix, math.pi * (widened - rates[0].T @ (2.0 / 3.0 * cube * widened))
+    sloping = 2.0 * state.by_slope[closed]
+    weights = np.stack([0.5 * state.by_curvature[closed], sloping * slope_x, sloping * slope_y])
+    return matrix, math.pi * (by_load + stacked.T @ weights.ravel())

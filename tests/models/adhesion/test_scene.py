@@ -6,6 +6,7 @@ from numpy.testing import assert_allclose
 
 import metafem as mf
 from metafem.models.adhesion.scene import Contacts, Scene
+from metafem.models.adhesion.slopes import Slopes
 from metafem.models.interacting.influence import coupling_between
 from tests.models.scenes import RADIUS, scene
 
@@ -60,6 +61,8 @@ def test_a_tilted_paraboloid_is_a_shifted_one():
     some = contacts(mf.Hertz(), 3)
     a = np.array([0.12, 0.2, 0.15, 0.18])
     p, found = settled(some, a)
-    general, turn, *_ = some._tilt(a, found.curvature)
-    assert_allclose(general, RADIUS[CLOSED] * p, rtol=1e-12)
-    assert_allclose(turn, RADIUS[CLOSED], rtol=1e-12)
+    steepness = found.slope_x**2 + found.slope_y**2
+    general = Slopes(some.scene.law, some.radius, a, found.curvature, steepness)
+    assert_allclose(general.values.tilt, RADIUS[CLOSED] * p, rtol=1e-10)
+    assert_allclose(general.values.turn, RADIUS[CLOSED], rtol=1e-12)
+    assert_allclose(general.values.load, p, rtol=1e-10)

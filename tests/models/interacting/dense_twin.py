@@ -7,7 +7,8 @@ With the loads p = P/E* the complementary energy is
 where k_i = sum_j p_j lap_i G_ij/2 and g_i = sum_j p_j grad_i G_ij are curvature and slope of the field of the
 others. The derivatives of U* are the indentation d and half of the second moment M, and T = 4/3 a0^3, with
 the contact radius a0 under p alone. Order 1 has k = g = 0. The unknowns are z with p the load of an
-undisturbed contact at the indentation z; z < 0 is the gap of an open asperity.
+undisturbed contact at the indentation z; z < 0 is the gap of an open asperity. On the slope the area of a
+contact of radius a is pi a^2 F, see `on_slope`.
 """
 
 import numpy as np
@@ -42,6 +43,26 @@ class Twin:
         """dP/da = 2 a dd/da, with dd/da = 2 pi a/(dA/dd); 1 for open contacts."""
         slope = self.law.area_slope(a, self.radius, curvature)
         return np.where(a > 0.0, 4.0 * np.pi * a**2 / np.where(a > 0.0, slope, 1.0), 1.0)
+
+    def on_slope(self, a, curvature, slope):
+        """Areas of contacts on slopes; the derivative of D' = dd/da is that of a polynomial through 7 points.
+
+        To second order F = 1 - 2 y with y = (a D''/D' - 1) (g/D')^2; beyond that F is an interpolation for
+        y > 0 that agrees with resolved contacts on slopes up to g = D' within 15 %.
+        """
+        closed = a > 0.0
+        steps, own = 0.02 * np.arange(-3, 4), np.where(closed, a, 0.1)
+        slopes = [self.law.profile_slope(own * np.exp(step), self.radius, curvature) for step in steps]
+        bend = np.polynomial.polynomial.polyfit(steps, np.log(slopes), 6)[1]
+        y = (bend - 1.0) * (slope / slopes[3]) ** 2
+        factor = np.where(y > 0.0, 1.0 / np.sqrt(1.0 + 4.0 * np.maximum(y, 0.0)), 1.0 - 2.0 * y)
+        return np.where(closed, self.law.area(a) * factor, 0.0)
+
+    def areas(self, z, a):
+        """Areas at the nominal indentations z, for contacts of radii a."""
+        load = self.law.load(self.law.contact_radius(z, self.radius), self.radius)
+        gx, gy, laplacian = (field @ load for field in self.fields)
+        return self.on_slope(a, 0.5 * laplacian, np.hypot(gx, gy))
 
     def equations(self, z, approach):
         """Return the residuals, loads, contact radii, and the derivatives of the residuals by z."""
@@ -104,4 +125,4 @@ class Twin:
             else:
                 break
             z, x = new_z, new_x
-        return x, p, self.law.area(a), now
+        return x, p, self.areas(z, a), now

@@ -54,7 +54,7 @@ def test_a_power_of_two_is_hertz(order):
 
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 def test_derivatives(law):
-    surface, model, step = scene(), mf.Interacting(contact=law), 1e-5
+    surface, model, step = scene(), mf.Interacting(contact=law), 5e-6
     found = model.sensitivity(surface, LOADS)
     for i in (0, 3):
         moved = surface.height + step * np.outer([1.0, -1.0], np.arange(surface.count) == i)

@@ -252,7 +252,7 @@ def test_the_equations_over_sums_are_those_of_the_kernel(law, order):
     change[closed] = np.random.default_rng(0).random(count)
     image = equations.jacobian(found, change, exact=True) + equations.diagonal(found) * change
     work = np.empty((count, count)), np.empty((6, count))
-    coupling.widen(table, state, count)
+    coupling.spread(order, table, state)
     interacting_kernel.hessian(field, order, self_term, state, count, *work)
     hessian = np.tril(work[0]) + np.tril(work[0], -1).T
     assert_allclose(image[closed], hessian @ change[closed], rtol=1e-12)
