@@ -202,7 +202,7 @@ def curves(field, order, law, self_term, gap, control, by_load, results, state, 
                 for i in range(n):
                     state.z[i] = min(results.approach[row, j], 0.0) - gap[row, i]
                     state.indentation[i] = state.z[i]
-                    state.load[i] = state.square[i] = 0.0
+                    state.load[i] = state.square[i] = state.footprint[i] = 0.0
                 if all_z.size > 0:
                     copy(state.z, all_z[j])
                 continue
@@ -250,13 +250,14 @@ def curves(field, order, law, self_term, gap, control, by_load, results, state, 
 
 @compiled
 def areas(order, law, state, count):
-    """Return the total area of the contacts [mm^2], and the largest contact radius [mm]."""
+    """Fill the areas; return their sum [mm^2], and the largest contact radius [mm]."""
     area = largest = 0.0
-    sloping = order > 1 and law.data.size > 0
-    if sloping:
+    if order > 1 and law.data.size > 0:
         spread(order, law, state)
+    else:
+        copy(state.square, state.footprint)
     for k in range(count):
         i = state.closed[k]
-        area += state.footprint[i] if sloping else state.square[i]
+        area += state.footprint[i]
         largest = max(largest, state.square[i])
     return math.pi * area, math.sqrt(largest)

@@ -28,9 +28,9 @@ PAIRS = 0.25
 LAYER = 0.95
 
 # Safety factor of the effect of the slopes of the neighbours' fields on the areas, beyond second order. One
-# resolved contact on a slope g differs from order 3 by 0.4 to 1 times this effect, for power caps of powers 3
-# and 4 with g/D' from 0.07 to 0.3. The pair sum is 1.0 to 1.8 times the difference of quartic caps and spheres
-# on 3 x 3 lattices with a/r from 0.2 to 0.35.
+# resolved contact on a slope g differs from order 3 by 0.4 to 1.3 times this effect, for power caps of powers
+# 3 and 4 with g/D' of 0.15 and 0.3. The pair sum is 1.0 to 1.8 times the difference of quartic caps and
+# spheres on 3 x 3 lattices with a/r from 0.2 to 0.35.
 SLOPES = 1.25
 
 # Largest number of asperities for which all pairs are summed, and number of nearest neighbours that are

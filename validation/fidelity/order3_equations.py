@@ -69,7 +69,7 @@ class Scene:
         return mf.Interacting(3, mf.BondedLayer() if self.layer else mf.HalfSpace(), law)
 
     def second(self) -> tuple[float, np.ndarray]:
-        """Return approach [mm] and contact radii (9,) [mm] by the second method."""
+        """Return approach [mm] and roots of A/pi (9,) [mm] by the second method."""
         surface = self.surface
         caps = third_order.Caps(surface.radius[:9], self.exponent, self.energy / MODULUS)
         on = third_order.fields(surface.position[:9], (THIN, RATIO) if self.layer else None)

@@ -2,13 +2,15 @@
 
 A contact of radius a under the load p has to obey ``d(a, k) + u = approach - gap`` and ``p = P(a, k)`` of its
 law, where displacement u and curvature k are those by the other contacts, and an open asperity must not
-overlap: ``approach - gap - u <= 0``. Loads are P/E* [mm²]. Contact laws, influences and pedestals are those
+overlap: ``approach - gap - u <= 0``. With order 3 the slopes of the displacements change the areas, and the
+law of adhesive contacts. Loads are P/E* [mm²]. Contact laws, influences and pedestals are those
 of metafem, so that this is a test of self-consistency.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,6 +22,9 @@ from validation.methods.square_mean import mean_influence
 
 # Newton's steps to a contact radius, to rounding.
 MOST_STEPS = 20
+
+# Relative step of differences; their errors, of about 1e-9, are multiplied by the squares of the slopes.
+STEP = 1e-5
 
 
 def equation_error(surface: mf.Surface, model: Model, curve: Curve) -> float | None:
@@ -39,30 +44,45 @@ def equation_error(surface: mf.Surface, model: Model, curve: Curve) -> float | N
     p, a = curve.last.load, np.sqrt(curve.last.area / math.pi)
     if not a.any():
         return 0.0
-    displacement, curvature = (_third if third else _first)(surface, model, law, p, a)
-    free = float(curve.approach[-1]) - surface.gap - displacement
+    contact = _third(surface, model, law, p, a) if third else _first(surface, model, law, p, a)
+    free = float(curve.approach[-1]) - surface.gap - contact.displacement
     closed, total = a > 0.0, np.abs(p).sum()
     errors = [p.sum() - curve.load[-1]]
     if third or law.adhesive:
-        errors += list((law.load(a, surface.radius, curvature) - p)[closed])
-        cap = law.without_adhesion.indentation(a, surface.radius, curvature)
-        depth = law.indentation(a, surface.radius, curvature)
-        total = (a * cap)[closed].sum() if law.adhesive else total
-        lengths = np.where(closed, depth - free, np.maximum(free, 0.0)) / cap.max()
+        errors += list((contact.load - p)[closed])
+        total = (a * contact.cap)[closed].sum() if law.adhesive else total
+        lengths = np.where(closed, contact.cap - contact.deficit - free, np.maximum(free, 0.0))
+        # of an elastic contact the radius follows from the load, and the area has to be that of this radius
+        wider = np.sqrt(contact.area / math.pi) - a
+        lengths = np.append(lengths / contact.cap.max(), wider / a.max())
     else:  # also for laws whose contact radius is not that of their area
         errors += list(law.load(law.contact_radius(free, surface.radius), surface.radius) - p)
         lengths = np.zeros(1)
     return float(max(np.abs(errors).max() / total, np.abs(lengths).max()))
 
 
-def _first(surface: mf.Surface, model: Model, law: Contact, p: np.ndarray, a: np.ndarray) -> tuple:
-    """Return displacement [mm] and curvature [1/mm] by point loads, or by the mean pressure."""
-    none = np.zeros(surface.count)
+class _Contact(NamedTuple):
+    """Contacts under the loads of a solution, (n,)."""
+
+    displacement: np.ndarray  # by the other contacts [mm]
+    load: np.ndarray  # of the law [mm²]
+    cap: np.ndarray  # indentation of the cap [mm]
+    deficit: np.ndarray  # decrease of the indentation by adhesion [mm]
+    area: np.ndarray  # [mm²]
+
+
+def _first(surface: mf.Surface, model: Model, law: Contact, p: np.ndarray, a: np.ndarray) -> _Contact:
+    """Return contacts displaced by point loads, or by the mean pressure."""
+    u = np.zeros(surface.count)
     if isinstance(model, mf.MeanField):
-        return mean_influence() / math.sqrt(_nominal_area(surface.position)) * p.sum() + none, none
-    if isinstance(model, mf.Interacting):
-        return _influence(surface, model) @ p, none
-    return none, none
+        u += mean_influence() / math.sqrt(_nominal_area(surface.position)) * p.sum()
+    elif isinstance(model, mf.Interacting):
+        u += _influence(surface, model) @ p
+    if not law.adhesive:
+        return _Contact(u, p, u, u, math.pi * a**2)
+    cap = law.without_adhesion.indentation(a, surface.radius)
+    load, depth = law.load(a, surface.radius), law.indentation(a, surface.radius)
+    return _Contact(u, load, cap, cap - depth, math.pi * a**2)
 
 
 def _nominal_area(position: np.ndarray) -> float:
@@ -73,29 +93,50 @@ def _nominal_area(position: np.ndarray) -> float:
     )
 
 
-def _third(surface: mf.Surface, model: Model, law: Contact, p: np.ndarray, a: np.ndarray) -> tuple:
-    """Return displacement [mm] and curvature [1/mm] by contacts of finite size on each other's slopes."""
-    bound = model.substrate.for_surface(surface)
+def _third(surface: mf.Surface, model: Model, law: Contact, p: np.ndarray, a: np.ndarray) -> _Contact:
+    """Return contacts of finite size on each other's slopes."""
+    bound, cap, radius = model.substrate.for_surface(surface), law.without_adhesion, surface.radius
     slope_x, slope_y, laplacian = bound.influence_derivatives(surface)
     along_x, along_y, k = slope_x @ p, slope_y @ p, 0.5 * laplacian @ p
-    closed, radius = a > 0.0, surface.radius
-    moment = np.where(closed, law.second_moment(a, radius, k), 0.0)
-    tilt, turn = np.zeros((2, len(a)))
-    tilt[closed], turn[closed] = _tilt(law, a[closed], radius[closed], k[closed])
-    u = _influence(surface, model) @ p + 0.25 * laplacian.T @ moment
-    u -= slope_x.T @ (tilt * along_x) + slope_y.T @ (tilt * along_y)
-    return u - 0.5 * turn * (along_x**2 + along_y**2), k
+    closed, square = a > 0.0, along_x**2 + along_y**2
+    wide = np.where(closed, a, 1.0)
+    if not law.adhesive:
+        wide = np.where(closed, _radius_at(cap, np.where(closed, p, 1.0), wide, radius, k), 1.0)
+    carried = cap.load(wide, radius, k)
+    own = _radius_at(cap, carried, wide, radius, 0.0)
+    turn, before, after = (cap.area_slope(own * t, radius) / math.pi for t in (1.0, 1.0 - STEP, 1.0 + STEP))
+    turning = np.where(closed, (after - before) / (2.0 * STEP) * turn / (4.0 * own**3), 0.0)  # dr/dp_cap
+    slope, bend = _profile(cap, wide, radius, k)
+    rise = wide**2 * slope * turning * square if law.adhesive else np.zeros(len(a))
+    rise /= 1.0 + 0.5 * wide * np.abs(rise) / carried
+    deficit = law.deficit(wide) + rise if law.adhesive else rise
+    lost = 2.0 * wide * deficit
+    moment = cap.second_moment(wide, radius, k)
+    moment -= 2.0 / 3.0 * wide**2 * lost * (1.0 - 2.0 * rise / (wide * slope))
+    tilt = np.where(closed, 4.0 / 3.0 * own**3 - turn * lost, 0.0)
+    u = _influence(surface, model) @ p + 0.25 * laplacian.T @ np.where(closed, moment, 0.0)
+    u -= slope_x.T @ (tilt * along_x) + slope_y.T @ (tilt * along_y) + 0.5 * closed * turn * square
+    area = math.pi * np.where(closed, wide, 0.0) ** 2
+    if not law.adhesive:
+        y = (bend - 1.0) * square / slope**2
+        area *= np.where(y > 0.0, 1.0 / np.sqrt(1.0 + 4.0 * np.maximum(y, 0.0)), 1.0 - 2.0 * y)
+    return _Contact(u, carried - lost, np.where(closed, cap.indentation(wide, radius, k), 0.0), deficit, area)
 
 
-def _tilt(law: Contact, a: np.ndarray, radius: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the moment of a tilted contact over the slope [mm³], and its derivative by the load [mm]."""
-    cap = law.without_adhesion
-    carried, own = cap.load(a, radius, k), a
-    for _ in range(MOST_STEPS):  # the radius at the same load of the cap without curvature
-        rate = 4.0 * math.pi * own**2 / cap.area_slope(own, radius)
-        own = own - (cap.load(own, radius) - carried) / rate
-    turn = cap.area_slope(own, radius) / math.pi
-    return 4.0 / 3.0 * own**3 - turn * (carried - law.load(a, radius, k)), turn
+def _radius_at(
+    cap: Contact, p: np.ndarray, a: np.ndarray, radius: np.ndarray, k: np.ndarray | float
+) -> np.ndarray:
+    """Return the contact radius [mm] at which a cap without adhesion has a load; a: initial guess."""
+    for _ in range(MOST_STEPS):
+        rate = 4.0 * math.pi * a**2 / cap.area_slope(a, radius, k)
+        a = a - (cap.load(a, radius, k) - p) / rate
+    return a
+
+
+def _profile(cap: Contact, a: np.ndarray, radius: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the slope D' of the indentation over the contact radius, and a D''/D'."""
+    before, slope, after = (cap.profile_slope(a * t, radius, k) for t in (1.0 - STEP, 1.0, 1.0 + STEP))
+    return slope, (after - before) / (2.0 * STEP * slope)
 
 
 def _flat_summit(law: Contact) -> bool:

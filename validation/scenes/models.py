@@ -15,7 +15,7 @@ MODELS = {
 # first is that of 64 equal contacts; that of up to nine contacts is the second, because fewer neighbours act.
 # They hold for paraboloids; those of nine spheres and power caps, up to power 4, are larger.
 AREA_ERROR, FEW_ERROR, LOAD_ERROR = 2.5e-3, 1.2e-3, 3e-4
-CAP_ERROR, CAP_LOAD_ERROR = 4e-3, 4e-4
+CAP_ERROR, CAP_LOAD_ERROR = 1.5e-3, 4e-4
 
 # The same of A0 for one contact on a layer, up to contact radii of 0.3 of its thickness.
 LAYER_ERROR = 2e-3

@@ -7,11 +7,14 @@ curvature, and ``r = 2 a0/D'(a0)``. As a function of the load p the complementar
     (p + 2 int_0^a D ds)^2/(4 a) - int_0^a D^2 ds + pi w a^2 - Q g^2/2,    Q = 4/3 a0^3 + r (p - p_cap),
 
 where the extra curvature k is part of D, and ``dQ/dp_cap = (p - p_cap) dr/dp_cap``. The edge is stationary
-if ``p = p_cap - 2 a e``, with ``e = s + a^2 D' g^2 dr/dp_cap`` to second order in g, and s as in `JKR`. The
-slope thus changes the decrease e of the indentation. For paraboloids r = R, and e = s. The other equations
-are the derivatives of the energy: the indentation ``D - e - r g^2/2``, the moment Q g on the slope, and the
-second moment of the pressure. Terms in g^4 are omitted. Without adhesion these are the equations of order 3
-in `_kernels.coupling`, with the areas of second order in g.
+if ``p = p_cap - 2 a e``, where e = s + t, with s as in `JKR` and ``t = a^2 D' g^2 dr/dp_cap`` to second order
+in g. The slope thus changes the decrease e of the indentation. For paraboloids r = R, and t = 0. The other
+equations are the derivatives of the energy: the indentation ``D - e - r g^2/2``, the moment Q g on the slope,
+and the second moment of the pressure. Terms in g^4 are omitted. Without adhesion these are the equations of
+order 3 in `_kernels.coupling`, with the areas of second order in g.
+
+On steep slopes ``t/(1 + |t| a/(2 p_cap))`` replaces t. Otherwise the load of a flat summit, which increases
+with g^2, would have a minimum at a small radius, and light contacts would have no equilibrium.
 """
 
 from __future__ import annotations
@@ -61,7 +64,10 @@ class Slopes:
         bend, curl = (weight @ turns for weight in (FIRST, SECOND))  # a0 dr/da0, a0^2 d2r/da0^2
         self.turning = bend * self.turn / (4.0 * own**3)
         self.twisting = (curl + bend * (bend / self.turn - 2.0)) * self.turn**2 / (16.0 * own**6)
-        self.deficit = law.deficit(a) + a**2 * self.slope * self.turning * steepness  # e
+        self.steep = a**2 * self.slope * self.turning * steepness
+        self.limit = 1.0 + 0.5 * a * np.abs(self.steep) / self.carried
+        self.raised = self.steep / self.limit  # t
+        self.deficit = law.deficit(a) + self.raised  # e
 
     def _own_radius(self) -> FloatArray:
         """Return the radii a0 [mm] at which the caps have their loads without extra curvature."""
@@ -79,7 +85,7 @@ class Slopes:
         """Values at these radii."""
         a, lost = self.a, 2.0 * self.a * self.deficit  # p_cap - p
         moment = self.law.cap.second_moment(a, self.radius, self.k)
-        moment -= 2.0 / 3.0 * a**2 * lost * (1.0 - 2.0 * a * self.turning * self.steepness)
+        moment -= 2.0 / 3.0 * a**2 * lost * (1.0 - 2.0 * self.raised / (a * self.slope))
         depth = self.law.cap.indentation(a, self.radius, self.k)
         tilt = 4.0 / 3.0 * self.own**3 - self.turn * lost
         return OnSlope(self.carried - lost, moment, tilt, self.turn, depth - self.deficit)
@@ -98,17 +104,19 @@ class Slopes:
 
     def _chain(self, rates: tuple[FloatArray | float, ...]) -> OnSlope:
         """Return derivatives from those of p_cap, D and M of the cap, D', s, a and g^2."""
-        carried, depth, moment, slope, s, da, steep = rates
-        a, e, turning, steepness = self.a, self.deficit, self.turning, self.steepness
-        turned = self.twisting * carried
-        deficit = s + a * steepness * (
-            2.0 * self.slope * turning * da + a * (slope * turning + self.slope * turned)
+        carried, depth, moment, slope, s, da, steepness = rates
+        a, e, limit = self.a, self.deficit, self.limit
+        wide, flat = da / a, slope / self.slope
+        # t before its limit, and t
+        steep = self.steep * (2.0 * wide + flat) + a**2 * self.slope * (
+            self.twisting * carried * self.steepness + self.turning * steepness
         )
-        deficit = deficit + a**2 * self.slope * turning * steep
+        raised = (steep - self.steep * (limit - 1.0) * (wide - carried / self.carried)) / limit**2
+        deficit = s + raised
         lost = 2.0 * (da * e + a * deficit)
-        share = 1.0 - 2.0 * a * turning * steepness
-        less = -2.0 * (da * turning * steepness + a * (turned * steepness + turning * steep))
+        part = 2.0 / (a * self.slope)
+        share, less = 1.0 - part * self.raised, part * (self.raised * (wide + flat) - raised)
         by_moment = moment - 4.0 / 3.0 * a**2 * (3.0 * da * e * share + a * (deficit * share + e * less))
-        turn = turning * carried
+        turn = self.turning * carried
         tilt = self.turn * carried - 2.0 * a * e * turn - self.turn * lost
         return OnSlope(carried - lost, by_moment, tilt, turn, depth - deficit)

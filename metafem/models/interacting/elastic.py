@@ -201,7 +201,6 @@ class ElasticCoupling(Coupled):
                 coupling, self.order, rows_of(law, rows), self_term[rows], gap[rows], control, by_load, part,
                 state, memory, scratch, indentation,
             )  # fmt: skip
-            spread(self.order, rows_of(law, rows.stop - 1), state)
             states[rows.stop] = state
 
         run_rows(run, len(gap), gap.size * surface.count * len(control), PAIRS_PER_THREAD)

@@ -11,6 +11,7 @@ from metafem.models.interacting.influence import coupling_between
 from tests.models.scenes import RADIUS, scene
 
 CLOSED = np.array([0, 2, 3, 5])
+OTHER_CAPS = [mf.PowerCap(1.5), mf.PowerCap(3), mf.PowerCap(4), mf.SphericalCap()]
 
 
 def contacts(cap, order):
@@ -54,6 +55,51 @@ def test_paraboloids_have_an_energy():
     linear = some.linearise(a, settled(some, a)[1])
     hessian = linear.by_radius @ np.linalg.inv(linear.loads)
     assert_allclose(hessian, hessian.T, atol=1e-13 * np.abs(hessian).max())
+
+
+@pytest.mark.parametrize("cap", OTHER_CAPS, ids=repr)
+def test_other_caps_have_an_energy_to_fourth_order_in_the_slope(cap, monkeypatch):
+    """dF/dp is symmetric up to terms in g^4: half the slopes reduce its asymmetry by a factor of 16."""
+    some, a = contacts(cap, 3), np.array([0.12, 0.2, 0.15, 0.18])
+    asymmetry = []
+    for share in (1.0, 0.5):
+        part = Contacts(some.scene, CLOSED)
+        part.fields = some.fields * np.array([1.0, share, share])[:, None, None]
+        linear = part.linearise(a, settled(part, a)[1])
+        hessian = linear.by_radius @ np.linalg.inv(linear.loads)
+        asymmetry.append(np.abs(hessian - hessian.T).max() / np.abs(hessian).max())
+    assert asymmetry[0] < 1e-7
+    assert asymmetry[0] == pytest.approx(16.0 * asymmetry[1], rel=0.05)
+
+
+@pytest.mark.parametrize("cap", [mf.Hertz(), *OTHER_CAPS], ids=repr)
+def test_the_area_is_the_derivative_of_the_energy(cap):
+    """With dU = P dx - A dw, a change of w changes P at fixed x by -dA/dx."""
+    surface, w, x, step = scene(height=0.1 + np.array([0, 1, 0, 2, 1, 0]) * 1e-3), 9e-5, 0.06, 1e-3
+
+    def state(energy, approach):
+        model = mf.Interacting(contact=mf.JKR(energy, cap))
+        return model.curve(surface, approach=np.array([approach]))
+
+    area = [state(w, x * (1.0 + sign * 0.1 * step)).area[0] for sign in (-1.0, 1.0)]
+    load = [state(w * (1.0 + sign * step), x).load[0] for sign in (-1.0, 1.0)]
+    modulus = surface.material.composite_modulus
+    by_approach, by_energy = (
+        np.diff(area)[0] / (0.2 * step * x),
+        modulus * np.diff(load)[0] / (2.0 * step * w),
+    )
+    assert by_energy == pytest.approx(-by_approach, rel=1e-8 if cap == mf.Hertz() else 3e-6)
+
+
+@pytest.mark.parametrize("cap", OTHER_CAPS, ids=repr)
+def test_weak_adhesion_leaves_the_areas_of_elastic_contacts(cap):
+    """The effect of the slopes on the areas is 3e-5 to 3e-4; terms of higher order differ."""
+    surface, load = scene(height=0.1 + np.array([0, 1, 0, 2, 1, 0]) * 1e-3), np.array([0.05, 0.2])
+    adhesive, elastic = (
+        mf.Interacting(contact=law).areas(surface, load, surface.height[None])
+        for law in (mf.JKR(1e-16, cap), cap)
+    )
+    assert_allclose(adhesive, elastic, rtol=1e-6)
 
 
 def test_a_tilted_paraboloid_is_a_shifted_one():

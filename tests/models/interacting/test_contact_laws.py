@@ -5,6 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
+from metafem.models.truncation import slope_effects
 from tests.models.interacting.dense_twin import Twin
 from tests.models.scenes import lattice, scene
 
@@ -63,6 +64,36 @@ def test_derivatives(law):
     curve = found.curve
     high, low = (model.curve(surface, approach=curve.approach + s).load for s in (step, -step))
     assert_allclose((high - low) / (2 * step), curve.stiffness, rtol=1e-5)
+
+
+@pytest.mark.parametrize("substrate", SUBSTRATES, ids=repr)
+@pytest.mark.parametrize("law", [*LAWS, mf.PowerCap(1), mf.PowerCap(3)], ids=repr)
+def test_gradients_are_those_of_differences(law, substrate):
+    """Differences of fourth order; the areas include the effect of the slopes and its derivatives."""
+    surface = scene(height=np.array([0.1, 0.101, 0.1, 0.102, 0.101, 0.1]))
+    model, loads, steps = mf.Interacting(3, substrate, law), np.array([0.05, 0.2]), (2e-5, 4e-5)
+    found = model.sensitivity(surface, loads).gradient
+    for i in range(surface.count):
+        unit = np.outer([1.0, -1.0], np.arange(surface.count) == i)
+        areas = (model.areas(surface, loads, surface.height + step * unit) for step in steps)
+        near, far = ((high - low) / (2 * step) for (high, low), step in zip(areas, steps, strict=True))
+        expected = (4.0 * near - far) / 3.0
+        assert_allclose(found[:, i], expected, rtol=0.0, atol=1e-7 * np.abs(found).max())
+
+
+# Loads and areas A0 of resolved contacts on a 3 x 3 lattice of quartic caps, with 90 cells per radius; bounds
+# of the error of A0, and its value without the effect of the slopes of the neighbours' fields. The largest
+# a/L is 0.27 and 0.35.
+QUARTICS = [(1.3083, 4.4245, 0.0006, 0.0021), (4.7163, 7.3054, 0.002, 0.0058)]
+
+
+@pytest.mark.parametrize(("load", "resolved", "error", "without"), QUARTICS)
+def test_areas_of_quartic_caps_are_those_of_resolved_contacts(load, resolved, error, without):
+    surface, law = lattice(0.5 * np.ones(9)), mf.PowerCap(4)
+    curve = mf.Interacting(contact=law).curve(surface, np.array([load]))
+    assert 0.0 < curve.area[0] / resolved - 1.0 < error
+    slope, _ = slope_effects(law, surface, curve.last.area, mf.HalfSpace())
+    assert curve.area[0] * (1.0 + slope) / resolved - 1.0 == pytest.approx(without, rel=0.05)  # as printed
 
 
 @pytest.mark.parametrize("law", [mf.PowerCap(8), mf.PowerCap(4), mf.PowerCap(1)], ids=repr)
