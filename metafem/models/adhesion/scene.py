@@ -129,11 +129,20 @@ class Contacts:
             load, moment = law.load(a, radius, k), law.second_moment(a, radius, k)
             tilt, turn, indentation = radius * p, radius, depth - law.deficit(a)
         else:
-            load, moment, tilt, turn, indentation = Slopes(law, radius, a, k, steepness).values
+            load, moment, tilt, turn, indentation = self._slopes_of(a, k, steepness).values
         u = self.influence @ p - 0.5 * turn * steepness
         for matrix, weight in zip(self.fields, (0.25 * moment, -tilt * gx, -tilt * gy), strict=True):
             u += weight @ matrix
         return Fields(load, moment, k, gx, gy, tilt, turn, u, depth, indentation)
+
+    def within(self, a: FloatArray, found: Fields) -> bool:
+        """Return whether the expansion about the summits holds; for paraboloids it always does."""
+        if self.scene.order == 1 or self.scene.paraboloid:
+            return True
+        return self._slopes_of(a, found.curvature, found.slope_x**2 + found.slope_y**2).within
+
+    def _slopes_of(self, a: FloatArray, k: FloatArray, steepness: FloatArray) -> Slopes:
+        return Slopes(self.scene.law, self.radius, a, k, steepness)
 
     @cached_property
     def _outward(self) -> FloatArray:
@@ -193,7 +202,7 @@ class Contacts:
         """Return the derivatives for caps other than paraboloids, whose law depends on the slopes."""
         (lap, sx, sy), gx, gy = self.fields, found.slope_x, found.slope_y
         steepness = gx**2 + gy**2
-        given = Slopes(self.scene.law, self.radius, a, found.curvature, steepness)
+        given = self._slopes_of(a, found.curvature, steepness)
         by_a, by_k, by_g = given.derivatives()
         bend = 0.5 * lap  # dk/dp
         steep = (2.0 * gx)[:, None] * sx + (2.0 * gy)[:, None] * sy  # d|g|^2/dp

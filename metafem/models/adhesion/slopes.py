@@ -56,7 +56,7 @@ class Slopes:
         self.law, self.radius, self.a, self.k, self.steepness = law, radius, a, k, steepness
         self.carried = law.cap.load(a, radius, k)
         self.slope = law.profile_slope(a, radius, k)  # D'
-        own = self._own_radius()
+        own = self._radius_at(self.carried)
         self.own = own
         turns = np.array([law.cap.area_slope(own * point, radius) / np.pi for point in POINTS])
         self.turn = turns[2]
@@ -69,16 +69,27 @@ class Slopes:
         self.raised = self.steep / self.limit  # t
         self.deficit = law.deficit(a) + self.raised  # e
 
-    def _own_radius(self) -> FloatArray:
-        """Return the radii a0 [mm] at which the caps have their loads without extra curvature."""
+    def _radius_at(self, load: FloatArray) -> FloatArray:
+        """Return the radii [mm] at which the caps have loads [mm^2] without extra curvature."""
         law, own = self.law, self.a
         for _ in range(MOST_STEPS):
             rate = 2.0 * own * law.profile_slope(own, self.radius)
-            step = (law.cap.load(own, self.radius) - self.carried) / rate
+            step = (law.cap.load(own, self.radius) - load) / rate
             own = own - step
             if (np.abs(step) <= 4.0 * np.finfo(np.float64).eps * own).all():
                 break
         return own
+
+    @property
+    def within(self) -> bool:
+        """Whether each contact moves down the slope by at most its radius.
+
+        For larger shifts the expansion about the summit fails. The shift is that of a contact whose radius
+        does not depend on the slope.
+        """
+        flat = self._radius_at(self.carried - 2.0 * self.a * self.raised)
+        slope = self.law.profile_slope(flat, self.radius)
+        return bool((4.0 * self.steepness <= slope**2).all())
 
     @property
     def values(self) -> OnSlope:

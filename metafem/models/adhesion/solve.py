@@ -80,18 +80,7 @@ class State:
         factor, pivot = self.factors
         swaps = np.count_nonzero(pivot != np.arange(len(pivot)))
         positive = ((np.diagonal(factor) < 0.0).sum() + swaps) % 2 == 0
-        return bool(positive and self.linear.excess < 2) and self._within
-
-    @property
-    def _within(self) -> bool:
-        """Whether each contact moves down the slope of the field by at most its radius.
-
-        For larger shifts the expansion about the summit fails, except for a paraboloid.
-        """
-        if self.contacts.scene.paraboloid:
-            return True
-        shift = self.found.turn * np.hypot(self.found.slope_x, self.found.slope_y)
-        return bool((shift <= self.a).all())
+        return bool(positive and self.linear.excess < 2) and self.contacts.within(self.a, self.found)
 
     @cached_property
     def rate(self) -> FloatArray:
