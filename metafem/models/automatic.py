@@ -58,7 +58,7 @@ class Automatic(WithoutGradients):
     - independent asperities: the change of A0 by the displacements due to their loads;
     - order 1: the change of A0 by the terms of order 3;
     - order 3: a sum of (a/r)^5 over pairs of contacts, on a layer also a sum of (a/t)^5 over contacts, and
-      for caps other than paraboloids the effect of the slopes of the neighbours' fields.
+      for caps other than paraboloids the effect of the slopes of the neighbours' fields of the next order.
 
     The error of each model also includes the estimates for the models that follow it. Independent asperities
     are used only under load control. Their approach includes the sinking of the base, which is computed at
