@@ -23,6 +23,9 @@ from metafem.material import Material
 # Twice the width of the first bracket of ln d, where d is the cap's indentation without adhesion.
 WIDTH = 1.0
 
+# Relative change of y by r in `paraboloid_radius` below which y is that at d = 0, to rounding.
+SHALLOW = 1e-18
+
 
 @dataclass(frozen=True)
 class JKR(Contact):
@@ -126,6 +129,9 @@ class JKR(Contact):
         d, size, extra = np.broadcast_arrays(*given)
         if self.length == 0.0:
             return self.cap.contact_radius(d, size, extra)
+        if self.cap == PARABOLOID:
+            found = paraboloid_radius(np.maximum(d, 0.0), size / (1.0 + extra * size), self.length)
+            return np.where(d >= 0.0, found, 0.0)[()]
         found, closed = np.zeros(d.shape), d >= 0.0
 
         def excess(a: FloatArray, inner: FloatArray, *given: FloatArray) -> FloatArray:
@@ -220,6 +226,23 @@ class JKR(Contact):
         ends = elementwise.bracket_root(at, guess, guess + 0.5 * WIDTH, xmax=top, args=given).bracket
         x = elementwise.find_root(at, ends, args=given).x
         return np.asarray(self.cap.contact_radius(np.exp(x), *given[:2]))[()]
+
+
+def paraboloid_radius(indentation: FloatArray, radius: FloatArray, length: float) -> FloatArray:
+    """Return contact radii [mm] of adhesive paraboloids at indentations d >= 0 [mm]; w/E* is `length` [mm].
+
+    With t = sqrt(a), ``d = a^2/R - sqrt(2 pi w a/E*)`` is ``t^4 = q t + r`` with q = R sqrt(2 pi w/E*) and
+    r = R d. By Ferrari's method, ``t^2 - sqrt(y) t + y/2 - q/(2 sqrt(y)) = 0`` with the root y of
+    ``y^3 + 4 r y = q^2``. No difference in the formulae cancels.
+    """
+    q, r = radius * math.sqrt(2.0 * math.pi * length), radius * indentation
+    jump = np.cbrt(q) ** 2  # y at d = 0
+    e = np.maximum(4.0 / 3.0 * r, SHALLOW * jump**2)
+    y = np.where(
+        r > SHALLOW * jump**2, 2.0 * np.sqrt(e) * np.sinh(np.arcsinh(0.5 * q**2 / e**1.5) / 3.0), jump
+    )
+    root = np.sqrt(y)
+    return np.asarray(0.25 * (root + np.sqrt(2.0 * q / root - y)) ** 2)
 
 
 def of_sizes(method: Callable[[JKR, FloatArray], FloatArray], law: JKR, radius: FloatArray) -> FloatArray:

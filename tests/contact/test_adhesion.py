@@ -35,6 +35,20 @@ def test_the_closed_form_of_a_paraboloid():
     assert law.contact_radius(-1e-9, RADIUS) == 0.0
 
 
+@pytest.mark.parametrize("energy", [1e-12, 1e-6, 1e-2])
+@pytest.mark.parametrize("curvature", [0.0, 0.3, -0.5])
+def test_contact_radii_of_a_paraboloid_are_exact_at_all_indentations(energy, curvature):
+    """d(a) returns the indentation, from a millionth to a million times that of the jump's length."""
+    law = bound(energy=energy)
+    length = np.cbrt(law.length**2 * RADIUS)
+    d = length * np.append(0.0, np.geomspace(1e-12, 1e9, 400))
+    a = law.contact_radius(d, RADIUS, curvature)
+    rounding = 1e-14 * (d + law.deficit(a))
+    assert (np.abs(law.indentation(a, RADIUS, curvature) - d) <= rounding).all()
+    q = np.sqrt(2.0 * math.pi * law.length) / (1.0 / RADIUS + curvature)
+    assert_allclose(a[0], np.cbrt(q) ** 2, rtol=1e-14)
+
+
 def test_pull_off_of_a_paraboloid():
     law = bound()
     a = law.pull_off_radius([RADIUS, 2.0 * RADIUS])

@@ -17,6 +17,7 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import JKR
 from metafem.contact.adhesion import of_sizes
+from metafem.contact.elastic import PARABOLOID
 from metafem.errors import InvalidInput
 from metafem.models.adhesion.notes import Jump
 
@@ -77,6 +78,8 @@ class Asperities:
         most = np.broadcast_to(cap.largest_indentation(self.radius), d.shape)
         if (d > law.largest_indentation(self.radius)).any():
             cap.contact_radius(np.full(d.shape, np.where(np.isfinite(most), 2.0 * most, 0.0)), radius)
+        if cap == PARABOLOID and (d >= 0.0).all():
+            return np.where(closed, law.contact_radius(d, radius), 0.0)
         a = np.maximum(self.entry_radius, cap.contact_radius(np.maximum(d, 0.0), radius))
         top = cap.contact_radius(np.minimum(1e3 * (radius + np.maximum(d, 0.0)), most), radius)
         for _ in range(MOST_STEPS):
@@ -211,12 +214,11 @@ class Path:
             low, high = np.where(excess < 0.0, x, low), np.where(excess >= 0.0, x, high)
             with np.errstate(divide="ignore", invalid="ignore"):
                 new = x - excess / slope
-            settled = np.abs(new - x) <= ROUNDING * np.maximum(
-                np.abs(x), np.abs(self.stop - self.start)[piece]
-            )
+            unit = ROUNDING * np.maximum(np.abs(x), np.abs(self.stop - self.start)[piece])
             inside = (new >= low) & (new <= high) & np.isfinite(new)
+            # a rounded excess can point out of a bracket that is as narrow as the rounding error
+            done = ((np.abs(new - x) <= unit) & inside) | (high - low <= unit)
             new = np.where(inside, new, 0.5 * (low + high))
-            done = (settled & inside) | (high - low <= 0.0)
             x = new
             if done.all():
                 break

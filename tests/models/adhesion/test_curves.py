@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
+from metafem.models.adhesion.paths import Asperities
 from tests.models.scenes import lattice, said, scene
 
 ENERGY, MODULUS, RADIUS, PITCH = 9e-6, 1.36, 0.526, 1.5
@@ -19,6 +20,21 @@ MODELS = [
     mf.Interacting(order=3, substrate=mf.BondedLayer(), contact=JKR, pedestal=True),
 ]
 HEIGHT = 0.15 - np.random.default_rng(4).uniform(0.0, 0.03, 9)
+
+
+def test_loads_are_found_in_few_evaluations(monkeypatch):
+    """Newton's method ends although the rounded load stays on one side of the goal."""
+    calls, sums = [], Asperities.sums
+    monkeypatch.setattr(Asperities, "sums", lambda *given: calls.append(1) or sums(*given))
+    law, rng = JKR.for_material(mf.Material(MODULUS)), np.random.default_rng(0)
+    for _ in range(200):
+        gap = np.sort(rng.uniform(0.0, 0.012, 4))
+        path = Asperities(law, np.full(4, RADIUS), gap - gap[0]).loading(
+            load := np.array([0.002, 0.02]), True
+        )
+        calls.clear()
+        path.approach(load)
+        assert len(calls) < 20
 
 
 @pytest.mark.parametrize("unloading", [False, True])
