@@ -189,6 +189,11 @@ def _profile(which: int, units: Units) -> mf.AxisymmetricCap:
     return mf.AxisymmetricCap(depth, 1.2 * length)
 
 
+def largest_load(surface: mf.Surface, law: Contact, part: float) -> float:
+    """Return P/E* [mm²] of contacts without interaction that reach a part of the documented range."""
+    return _load(surface, law, _approach(surface, law, part * _ends(surface)))
+
+
 def _ends(surface: mf.Surface) -> np.ndarray:
     """Return the contact radii at the ends of the documented ranges, (n,) [mm]."""
     found = np.minimum(WIDTH * surface.radius, LAYER * surface.block.thickness) + np.zeros(surface.count)
