@@ -246,7 +246,8 @@ def depth_at_pressure(law: Contact, pressure: float, radius: float, *, tangent: 
         found = contacts(law, np.array(math.exp(logarithm)), np.array(radius))
         if tangent:
             return math.log(found.stiffness / law.area_slope(found.contact_radius, radius) / pressure)
-        return math.log(found.load / found.area / pressure)
+        # an adhesive contact has a negative load at small indentations
+        return math.log(max(float(found.load), np.finfo(float).tiny) / found.area / pressure)
 
     most = min(float(law.largest_indentation(radius)), MOST_DEPTH * radius)
     low, high = math.log(LEAST_DEPTH * radius), math.log(most)

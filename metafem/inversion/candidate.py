@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
+from metafem.errors import Infeasible
 from metafem.inversion.height_density import ExponentialDensity
 from metafem.inversion.limits import Limits
 from metafem.inversion.search.target_law import TargetLaw
@@ -20,7 +21,9 @@ Parameter = float | int | FloatArray | IntArray
 BRANCH_POINTS = 76
 
 # Parameters of designs for operating points that are no longer valid after the heights change.
-LEVELS = ("counts", "levels", "adjustment_heights", "level_radii", "adjustment_radii")
+LEVELS = (
+    "counts", "levels", "adjustment_heights", "adjustment_counts", "level_radii", "adjustment_radii",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -58,6 +61,8 @@ class Candidate:
       the target.
     - `held` (k,): sites with prescribed heights.
     - `unpinned` [-]: misfit without the prescribed heights.
+    - `refusal`: function that returns the error for heights that miss the target under the model, set only if
+      independent asperities do not meet the target.
     """
 
     height: FloatArray
@@ -75,6 +80,7 @@ class Candidate:
     robust: bool = False
     held: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     unpinned: float | None = None
+    refusal: Callable[[], Infeasible] | None = None
 
     @property
     def held_rows(self) -> IntArray:

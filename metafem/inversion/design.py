@@ -64,8 +64,8 @@ def design(
         Model under which the law must meet the target; default: ``Independent()``. For a model with
         interaction, heights are first found for independent asperities with the contact law of the model.
         The Levenberg–Marquardt method with exact sensitivities then refines them. Bounds use the same
-        contact law. For adhesive asperities the first heights are those without adhesion, and no bound is
-        used.
+        contact law. For adhesive asperities no bound is used, and heights that follow a density are those
+        without adhesion.
     limits : Limits, optional
         Manufacturing limits; default: heights up to the tallest of the template. With a `height_step` all
         heights are on its levels. A note and the parameter ``step_loss`` [-] then state the increase of

@@ -139,8 +139,8 @@ class Problem:
 
     @cached_property
     def independent(self) -> Independent:
-        """Model for the first heights: independent asperities with the contact law without adhesion."""
-        return Independent(contact=self.contact.without_adhesion)
+        """Model for the first heights: independent asperities with the contact law of the model."""
+        return Independent(contact=self.contact)
 
     @cached_property
     def bounds(self) -> Bounds:

@@ -64,6 +64,7 @@ PARAMETERS = {
     "prefactor": ("prefactor C of the power law", "mm^(2-2β)", 1.0),
     "intercepts": ("intercepts of the branches", "mm²", 1.0),
     "adjustment_heights": ("adjustment heights above the base", "µm", MICROMETRES),
+    "adjustment_counts": ("numbers of adjustment asperities", "", 1.0),
     "load_range": ("rescaled loads over which friction is proportional to load", "mm²", 1.0),
     "span": ("depth of the lowest summit below the tallest", "µm", MICROMETRES),
     "radius": ("radius", "µm", MICROMETRES),

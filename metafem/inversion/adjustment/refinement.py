@@ -61,21 +61,22 @@ ADDED_DEPTH = 0.01
 def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
     """Return the candidate with heights refined under the model, and a note on the change.
 
-    Heights on steps do not change. For independent asperities without adhesion, heights change only if they
-    follow a density and miss its law. If the model has no gradients, the heights are refined under its
-    `gradient_model`, and the last steps combine these gradients with the law of the model itself. Heights of
-    interacting adhesive asperities are first refined without interaction, which takes a hundredth of the
-    time.
+    Heights on steps do not change. For independent asperities, heights change only if they follow a density
+    and miss its law; the law of a density is that without adhesion. If the model has no gradients, the
+    heights are refined under its `gradient_model`, and the last steps combine these gradients with the law of
+    the model itself. Adhesive heights of a density are first refined without interaction, which takes a
+    hundredth of the time.
     """
     model, limits, options = problem.model, problem.limits, problem.options
-    # the strategies find heights for independent asperities without adhesion
-    moved = model.couples or problem.contact.adhesive
+    # a density has heights for independent asperities without adhesion
+    sticking = problem.contact.adhesive and candidate.density is not None
+    moved = model.couples or sticking
     if candidate.stepped or not (moved or candidate.density is not None):
         return candidate
     unrefined = np.inf if moved else independent_misfit(problem, candidate)
     if unrefined <= MISSED:
         return candidate
-    if model.couples and problem.contact.adhesive:
+    if model.couples and sticking:
         uncoupled = replace(problem, model=Independent(contact=problem.contact))
         candidate = refined(uncoupled, candidate, rng)
     with doing("refining the heights under the model"):

@@ -117,10 +117,15 @@ class _Single:
         self.tables = {} if law.power is not None else {R: self._table(R) for R in np.unique(radius).tolist()}
 
     def _table(self, radius: float) -> tuple[FloatArray, ...]:
-        """Return the logarithms of indentation, load and area of one contact, (400,) each."""
+        """Return the logarithm of the indentation, and load and area of one contact, (400,) each.
+
+        Without adhesion, load and area are logarithms, too.
+        """
         most = min(float(self.law.largest_indentation(radius)), TABLE[1] * radius)
         depth = np.geomspace(TABLE[0] * radius, most, TABULATED)
         found = contacts(self.law, depth, np.full(TABULATED, radius))
+        if self.law.adhesive:
+            return np.log(depth), found.load, found.area
         return np.log(depth), np.log(found.load), np.log(found.area)
 
     def deepest(self, radius: FloatArray) -> FloatArray:
@@ -137,6 +142,7 @@ class _Single:
             loads, areas, by_load, by_area = unit.load * number, unit.area * number, 1.0 + 1.0 / n, 2.0 / n
             return lambda depth: (float(loads @ depth**by_load), float(areas @ depth**by_area))
         parts = [(self.tables[R], radius == R) for R in np.unique(radius).tolist()]
+        tabulated = (lambda value: value) if self.law.adhesive else np.exp
 
         def sums(depth: FloatArray) -> tuple[float, float]:
             load = area = 0.0
@@ -144,8 +150,8 @@ class _Single:
             logarithm = np.log(np.maximum(depth, np.finfo(float).tiny))
             for (x, by_load, by_area), which in parts:
                 at, weight = logarithm[which], number[which]
-                load += float(np.exp(np.interp(at, x, by_load)) @ weight)
-                area += float(np.exp(np.interp(at, x, by_area)) @ weight)
+                load += float(tabulated(np.interp(at, x, by_load)) @ weight)
+                area += float(tabulated(np.interp(at, x, by_area)) @ weight)
             return load, area
 
         return sums

@@ -201,7 +201,7 @@ class Asperities(Heights):
     def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:
         """Return unknowns after random changes of some heights and some radii."""
         height, radius = self.split(unknowns)
-        height, source = moved(height, self.most, rng, sizes)
+        height, source = moved(height, self.most, rng, sizes, self.span)
         anew = rng.random(len(height)) < rng.choice(NEW_RADIUS)
         if self.radii.tools is None:
             drawn = np.exp(rng.uniform(math.log(self.radii.low), math.log(self.radii.high), len(height)))
@@ -224,7 +224,7 @@ class Asperities(Heights):
             return target.late_residual(found.curve.area, lambda: gradient(found, radius))
 
         def gradient(found: Sensitivity, radius: FloatArray) -> FloatArray:
-            depth = np.maximum(found.indentation, 0.0)
+            depth = found.indentation
             size = np.broadcast_to(radius, depth.shape)
             at = contacts(law, depth, size)
             area_slope = law.area_slope(at.contact_radius, size)

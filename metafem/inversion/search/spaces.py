@@ -52,7 +52,7 @@ class Heights:
 
     def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:
         """Return heights moved at random by about their spacing, with a few added or removed."""
-        return moved(unknowns, self.most, rng, sizes)[0]
+        return moved(unknowns, self.most, rng, sizes, self.span)[0]
 
     def held(self, residual: Residual) -> Residual:
         """Return the residual unchanged, because there are no fixed heights."""
@@ -96,7 +96,7 @@ class Bounded:
     def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:
         """Return heights moved at random by about their spacing, with a few added or removed."""
         height, on = unknowns.copy(), np.flatnonzero(self.exists(unknowns))
-        height[on] = moved(unknowns[on], None, rng, sizes)[0]
+        height[on] = moved(unknowns[on], None, rng, sizes, self.high - self.low)[0]
         free = np.flatnonzero(~self.exists(unknowns))
         if free.size and rng.random() < ADDING:
             number = int(rng.integers(1, min(MOST_ADDED, free.size) + 1))
@@ -127,12 +127,15 @@ class Bounded:
 
 
 def moved(
-    height: FloatArray, most: int | None, rng: np.random.Generator, sizes: tuple[float, ...]
+    height: FloatArray, most: int | None, rng: np.random.Generator, sizes: tuple[float, ...], span: float
 ) -> tuple[FloatArray, IntArray]:
-    """Return heights moved at random by about their spacing, and the original index of each height."""
+    """Return heights moved at random by about their spacing, and the original index of each height.
+
+    The spacing of equal heights is that of as many heights over the span [mm].
+    """
     n = len(height)
     every = np.arange(n)
-    spacing = float(np.ptp(height)) / n * rng.choice(sizes)
+    spacing = (float(np.ptp(height)) or span) / n * rng.choice(sizes)
     result = height + spacing * rng.standard_normal(n) * (rng.random(n) < rng.choice(CHANGE_FRACTIONS))
     if most is None:
         return result, every

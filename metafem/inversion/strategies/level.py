@@ -24,7 +24,7 @@ from metafem.models import Independent
 
 # A load within this relative distance of the load of the point counts as equal, so that rounding does not add
 # an asperity.
-ROUNDING = 1e-12
+ROUNDING = 1e-10
 
 # Relative tolerance of the area in the search for an indentation: a few times the rounding error of a sum.
 SETTLED = 8.0 * np.finfo(float).eps
@@ -40,10 +40,10 @@ MOST_ASPERITIES = 1e12
 
 @dataclass(frozen=True)
 class Level:
-    """Asperities of `radius` at `height`, and one adjustment asperity of the radius `other`.
+    """Asperities of `radius` at `height`, and adjustment asperities of the radius `other`.
 
     `depth` and `adjustment` are their indentations at the point [mm]. If `adjustment` is zero, there is no
-    adjustment asperity.
+    adjustment asperity. Only adhesive levels have more than one, see `adhesive_level`.
     """
 
     height: float
@@ -52,13 +52,14 @@ class Level:
     other: float
     depth: float
     adjustment: float
+    others: int = 1
 
     @property
     def kinds(self) -> list[tuple[float, float, int]]:
         """Height [mm], radius [mm] and number of the asperities of each kind."""
         kinds = [(self.height, self.radius, self.number)]
         if self.adjustment > 0.0:
-            kinds.append((self.height - self.depth + self.adjustment, self.other, 1))
+            kinds.append((self.height - self.depth + self.adjustment, self.other, self.others))
         return kinds
 
     @property
@@ -93,7 +94,7 @@ class Step:
         self.above = top - height
         # eq. S1, area: friction of the point minus the area when the plane reaches the level [mm^2]
         self.missing = friction - float(contacts(law, self.above, self.radius).area @ self.number)
-        self.fewest = 0 if done else 1
+        self.fewest, self.used = 0 if done else 1, {level.radius for level in done}
 
     def at(self, depth: FloatArray, number: FloatArray, radius: FloatArray) -> tuple[FloatArray, ...]:
         """Return the load and area minus those of the point [mm^2], and dA/dd [mm], (k,) each.
@@ -160,7 +161,14 @@ class Step:
         return math.floor(brentq(excess, low, high)) + 1 if excess(low) > 0.0 else low
 
     def levels(self, tools: tuple[float, ...], left: int) -> Iterator[Level]:
-        """Yield the levels that meet the point with at most `left` asperities."""
+        """Yield the levels that meet the point with at most `left` asperities.
+
+        Those with a radius of earlier levels come first, and then those with fewest asperities.
+        """
+        found = self._levels(tools, left)
+        return iter(sorted(found, key=lambda level: (level.radius not in self.used, level.count)))
+
+    def _levels(self, tools: tuple[float, ...], left: int) -> Iterator[Level]:
         number = np.arange(self.fewest, left + 1.0)
         if self.missing <= 0.0 or not number.size:
             return

@@ -103,7 +103,7 @@ def best_mixture(invert: Callable[[Mixture], Candidate], problem: Problem) -> Ca
     miss the target.
     """
     radii, count = problem.radii, problem.count
-    law = problem.independent.contact
+    law = problem.contact.without_adhesion
     mixtures = [Mixture((radius,), (count,), law) for radius in radii.tried.tolist()]
     if radii.single:
         return invert(mixtures[0])

@@ -14,19 +14,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from metafem.errors import Infeasible
-from metafem.inversion.assessment import POINT_GOAL
+from metafem.inversion.assessment import REACHED, model_misfit
 from metafem.inversion.candidate import Candidate, Parameter
 from metafem.inversion.feasibility import broken_bound
-from metafem.inversion.search.levenberg_marquardt import descend
-from metafem.inversion.search.nearest_law import MIXED_RESTARTS, LawSearch, residual_of_heights
-from metafem.inversion.search.spaces import Heights
+from metafem.inversion.strategies.free_heights import without_levels
+from metafem.inversion.strategies.groups import GroupStep
 from metafem.inversion.strategies.level import Level, Step, asperities
 from metafem.inversion.targets.wording import Message
 from metafem.models.model import has_paraboloids
-from metafem.notes import information
 
 if TYPE_CHECKING:
-    from metafem.inversion.limits import Limits, Radii
+    from metafem.inversion.limits import Limits
     from metafem.inversion.problem import Problem
     from metafem.inversion.targets.laws import OperatingPoints
 
@@ -44,30 +42,32 @@ MOST_MOVED = 20
 # whose kinks at new contacts are sharper than those of Hertz's law.
 LEVEL_DROP = 0.05
 
+# The same for groups, whose heights are free, so that no group touches the plane at the previous point.
+GROUP_DROP = 1e-3
+
+# Distance below the lowest height that counts as rounding, relative to the largest height.
+ROUNDING = 1e-10
+
 # Maximum number of levels that a search tries, about 0.2 ms each.
 MOST_LEVELS = 5_000
 
-# Heights without levels are accepted up to this misfit, which is far below the effect of height errors.
-ACCEPTED = 1e-3
-
-# Under a model with interaction, such heights are accepted up to this multiple of the interaction margin,
-# because they are refined later. For points of 67 random surfaces the ratio was up to 1.8.
-MARGINS = 4.0
+# The same for groups with Hertz's law, about 0.2 ms each, and with other laws, up to 5 ms each.
+MOST_GROUPS, MOST_OTHERS = 300, 30
 
 
 def candidate(
     target: OperatingPoints, problem: Problem, rng: np.random.Generator, restarts: int | None = None
 ) -> Candidate:
     """Return heights whose independent law passes through all points, or raise Infeasible."""
-    radii, paths = problem.radii, list[tuple[Level, ...]]()
-    for drop in dict.fromkeys((0.0 if has_paraboloids(problem.model) else LEVEL_DROP, 0.0)):
-        singles = [_Search(target, (radius,), problem, drop) for radius in radii.tried.tolist()]
+    radii, paths, searches = problem.radii, list[tuple[Level, ...]](), list[_Search]()
+    for drop, groups in _kinds(problem):
+        singles = [_Search(target, (radius,), problem, drop, groups) for radius in radii.tried.tolist()]
         paths = [path for search in singles if (path := search.path(()))]
-        last = singles[-1]
+        searches.append(singles[-1])
         if not paths and not radii.single:
-            last = _Search(target, tuple(radii.tried.tolist()), problem, drop)
-            paths = [path for path in [last.path(())] if path]
-        if paths:
+            searches[-1] = _Search(target, tuple(radii.tried.tolist()), problem, drop, groups)
+            paths = [path for path in [searches[-1].path(())] if path]
+        if paths or (not groups and not drop and not searches[-1].limited):
             break
     if paths:
         fewest = min(paths, key=lambda levels: sum(level.count for level in levels))
@@ -77,14 +77,36 @@ def candidate(
     margin = problem.interaction_margin()
     highest = (1.0 + margin) * problem.bounds.largest_load(problem.limits)
     broken = broken_bound(target.rescaled_load, target.rescaled_friction, problem.bounds, margin)
-    searched = not (last.limited and margin == 0.0) and target.last_load <= highest and broken is None
-    if searched:
-        # a search with only the extreme radii comes first: they leave the refinement more freedom
-        for choice in dict.fromkeys((radii.extremes, radii)):
-            if found := _without_levels(target, choice, problem, rng, max(ACCEPTED, MARGINS * margin)):
-                return found
-    refused = last.refused or Infeasible("no heights that meet the points were found")
-    raise Infeasible(refused.message, _nearest(last), by_search=searched)
+    searched = target.last_load <= highest and broken is None
+
+    # the reason is that of levels, whose counts and heights the message states
+    last = [each for each in searches if not each.groups][-1:] or searches
+
+    def refusal() -> Infeasible:
+        refused = last[-1].refused or Infeasible("no heights that meet the points were found")
+        return Infeasible(refused.message, _nearest(last[-1]), by_search=searched)
+
+    found = without_levels(target.curve(), problem, rng, margin) if searched else None
+    if found is None:
+        raise refusal()
+    return replace(found, refusal=refusal) if problem.model.couples else found
+
+
+def _kinds(problem: Problem) -> list[tuple[float, bool]]:
+    """Return the drops of levels that are tried, and whether groups are tried in place of levels.
+
+    Groups follow levels if the limits exclude the levels. Adhesive asperities have only groups.
+    """
+    drops = list(dict.fromkeys((0.0 if has_paraboloids(problem.model) else LEVEL_DROP, 0.0)))
+    levels = [] if problem.contact.adhesive else [(drop, False) for drop in drops]
+    return [*levels, (GROUP_DROP, True)]
+
+
+def judged(target: OperatingPoints, problem: Problem, candidate: Candidate) -> Candidate:
+    """Return the refined candidate; raise Infeasible if it misses the points and no levels meet them."""
+    if candidate.refusal is not None and model_misfit(problem, candidate) > REACHED:
+        raise candidate.refusal()
+    return candidate
 
 
 def _with_levels(target: OperatingPoints, path: tuple[Level, ...], problem: Problem) -> Candidate:
@@ -97,38 +119,15 @@ def _with_levels(target: OperatingPoints, path: tuple[Level, ...], problem: Prob
         "levels": offset + tops,
         "adjustment_heights": offset + tops - below,
     }
+    if any(level.others > 1 for level in path):
+        parameters["adjustment_counts"] = np.array(
+            [level.others * (level.adjustment > 0.0) for level in path]
+        )
     if not problem.radii.single:
         parameters["level_radii"] = np.array([level.radius for level in path])
         parameters["adjustment_radii"] = np.array([level.other for level in path])
     lowest = offset + float(tops[-1])
     return Candidate(offset + height, radius, parameters, target.curve(), lowest_level=lowest)
-
-
-def _without_levels(
-    target: OperatingPoints, radii: Radii, problem: Problem, rng: np.random.Generator, accepted: float
-) -> Candidate | None:
-    """Return the best heights and radii found without levels, or None if their misfit is not accepted."""
-    law, limits, effort = target.curve(), problem.limits, problem.effort
-    top, load = limits.top, law.load
-    best: Candidate | None = None
-    misfit = accepted
-    restarts = effort.restarts if radii.single else effort.restarts // MIXED_RESTARTS
-    for goal in effort.free_goals:
-        height, radius = LawSearch(problem, law, [law.base], restarts, rng, goal).nearest(radii)
-        residual = residual_of_heights(problem.independent, radius, law)
-        found = descend(residual, height, Heights(limits.span), POINT_GOAL, True, problem.options)
-        height = found.unknowns - found.unknowns.max()
-        approach = float(problem.independent.curve_of(height, radius, load[-1:]).approach[0])
-        if found.misfit < misfit and approach <= top:
-            misfit, order = found.misfit, np.argsort(-height, kind="stable")
-            note = "no levels of equal heights meet the points: the heights were found by a search"
-            best = Candidate(
-                top + height[order], radius[order], {"span": float(np.ptp(height))}, law,
-                notes=(information(note),), lowest_level=top + float(height.min()),
-            )  # fmt: skip
-        if misfit <= POINT_GOAL:
-            break
-    return best
 
 
 def _nearest(search: _Search) -> OperatingPoints | None:
@@ -177,6 +176,7 @@ class _Search:
     tools: tuple[float, ...]
     problem: Problem
     drop: float  # distance of a level below the plane at the previous point, over the previous level's depth
+    groups: bool = False
     refused: Infeasible | None = None
     furthest: int = -1
     limited: bool = False
@@ -187,9 +187,16 @@ class _Search:
         """Points up to the point that is not met, where the friction is the nearest attainable friction."""
         return None if self.refused is None else self.refused.nearest
 
+    @property
+    def most(self) -> int:
+        """Maximum number of levels or groups that are tried."""
+        if not self.groups:
+            return MOST_LEVELS
+        return MOST_GROUPS if has_paraboloids(self.problem.model) else MOST_OTHERS
+
     def of(self, target: OperatingPoints) -> _Search:
         """Return the same search for another target."""
-        return _Search(target, self.tools, self.problem, self.drop)
+        return replace(self, target=target, refused=None, furthest=-1, limited=False, tried=0)
 
     def of_others(self, i: int) -> float:
         """Return the friction [mm^2] of a law through the other points at point i; nan without such a law."""
@@ -214,21 +221,24 @@ class _Search:
         if done:
             level = done[-1].height - (1.0 + self.drop) * done[-1].depth
         point = self.target.rescaled_load[i], self.target.rescaled_friction[i]
-        step = Step(self.problem.independent.contact, done, level, *point)
+        given = self.problem.contact, done, level, *point
+        step = Step(*given)
+        if self.groups:
+            step = GroupStep(*given, deepest=level - self.problem.limits.min_height)
         left = self.problem.count - sum(part.count for part in done)
-        used = {part.radius for part in done}
-        found = sorted(step.levels(self.tools, left), key=lambda each: (each.radius not in used, each.count))
-        if not found:
-            self.refuse(i, _unmet(self.target, i, step, self.tools, left), limited=False)
-        for next_level in found:
+        any_found = False
+        for next_level in step.levels(self.tools, left):
+            any_found = True
             self.tried += 1
-            if self.tried > MOST_LEVELS:
+            if self.tried > self.most:
                 break
             reason = _too_low(i, next_level, self.problem.limits)
             if reason is not None:
                 self.refuse(i, reason, limited=True)
             elif path := self.path((*done, next_level)):
                 return path
+        if not any_found:
+            self.refuse(i, _unmet(self.target, i, step, self.tools, left), limited=False)
         return None
 
     def refuse(self, i: int, reason: Infeasible, limited: bool) -> None:
@@ -276,10 +286,10 @@ def _unmet(target: OperatingPoints, i: int, step: Step, tools: tuple[float, ...]
 
 def _too_low(i: int, level: Level, limits: Limits) -> Infeasible | None:
     """Return the error for a level that needs summits below the limits or contact of the base, or None."""
-    lowest = min(height for height, _, number in level.kinds if number) if level.count else level.height
+    lowest = min((height for height, _, number in level.kinds if number), default=math.inf)
     plane = level.height - level.depth
     short = limits.min_height - lowest
-    if short > 0.0:
+    if short > ROUNDING * limits.max_height:
         return Infeasible(
             f"operating point {i + 1} needs a summit at {lowest:.6g} mm, below min_height = "
             f"{limits.min_height:g} mm; raise max_height = {limits.max_height:g} mm by {short:.3g} mm"

@@ -94,6 +94,7 @@ class OperatingPoints(Value, Target):
         return TargetLaw.fixed(self.rescaled_load, self.rescaled_friction, pointwise=True)
 
     candidate = operating_points.candidate
+    judged = operating_points.judged
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
