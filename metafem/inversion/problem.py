@@ -33,6 +33,8 @@ class Effort:
 
     # Restarts for independent asperities, about 10 ms each. Most laws of real surfaces need few or none.
     restarts: int = 30
+    # The same for adhesive asperities, about 30 ms each.
+    adhesive_restarts: int = 10
     # Misfits at which the random search for operating points without levels ends. A descent to rounding
     # follows. If it ends at a kink, the next misfit gives another initial guess.
     free_goals: tuple[float, ...] = (1e-2, 1e-3, 1e-4, 1e-5, 1e-11)
@@ -54,8 +56,8 @@ class Effort:
 # `validation/benchmark/explorer.py` a draft takes between a tenth and half of the time of a full design, and
 # its misfit is at most 1.7 times as large.
 DRAFT = Effort(
-    restarts=2, free_goals=(1e-2,), refined_restarts=0, ratio_restarts=2, range_restarts=0,
-    pinned_changes=1, step_changes=1, evaluated_steps=6,
+    restarts=2, adhesive_restarts=1, free_goals=(1e-2,), refined_restarts=0, ratio_restarts=2,
+    range_restarts=0, pinned_changes=1, step_changes=1, evaluated_steps=6,
 )  # fmt: skip
 
 WHOLE = Effort()
@@ -148,6 +150,11 @@ class Problem:
         unlimited = Bounds(self.contact, self.radii, self.count, 0.0)
         last = self.target.last_load or unlimited.largest_load(self.limits)
         return replace(unlimited, last=last)
+
+    @property
+    def restarts(self) -> int:
+        """Number of restarts of a search for independent asperities."""
+        return self.effort.adhesive_restarts if self.contact.adhesive else self.effort.restarts
 
     @property
     def tolerances(self) -> Tolerances:

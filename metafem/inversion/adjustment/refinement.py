@@ -33,6 +33,9 @@ from metafem.progress import doing
 # single new contacts remains.
 REFINED_GOAL = 9e-4
 
+# If descents for operating points end above this misfit, at kinks of the law, random changes follow.
+AT_KINKS = 1e-3
+
 # Up to this misfit, the heights of the independent inversion are the only initial guess.
 CLOSE = 5.0 * REFINED_GOAL
 
@@ -95,6 +98,10 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
             elif exact:
                 guesses = stretched(trial.height, limits.span)
                 found = search(residual, guesses, space, goal, 0, rng, options, to_rounding=True)
+                if found.misfit > AT_KINKS:
+                    changes = problem.effort.refined_restarts
+                    found = search(residual, [found.unknowns], space, AT_KINKS, changes, rng, options)
+                    found = descend(residual, found.unknowns, space, goal, True, options)
             else:
                 guesses = _initial_guesses(problem, trial, first().curve.area, rng)
                 restarts = ADHESIVE_RESTARTS if problem.contact.adhesive else problem.effort.refined_restarts

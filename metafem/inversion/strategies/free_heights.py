@@ -77,7 +77,7 @@ def _found(
         return
     for radii in dict.fromkeys((problem.radii.extremes, problem.radii)):
         for goal in problem.effort.free_goals:
-            restarts = problem.effort.restarts // MIXED_RESTARTS
+            restarts = problem.restarts // MIXED_RESTARTS
             start = LawSearch(problem, law, [law.base], restarts, rng, goal).nearest(radii)
             yield _exact(problem, law, *start)
 
@@ -89,9 +89,9 @@ def _of_one_radius(
     radii, options, effort = problem.radii, problem.options, problem.effort
     space = Heights(problem.limits.span, problem.count)
     residual = residual_of_heights(problem.independent, radii.low, law)
-    first = LawSearch(problem, law, [law.base], effort.restarts, rng, effort.free_goals[0])
+    first = LawSearch(problem, law, [law.base], problem.restarts, rng, effort.free_goals[0])
     height, _ = first.nearest(radii)
-    for restarts, to_rounding in ((effort.restarts, False), (effort.restarts // LONGER, True)):
+    for restarts, to_rounding in ((problem.restarts, False), (problem.restarts // LONGER, True)):
         given = enough, restarts, rng, options, to_rounding
         height = search(residual, [height], space, *given).unknowns
         yield _exact(problem, law, height, np.full(len(height), radii.low))

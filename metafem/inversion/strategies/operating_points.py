@@ -1,14 +1,18 @@
 """Heights whose law passes through points, with one level and one adjustment asperity per point (eq. S1).
 
 With one radius, the previous levels determine the level of each point. With several radii many
-levels can meet a point, and they are tried in turn. If no levels meet the points and no bound excludes the
-points, a search for heights without levels follows.
+levels can meet a point, and they are tried in turn. For adhesive asperities, and where the limits exclude the
+levels, groups with free heights are tried, see `groups`. If these fail and no bound excludes the points, a
+search for heights without levels follows. With interaction, the misfit after the refinement under the model
+then decides whether the points are refused.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -170,22 +174,28 @@ def _nearest(search: _Search) -> OperatingPoints | None:
 
 @dataclass
 class _Search:
-    """Depth-first search for levels that meet all points; `refused` is the reason if a point is not met."""
+    """Depth-first search for levels that meet all points."""
 
     target: OperatingPoints
     tools: tuple[float, ...]
     problem: Problem
     drop: float  # distance of a level below the plane at the previous point, over the previous level's depth
     groups: bool = False
-    refused: Infeasible | None = None
+    reason: Callable[[], Infeasible | None] | None = None
     furthest: int = -1
     limited: bool = False
     tried: int = 0
 
     @property
+    def refused(self) -> Infeasible | None:
+        """Reason if a point is not met."""
+        return None if self.reason is None else self.reason()
+
+    @property
     def unmet(self) -> OperatingPoints | None:
         """Points up to the point that is not met, where the friction is the nearest attainable friction."""
-        return None if self.refused is None else self.refused.nearest
+        refused = self.refused
+        return None if refused is None else refused.nearest
 
     @property
     def most(self) -> int:
@@ -196,7 +206,7 @@ class _Search:
 
     def of(self, target: OperatingPoints) -> _Search:
         """Return the same search for another target."""
-        return replace(self, target=target, refused=None, furthest=-1, limited=False, tried=0)
+        return replace(self, target=target, reason=None, furthest=-1, limited=False, tried=0)
 
     def of_others(self, i: int) -> float:
         """Return the friction [mm^2] of a law through the other points at point i; nan without such a law."""
@@ -232,19 +242,22 @@ class _Search:
             self.tried += 1
             if self.tried > self.most:
                 break
-            reason = _too_low(i, next_level, self.problem.limits)
-            if reason is not None:
-                self.refuse(i, reason, limited=True)
+            too_low = partial(_too_low, i, next_level, self.problem.limits)
+            if too_low() is not None:
+                self.refuse(i, too_low, limited=True)
             elif path := self.path((*done, next_level)):
                 return path
         if not any_found:
-            self.refuse(i, _unmet(self.target, i, step, self.tools, left), limited=False)
+            self.refuse(i, partial(_unmet, self.target, i, step, self.tools, left), limited=False)
         return None
 
-    def refuse(self, i: int, reason: Infeasible, limited: bool) -> None:
-        """Store the first reason at the last point reached, and whether it is a manufacturing limit."""
+    def refuse(self, i: int, reason: Callable[[], Infeasible | None], limited: bool) -> None:
+        """Store the first reason at the last point reached, and whether it is a manufacturing limit.
+
+        The counts that a reason states can take longer than the search, so they are computed only if needed.
+        """
         if i > self.furthest:
-            self.furthest, self.refused, self.limited = i, reason, limited
+            self.furthest, self.reason, self.limited = i, cache(reason), limited
 
 
 def _unmet(target: OperatingPoints, i: int, step: Step, tools: tuple[float, ...], left: int) -> Infeasible:

@@ -93,7 +93,7 @@ class Target:
         """
         law, limits = self.curve(), problem.limits
         guesses = self.guesses(law, problem.bounds, LEVEL_FRACTIONS)
-        most = problem.effort.restarts if restarts is None else restarts
+        most = problem.restarts if restarts is None else restarts
         height, radius = LawSearch(problem, law, guesses, most, rng).nearest(problem.radii)
         parameters: dict[str, Parameter] = {"span": float(-height[-1])}
         if law.is_open:
