@@ -7,6 +7,7 @@ import math
 from metafem.models._resources import require_memory
 from metafem.models.interacting.ewald_sums import ScatteredSums
 from metafem.models.interacting.fft_sums import LatticeSums, find_lattice
+from metafem.models.interacting.lattice_sums import MOST_CELLS, CompiledLatticeSums, padded_shape
 from metafem.substrate import Radial
 from metafem.surface import Surface
 
@@ -22,4 +23,5 @@ def fast_sums(surface: Surface, substrate: Radial, order: int) -> LatticeSums | 
         require_memory(needed, f"the sums over {surface.count} scattered positions")
         return scattered
     require_memory(32 * math.prod(lattice.shape) * arrays, f"a lattice of {lattice.shape}")
-    return LatticeSums(lattice, substrate)
+    kind = CompiledLatticeSums if math.prod(padded_shape(lattice)) <= MOST_CELLS else LatticeSums
+    return kind(lattice, substrate)
