@@ -63,6 +63,15 @@ def shortage(v, z, face):
 
 
 @compiled
+def exact_sum(values):
+    """Return the sum of an array, exact to a few roundings of the result."""
+    total = rest = 0.0
+    for value in values:
+        total, rest = add(total, rest, value)
+    return total + rest
+
+
+@compiled
 def violations(v, z, face):
     """Return the largest |v - z| on the face, and the largest z - v, the overlap, outside it."""
     inside = 0.0

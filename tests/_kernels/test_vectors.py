@@ -35,3 +35,10 @@ def test_violations_are_largest_error_inside_and_overlap_outside():
     w = np.array([0.125, -0.25, 0.875, -0.1875, 0.0])
     face = np.array([True, True, False, False, False])
     assert vectors.violations(2.0 + w, 2.0, face) == (0.25, 0.1875)
+
+
+def test_a_sum_of_opposite_numbers_keeps_its_digits():
+    values = np.array([1.0, 1e100, 1.0, -1e100])
+    assert vectors.exact_sum(values) == 2.0
+    values = np.random.default_rng(0).exponential(size=1000)
+    assert vectors.exact_sum(values) == pytest.approx(math.fsum(values), rel=1e-15)

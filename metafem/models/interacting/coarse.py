@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dpotrf, dpotrs
 
 from metafem._validate import FloatArray
 from metafem.substrate import Radial
@@ -49,11 +49,12 @@ class Coarse:
         """
         root = np.sqrt(self.loads(inverse))
         inner = np.eye(self.count) + root[:, None] * self.influence * root
-        factor = scipy.linalg.cho_factor(inner, lower=True, overwrite_a=True)
+        # called directly: the checks of `scipy.linalg.cho_solve` take longer than the solution
+        factor, _ = dpotrf(inner, lower=1, overwrite_a=1)
 
         def apply(vector: FloatArray) -> FloatArray:
             phi = self.influence @ self.loads(inverse * vector)
-            phi -= self.influence @ (root * scipy.linalg.cho_solve(factor, root * phi))
+            phi -= self.influence @ (root * dpotrs(factor, root * phi, lower=1)[0])
             return np.asarray(inverse * (vector - phi[self.cell]))
 
         return apply

@@ -28,7 +28,7 @@ from metafem.models.curve import (
 from metafem.models.interacting.coupled import Coupled
 from metafem.models.interacting.fft_sums import find_lattice
 from metafem.models.interacting.influence import coupling_between
-from metafem.models.interacting.large import NOT_RECORDED, LargeScene
+from metafem.models.interacting.large import NOT_RECORDED, large_scene
 from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
 from metafem.models.interacting.sensitivity import area_gradients
 from metafem.notes import Note, information
@@ -39,13 +39,22 @@ TOLERANCE = 1e-12
 
 # Largest numbers of asperities that are solved with dense matrices over all pairs. The first number applies
 # to lattices with order 3, the second to all other scenes. Times per load of a curve of order 3 on a layer,
-# with dense matrices and with FFTs on the lattice: 1.2 and 4.2 ms for 400 asperities, 6.3 and 8.8 ms for 900,
-# 36 and 9.5 ms for 1600. With the gradients: 6 and 11, 53 and 24, 247 and 25 ms. For 2000 asperities the
-# matrices of order 3 need 0.5 GB.
+# with dense matrices and with FFTs on the lattice: .9 and 1.5 ms for 400 asperities, 4.1 and 2.0 ms for 625,
+# 10 and 2.3 ms for 900. For 2000 asperities the matrices of order 3 need 0.5 GB.
 LATTICE_LIMIT, DENSE_LIMIT = 400, 2000
+
+# FFTs on a lattice with few asperities take as long as dense matrices if it has 1/PAIRS_PER_SITE sites for
+# each pair of asperities: on 100 x 100 sites, 8.4 ms with dense matrices of 900 asperities, 27 ms with those
+# of 1400, and 15 ms with FFTs.
+PAIRS_PER_SITE = 150
 
 # Number of pairs of asperities, times loads, below which a second thread saves no time: about a millisecond.
 PAIRS_PER_THREAD = 200_000
+
+# The same number for a single list of heights, whose curve is divided into two: the second half begins from
+# independent contacts, which takes as long as a few loads. The number does not depend on the machine, because
+# the last digits depend on the division.
+PAIRS_PER_HALF = 4_000_000
 
 
 # State of nominal indentations (n,) [mm] at an approach [mm], and the errors of its equations (n,) [mm].
@@ -78,8 +87,11 @@ class ElasticCoupling(Coupled):
         count, substrate = self.surface.count, self.substrate
         if count <= LATTICE_LIMIT or not isinstance(substrate, Radial):
             return None
-        few = count <= DENSE_LIMIT and (self.order == 1 or find_lattice(self.surface.position) is None)
-        return None if few else substrate
+        if count > DENSE_LIMIT:
+            return substrate
+        lattice = None if self.order == 1 else find_lattice(self.surface.position)
+        fast = lattice is not None and PAIRS_PER_SITE * math.prod(lattice.shape) <= count**2
+        return substrate if fast else None
 
     def path(self, values: FloatArray, by_load: bool, unloading: bool) -> Curve:
         """Return equilibria at increasing loads or approaches (k,)."""
@@ -103,12 +115,15 @@ class ElasticCoupling(Coupled):
 
     def sensitivity(self, height: FloatArray, load: FloatArray) -> Sensitivity:
         """Return the curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
-        indentation, room = np.zeros((2, len(load), self.surface.count))
-        solution = self._solve(height[None, :], load, True, indentation, room)
+        indentation = np.zeros((len(load), self.surface.count))
+        solution = self._solve(height[None, :], load, True, indentation)
 
         def gradient() -> FloatArray:
-            carried = contacts(self.law, indentation, self.surface.radius).load if self.pedestal else room
-            return self.on_pedestals(solution.gradient(), height, carried)
+            found = solution.gradient()
+            if not self.pedestal:
+                return found
+            carried = contacts(self.law, indentation, self.surface.radius).load
+            return self.on_pedestals(found, height, carried)
 
         return Sensitivity(self._curve(solution), gradient, indentation)
 
@@ -129,7 +144,7 @@ class ElasticCoupling(Coupled):
         gap, self_term = surface.gap, np.zeros(surface.count) + self.pedestals(surface.height, surface.radius)
         law = tables(self.law, surface.radius)
         if self.summed is not None:
-            equations = LargeScene(surface, self.summed, self.order).equations(law, self_term, gap)
+            equations = large_scene(surface, self.summed, self.order).equations(law, self_term, gap)
 
             def summed(z: FloatArray, approach: float) -> tuple[State, FloatArray]:
                 found = equations.respond(z, approach, 0.0)
@@ -164,14 +179,12 @@ class ElasticCoupling(Coupled):
         control: FloatArray,
         by_load: bool,
         indentation: FloatArray = NOT_RECORDED,
-        gradient: FloatArray = NOT_RECORDED,
         radius: FloatArray | None = None,
     ) -> Solution:
         """Return the solution for heights (m, n) at increasing loads or approaches (k,).
 
         radius: (m, n) [mm]; default: the surface's. `indentation` (k, n) [mm] is filled with the nominal
-        indentations of the last list of heights unless empty. If fast sums are used, `gradient` (k, n) [mm]
-        is filled with dA0/dh, without the change of the pedestals, unless empty.
+        indentations of the last list of heights unless empty.
         """
         gap = height.max(axis=1, keepdims=True) - height
         surface, bound = self.surface, self.substrate
@@ -180,35 +193,41 @@ class ElasticCoupling(Coupled):
         results = kernel.empty_results(len(height), len(control))
         law = tables(self.law, size)
         if self.summed is not None:
-            large = LargeScene(surface, self.summed, self.order)
+            large = large_scene(surface, self.summed, self.order)
             for row in range(len(height)):
                 part = kernel.Results(*(array[row] for array in results))
                 last = large.follow(
-                    rows_of(law, row), self_term[row], gap[row], control, by_load, part, indentation, gradient
+                    rows_of(law, row), self_term[row], gap[row], control, by_load, part, indentation
                 )
             self._refuse_deep(rows_of(law, -1), last)
             notes = (information(large.sums.note),)
-            return Solution(results, height[-1], last, FAST_TOLERANCE, lambda: gradient, notes)
+            scene = rows_of(law, -1), self_term[-1], gap[-1], indentation
+            gradients = partial(large.area_gradients, *scene)
+            return Solution(results, height[-1], last, FAST_TOLERANCE, gradients, notes)
         coupling, regular = coupling_between(surface, bound, self.order)
         self_term += regular
         control = np.array(control)  # a read-only array would compile the kernel again
         states = {}
 
-        def run(rows: slice) -> None:
+        def run(rows: slice, loads: slice) -> None:
             state, memory, scratch = kernel.empty_workspace(surface.count, self.order)
-            part = kernel.Results(*(array[rows] for array in results))
+            part = kernel.Results(*(array[rows, loads] for array in results))
             kernel.curves(
-                coupling, self.order, rows_of(law, rows), self_term[rows], gap[rows], control, by_load, part,
-                state, memory, scratch, indentation,
+                coupling, self.order, rows_of(law, rows), self_term[rows], gap[rows], control[loads], by_load,
+                part, state, memory, scratch, indentation[loads],
             )  # fmt: skip
-            states[rows.stop] = state
+            states[rows.stop, loads.stop] = state
 
-        run_rows(run, len(gap), gap.size * surface.count * len(control), PAIRS_PER_THREAD)
-        for end, state in states.items():
+        whole, pairs = (len(gap), len(control)), gap.size * surface.count * len(control)
+        if len(gap) == 1:
+            run_rows(lambda loads: run(slice(0, 1), loads), len(control), pairs, PAIRS_PER_HALF)
+        else:
+            run_rows(lambda rows: run(rows, slice(0, len(control))), len(gap), pairs, PAIRS_PER_THREAD)
+        for (end, _), state in states.items():
             self._refuse_deep(rows_of(law, end - 1), state)
         system = coupling, self.order, rows_of(law, -1), self_term[-1]
         gradients = partial(area_gradients, *system, indentation)
-        return Solution(results, height[-1], states[len(gap)], TOLERANCE, gradients)
+        return Solution(results, height[-1], states[whole], TOLERANCE, gradients)
 
     def _refuse_deep(self, law: Law, state: State) -> None:
         """Raise InvalidInput if an indentation exceeds the range of the law."""

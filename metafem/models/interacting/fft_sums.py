@@ -24,7 +24,11 @@ LATTICE_TOLERANCE = 1e-9
 CELLS_PER_THREAD = 250_000
 
 # Smallest fraction of occupied sites; with fewer, the sums for scattered positions are used.
-FEWEST_SITES = 0.25
+FEWEST_SITES = 0.1
+
+# Number of positions among which the nearest pair is one step apart. With a tenth of the sites occupied, a
+# third of the positions have such a neighbour.
+TRIED = 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,9 +45,12 @@ def find_lattice(position: FloatArray) -> Lattice | None:
     if len(position) < 2:
         return None
     centre = position - position.mean(axis=0)
-    first = centre[int(np.hypot(*centre.T).argmin())]
-    distance, near = scipy.spatial.cKDTree(centre).query(first, k=2)
-    step = centre[near[1]] - first
+    middle = np.argsort(np.hypot(*centre.T), kind="stable")[:TRIED]
+    distances, near = scipy.spatial.cKDTree(centre).query(centre[middle], k=2)
+    # the first of the nearest pairs, which are equal to rounding
+    k = int((distances[:, 1] <= distances[:, 1].min() * (1.0 + LATTICE_TOLERANCE)).argmax())
+    distance, first = distances[k], centre[middle[k]]
+    step = centre[near[k, 1]] - first
     extent = float(np.hypot(*centre.T).max())
     # refine the axes with ever farther positions: a single step gives the direction of a long row
     # inaccurately

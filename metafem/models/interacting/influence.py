@@ -20,19 +20,25 @@ from metafem.substrate import Radial, Substrate
 from metafem.surface import Surface
 
 # Number of cached influences, and largest number of asperities for which the influence is cached. The seven
-# matrices of 256 sites take 3.5 MiB.
-KEPT_FIELDS, MOST_KEPT = 8, 256
+# matrices of 256 sites take 3.5 MiB. Of larger scenes only the last one is cached, up to 1000 asperities: its
+# matrices take 53 MiB. Computing them takes as long as 10 loads of a curve.
+KEPT_FIELDS, MOST_KEPT, MOST_LAST = 8, 256, 1000
 
 # Largest number of asperities for which fast sums are cached. The spectra of 10,000 sites take 0.7 MiB.
 MOST_KEPT_SUMS = 10_000
 
 
 @dataclass(frozen=True)
-class _Sites:
+class Sites:
     """Sites of a surface; two are equal if all their bits are."""
 
     position: bytes
     surface: Surface = field(compare=False)
+
+    @classmethod
+    def of(cls, surface: Surface) -> Sites:
+        """Return the sites of a surface."""
+        return cls(surface.position.tobytes(), surface)
 
 
 def coupling_between(surface: Surface, bound: Substrate, order: int) -> tuple[Coupling, FloatArray]:
@@ -41,8 +47,9 @@ def coupling_between(surface: Surface, bound: Substrate, order: int) -> tuple[Co
     bound: the substrate with the thickness and the material of the surface.
     """
     # a radial influence depends only on the sites
-    if isinstance(bound, Radial) and isinstance(bound, Hashable) and surface.count <= MOST_KEPT:
-        return _kept(bound, order, _Sites(surface.position.tobytes(), surface))
+    if isinstance(bound, Radial) and isinstance(bound, Hashable) and surface.count <= MOST_LAST:
+        cached = _kept if surface.count <= MOST_KEPT else _last
+        return cached(bound, order, Sites.of(surface))
     return _computed(bound, order, surface)
 
 
@@ -58,30 +65,36 @@ def displacements(surface: Surface, bound: Substrate) -> Callable[[FloatArray], 
     if surface.count > MOST_KEPT_SUMS or not isinstance(bound, Hashable):
         sums = fast_sums(surface, bound, 1)
     else:
-        sums = _kept_sums(bound, _Sites(surface.position.tobytes(), surface))
+        sums = _kept_sums(bound, Sites.of(surface))
     own = bound.self_influence
     return lambda load: np.array([sums.displacement(row) for row in load]) + own * load
 
 
 def nearest_distance(surface: Surface) -> float:
     """Return the smallest distance between two asperities [mm]; infinite for one asperity."""
-    return _nearest(_Sites(surface.position.tobytes(), surface)) if surface.count > 1 else math.inf
+    return _nearest(Sites.of(surface)) if surface.count > 1 else math.inf
 
 
 @lru_cache(maxsize=KEPT_FIELDS)
-def _nearest(sites: _Sites) -> float:
+def _nearest(sites: Sites) -> float:
     position = sites.surface.position
     return float(scipy.spatial.cKDTree(position).query(position, k=2)[0][:, 1].min())
 
 
 @lru_cache(maxsize=KEPT_FIELDS)
-def _kept(substrate: Radial, order: int, sites: _Sites) -> tuple[Coupling, FloatArray]:
+def _kept(substrate: Radial, order: int, sites: Sites) -> tuple[Coupling, FloatArray]:
     """Return the cached influence between sites; it does not depend on the heights."""
     return _computed(substrate, order, sites.surface)
 
 
+@lru_cache(maxsize=1)
+def _last(substrate: Radial, order: int, sites: Sites) -> tuple[Coupling, FloatArray]:
+    """Return the cached influence between the sites of the last larger scene."""
+    return _computed(substrate, order, sites.surface)
+
+
 @lru_cache(maxsize=KEPT_FIELDS)
-def _kept_sums(substrate: Radial, sites: _Sites) -> LatticeSums | ScatteredSums:
+def _kept_sums(substrate: Radial, sites: Sites) -> LatticeSums | ScatteredSums:
     """Return the cached sums over sites; they do not depend on the heights."""
     return fast_sums(sites.surface, substrate, 1)
 

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Hashable
+from functools import lru_cache
 
 import numpy as np
 
 from metafem._kernels.contact.tabulated import Law
 from metafem._kernels.continuation import Results, empty_memory, predict, uniform_approach
 from metafem._kernels.coupling import State, spread
+from metafem._kernels.vectors import exact_sum
 from metafem._validate import FloatArray
 from metafem.models.interacting.coarse import coarsen
+from metafem.models.interacting.influence import MOST_KEPT_SUMS, Sites
 from metafem.models.interacting.newton_krylov import TOLERANCE, ContactEquations, Iterate, open_state
 from metafem.models.interacting.sums import fast_sums
 from metafem.progress import each
@@ -19,6 +23,19 @@ from metafem.surface import Surface
 
 # Empty array that is passed for results that are not recorded.
 NOT_RECORDED = np.empty((0, 0))
+
+
+def large_scene(surface: Surface, substrate: Radial, order: int) -> LargeScene:
+    """Return the fast sums and the coarse model for the sites of a surface; the last ones are cached."""
+    if surface.count > MOST_KEPT_SUMS or not isinstance(substrate, Hashable):
+        return LargeScene(surface, substrate, order)
+    return _last(Sites.of(surface), substrate, order)
+
+
+@lru_cache(maxsize=1)
+def _last(sites: Sites, substrate: Radial, order: int) -> LargeScene:
+    """Return the cached sums of the last scene."""
+    return LargeScene(sites.surface, substrate, order)
 
 
 class LargeScene:
@@ -43,17 +60,15 @@ class LargeScene:
         by_load: bool,
         results: Results,
         indentation: FloatArray = NOT_RECORDED,
-        gradient: FloatArray = NOT_RECORDED,
     ) -> State:
         """Fill the results (k,) at increasing loads or approaches, and return the last state.
 
-        indentation, gradient: (k, n) [mm]; filled with nominal indentations and dA0/dh at fixed load unless
-        empty.
+        indentation: (k, n) [mm]; filled with nominal indentations unless empty.
         """
         equations = self.equations(law, self_term, gap)
         gap = equations.gap
         x = width = 0.0
-        memory, points = empty_memory(len(gap)), 0
+        memory, points, coupled = empty_memory(len(gap)), 0, np.zeros_like(gap)
         state = open_state(-gap)
         for j, value in enumerate(each("load", control.tolist())):
             results.approach[j] = 0.0 if by_load else value
@@ -79,20 +94,27 @@ class LargeScene:
                     points = min(2, points + 1) if width > 0.0 else 1
                     memory.before[:], memory.before_rate[:] = memory.last, memory.last_rate
                     memory.last[:] = state.state.z
-                    results.stiffness[j], memory.last_rate[:] = equations.tangent(state)
+                    results.stiffness[j], memory.last_rate[:], coupled = equations.tangent(state, coupled)
                 else:
                     points = 0
-                if gradient.size:
-                    gradient[j] = equations.area_gradient(state)
             if indentation.size:
                 indentation[j] = state.state.z
         return state.state
 
+    def area_gradients(
+        self, law: Law, self_term: FloatArray, gap: FloatArray, indentation: FloatArray
+    ) -> FloatArray:
+        """Return dA0/dh at fixed load [mm], (k, n), for equilibria with nominal indentations z (k, n)."""
+        equations = self.equations(law, self_term, gap)
+        states = (equations.respond(z, 0.0, 0.0) for z in indentation)  # neither approach nor load matters
+        none = np.zeros_like(gap)
+        return np.array([equations.area_gradient(at) if at.closed.any() else none for at in states])
+
     @staticmethod
     def _record(results: Results, j: int, approach: float, state: Iterate) -> None:
         results.approach[j] = approach
-        results.load[j] = math.fsum(state.state.load)
-        results.area[j] = math.pi * math.fsum(state.state.footprint)
+        results.load[j] = exact_sum(state.state.load)
+        results.area[j] = math.pi * exact_sum(state.state.footprint)
         results.radius[j] = math.sqrt(float(state.state.square.max()))
         results.residual[j] = state.residual
         results.steps[j] = state.steps

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from metafem._kernels.contact.tabulated import Law
 from metafem._kernels.coupling import State, empty_state, press, sharpen, spread
+from metafem._kernels.vectors import exact_sum
 from metafem._validate import FloatArray
 from metafem.models.interacting.coarse import Coarse
 from metafem.models.interacting.ewald_sums import ScatteredSums
@@ -31,8 +33,13 @@ MAX_INNER = 300
 # 17, 16 (1996), doi:10.1137/0917003, choice 2).
 LOOSEST = 0.1
 
-# Relative residual of the tangent; the stiffness has twice as many correct digits.
+# Relative residual of the tangent for the Jacobian of order 1; the stiffness has twice as many digits.
 TANGENT = 1e-4
+
+# For order 3 the tangent is corrected with the Jacobian of order 1: the residual of each correction relative
+# to the previous residual, the largest change of dx/dP by the last correction, and the largest change
+# relative to that of the correction before. The error that remains is a few percent of the last change.
+INNER, TANGENT_CHANGE, CONTRACTION = 0.02, 1e-6, 0.04
 
 # Largest residual of the equations for sensitivities, relative to their right-hand side dA0/dp.
 SENSITIVITY = 1e-9
@@ -46,6 +53,7 @@ class Iterate:
     residual: float = math.inf
     error: FloatArray = field(default_factory=lambda: np.empty(0))
     steps: int = 0  # of Newton's method
+    precondition: Callable[[FloatArray], FloatArray] | None = None  # set by the first linear solution
 
     @property
     def closed(self) -> NDArray[np.bool_]:
@@ -104,7 +112,7 @@ class ContactEquations:
         largest = float(state.indentation.max())
         residual = float(max(overlap.max(), 0.0)) / largest if largest > 0.0 and not outside else 1.0
         if target > 0.0:
-            residual = max(residual, abs(math.fsum(load) - target) / target)
+            residual = max(residual, abs(exact_sum(load) - target) / target)
         return Iterate(state, residual, error)
 
     def newton(self, z: FloatArray, approach: float, target: float) -> tuple[Iterate, float]:
@@ -141,16 +149,34 @@ class ContactEquations:
         """Return the diagonal of the Jacobian dF/dp, (n,) [1/mm]; 0 for open asperities."""
         return np.asarray(np.where(state.closed, state.compliance + self.self_term, 0.0))
 
-    def tangent(self, state: Iterate) -> tuple[float, FloatArray]:
-        """Return dP/dx [mm] and dz/dx (n,) at an equilibrium."""
-        diagonal = self.diagonal(state)
+    def tangent(self, state: Iterate, coupled: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+        """Return dP/dx [mm] and dz/dx (n,) at an equilibrium, and the next `coupled`.
+
+        With order 3, ``H y = x 1`` is solved for the loads y with a sum of 1 by corrections with the Jacobian
+        H1 of order 1. `coupled` is (H1 - H) y of the last tangent, or zero, so that usually one product with
+        H is enough.
+        """
+        diagonal, none = self.diagonal(state), np.zeros_like(coupled)
         # scale of the tolerance: the compliance of independent contacts in parallel
         alone = 1.0 / float((1.0 / diagonal[state.closed]).sum())
-        none = np.zeros_like(diagonal)
-        share, shift, rest = self.solve(state, none, 1.0, TANGENT * alone, exact=True)
+        share, shift, rest = self.solve(state, coupled, 1.0, TANGENT * alone)
+        form, gain, before = float(share @ (coupled - rest)), 0.0 if self.order == 1 else math.inf, math.inf
+        while gain > TANGENT_CHANGE * form:
+            if gain > CONTRACTION * before:  # the Jacobian of order 1 is too different
+                share, shift, rest = self.solve(state, none, 1.0, TANGENT * alone, exact=True)
+                form, coupled = -float(share @ rest), none
+                break
+            image = self.jacobian(state, share, True)
+            coupled = np.where(state.closed, self.sums.displacement(share) - image, 0.0)
+            rest = -image - np.where(state.closed, diagonal * share, 0.0)
+            left = float(np.abs(rest + shift)[state.closed].max())
+            change, shift, after = self.solve(state, rest, 0.0, max(INNER * left, 0.01 * TANGENT * alone))
+            # y.H y is stationary at the tangent; this is y.H1 y of the change
+            before, gain = gain, float(change @ rest)
+            form = -float(share @ rest) - gain
+            share, rest = share + change, after
         rate = (rest + shift + state.compliance * share) / state.state.bend / shift
-        # y.H y is stationary at the tangent, and rest = -H y
-        return -1.0 / float(share @ rest), rate
+        return 1.0 / form, rate, coupled
 
     def area_gradient(self, state: Iterate) -> FloatArray:
         """Return dA0/dh at fixed load at an equilibrium, (n,) [mm].
@@ -201,8 +227,10 @@ class ContactEquations:
         """
         closed = state.closed
         diagonal = self.diagonal(state)
-        inverse = np.divide(1.0, diagonal, out=np.zeros_like(diagonal), where=closed)
-        precondition = self.coarse.preconditioner(inverse)
+        precondition = state.precondition
+        if precondition is None:
+            inverse = np.divide(1.0, diagonal, out=np.zeros_like(diagonal), where=closed)
+            precondition = state.precondition = self.coarse.preconditioner(inverse)
         loads, shift, rest = np.zeros_like(rhs), 0.0, rhs.copy()
         if total is not None:
             uniform = precondition(closed.astype(np.float64))

@@ -19,10 +19,14 @@ from metafem._kernels import interacting as kernel
 from metafem._kernels.contact.tabulated import Law
 from metafem._kernels.coupling import Coupling, State, empty_state, respond, spread
 from metafem._validate import FloatArray, IntArray
+from metafem.models._resources import run_rows
 
 # Largest number of asperities for which the kernel is faster than LAPACK: 2.7 times with 64, 1.2 times with
 # 400.
 FEW = 400
+
+# Number of pairs of asperities, times loads, below which a second thread saves no time: about a millisecond.
+PAIRS_PER_THREAD = 100_000
 
 
 def area_gradients(
@@ -37,12 +41,15 @@ def area_gradients(
     if count > FEW:
         return general_gradients(field, order, law, self_term, indentation)
     gradients = np.zeros_like(indentation)
-    state, matrix, scratch = empty_state(count), np.empty((count, count)), np.empty((6, count))
-    solved = kernel.area_gradients(
-        field, order, law, self_term, indentation, state, matrix, scratch, gradients
-    )
-    if solved < rows:  # an equilibrium of overlapping contacts may be a saddle point of the energy
-        gradients[solved:] = general_gradients(field, order, law, self_term, indentation[solved:])
+
+    def run(part: slice) -> None:
+        state, matrix, scratch = empty_state(count), np.empty((count, count)), np.empty((6, count))
+        z, found = indentation[part], gradients[part]
+        solved = kernel.area_gradients(field, order, law, self_term, z, state, matrix, scratch, found)
+        if solved < len(z):  # an equilibrium of overlapping contacts may be a saddle point of the energy
+            found[solved:] = general_gradients(field, order, law, self_term, z[solved:])
+
+    run_rows(run, rows, rows * count**2, PAIRS_PER_THREAD)
     return gradients
 
 

@@ -14,6 +14,8 @@ from metafem.models.interacting.coarse import coarsen
 from metafem.models.interacting.ewald_sums import ScatteredSums
 from metafem.models.interacting.fft_sums import LatticeSums, find_lattice
 from metafem.models.interacting.influence import coupling_between
+from metafem.models.interacting.large import LargeScene
+from metafem.models.interacting.lattice_sums import CompiledLatticeSums
 from metafem.models.interacting.newton_krylov import ContactEquations
 from tests.models.scenes import COUPLED, lattice, scene
 
@@ -55,12 +57,33 @@ def products(surface, substrate, sums):
     return [float(np.abs(a - b).max() / np.abs(b).max()) for a, b in pairs]
 
 
+@pytest.mark.parametrize("kind", [LatticeSums, CompiledLatticeSums])
 @pytest.mark.parametrize("substrate", SUBSTRATES)
-def test_lattice_products_are_exact(substrate):
+def test_lattice_products_are_exact(substrate, kind):
     surface = lattice(rough(49))
     keep = np.random.default_rng(1).permutation(49)[:40]  # missing sites, any order
     surface = scene(turned(surface.position[keep]), surface.height[keep], 0.526)
-    assert max(products(surface, substrate, LatticeSums(find_lattice(surface.position), substrate))) < 1e-13
+    assert max(products(surface, substrate, kind(find_lattice(surface.position), substrate))) < 1e-13
+
+
+@pytest.mark.parametrize("shape", [(1, 9), (7, 3), (16, 15)])
+def test_compiled_sums_agree_with_those_of_scipy(shape):
+    lattice = find_lattice(
+        mf.Surface.square_lattice(0.1, shape, radius=0.1, material=mf.Material(1)).position
+    )
+    arguments = np.random.default_rng(0).random((4, *lattice.site.shape[:1]))
+    for substrate in SUBSTRATES:
+        sums = [kind(lattice, substrate) for kind in (LatticeSums, CompiledLatticeSums)]
+        for number in (1, 4):
+            expected, found = (each.displacement(*arguments[:number]) for each in sums)
+            assert_allclose(found, expected, rtol=0.0, atol=1e-13 * np.abs(expected).max())
+        # across a single row the slope is zero: rounding is that of the other slope
+        (one, *slopes), (other, *others) = (each.field(arguments[0]) for each in sums)
+        for expected, found in ((one, other), (np.array(slopes), np.array(others))):
+            assert_allclose(found, expected, rtol=0.0, atol=1e-13 * np.abs(expected).max())
+        changed = arguments[0]
+        changed[0] += 1.0  # transforms are computed again for other loads in the same array
+        assert_allclose(sums[1].displacement(changed), sums[0].displacement(changed), rtol=1e-12)
 
 
 def loose(count, seed=0, **arguments):
@@ -99,8 +122,22 @@ def test_scattered_places_are_no_lattice():
     assert find_lattice(rng.random((50, 2))) is None
     position = lattice(rough(49)).position
     assert find_lattice(position + 1e-6 * rng.random((49, 2))) is None
-    sparse = np.vstack([position[:4], position[:4] + 150.0])
-    assert find_lattice(sparse) is None
+    apart = np.vstack([position[:4], position[:4] + 150.0])
+    assert find_lattice(apart) is None
+
+
+def test_a_lattice_with_few_of_its_sites_is_found():
+    rng = np.random.default_rng(0)
+    position = turned(lattice(rough(2500)).position)[rng.permutation(2500)[:300]]
+    assert find_lattice(position).pitch == pytest.approx(1.5, rel=1e-9)
+
+
+def test_lattices_with_few_sites_use_the_sums_that_take_less_time():
+    position = lattice(rough(2500)).position
+    for count, fast in ((450, False), (2000, True)):
+        surface = scene(position[np.random.default_rng(0).permutation(2500)[:count]], rough(count), 0.526)
+        bound = mf.Interacting().bound(surface)
+        assert (bound.summed is not None) == fast
 
 
 OTHER_LAWS = [
@@ -181,7 +218,7 @@ def test_products_do_not_grow_with_the_layer_s_lattice():
         surface = mf.Surface.square_lattice(
             rough(side**2), (side, side), radius=0.526, material=mf.Material(1.0), block=mf.Block(20, 20, 7.2)
         )
-        large_scene = interacting.LargeScene(surface, SUBSTRATES[1], 1)
+        large_scene = LargeScene(surface, SUBSTRATES[1], 1)
         results = [np.zeros(1) for _ in Results._fields]
         large_scene.follow(
             tables(mf.Hertz(), surface.radius),
