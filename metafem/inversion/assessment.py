@@ -36,8 +36,8 @@ REACHED = 0.01
 # crossover load, the largest error in their comparisons, as a success.
 MISSED = 0.1
 
-# Ratio of the last load of a design's law to the last load of the target, and number of loads of the law.
-LAW_END, LAW_POINTS = 1.1, 100
+# Ratio of the last load of a design's law to the last load of the target.
+LAW_END = 1.1
 
 # Number of digits that identify any double-precision number.
 MOST_DIGITS = 17
@@ -69,11 +69,13 @@ def assess(problem: Problem, candidate: Candidate, surface: Surface) -> dict[str
     The model is solved once, at the loads of the law, the target and the fits together.
     """
     target_law, branches, last = candidate.target_law, candidate.branches, problem.target.last_load
+    effort = problem.effort
     if last is None:
         grid = default_loads(surface, problem.model)
+        grid = grid[:: -max(1, len(grid) // effort.law_points)][::-1]
     else:
-        grid = LAW_END * last * np.arange(1, LAW_POINTS + 1) / LAW_POINTS
-    lists = [grid, target_law.load, *(branch.load for branch in branches)]
+        grid = LAW_END * last * np.arange(1, effort.law_points + 1) / effort.law_points
+    lists = [grid, target_law.load, *(branch.load[:: effort.branch_step] for branch in branches)]
     load, (on_grid, at_target, *on_branches) = _united(lists)
     curve = problem.model.curve(surface, load)
     shown = curve.part(on_grid, lambda: problem.model.curve(surface, grid[-1:]).last)

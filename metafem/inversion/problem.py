@@ -50,14 +50,23 @@ class Effort:
     # Maximum number of changes of heights on steps, and number of candidates evaluated for each change.
     step_changes: int = 60
     evaluated_steps: int = 24
+    # Number of loads of a design's law, and step between the loads at which the slopes of its branches are
+    # fitted. Under another model each load of 400 asperities takes a millisecond.
+    law_points: int = 100
+    branch_step: int = 1
+    # Maximum number of loads at which heights are refined under another model, unless they must meet points.
+    refined_loads: int = 1000
+    # Misfit at which the refinement under another model ends, if this is above its usual goal.
+    refined_goal: float = 0.0
 
 
 # Effort of a draft, which is shown while the user drags a handle. For the specifications of
 # `validation/benchmark/explorer.py` a draft takes between a tenth and half of the time of a full design, and
-# its misfit is at most 1.7 times as large.
+# its misfit is at most 1.7 times as large, or up to .5 % under a model with interaction.
 DRAFT = Effort(
     restarts=2, adhesive_restarts=1, free_goals=(1e-2,), refined_restarts=0, ratio_restarts=2,
-    range_restarts=0, pinned_changes=1, step_changes=1, evaluated_steps=6,
+    range_restarts=0, pinned_changes=1, step_changes=1, evaluated_steps=6, law_points=25, branch_step=5,
+    refined_loads=15, refined_goal=2e-3,
 )  # fmt: skip
 
 WHOLE = Effort()

@@ -87,9 +87,11 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
         best, start = Minimum(candidate.height, np.inf), candidate
         for trial in (filled(candidate, problem), candidate):
             exact = trial.lowest_level is not None
-            goal = POINT_GOAL if exact else REFINED_GOAL
+            goal = max(POINT_GOAL if exact else REFINED_GOAL, problem.effort.refined_goal)
+            law = trial.target_law if exact else trial.target_law.thinned(problem.effort.refined_loads)
+            searched = replace(trial, target_law=law)
             first, residual, residual_of_model = residuals(
-                problem, trial, lambda height: below_limit(height, limits)
+                problem, searched, lambda height: below_limit(height, limits)
             )
             if model.couples and not has_paraboloids(model):
                 found = with_same_entries(problem, trial, goal, rng)
@@ -103,13 +105,13 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
                     found = search(residual, [found.unknowns], space, AT_KINKS, changes, rng, options)
                     found = descend(residual, found.unknowns, space, goal, True, options)
             else:
-                guesses = _initial_guesses(problem, trial, first().curve.area, rng)
+                guesses = _initial_guesses(problem, searched, first().curve.area, rng)
                 restarts = ADHESIVE_RESTARTS if problem.contact.adhesive else problem.effort.refined_restarts
                 found = search(residual, guesses, space, goal, restarts, rng, options)
             if solver != model:
                 found = descend(residual_of_model, found.unknowns, space, goal, options=options)
             best, start = (found, trial) if found.misfit < best.misfit else (best, start)
-            if best.misfit <= EXACT or len(trial.height) == len(candidate.height):
+            if best.misfit <= max(EXACT, goal) or len(trial.height) == len(candidate.height):
                 break
         result = start.with_heights(below_limit(best.unknowns, limits))
         if not moved and model_misfit(problem, result) >= unrefined:

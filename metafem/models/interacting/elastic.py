@@ -220,9 +220,9 @@ class ElasticCoupling(Coupled):
 
         whole, pairs = (len(gap), len(control)), gap.size * surface.count * len(control)
         if len(gap) == 1:
-            run_rows(lambda loads: run(slice(0, 1), loads), len(control), pairs, PAIRS_PER_HALF)
+            run_rows(partial(run, slice(0, 1)), len(control), pairs, PAIRS_PER_HALF)
         else:
-            run_rows(lambda rows: run(rows, slice(0, len(control))), len(gap), pairs, PAIRS_PER_THREAD)
+            run_rows(partial(run, loads=slice(0, len(control))), len(gap), pairs, PAIRS_PER_THREAD)
         for (end, _), state in states.items():
             self._refuse_deep(rows_of(law, end - 1), state)
         system = coupling, self.order, rows_of(law, -1), self_term[-1]
