@@ -8,6 +8,8 @@ g(s) = -1/s.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -36,6 +38,19 @@ def regular(s, table):
 
 
 @compiled
+def value(s, table):
+    """Return g at a distance s [-]."""
+    piece = int(s / WIDTH)
+    if piece >= table.shape[1]:
+        return -1.0 / s
+    y = 2.0 * (s / WIDTH - piece) - 1.0
+    g = 0.0
+    for k in range(DEGREE, -1, -1):
+        g = g * y + table[0, piece, k]
+    return g
+
+
+@compiled
 def fill_regular(distance, thickness, table, value, first, second):
     """Fill the regular parts of G [1/mm], G' [1/mm^2] and G'' [1/mm^3] at distances r [mm], all (n,)."""
     unit = 1.0 / (math.pi * thickness)
@@ -44,6 +59,17 @@ def fill_regular(distance, thickness, table, value, first, second):
         value[i] = unit * g
         first[i] = unit / thickness * slope
         second[i] = unit / thickness / thickness * bend
+
+
+def tabulated(function: Callable[..., Any], end: float) -> np.ndarray:
+    """Return the table up to `end` of a function of s (m,) that returns g, g' and g''."""
+    node = np.cos(math.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
+    powers = np.linalg.inv(np.vander(node, increasing=True))
+    start = np.arange(0.0, end, WIDTH)
+    table = np.empty((3, start.size, DEGREE + 1))
+    for piece, s in enumerate(start[:, None] + 0.5 * WIDTH * (node + 1.0)):
+        table[:, piece] = np.array(function(s)) @ powers.T
+    return table
 
 
 def empty_results(count: int) -> tuple[np.ndarray, ...]:

@@ -12,7 +12,6 @@ from scipy.special import j0, j1
 
 from metafem import _validate as check
 from metafem._kernels import layer as kernel
-from metafem._kernels.layer import DEGREE, WIDTH
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, refuse_if
 from metafem.substrate.protocol import agreed
@@ -142,15 +141,12 @@ def _moments(poisson_ratio: float) -> tuple[float, float]:
 def regular_table(poisson_ratio: float) -> FloatArray:
     """Return the read-only table of coefficients that `metafem._kernels.layer` evaluates."""
     x, weight = _quadrature(poisson_ratio)
-    node = np.cos(math.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
-    powers = np.linalg.inv(np.vander(node, increasing=True))
-    start = np.arange(0.0, TABLE_END, WIDTH)
-    table = np.empty((3, start.size, DEGREE + 1))
-    for piece, s in enumerate(start[:, None] + 0.5 * WIDTH * (node + 1.0)):
+
+    def regular(s: FloatArray) -> tuple[FloatArray, ...]:
         phase = np.outer(s, x)
         zero, one = j0(phase), j1(phase)
-        table[0, piece] = powers @ -(zero @ weight)
-        table[1, piece] = powers @ (one @ (weight * x))
-        table[2, piece] = powers @ ((zero - one / phase) @ (weight * x**2))
+        return -(zero @ weight), one @ (weight * x), (zero - one / phase) @ (weight * x**2)
+
+    table = kernel.tabulated(regular, TABLE_END)
     table.flags.writeable = False
     return table

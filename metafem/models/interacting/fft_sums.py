@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
-from scipy.fft import irfft2, next_fast_len, rfft2
+from scipy.fft import next_fast_len, rfft2
 
 from metafem._validate import FloatArray
+from metafem.models._convolution import convolve
 from metafem.models._resources import THREADS
 from metafem.substrate import Radial
 
@@ -29,6 +31,11 @@ FEWEST_SITES = 0.1
 # Number of positions among which the nearest pair is one step apart. With a tenth of the sites occupied, a
 # third of the positions have such a neighbour.
 TRIED = 100
+
+# Distance, in layer thicknesses, beyond which the influence of a layer is zero to rounding.
+END = 48.0
+
+Spectrum = NDArray[np.complexfloating]
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,18 +95,34 @@ def find_lattice(position: FloatArray) -> Lattice | None:
 
 
 class LatticeSums:
-    """Products with the influence matrix and its derivatives, by FFTs on twice the lattice.
+    """Products with the influence matrix and its derivatives, by FFTs on a padded lattice.
 
-    With this padding the cyclic convolutions equal the products on the bounded lattice, to rounding.
+    The lattice is padded to twice its size, or by the distance at which the influence of a layer ends. The
+    cyclic convolutions then equal the products on the bounded lattice, to rounding.
     """
 
-    def __init__(self, lattice: Lattice, substrate: Radial) -> None:
-        self.lattice = lattice
-        self.substrate = substrate
-        self.products = 0
+    def __init__(self, lattice: Lattice, substrate: Radial, real: type = np.float64) -> None:
+        self.lattice, self.substrate, self.real = lattice, substrate, real
+        self._products = 0
         self._index = lattice.site @ np.array([lattice.shape[1], 1])
-        self._padded = tuple(next_fast_len(2 * size - 1, real=True) for size in lattice.shape)
+        far = END * getattr(substrate, "thickness", math.inf) / lattice.pitch
+        self._padded = tuple(
+            next_fast_len(math.ceil(min(2 * size - 1, max(size, far) + far)), real=True)
+            for size in lattice.shape
+        )
         self._threads = THREADS if math.prod(self._padded) > CELLS_PER_THREAD else 1
+
+    @property
+    def products(self) -> int:
+        """Number of sources that were transformed until now."""
+        return self._products + (self.rough._products if self.rough is not self else 0)
+
+    @cached_property
+    def rough(self) -> LatticeSums:
+        """Sums in single precision, or the same sums if those would save no time."""
+        if math.prod(self._padded) <= CELLS_PER_THREAD:
+            return self
+        return LatticeSums(self.lattice, self.substrate, np.float32)
 
     @property
     def note(self) -> str:
@@ -118,32 +141,29 @@ class LatticeSums:
 
         load: p; size: v; moment: the two components of w. lap and grad are derivatives of G at the source.
         """
-        total = self._forward(load) * self._influence
-        if size is not None:
-            for source, spectrum in zip((size, *moment), self._derivatives, strict=True):
-                total += self._forward(source) * spectrum
-        return self._backward(total)
+        if size is None:
+            return self._products_of([load], [[self._influence]])[0]
+        return self._products_of([load, size, *moment], [[self._influence, *self._derivatives]])[0]
 
     def field(self, load: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the Laplacian and the two slopes of G p at the asperities, (n,) each."""
-        load_hat = self._forward(load)
         # the derivative at the displaced end is the opposite of that at the source
-        laplacian, x, y = (self._backward(load_hat * spectrum) for spectrum in self._derivatives)
+        laplacian, x, y = self._products_of([load], [[part] for part in self._derivatives])
         return laplacian, -x, -y
 
-    def _grid(self, vector: FloatArray) -> FloatArray:
-        grid = np.zeros(math.prod(self.lattice.shape))
-        grid[self._index] = vector
-        return grid.reshape(self.lattice.shape)
+    def _products_of(self, sources: list[FloatArray], spectra: list[list[Spectrum]]) -> list[FloatArray]:
+        """Return the sums over the sources (n,), for each result with one transform for each source."""
+        self._products += len(sources)
+        shape = self.lattice.shape
+        grids: list[NDArray[Any]] = [np.zeros(shape, dtype=self.real) for _ in sources]
+        for grid, source in zip(grids, sources, strict=True):
+            grid.ravel()[self._index] = source
 
-    def _forward(self, vector: FloatArray) -> NDArray[np.complex128]:
-        self.products += 1
-        return np.asarray(rfft2(self._grid(vector), self._padded, workers=self._threads))
+        def block(columns: slice) -> list[list[Spectrum]]:
+            return [[part[:, columns] for part in line] for line in spectra]
 
-    def _backward(self, spectrum: NDArray[np.complex128]) -> FloatArray:
-        rows, columns = self.lattice.shape
-        field = irfft2(spectrum, self._padded, workers=self._threads)
-        return np.asarray(field[:rows, :columns].ravel()[self._index])
+        fields = convolve(grids, block, self._padded, self._padded[1] // 2 + 1, self._threads)
+        return [np.asarray(field.ravel()[self._index], dtype=np.float64) for field in fields]
 
     def _offsets(self, shape: tuple[int, ...]) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return y, x and r [mm] of the nearest image on a cyclic grid, with r = pitch at the origin."""
@@ -153,19 +173,22 @@ class LatticeSums:
         r[0, 0] = self.lattice.pitch
         return y, x, r
 
+    def _transform(self, kernel: FloatArray) -> Spectrum:
+        return np.asarray(rfft2(kernel, workers=THREADS), dtype=np.result_type(self.real, np.complex64))
+
     @cached_property
-    def _influence(self) -> NDArray[np.complex128]:
+    def _influence(self) -> Spectrum:
         """Transform of G."""
         value = self.substrate.influence(self._offsets(self._padded)[2])
         value[0, 0] = 0.0
-        return np.asarray(rfft2(value, workers=THREADS))
+        return self._transform(value)
 
     @cached_property
-    def _derivatives(self) -> tuple[NDArray[np.complex128], ...]:
+    def _derivatives(self) -> tuple[Spectrum, ...]:
         """Transforms of lap G and of the derivatives at the source, along the axes of the lattice."""
         y, x, r = self._offsets(self._padded)
         _, first, second = self.substrate.influence(r, derivatives=True)
         first /= r
         laplacian = second + first
         laplacian[0, 0] = 2.0 * self.substrate.self_curvature
-        return tuple(rfft2(kernel, workers=THREADS) for kernel in (laplacian, -first * x, -first * y))
+        return tuple(self._transform(kernel) for kernel in (laplacian, -first * x, -first * y))

@@ -24,7 +24,8 @@ from metafem.surface import Surface
 # matrices take 53 MiB. Computing them takes as long as 10 loads of a curve.
 KEPT_FIELDS, MOST_KEPT, MOST_LAST = 8, 256, 1000
 
-# Largest number of asperities for which fast sums are cached. The spectra of 10,000 sites take 0.7 MiB.
+# Largest number of asperities for which fast sums are cached. The spectra and positions of 10,000
+# sites take 2 MiB.
 MOST_KEPT_SUMS = 10_000
 
 

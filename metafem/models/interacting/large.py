@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable
+from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +22,9 @@ from metafem.models.interacting.sums import fast_sums
 from metafem.progress import each
 from metafem.substrate import Radial
 from metafem.surface import Surface
+
+# Residual of the coarse model at which a start is good enough.
+START = 0.01
 
 # Empty array that is passed for results that are not recorded.
 NOT_RECORDED = np.empty((0, 0))
@@ -66,6 +71,8 @@ class LargeScene:
         indentation: (k, n) [mm]; filled with nominal indentations unless empty.
         """
         equations = self.equations(law, self_term, gap)
+        sums: Any = self.coarse  # order 1 needs only its displacements
+        coarse = replace(equations, sums=sums, order=1)
         gap = equations.gap
         x = width = 0.0
         memory, points, coupled = empty_memory(len(gap)), 0, np.zeros_like(gap)
@@ -84,7 +91,8 @@ class LargeScene:
                     state, new = equations.newton(z, x + ahead, target)
                 if not points or state.residual > TOLERANCE:
                     start = float(uniform_approach(gap, law, target) if by_load else value)
-                    state, new = equations.newton(start - gap, start, target)
+                    first, start = coarse.newton(start - gap, start, target, START)
+                    state, new = equations.newton(first.state.z, start, target)
                 largest = float(state.state.indentation.max())
                 state.residual = max(state.residual, self.sums.error(state.state.load) / largest)
                 width, x = new - x, new

@@ -50,7 +50,7 @@ class CompiledLatticeSums(LatticeSums):
         hat = self._transformed(load)
         if size is None:
             return np.asarray(kernel.displacement(self._plan, *hat))
-        self.products += 3
+        self._products += 3
         return np.asarray(kernel.displacement_of_all(self._plan, *hat, size, *moment))
 
     def field(self, load: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -62,7 +62,7 @@ class CompiledLatticeSums(LatticeSums):
         """Return the transform of loads; `displacement` often follows `field` for the same loads."""
         last, (re, im) = self._last
         if not np.array_equal(last, load):
-            self.products += 1
+            self._products += 1
             re, im = kernel.transform(self._plan, load)
             self._last = load.copy(), (re, im)
         return re, im

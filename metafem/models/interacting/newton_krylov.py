@@ -41,6 +41,10 @@ TANGENT = 1e-4
 # relative to that of the correction before. The error that remains is a few percent of the last change.
 INNER, TANGENT_CHANGE, CONTRACTION = 0.02, 1e-6, 0.04
 
+# Factor by which the residual is reduced with rough sums before it is computed exactly again; the errors of
+# rough sums are smaller.
+ROUND = 1e-3
+
 # Largest residual of the equations for sensitivities, relative to their right-hand side dA0/dp.
 SENSITIVITY = 1e-9
 
@@ -115,12 +119,14 @@ class ContactEquations:
             residual = max(residual, abs(exact_sum(load) - target) / target)
         return Iterate(state, residual, error)
 
-    def newton(self, z: FloatArray, approach: float, target: float) -> tuple[Iterate, float]:
+    def newton(
+        self, z: FloatArray, approach: float, target: float, tolerance: float = GOAL
+    ) -> tuple[Iterate, float]:
         """Return the equilibrium at an approach or, if `target` > 0, at this load, and its approach."""
         state = self.respond(z, approach, target)
         forcing = LOOSEST
         for taken in range(MAX_STEPS):
-            if state.residual <= GOAL:
+            if state.residual <= tolerance:
                 break
             if not state.closed.any():
                 state = self.respond(approach - self.gap, approach, target)
@@ -131,7 +137,7 @@ class ContactEquations:
             largest = float(state.state.indentation.max())
             goal = largest * max(forcing * min(state.residual, 1.0), 0.3 * GOAL)
             loads, shift, rest = self.solve(state, -state.error, missing, goal)
-            step = (rest + shift + state.compliance * loads) / state.state.bend
+            step = np.where(state.closed, state.compliance * loads, rest + shift) / state.state.bend
             length = 1.0
             for _ in range(MAX_CUTS):
                 new = self.respond(state.state.z + length * step, approach + length * shift, target)
@@ -157,20 +163,25 @@ class ContactEquations:
         H is enough.
         """
         diagonal, none = self.diagonal(state), np.zeros_like(coupled)
-        # scale of the tolerance: the compliance of independent contacts in parallel
-        alone = 1.0 / float((1.0 / diagonal[state.closed]).sum())
-        share, shift, rest = self.solve(state, coupled, 1.0, TANGENT * alone)
+        # the energy of the error relative to that of the tangent is at most the square of the residual,
+        # divided by the compliances of independent contacts in parallel and of the scene; for the latter the
+        # coarse model is used
+        inverse = np.divide(1.0, diagonal, out=np.zeros_like(diagonal), where=state.closed)
+        alone = 1.0 / float(inverse.sum())
+        together = alone + alone**2 * float(inverse @ self.coarse.displacement(inverse))
+        goal = TANGENT * math.sqrt(alone * max(alone, together))
+        share, shift, rest = self.solve(state, coupled, 1.0, goal, exact=self.order == 1)
         form, gain, before = float(share @ (coupled - rest)), 0.0 if self.order == 1 else math.inf, math.inf
         while gain > TANGENT_CHANGE * form:
             if gain > CONTRACTION * before:  # the Jacobian of order 1 is too different
-                share, shift, rest = self.solve(state, none, 1.0, TANGENT * alone, exact=True)
+                share, shift, rest = self.solve(state, none, 1.0, goal, exact=True)
                 form, coupled = -float(share @ rest), none
                 break
             image = self.jacobian(state, share, True)
             coupled = np.where(state.closed, self.sums.displacement(share) - image, 0.0)
             rest = -image - np.where(state.closed, diagonal * share, 0.0)
             left = float(np.abs(rest + shift)[state.closed].max())
-            change, shift, after = self.solve(state, rest, 0.0, max(INNER * left, 0.01 * TANGENT * alone))
+            change, shift, after = self.solve(state, rest, 0.0, max(INNER * left, 0.01 * goal))
             # y.H y is stationary at the tangent; this is y.H1 y of the change
             before, gain = gain, float(change @ rest)
             form = -float(share @ rest) - gain
@@ -195,8 +206,13 @@ class ContactEquations:
         return change
 
     def jacobian(self, state: Iterate, loads: FloatArray, exact: bool) -> FloatArray:
-        """Return dF/dp times a change of the loads, (n,), without the diagonal of the law and self terms."""
-        if self.order == 1 or not exact:
+        """Return dF/dp times a change of the loads, (n,), without the diagonal of the law and self terms.
+
+        If not exact, the rough sums of order 1 are used.
+        """
+        if not exact:
+            return self.sums.rough.displacement(loads)
+        if self.order == 1:
             return self.sums.displacement(loads)
         found = state.state
         third, lever_rate = found.square / 6.0, found.lever_rate
@@ -223,10 +239,15 @@ class ContactEquations:
 
         If `total` is not None, it is the sum of the changes of the loads. Preconditioned conjugate gradients
         are used, with the constraint in the preconditioner as in `metafem._kernels.projected_cg`. The
-        residual includes the rows of open asperities.
+        residual includes the rows of open asperities. If `exact`, it is that of the exact Jacobian. For order
+        1 conjugate gradients with rough sums then start again from this residual until it is small enough.
         """
-        closed = state.closed
-        diagonal = self.diagonal(state)
+        closed, diagonal = state.closed, self.diagonal(state)
+        refined = exact and self.order == 1 and self.sums.rough is not self.sums
+
+        def image(change: FloatArray, exact: bool) -> FloatArray:
+            return self.jacobian(state, change, exact) + np.where(closed, diagonal * change, 0.0)
+
         precondition = state.precondition
         if precondition is None:
             inverse = np.divide(1.0, diagonal, out=np.zeros_like(diagonal), where=closed)
@@ -237,8 +258,8 @@ class ContactEquations:
             uniform_load = float(uniform.sum())
             if total != 0.0:
                 loads = uniform * (total / uniform_load)
-                rest -= self.jacobian(state, loads, exact) + np.where(closed, diagonal * loads, 0.0)
-        direction, before = np.zeros_like(rhs), 0.0
+                rest -= image(loads, exact)
+        direction, before, level = np.zeros_like(rhs), 0.0, goal
         for _ in range(MAX_INNER):
             # without the constant part, to avoid rounding errors
             inside = np.where(closed, rest + shift, 0.0)
@@ -247,15 +268,23 @@ class ContactEquations:
                 more = -float(ahead.sum()) / uniform_load
                 shift, ahead = shift + more, ahead + more * uniform
                 inside[closed] += more
-            if float(np.abs(inside).max()) <= goal:
+            largest = float(np.abs(inside).max())
+            if refined and before == 0.0:  # the residual is exact
+                level = max(goal, ROUND * largest)
+            elif refined and largest <= level:
+                rest, before = rhs - image(loads, True), 0.0
+                continue
+            if largest <= goal:
+                if not exact:  # one more correction, for which no product is needed
+                    loads = loads + ahead
                 break
             product = float(inside @ ahead)
             direction = ahead + (product / before if before > 0.0 else 0.0) * direction
             before = product
-            image = self.jacobian(state, direction, exact) + np.where(closed, diagonal * direction, 0.0)
-            length = product / float(direction @ image)
+            change = image(direction, exact and not refined)
+            length = product / float(direction @ change)
             if not length > 0.0:
                 break
             loads = loads + length * direction
-            rest -= length * image
+            rest -= length * change
         return loads, shift, rest

@@ -15,13 +15,13 @@ from metafem.surface import Surface
 def fast_sums(surface: Surface, substrate: Radial, order: int) -> LatticeSums | ScatteredSums:
     """Return the fast sums for a surface: by FFT if its positions form a lattice, else by Ewald's method."""
     lattice = find_lattice(surface.position)
-    spectra, arrays = (1, 5) if order == 1 else (4, 12)
     if lattice is None:
         scattered = ScatteredSums(surface.position, substrate)
-        # indices, differences and matrix values of the near pairs, and arrays on the grid
-        needed = scattered.pairs * (56 + 12 * spectra) + 8 * scattered.cells * arrays
+        # positions, sources and results, and arrays on the grid
+        arrays = (12, 2) if order == 1 else (24, 4)
+        needed = 8 * (arrays[0] * surface.count + arrays[1] * scattered.cells)
         require_memory(needed, f"the sums over {surface.count} scattered positions")
         return scattered
-    require_memory(32 * math.prod(lattice.shape) * arrays, f"a lattice of {lattice.shape}")
+    require_memory(32 * math.prod(lattice.shape) * (5 if order == 1 else 12), f"a lattice of {lattice.shape}")
     kind = CompiledLatticeSums if math.prod(padded_shape(lattice)) <= MOST_CELLS else LatticeSums
     return kind(lattice, substrate)

@@ -106,6 +106,24 @@ def test_scattered_products_are_nearly_exact(substrate):
     assert max(errors) < 1e-9  # derivatives lose the shortest wave on the grid, 5 per mean distance
     load = np.linspace(0.0, 1.0, 600)
     assert sums.error(load) < 1e-10 * np.abs(sums.displacement(load)).max()
+    assert products(surface, substrate, sums.rough)[0] < 1e-4
+
+
+def test_sums_over_two_clusters_and_along_a_line():
+    rng = np.random.default_rng(0)
+    clusters = np.vstack([loose(100).position, loose(100).position + 400.0])
+    line = np.column_stack([np.arange(200.0) + rng.uniform(-0.3, 0.3, 200), np.zeros(200)])
+    for position in (clusters, line):
+        surface = scene(position, rough(200), 0.526)
+        assert max(products(surface, mf.HalfSpace(), ScatteredSums(position, mf.HalfSpace()))) < 1e-9
+
+
+def test_large_lattices_have_rough_sums_in_single_precision():
+    surface, substrate = lattice(rough(260**2)), mf.HalfSpace()
+    sums = LatticeSums(find_lattice(surface.position), substrate)
+    load = np.random.default_rng(0).random(surface.count)
+    exact, found = sums.displacement(load), sums.rough.displacement(load)
+    assert 1e-12 < np.abs(found - exact).max() / np.abs(exact).max() < 1e-5
 
 
 @pytest.mark.parametrize("shape", [(1, 9), (7, 1), (5, 8)])
@@ -232,15 +250,29 @@ def test_products_do_not_grow_with_the_layer_s_lattice():
     assert max(counts) < 40
 
 
-def test_coarse_influence_is_the_mean_over_its_cells():
-    surface = lattice(rough(400))
+@pytest.mark.parametrize("places", [lattice, lambda height: loose(height.size)])
+def test_coarse_model_has_the_long_waves_of_the_displacement(places):
+    surface = places(rough(400))
     coarse = coarsen(surface.position, mf.HalfSpace())
-    influence = mf.HalfSpace().influence_matrix(surface)
-    share = np.zeros((coarse.count, 400))
-    share[coarse.cell, np.arange(400)] = 1.0
-    mean = share @ influence @ share.T / np.outer(share.sum(1), share.sum(1))
-    # cells hold unequal parts of the lattice: only the mean matters for a preconditioner
-    assert np.abs(coarse.influence - mean).mean() < 0.15 * mean.mean()
+    across = np.ptp(surface.position[:, 0])
+    load = 1.0 + 0.5 * np.cos(2.0 * np.pi * surface.position[:, 0] / across)
+    assert coarse.loads(load).sum() == pytest.approx(load.sum(), rel=1e-12)
+    exact = mf.HalfSpace().influence_matrix(surface) @ load
+    smooth = coarse.displacement(load)
+    # seven nodes per side: only the mean matters for a preconditioner
+    assert np.abs(smooth - exact).mean() < 0.15 * np.ptp(exact)
+
+
+def test_coarse_preconditioner_is_symmetric_and_positive_definite():
+    surface = lattice(rough(100))
+    rng = np.random.default_rng(0)
+    inverse = np.where(rng.random(100) < 0.7, rng.uniform(0.1, 1.0, 100), 0.0)
+    precondition = coarsen(surface.position, mf.HalfSpace()).preconditioner(inverse)
+    matrix = np.array([precondition(unit) for unit in np.eye(100)])
+    closed = inverse > 0.0
+    assert_allclose(matrix, matrix.T, rtol=0.0, atol=1e-13)
+    assert np.linalg.eigvalsh(matrix[closed][:, closed]).min() > 0.0
+    assert not matrix[~closed].any()
 
 
 def test_memory_is_refused_before_it_is_allocated():
