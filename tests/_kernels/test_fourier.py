@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from metafem._kernels import fourier
-from metafem.models.interacting.lattice_sums import roots_of_unity
+from metafem._kernels.sums import fourier
+from metafem.models.interacting.sums.lattice_sums import roots_of_unity
 
 LENGTHS = (2, 4, 6, 10, 12, 20, 30, 40, 200, 360)
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dpotrf, dpotrs
 
-from metafem._kernels import mesh
+from metafem._kernels.sums import mesh
 from metafem._validate import FloatArray
 from metafem.substrate import Radial
 

@@ -13,9 +13,9 @@ import scipy
 from metafem._kernels.coupling import Coupling
 from metafem._validate import FloatArray
 from metafem.models._resources import require_memory
-from metafem.models.interacting.ewald_sums import ScatteredSums
-from metafem.models.interacting.fft_sums import LatticeSums
-from metafem.models.interacting.sums import fast_sums
+from metafem.models.interacting.sums.ewald_sums import ScatteredSums
+from metafem.models.interacting.sums.fast_sums import fast_sums
+from metafem.models.interacting.sums.fft_sums import LatticeSums
 from metafem.substrate import Radial, Substrate
 from metafem.surface import Surface
 

@@ -18,7 +18,7 @@ from metafem._validate import FloatArray
 from metafem.models.interacting.coarse import coarsen
 from metafem.models.interacting.influence import MOST_KEPT_SUMS, Sites
 from metafem.models.interacting.newton_krylov import TOLERANCE, ContactEquations, Iterate, open_state
-from metafem.models.interacting.sums import fast_sums
+from metafem.models.interacting.sums.fast_sums import fast_sums
 from metafem.progress import each
 from metafem.substrate import Radial
 from metafem.surface import Surface

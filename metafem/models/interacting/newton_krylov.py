@@ -14,8 +14,8 @@ from metafem._kernels.coupling import State, empty_state, press, sharpen, spread
 from metafem._kernels.vectors import exact_sum
 from metafem._validate import FloatArray
 from metafem.models.interacting.coarse import Coarse
-from metafem.models.interacting.ewald_sums import ScatteredSums
-from metafem.models.interacting.fft_sums import LatticeSums
+from metafem.models.interacting.sums.ewald_sums import ScatteredSums
+from metafem.models.interacting.sums.fft_sums import LatticeSums
 
 # Largest residual of a converged state, and residual at which Newton's method stops. They allow for the
 # errors of fast sums.

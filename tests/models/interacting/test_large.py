@@ -11,12 +11,12 @@ from metafem._kernels.continuation import Results
 from metafem.models.contact_tables import tables
 from metafem.models.interacting import elastic as interacting
 from metafem.models.interacting.coarse import coarsen
-from metafem.models.interacting.ewald_sums import ScatteredSums
-from metafem.models.interacting.fft_sums import LatticeSums, find_lattice
 from metafem.models.interacting.influence import coupling_between
 from metafem.models.interacting.large import LargeScene
-from metafem.models.interacting.lattice_sums import CompiledLatticeSums
 from metafem.models.interacting.newton_krylov import ContactEquations
+from metafem.models.interacting.sums.ewald_sums import ScatteredSums
+from metafem.models.interacting.sums.fft_sums import LatticeSums, find_lattice
+from metafem.models.interacting.sums.lattice_sums import CompiledLatticeSums
 from tests.models.scenes import COUPLED, lattice, scene
 
 SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5)]

@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from metafem._kernels import near
 from metafem._kernels.layer import WIDTH, regular, tabulated
+from metafem._kernels.sums import near
 from metafem._validate import FloatArray
 from metafem.models._resources import run_rows
-from metafem.models.interacting.smooth_field import (
+from metafem.models.interacting.sums.smooth_field import (
     BAND,
     POSITIONS_PER_THREAD,
     SmoothField,
@@ -223,7 +223,7 @@ class ScatteredSums:
 
     @cached_property
     def _table(self) -> tuple[float, FloatArray]:
-        """Scale [mm] and table of the influence of near pairs; see `metafem._kernels.near`."""
+        """Scale [mm] and table of the influence of near pairs; see `metafem._kernels.sums.near`."""
         if not self._pairs_alone:
             return self.reach / END, split_table(self.accuracy.split)
         t = self.reach / self.accuracy.layer_reach

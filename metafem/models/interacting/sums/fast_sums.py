@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 from metafem.models._resources import require_memory
-from metafem.models.interacting.ewald_sums import ScatteredSums
-from metafem.models.interacting.fft_sums import LatticeSums, find_lattice
-from metafem.models.interacting.lattice_sums import MOST_CELLS, CompiledLatticeSums, padded_shape
+from metafem.models.interacting.sums.ewald_sums import ScatteredSums
+from metafem.models.interacting.sums.fft_sums import LatticeSums, find_lattice
+from metafem.models.interacting.sums.lattice_sums import MOST_CELLS, CompiledLatticeSums, padded_shape
 from metafem.substrate import Radial
 from metafem.surface import Surface
 

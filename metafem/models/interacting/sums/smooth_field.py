@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.fft import dctn, next_fast_len
 from scipy.special import erfc
 
-from metafem._kernels import mesh
+from metafem._kernels.sums import mesh
 from metafem._validate import FloatArray
 from metafem.models._convolution import convolve
 from metafem.models._resources import THREADS, run_rows
@@ -170,7 +170,7 @@ def window(x: FloatArray, shape: float) -> FloatArray:
 
 
 def window_table(points: int, shape: float) -> FloatArray:
-    """Return the table of `metafem._kernels.mesh` for a window over a number of grid points."""
+    """Return the table of `metafem._kernels.sums.mesh` for a window over a number of grid points."""
     degree = points + MORE
     node = np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1))
     # the first of the points is from 0 to 1 step inside the window's edge

@@ -7,9 +7,9 @@ from itertools import count
 import numpy as np
 from scipy.fft import rfft2
 
-from metafem._kernels import lattice as kernel
+from metafem._kernels.sums import lattice as kernel
 from metafem._validate import FloatArray
-from metafem.models.interacting.fft_sums import Lattice, LatticeSums
+from metafem.models.interacting.sums.fft_sums import Lattice, LatticeSums
 from metafem.substrate import Radial
 
 # Number of padded grid cells up to which the compiled transforms are used. They take half the time of SciPy's

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from metafem._kernels.compiled import compiled
-from metafem._kernels.fourier import halved, padded
+from metafem._kernels.sums.fourier import halved, padded
 
 
 class Plan(NamedTuple):

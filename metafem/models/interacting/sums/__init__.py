@@ -1,0 +1,1 @@
+"""Fast products with the influence between the sites of large scenes."""
