@@ -24,8 +24,8 @@ TOOLS = "[radii]\ntools = ['300 um', '526 um']\nmixed = true\n"
 # Operating points that no levels meet, whose heights a draft does not find: rows of the lattice, offset [um],
 # rescaled loads and frictions [mm^2]. They lie on laws of random surfaces.
 WITHOUT_LEVELS = [
-    (4, 100, [0.16652, 0.51873, 0.68701, 0.72744], [1.11719, 2.61298, 3.1990, 3.33321]),
-    (3, 100, [0.150577, 0.193188, 0.623429], [0.883177, 1.08315, 2.525124]),
+    (4, 100, [0.395868, 0.449902, 0.88191], [2.18778, 2.40195, 3.8549]),
+    (5, 100, [0.181566, 0.221206, 1.03144, 1.21713], [1.26976, 1.49605, 4.922, 5.52384]),
 ]
 
 
