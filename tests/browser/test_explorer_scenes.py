@@ -157,10 +157,10 @@ def test_small_values_leave_a_power_of_ten_to_the_unit_of_their_bar(visit):
 
 def test_a_place_that_only_the_whole_search_reaches_is_kept_on_release(visit):
     values = {
-        "lattice.shape": [3, 3],
+        "lattice.shape": [5, 5],
         "limits.offset": "100 um",
-        "target.rescaled_load": ["0.151 mm^2", "0.193 mm^2", "0.623 mm^2"],
-        "target.rescaled_friction": ["0.883 mm^2", "1.08 mm^2", "2.53 mm^2"],
+        "target.rescaled_load": ["0.681 mm^2", "0.752 mm^2", "0.867 mm^2"],
+        "target.rescaled_friction": ["3.71 mm^2", "3.98 mm^2", "4.4 mm^2"],
     }
     state = State(Document(TEXT).with_values(values))
     assert answered(state, 1, draft=True).undecided

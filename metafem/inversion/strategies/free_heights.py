@@ -17,6 +17,7 @@ from metafem.inversion.search.target_law import TargetLaw
 from metafem.notes import information
 
 if TYPE_CHECKING:
+    from metafem.inversion.limits import Radii
     from metafem.inversion.problem import Problem
 
 # Heights without levels are accepted up to this misfit, which is far below the effect of height errors.
@@ -48,38 +49,49 @@ def without_levels(
     # under a model with interaction, the misfit under that model decides
     misfit = np.inf if problem.model.couples else accepted
     enough = max(PART_OF_MARGIN * margin, ACCEPTED / 2.0 if problem.model.couples else ENOUGH)
-    for height, radius in _found(problem, law, rng, enough):
-        height = height - height.max()
-        curve = problem.independent.curve_of(height, radius, law.load)
-        found = law.misfit(curve.area)
-        if found < misfit and curve.approach[-1] <= limits.top:
-            misfit, order = found, np.argsort(-height, kind="stable")
-            note = "no levels of equal heights meet the points: the heights were found by a search"
-            best = Candidate(
-                limits.top + height[order], radius[order], {"span": float(np.ptp(height))}, law,
-                notes=(information(note),), lowest_level=limits.top + float(height.min()),
-            )  # fmt: skip
+    for searches in _searches(problem, law, rng, enough):
+        for height, radius in searches:
+            height = height - height.max()
+            curve = problem.independent.curve_of(height, radius, law.load)
+            found = law.misfit(curve.area)
+            if found < misfit and curve.approach[-1] <= limits.top:
+                misfit, order = found, np.argsort(-height, kind="stable")
+                note = "no levels of equal heights meet the points: the heights were found by a search"
+                best = Candidate(
+                    limits.top + height[order], radius[order], {"span": float(np.ptp(height))}, law,
+                    notes=(information(note),), lowest_level=limits.top + float(height.min()),
+                )  # fmt: skip
+            # the refinement needs more exact heights if they have several radii
+            if best is not None and misfit <= (accepted if problem.radii.single else POINT_GOAL):
+                break
         if best is not None and misfit <= accepted:
             break
     return best
 
 
-def _found(
+def _searches(
     problem: Problem, law: TargetLaw, rng: np.random.Generator, enough: float
-) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """Yield heights and radii of independent asperities whose law is near the points, (n,) each [mm].
+) -> Iterator[Iterator[tuple[FloatArray, FloatArray]]]:
+    """Yield searches for independent asperities whose law is near the points.
 
-    With several radii, a search with only the extreme radii comes first: they leave the refinement more
-    freedom.
+    Each search yields heights and radii, (n,) each [mm]. With several radii, a search with only the extreme
+    radii comes first: they leave the refinement more freedom.
     """
     if problem.radii.single:
-        yield from _of_one_radius(problem, law, rng, enough)
+        yield _of_one_radius(problem, law, rng, enough)
         return
     for radii in dict.fromkeys((problem.radii.extremes, problem.radii)):
-        for goal in problem.effort.free_goals:
-            restarts = problem.restarts // MIXED_RESTARTS
-            start = LawSearch(problem, law, [law.base], restarts, rng, goal).nearest(radii)
-            yield _exact(problem, law, *start)
+        yield _of_several_radii(problem, law, radii, rng)
+
+
+def _of_several_radii(
+    problem: Problem, law: TargetLaw, radii: Radii, rng: np.random.Generator
+) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Yield heights and radii, found with smaller and smaller goals."""
+    for goal in problem.effort.free_goals:
+        restarts = problem.restarts // MIXED_RESTARTS
+        start = LawSearch(problem, law, [law.base], restarts, rng, goal).nearest(radii)
+        yield _exact(problem, law, *start)
 
 
 def _of_one_radius(
