@@ -19,6 +19,9 @@ from validation.timing import Row, best, kernel_time, peak_memory, took
 SURFACES, LOADS, ASPERITIES = 10_000, 20, 64
 SIDES = (64, 256, 1000)
 
+# Number of surfaces with new heights or sites.
+NEW = 100
+
 # FFT products of order 3, which expands in the displacement of the contacts, over those of order 1.
 EXPANSION = 8
 
@@ -48,6 +51,15 @@ def rows() -> Iterator[Row]:
         seconds = best(lambda m=model, s=surface: mf.equilibrium(s, m, load=0.3), 50)
         what = f"one load alone, 64 asperities, order 3, {name}"
         yield Row(what, 200.0, 1e6 * seconds, "µs")
+        for kind, allowed in (("heights", 200.0), ("sites", 400.0)):
+            seconds = new_surface_time(model, kind)
+            yield Row(
+                f"one load, 64 asperities with new {kind}, order 3, {name}", allowed, 1e6 * seconds, "µs"
+            )
+    for side, allowed in ((20, 2.0), (40, 6.0), (100, 40.0)):
+        seconds = curve_time(side) / LOADS
+        what = f"one load of a {LOADS}-load curve, lattice of {side} x {side} on the layer, order 3"
+        yield Row(what, allowed, 1e3 * seconds, "ms")
     height = heights((SURFACES, ASPERITIES))
     load = np.linspace(0.025, 0.5, LOADS)
     for name, substrate in SUBSTRATES.items():
@@ -70,6 +82,26 @@ def rows() -> Iterator[Row]:
         what = f"{COUNTS[1]} scattered asperities, one load, order 1, {name}"
         yield Row(what, 30.0, many, "s")
         yield growth(name, COUNTS, (few, many))
+
+
+def new_surface_time(model: mf.Interacting, kind: str) -> float:
+    """Least seconds of one load of surfaces with other heights or sites than before."""
+    rng, surface = np.random.default_rng(0), lattice(8)
+    seconds = []
+    for height in heights((NEW, surface.count)):
+        change = {"height": height}
+        if kind == "sites":
+            change["position"] = surface.position + rng.uniform(-0.1, 0.1, surface.position.shape)
+        seconds.append(took(partial(mf.equilibrium, surface.replaced(**change), model, load=0.3))[0])
+    return min(seconds)
+
+
+def curve_time(side: int) -> float:
+    """Least seconds of a curve of order 3 for other heights on a lattice on the layer."""
+    model, surface = mf.Interacting(substrate=SUBSTRATES["layer"]), lattice(side)
+    load = np.linspace(0.1, 2.0, LOADS) * LOAD_PER_ASPERITY * surface.count
+    changed = (surface.replaced(height=height) for height in heights((3, surface.count)))
+    return min(took(partial(model.curve, each, load))[0] for each in changed)
 
 
 def long_rows() -> list[Row]:

@@ -171,7 +171,7 @@ def _checks(found: list[Outcome]) -> list[Check]:
 
 def _largest_error(curves: list[Outcome], adhesive: bool) -> float:
     errors = [each.error for each in curves if (each.law == "JKR") == adhesive]
-    return max(error for error in errors if error is not None)
+    return max((error for error in errors if error is not None), default=0.0)
 
 
 def _results(found: list[Outcome]) -> Iterator[Row]:
