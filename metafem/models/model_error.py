@@ -69,8 +69,9 @@ def model_error(surface: Surface, model: Model, curve: Curve, unloading: bool = 
     reference = model.reference if model.couples else reference_of(surface, model)
     if not (model.couples or law.adhesive or law.largest_order == 1):
         bound = reference.substrate.for_surface(surface)
-        alone = Independent(law).curve(surface, curve.load)
-        equation = load_equation(law.for_material(surface.material), Independent(law))
+        independent = Independent(law)
+        alone = curve if model == independent else independent.curve(surface, curve.load)
+        equation = load_equation(law.for_material(surface.material), independent)
         error, _ = independent_error(equation, surface, bound, alone, SMALL)
         if error <= SMALL:
             return ModelError(error, DISPLACEMENTS)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from itertools import count
-
 import numpy as np
-from scipy.fft import rfft2
+from scipy.fft import next_fast_len, rfft2
 
 from metafem._kernels.sums import lattice as kernel
 from metafem._validate import FloatArray
@@ -76,13 +74,5 @@ def roots_of_unity(size: int) -> FloatArray:
 
 def padded_shape(lattice: Lattice) -> tuple[int, int]:
     """Return at least twice the size of the lattice: multiples of 4 without prime factors above 5."""
-    rows, columns = (next(n for n in count(size + size % 2, 2) if _smooth(n)) for size in lattice.shape)
-    return 2 * rows, 2 * columns
-
-
-def _smooth(number: int) -> bool:
-    """Return whether a number has no prime factor above 5."""
-    for factor in (2, 3, 5):
-        while number % factor == 0:
-            number //= factor
-    return number == 1
+    rows, columns = (4 * next_fast_len((size + 1) // 2, real=True) for size in lattice.shape)
+    return rows, columns

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -185,6 +185,7 @@ def window_transform(wavenumber: FloatArray, points: int, shape: float) -> Float
     return np.asarray(np.cos(wavenumber[..., None] * x) @ (points * weight * window(node, shape)))
 
 
+@cache
 def quadrature() -> tuple[FloatArray, FloatArray]:
     """Return nodes and weights of a quadrature from 0 to 1."""
     node, weight = np.polynomial.legendre.leggauss(80)
