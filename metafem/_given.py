@@ -14,7 +14,7 @@ UNITS: Mapping[str, str] = {
             *("position", "height", "radius", "pitch", "width", "length", "thickness", "max_height"),
             *("min_height", "offset", "height_step", "height_sd", "low", "high", "radii", "step"),
             *("separation", "approach", "cell", "contact_radius", "block_radius", "cell_radius"),
-            *("alignment_height", "chord_error", "indentation", "r", "tools", "range"),
+            *("alignment_height", "chord_error", "indentation", "r", "tools", "radius_range"),
             *("displacement", "sliding_range", "boundary", "centre", "site_position", "frame"),
             *("radius_sd", "position_sd", "pixel_size", "blur", "pinned"),
         ),

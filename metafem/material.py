@@ -1,10 +1,19 @@
-"""Material, friction and dimensions of a block."""
+"""Material, friction, dimensions of a block and of a periodic cell."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
 
 from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem._values import Value
+from metafem.errors import InvalidInput, refuse_if
+
+# Members of a Friction.
+NAMES = ("shear_strength", "area_ratio")
 
 
 @dataclass(frozen=True)
@@ -73,34 +82,104 @@ class Material:
         return self.composite_modulus * (1.0 - self.poisson_ratio**2)
 
 
-@dataclass(frozen=True)
-class Friction:
-    """Friction of the material pair, ``F = sigma B A0``.
+@dataclass(frozen=True, eq=False, repr=False)
+class Friction(Value):
+    """Friction of the material pair, ``F = sigma B A0``, or of each asperity, ``F = sum sigma_i B_i A_i``.
+
+    Asperities differ in friction if they have different coatings. Rescaled friction is by the largest sigma B
+    of a surface: ``F/max(sigma B) = sum w_i A_i`` with the weights ``w_i = sigma_i B_i/max(sigma B)``. It is
+    A0 if sigma B is the same for all asperities.
 
     Parameters
     ----------
-    shear_strength : float
-        sigma [MPa], positive: friction force over the real contact area under shear.
-    area_ratio : float
-        B [-], positive: real contact area under shear over that before shear; default: 1, no change.
+    shear_strength : float or array_like, (n,)
+        sigma [MPa], positive: friction force over the real contact area under shear, one value for all
+        asperities or one for each.
+    area_ratio : float or array_like, (n,)
+        B [-], positive: real contact area under shear over that before shear, one value or one for each;
+        default: 1, no change.
 
     Raises
     ------
     InvalidInput
-        If a value is not positive.
+        If a value is not positive, or the two arrays differ in length.
 
     Examples
     --------
     >>> Friction(shear_strength=0.404, area_ratio=0.85).shear_strength
     0.404
+    >>> coated = Friction(shear_strength=[0.4, 0.1], area_ratio=0.85)
+    >>> round(coated.stress, 12), coated.weights
+    (0.34, array([1.  , 0.25]))
     """
 
-    shear_strength: float
-    area_ratio: float = 1.0
+    shear_strength: float | FloatArray
+    area_ratio: float | FloatArray = 1.0
 
     def __post_init__(self) -> None:
-        check.member(self, "shear_strength", above=0.0)
-        check.member(self, "area_ratio", above=0.0)
+        for name in NAMES:
+            if check.scalar(getattr(self, name)):
+                check.member(self, name, above=0.0)
+            else:
+                values = check.array(name, getattr(self, name), shape=(None,), positive=True)
+                object.__setattr__(self, name, values)
+        counts = {len(values) for values in self._arrays().values()}
+        refuse_if(
+            len(counts) > 1,
+            f"and shear_strength have {' and '.join(map(str, sorted(counts)))} values; both must have one "
+            "for each asperity, or one for all",
+            key="area_ratio",
+        )
+
+    @property
+    def stress(self) -> float:
+        """Largest sigma B [MPa]: the friction force over the rescaled friction."""
+        return float(np.max(self._each()))
+
+    @property
+    def weights(self) -> float | FloatArray:
+        """sigma_i B_i over the largest sigma B [-], (n,); 1.0 if it is the same for all asperities."""
+        each = np.asarray(self._each())
+        return 1.0 if (each == each.flat[0]).all() else np.asarray(each / each.max())
+
+    @property
+    def differs(self) -> bool:
+        """Whether sigma B differs from asperity to asperity."""
+        return np.ndim(self.weights) > 0
+
+    def at(self, some: Any) -> Friction:
+        """Return the friction of some asperities (indices or mask)."""
+        arrays = self._arrays()
+        return replace(self, **{name: values[some] for name, values in arrays.items()}) if arrays else self
+
+    def refuse_differing(self, what: str) -> None:
+        """Raise InvalidInput if a member has one value for each asperity, which `what` does not support."""
+        for name in self._arrays():
+            raise InvalidInput(
+                f"has one value for each asperity, which {what} does not support; use one for all",
+                key=f"friction.{name}",
+            )
+
+    def of(self, count: int) -> Friction:
+        """Return the friction of `count` asperities, with one value for all where their values are equal."""
+        changes: dict[str, float] = {}
+        for name, values in self._arrays().items():
+            refuse_if(
+                len(values) != count,
+                f"has {len(values)} values for {count} asperities; it must be one value, or one for each",
+                key=f"friction.{name}",
+            )
+            if (values == values[0]).all():
+                changes[name] = float(values[0])
+        return replace(self, **changes) if changes else self
+
+    def _each(self) -> float | FloatArray:
+        return self.shear_strength * self.area_ratio
+
+    def _arrays(self) -> dict[str, FloatArray]:
+        """Return the members with one value for each asperity."""
+        members = {name: getattr(self, name) for name in NAMES}
+        return {name: values for name, values in members.items() if isinstance(values, np.ndarray)}
 
 
 @dataclass(frozen=True)
@@ -130,3 +209,53 @@ class Block:
     def __post_init__(self) -> None:
         for name in ("width", "length", "thickness"):
             check.member(self, name, above=0.0)
+
+
+@dataclass(frozen=True)
+class PeriodicCell:
+    """One period of a surface that repeats along x and y without end.
+
+    Each asperity stands for one in every period, and all loads and areas are those of one cell. Models that
+    interact sum the displacements of all periods. On a half-space the mean of this sum diverges; it is left
+    out, so that the separation is measured from the mean plane of the deformed surface. On a bonded layer the
+    sum converges, and the separation is measured from the undeformed base plane, as without a cell.
+
+    The cell has no origin: only the extent of the positions is limited. Distances along x that differ by a
+    multiple of `width`, or along y by a multiple of `length`, are equal.
+
+    Parameters
+    ----------
+    width, length : float
+        Period along x and along y [mm], positive.
+
+    Raises
+    ------
+    InvalidInput
+        If a value is not positive.
+
+    Examples
+    --------
+    >>> from metafem import HalfSpace, Interacting, Surface, equilibrium
+    >>> cell = PeriodicCell(width=1.5, length=1.5)
+    >>> surface = Surface([[0, 0]], [0.1], 0.526, Material(1.36), cell=cell)
+    >>> state = equilibrium(surface, Interacting(), load=0.01)
+    >>> mean_pressure = state.load / cell.area
+    >>> round(mean_pressure, 5)
+    0.00444
+    """
+
+    width: float
+    length: float
+
+    def __post_init__(self) -> None:
+        for name in ("width", "length"):
+            check.member(self, name, above=0.0)
+
+    @property
+    def area(self) -> float:
+        """Nominal area of one period [mm^2]."""
+        return self.width * self.length
+
+    def nearest(self, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return differences of positions [mm] to the nearest period, at most half a side each."""
+        return x - self.width * np.rint(x / self.width), y - self.length * np.rint(y / self.length)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
@@ -15,14 +16,16 @@ from metafem import drawing
 from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem._values import MICROMETRES, Value, span
+from metafem.caps import SPHERE, Cap
+from metafem.caps.mixed import caps_of
 from metafem.drawing import card
 from metafem.errors import InvalidInput, refuse_if
-from metafem.material import Block, Friction, Material
+from metafem.material import Block, Friction, Material, PeriodicCell
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Block", "Friction", "Material", "Surface"]
+__all__ = ["Block", "Friction", "Material", "PeriodicCell", "Surface"]
 
 # Largest tilt [rad]. At larger tilts the direction of the heights is far from normal to the plane.
 STEEPEST = 0.25 * math.pi
@@ -30,13 +33,16 @@ STEEPEST = 0.25 * math.pi
 # Largest number of asperities that a notebook shows individually.
 MOST_DRAWN = 4000
 
+# Distance of two sites in a periodic cell, divided by its shorter side, below which they coincide.
+SAME_SITE = 1e-9
+
 # Largest number of sites; more sites need gigabytes of memory.
 MOST_SITES = 10**8
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Surface(Value):
-    """Spherical asperities on a block, pressed on a smooth rigid plane.
+    """Asperities on a block, pressed on a smooth rigid plane.
 
     Parameters
     ----------
@@ -45,18 +51,25 @@ class Surface(Value):
     height : array_like, (n,)
         Heights of the summits above the undeformed base plane [mm]; any finite value.
     radius : float or array_like, (n,)
-        Radii of curvature of the summits [mm], positive.
+        R of each asperity [mm], positive: of a sphere or a paraboloid, the radius of curvature; it scales the
+        profiles of other caps.
     material : Material
     friction : Friction, optional
-        Required for friction forces; default: None.
+        Required for friction forces; one for all asperities or one for each. Default: None.
     block : Block, optional
         Required for the bonded layer, the true block and the part files; default: None.
+    cap : Cap or sequence of Cap
+        Shape of all caps, or one for each asperity: `Sphere()` (default), `Paraboloid()`, `Power(...)` or
+        `Profile(...)`.
+    cell : PeriodicCell, optional
+        Period of an infinite surface of which the asperities are one cell; default: None, no repetition.
 
     Raises
     ------
     InvalidInput
-        If an array is empty, has the wrong shape or is not finite, a radius is not positive, or two
-        asperities coincide.
+        If an array is empty, has the wrong shape or is not finite, a radius is not positive, two asperities
+        coincide, a cap is not a shape, the frictions are not one for each asperity, or the asperities do not
+        fit in the cell.
 
     Examples
     --------
@@ -73,6 +86,8 @@ class Surface(Value):
     material: Material
     friction: Friction | None
     block: Block | None
+    cap: Cap
+    cell: PeriodicCell | None
 
     def __init__(
         self,
@@ -82,6 +97,8 @@ class Surface(Value):
         material: Material,
         friction: Friction | None = None,
         block: Block | None = None,
+        cap: Cap | Sequence[Cap] = SPHERE,
+        cell: PeriodicCell | None = None,
     ) -> None:
         positions = check.array("position", position, shape=(None, 2))
         n = len(positions)
@@ -91,11 +108,17 @@ class Surface(Value):
         _refuse_disproportion(radii, {"radius": radii, "height": heights, "position": positions})
         check.instance("material", material, Material, "a metafem.Material")
         check.instance("friction", friction, Friction, "a metafem.Friction", optional=True)
+        if friction is not None:
+            friction = friction.of(n)
         check.instance("block", block, Block, "a metafem.Block", optional=True)
         if block is not None:
             for name in ("width", "length", "thickness"):
                 check.proportion(f"block.{name}", getattr(block, name), "radius", float(radii.min()))
-        values = {"position": positions, "height": heights, "radius": radii}
+        check.instance("cell", cell, PeriodicCell, "a metafem.PeriodicCell", optional=True)
+        if cell is not None:
+            _refuse_misfit(positions, radii, cell)
+        shape = caps_of(cap, n)
+        values = {"position": positions, "height": heights, "radius": radii, "cap": shape, "cell": cell}
         for name, given in {**values, "material": material, "friction": friction, "block": block}.items():
             object.__setattr__(self, name, given)
 
@@ -110,6 +133,8 @@ class Surface(Value):
         material: Material,
         friction: Friction | None = None,
         block: Block | None = None,
+        cap: Cap | Sequence[Cap] = SPHERE,
+        cell: PeriodicCell | None = None,
     ) -> Surface:
         """Return asperities on a square lattice centred on the origin, row by row along x.
 
@@ -121,7 +146,7 @@ class Surface(Value):
             Rows (along y) and columns (along x).
         pitch : float
             Distance between neighbours [mm], positive; default: 1.5.
-        radius, material, friction, block
+        radius, material, friction, block, cap, cell
             As for `Surface`.
 
         Returns
@@ -155,7 +180,7 @@ class Surface(Value):
             height = np.full(rows * columns, check.number("height", height))
         elif check.depth(height) > 1:
             height = check.array("height", height, shape=(rows, columns)).ravel()
-        return cls(position, height, radii, material, friction, block)
+        return cls(position, height, radii, material, friction, block, cap, cell)
 
     def __repr__(self) -> str:
         count, *rest = self._facts().items()
@@ -176,15 +201,18 @@ class Surface(Value):
             "asperities": f"{self.count:,}",
             "heights": span(self.height, "mm"),
             "radius": span(self.radius, "mm"),
+            **({} if self.cap == SPHERE else {"cap": repr(self.cap)}),
             "E*": f"{self.material.composite_modulus:.4g} MPa",
             "Poisson's ratio": f"{self.material.poisson_ratio:.4g}",
         }
         if self.friction is not None:
-            facts["shear strength"] = f"{self.friction.shear_strength:.4g} MPa"
-            facts["area ratio"] = f"{self.friction.area_ratio:.4g}"
+            facts["shear strength"] = span(np.asarray(self.friction.shear_strength), "MPa")
+            facts["area ratio"] = span(np.asarray(self.friction.area_ratio), "").rstrip()
         if self.block is not None:
             size = (self.block.width, self.block.length, self.block.thickness)
             facts["block"] = f"{' x '.join(f'{length:.4g}' for length in size)} mm"
+        if self.cell is not None:
+            facts["periodic cell"] = f"{self.cell.width:.4g} x {self.cell.length:.4g} mm"
         return facts
 
     @property
@@ -197,9 +225,20 @@ class Surface(Value):
         """Depth of each summit below the tallest, (n,) [mm], accurate also for small differences."""
         return np.asarray(self.height.max() - self.height)
 
+    @property
+    def friction_weights(self) -> float | FloatArray:
+        """Weights w of the areas in the rescaled friction ``sum w_i A_i`` [-], (n,); 1.0 if all are equal."""
+        return 1.0 if self.friction is None else self.friction.weights
+
     def replaced(self, **changes: Any) -> Surface:
         """Return a copy in which some arguments of the constructor are changed."""
         return replace(self, **changes)
+
+    def only(self, some: Any, **changes: Any) -> Surface:
+        """Return the surface of some asperities (indices or mask), with some arguments changed."""
+        own = {name: getattr(self, name)[some] for name in ("position", "height", "radius")}
+        friction = None if self.friction is None else self.friction.at(some)
+        return self.replaced(**{**own, "cap": self.cap.at(some), "friction": friction, **changes})
 
     def tilted(self, angle_x: float, angle_y: float) -> Surface:
         """Return the surface tilted against the plane: heights ``h + x tan(angle_x) + y tan(angle_y)``.
@@ -220,11 +259,25 @@ class Surface(Value):
         >>> pair.tilted(0.002, 0.0).height.round(4)
         array([0.1  , 0.103])
         """
+        self.refuse_tilt()
         slope = [
             math.tan(check.number(name, value, at_least=-STEEPEST, at_most=STEEPEST))
             for name, value in (("angle_x", angle_x), ("angle_y", angle_y))
         ]
         return self.replaced(height=self.height + self.position @ np.array(slope))
+
+    def refuse_coatings(self, what: str) -> None:
+        """Raise InvalidInput if the asperities differ in friction, which `what` does not support."""
+        if self.friction is not None:
+            self.friction.refuse_differing(what)
+
+    def refuse_tilt(self) -> None:
+        """Raise InvalidInput if the surface has a periodic cell: heights that rise along x do not repeat."""
+        refuse_if(
+            self.cell is not None,
+            "a surface with a periodic cell cannot be tilted: heights that rise along x or y do not repeat; "
+            "use cell=None, with some periods side by side",
+        )
 
     def perturbed(self, height_sd: float, rng: Any = 0) -> Surface:
         """Return the surface with independent Gaussian height errors of standard deviation `height_sd` [mm].
@@ -235,8 +288,9 @@ class Surface(Value):
         return self.replaced(height=self.height + sd * check.generator(rng).standard_normal(self.count))
 
     def shuffled(self, rng: Any = 0) -> Surface:
-        """Return the surface with its asperities (heights and radii) randomly assigned to its sites.
+        """Return the surface with its asperities randomly assigned to its sites.
 
+        Each asperity keeps its height, radius, cap and friction.
         `rng` is a seed or a numpy Generator; default: 0.
         """
         generator = check.generator(rng)
@@ -244,7 +298,7 @@ class Surface(Value):
         # same seed does not undo that assignment
         generator.permutation(self.count)
         order = generator.permutation(self.count)
-        return self.replaced(height=self.height[order], radius=self.radius[order])
+        return self.only(order, position=self.position)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the heights at their sites; marker sizes are proportional to the radii if these differ.
@@ -289,6 +343,40 @@ def _refuse_coincident(position: FloatArray) -> None:
         words = "and {.name} coincide at ({.number}, {.number}); no two asperities may share a position"
         place = (Given("position", float(value)) for value in position[i])
         raise InvalidInput(words, Given(f"position[{j}]"), *place, key=f"position[{i}]")
+
+
+def _refuse_misfit(position: FloatArray, radius: FloatArray, cell: PeriodicCell) -> None:
+    """Refuse asperities larger than a cell, beyond one period, or coincident in another period."""
+    largest = int(radius.argmax())
+    extent = np.ptp(position, axis=0)
+    for name, side, axis, reach in zip(
+        ("width", "length"), (cell.width, cell.length), "xy", extent, strict=True
+    ):
+        check.proportion(f"cell.{name}", side, "radius", float(radius.min()))
+        given: dict[str, Any] = {"key": f"cell.{name}", "value": side}
+        refuse_if(
+            side < radius[largest],
+            "is smaller than {}; one period must be wider than its asperities",
+            Given(f"radius[{largest}]", float(radius[largest])),
+            **given,
+        )
+        refuse_if(
+            reach > side,
+            f"is smaller than the extent of the positions along {axis}, " + "{.number}; enlarge the cell, or "
+            "subtract multiples of its sides from positions",
+            Given("position", float(reach)),
+            **given,
+        )
+    if len(position) > 1:
+        sides = np.array([cell.width, cell.length])
+        place = np.mod(position - position.min(axis=0), sides)
+        distance, other = scipy.spatial.cKDTree(place, boxsize=sides).query(place, k=2)
+        i = int(distance[:, 1].argmin())
+        refuse_if(
+            bool(distance[i, 1] <= SAME_SITE * sides.min()),
+            f"position[{i}] and position[{other[i][other[i] != i][0]}] coincide in another period of the "
+            f"cell, {cell.width:g} x {cell.length:g} mm; remove one of them",
+        )
 
 
 def _refuse_disproportion(radius: FloatArray, lengths: Mapping[str, FloatArray]) -> None:

@@ -11,7 +11,7 @@ import click
 import metafem as mf
 from metafem.drawing import svg
 from metafem.report.figures import law_figure
-from validation import explorer_picture
+from validation import explorer_picture, shape_pictures
 from validation.cost import model_table
 from validation.discovery import Listed
 from validation.numbers import computed, expected
@@ -34,12 +34,13 @@ PRINTED_MARKS = (
 
 
 def renew_readme(results: dict[str, Evaluated]) -> None:
-    """Write the README's tables and pictures."""
+    """Write the README's tables and pictures, and the pictures of the guide."""
     renew(MARKS, readme_table(results))
     renew(PRINTED_MARKS, printed_table(results))
     model_table.renew_readme()
     PICTURE.write_text(svg(_first_minute(), "Target, achieved law and finite elements"), "utf-8")
     explorer_picture.renew_picture()
+    shape_pictures.renew_pictures()
 
 
 def _first_minute():

@@ -75,7 +75,7 @@ def kernel_time(model: mf.Interacting, surface: mf.Surface, loads: int) -> float
     results = continuation.empty_results(1, loads)
     workspace = continuation.empty_workspace(surface.count, model.order)
     rising = np.linspace(0.5 / loads, 0.5, loads)
-    law = tables(model.contact.for_material(surface.material), surface.radius[None])
+    law = tables(model.contact.bound(surface), surface.radius[None])
     scene = (coupling, model.order, law, self_influence[None], surface.gap[None], rising)
     work = partial(continuation.curves, *scene, True, results, *workspace, NOT_RECORDED)
     return best(work, 20) / loads

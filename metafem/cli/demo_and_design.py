@@ -24,6 +24,7 @@ from metafem.cli.progress import progress
 from metafem.cli.terminal import notes_data, print_notes, print_table, say, terminal
 from metafem.errors import Infeasible, InvalidInput, refuse_if
 from metafem.files.specification.models import DEMOS
+from metafem.inversion.quantity import FRICTION
 from metafem.progress import doing
 
 if TYPE_CHECKING:
@@ -83,10 +84,10 @@ def design(
 ) -> None:
     """Design a surface from the specification SPEC.toml and write the result folder.
 
-    A specification has the sections target (of kind operating-points, linear, bilinear, sampled, power or
-    multilinear), material, lattice and limits. The sections friction, sites, radii, block, layout, robust,
-    model, contact, part and checks are optional. `metafem spec` prints every key with an example;
-    `metafem demo` writes example files.
+    A specification has the sections target (of kind operating-points, linear, bilinear, sampled, power,
+    multilinear or band), material, lattice and limits. The sections friction, sites, tools, block, cell,
+    layout, robust, model, cap, contact, part and checks are optional. `metafem spec` prints every key with
+    an example; `metafem demo` writes example files.
 
     For a measured law, choose a target of kind sampled and name its table in the key file. The table has the
     format that `metafem compare` reads, and its error bars are used. If a target is refused, the nearest law
@@ -119,7 +120,8 @@ def _refusal(error: Infeasible, folder: Path) -> Ended:
     if error.nearest is None:
         return Ended("Infeasible", str(error))
     words, nearest = str(error), {"target": error.nearest.title}
-    law = error.nearest.law
+    # tables hold friction laws alone
+    law = error.nearest.law if error.nearest.of == FRICTION else None
     if law is not None:
         path = Path(f"{folder.absolute()}-nearest.csv")
         rows = zip(*(column.tolist() for column in law), strict=True)

@@ -19,7 +19,7 @@ from metafem.files.specification.models import MODELS
 # How the option --contact states each contact law; `form` in files/specification/options.py returns the same
 # texts.
 CONTACTS = (
-    *("hertz", "sphere", "power EXPONENT [COEFFICIENT]", "profile FILE"),
+    *("hertz", "elastic", "sphere", "power EXPONENT [COEFFICIENT]", "profile FILE"),
     *("jkr ADHESION_ENERGY [CAP]", "kogut-etsion HARDNESS", "jackson-green YIELD_STRENGTH"),
     "tabulated FILE",
 )

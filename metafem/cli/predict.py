@@ -22,6 +22,7 @@ from metafem.cli.group import (
     option_names,
 )
 from metafem.cli.progress import printing_messages, progress
+from metafem.cli.quantities import columns_of, print_quantities, quantities_of
 from metafem.cli.study.options import option_name, with_options
 from metafem.cli.terminal import loaded, notes_data, print_json, print_notes, print_table, say, terminal
 from metafem.errors import named, refuse_if
@@ -29,7 +30,7 @@ from metafem.progress import doing
 
 if TYPE_CHECKING:
     from metafem._validate import FloatArray
-    from metafem.prediction import FrictionLaw
+    from metafem.prediction import FrictionLaw, Onset
     from metafem.surface import Surface
 
 # Dimensions of a block, with an example of each; they are options and arguments of `Block`.
@@ -70,6 +71,18 @@ scene_options = with_options(
     multiple=True,
     help='Load, such as "0.2 N"; may be repeated. Default: a grid of loads.',
 )
+@click.option(
+    "--onset",
+    type=Quantity("N"),
+    metavar="FORCE",
+    help="Also print the onset of sliding at this load: friction force over tangential displacement.",
+)
+@click.option(
+    "--quantities",
+    is_flag=True,
+    help="Also print the normal and tangential stiffness and the rescaled conductance (rho_1 + rho_2) G/2, "
+    "with the plane as an ideal conductor.",
+)
 @scene_options
 @model_option("that of the folder; independent for a table", multiple=True)
 @click.option("-o", "--output", type=Name(), help="Also write the law to this CSV file.")
@@ -78,6 +91,8 @@ scene_options = with_options(
 def predict(
     source: Path,
     load: tuple[float, ...],
+    onset: float | None,
+    quantities: bool,
     model: tuple[str, ...],
     contact: tuple[str, ...],
     output: Path | None,
@@ -88,10 +103,12 @@ def predict(
     """Predict the friction law of the surface in a result folder or in a table of heights.
 
     SOURCE is a result folder of `metafem design`, or a CSV file with the columns x_mm, y_mm, height_um and
-    radius_um (or in other units). A table needs --composite-modulus or --young-modulus. With the model layer
+    radius_um (or in other units); if the asperities differ in friction, also shear_strength_MPa and
+    area_ratio. A table needs --composite-modulus or --young-modulus. With the model layer
     it also needs --thickness, and with the model block --thickness, --width and --length. With
     --shear-strength, friction forces are also printed. If --model or --contact is repeated, all combinations
-    of models and contact laws are compared at the same loads.
+    of models and contact laws are compared at the same loads. With --onset, one contact after the other
+    starts to slide at that load; this needs a friction.
     """
     given = {name: value for name, value in scene.items() if value is not None}
     name = printable(str(source))
@@ -127,13 +144,30 @@ def predict(
         for each in models:
             loads = laws[0].load if laws else load or None
             laws.append(mf.friction_law(surface, each, load=loads))
+        more = [
+            quantities_of(surface, each, law) if quantities else {}
+            for each, law in zip(models, laws, strict=True)
+        ]
+        slides = [None if onset is None else mf.onset(surface, each, load=onset) for each in models]
     if output is not None:
         mf.files.write_text(output, mf.files.law_table(laws[0]), force=force, kind="law")
     if as_json:
-        data = [_law_data(law) for law in laws]
+        data = [
+            _law_data(law) | mf.files.plain_data(columns_of(part))
+            for law, part in zip(laws, more, strict=True)
+        ]
+        for part, sliding in zip(data, slides, strict=True):
+            if sliding is not None:
+                part["onset"] = mf.report.onset_data(sliding)
         print_json(data[0] if len(data) == 1 else {"laws": data})
     else:
         _print_laws(laws, whole=bool(load))
+        for law, part in zip(laws, more, strict=True):
+            if part:
+                print_quantities(law, part, whole=bool(load))
+        for number, sliding in enumerate(slides, 1):
+            if sliding is not None:
+                _print_onset(sliding, f"{number}: " if len(slides) > 1 else "")
 
 
 def _surface(source: Path, given: Mapping[str, float], models: tuple[str, ...]) -> Surface:
@@ -194,6 +228,17 @@ def _print_laws(laws: list[FrictionLaw], whole: bool) -> None:
         say(console, f"{label}model {law.model.name}, {law.status.value}")
         say(console, f"{label}{mf.report.error_words(law.model_error)}")
         print_notes(console, law.notes)
+
+
+def _print_onset(sliding: Onset, label: str) -> None:
+    """Print friction forces of the onset of sliding at up to ten displacements, and its summary."""
+    console = terminal()
+    # of contacts that start together, the last
+    ends = np.flatnonzero(np.append(np.diff(sliding.displacement) > 0.0, True))
+    shown = ends[:: -max(1, len(ends) // 10)][::-1].tolist()
+    rows = [[f"{sliding.displacement[i]:.6g}", f"{sliding.friction_force[i]:.6g}", str(i + 1)] for i in shown]
+    print_table(console, ["displacement [mm]", "friction [N]", "contacts that slide"], rows)
+    say(console, f"{label}{mf.report.onset_words(sliding)}")
 
 
 def _quantities(law: FrictionLaw) -> dict[str, FloatArray]:

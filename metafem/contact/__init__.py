@@ -1,6 +1,7 @@
 """Contact of one asperity and a rigid plane."""
 
 from metafem.contact.adhesion import JKR
+from metafem.contact.by_profile import Elastic
 from metafem.contact.cap_compliance import pedestal_compliance
 from metafem.contact.caps import PowerCap, SphericalCap
 from metafem.contact.elastic import Hertz
@@ -14,6 +15,7 @@ __all__ = [
     "JKR",
     "AxisymmetricCap",
     "Contact",
+    "Elastic",
     "Hertz",
     "JacksonGreen",
     "KogutEtsion",

@@ -6,19 +6,22 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from scipy.optimize import elementwise
 
 from metafem import _validate as check
 from metafem._given import shown
-from metafem._validate import FloatArray
-from metafem.contact.cap_geometry import CapShape
+from metafem._validate import FloatArray, IntArray
+from metafem.caps import Cap
 from metafem.contact.elastic import PARABOLOID
-from metafem.contact.law import Contact, Values, material_of
+from metafem.contact.law import Contact, Values, material_of, sizes_of
 from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Material
+
+if TYPE_CHECKING:
+    from metafem.surface import Surface
 
 # Twice the width of the first bracket of ln d, where d is the cap's indentation without adhesion.
 WIDTH = 1.0
@@ -91,9 +94,17 @@ class JKR(Contact):
             return self.cap
         return self if self.material is not None else replace(self, material=material)
 
-    def shape(self) -> CapShape:
-        """Return the shape of the caps of a part."""
-        return self.cap.shape()
+    def bound(self, surface: Surface) -> Contact:
+        """Return the law for the material and the caps of a surface."""
+        return replace(self, cap=self.cap.bound(surface)).for_material(surface.material)
+
+    def summits(self, surface: Surface, radius: FloatArray | None = None) -> Any:
+        """Return what the methods take as `radius`: that of the law without adhesion."""
+        return self.cap.summits(surface, radius)
+
+    def fits(self, cap: Cap) -> bool:
+        """Return whether the law without adhesion describes caps of this shape."""
+        return self.cap.fits(cap)
 
     @property
     def length(self) -> float:
@@ -125,8 +136,7 @@ class JKR(Contact):
         At d = 0 the asperity has jumped into contact. On unloading, the contact stays closed down to a
         negative indentation. The models follow this branch to find the contact radius.
         """
-        given = (np.asarray(value, dtype=np.float64) for value in (indentation, radius, curvature))
-        d, size, extra = np.broadcast_arrays(*given)
+        d, size, extra = np.broadcast_arrays(np.asarray(indentation, np.float64), radius, curvature)
         if self.length == 0.0:
             return self.cap.contact_radius(d, size, extra)
         if self.cap == PARABOLOID:
@@ -210,22 +220,23 @@ class JKR(Contact):
         z is the cap's indentation without adhesion at the contact radius a. The excess increases almost
         linearly with ln z.
         """
-        given = np.broadcast_arrays(*(np.asarray(v, dtype=np.float64) for v in (radius, curvature, depth)))
-        top = np.log(np.asarray(self.cap.largest_indentation(given[0]), dtype=np.float64))
+        summit, *others = np.broadcast_arrays(radius, curvature, depth)
+        given = [np.arange(summit.size).reshape(summit.shape), *others]
+        top = np.log(np.asarray(self.cap.largest_indentation(summit), dtype=np.float64))
 
-        def at(x: FloatArray, *given: FloatArray) -> FloatArray:
-            inner = np.exp(x)
-            return excess(self.cap.contact_radius(inner, *given[:2]), inner, *given)
+        def at(x: FloatArray, which: IntArray, *others: FloatArray) -> FloatArray:
+            inner, own = np.exp(x), summit.ravel()[which]
+            return excess(self.cap.contact_radius(inner, own, others[0]), inner, own, *others)
 
         if (np.isfinite(top) & (at(np.minimum(top, 0.0), *given) < 0.0)).any():
             raise InvalidInput(
                 f"adhesion_energy = {self.adhesion_energy:g} N/mm pulls the contact beyond the range of "
                 f"{self.cap!r}; use a smaller energy or a wider profile"
             )
-        guess = np.minimum(np.log(given[2] + np.cbrt(self.length**2 * given[0])), top - WIDTH)
+        guess = np.minimum(np.log(others[1] + np.cbrt(self.length**2 * sizes_of(summit))), top - WIDTH)
         ends = elementwise.bracket_root(at, guess, guess + 0.5 * WIDTH, xmax=top, args=given).bracket
         x = elementwise.find_root(at, ends, args=given).x
-        return np.asarray(self.cap.contact_radius(np.exp(x), *given[:2]))[()]
+        return np.asarray(self.cap.contact_radius(np.exp(x), summit, others[0]))[()]
 
 
 def paraboloid_radius(indentation: FloatArray, radius: FloatArray, length: float) -> FloatArray:
@@ -251,12 +262,12 @@ def of_sizes(method: Callable[[JKR, FloatArray], FloatArray], law: JKR, radius: 
     The contact radius is that of `method`, a method of `JKR` such as ``JKR.entry_radius``.
     """
     sizes, which = np.unique(radius, return_inverse=True)
-    return _of_sizes(method, law, tuple(sizes.tolist()))[which]
+    return _of_sizes(method, law, tuple(sizes.tolist()), sizes.dtype)[which]
 
 
 @lru_cache(maxsize=64)
 def _of_sizes(
-    method: Callable[[JKR, FloatArray], FloatArray], law: JKR, sizes: tuple[float, ...]
+    method: Callable[[JKR, FloatArray], FloatArray], law: JKR, sizes: tuple[Any, ...], kind: Any
 ) -> FloatArray:
     """Return the radii of `of_sizes`, cached because a design repeats this root search for many heights."""
-    return np.asarray(method(law, np.array(sizes)))
+    return np.asarray(method(law, np.array(list(sizes), kind)))

@@ -9,7 +9,7 @@ from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike
 
 from metafem._validate import FloatArray
-from metafem.contact.cap_geometry import foot_radius
+from metafem.caps.shapes import foot_radius
 from metafem.errors import refuse_if
 
 # Range of the fit: lowest and highest h/R, and largest ratio of the contact radius to the foot radius.

@@ -6,19 +6,19 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+from scipy.special import digamma, gammaln
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.contact.cap_geometry import SPHERES, CapShape, ProfileCaps, sphere_profile
-from metafem.contact.law import Contact, Values
+from metafem.caps import SPHERE, Cap, Power
+from metafem.caps.shapes import STEEPEST, sphere_profile
+from metafem.contact.law import Contact, ShapeRates, Values, rates_by_radius
 
-# Largest exponent of a power cap, which is then a nearly flat punch. With larger exponents (a/R)^n would
-# underflow for small contacts.
-STEEPEST = 32.0
+if TYPE_CHECKING:
+    from metafem.surface import Surface
 
 # Newton's method in the logarithm reaches rounding in 4 to 8 steps; this limit also allows for halved steps.
 MAX_STEPS = 60
@@ -72,9 +72,33 @@ class ElasticCap(Contact):
     def _closed_radius(self, depth: FloatArray, radius: FloatArray, curvature: FloatArray) -> FloatArray:
         """Return the contact radius [mm] of closed contacts with the indentation depth > 0 [mm]."""
 
-    def shape(self) -> CapShape:
-        """Return the shape of the caps of a part."""
-        return ProfileCaps(partial(self.depth_at, radius=1.0), scaled=True)
+    @abstractmethod
+    def _bends(self, a: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return D''(a) [1/mm] and D'''(a) [1/mm^2]."""
+
+    def shape_parameters(self, cap: Cap) -> tuple[str, ...]:
+        """Return the parameters of the law's own profile, whatever the caps of the surface are."""
+        return ("radius",)
+
+    def shape_rates(self, by: str, contact_radius: FloatArray, surface: Surface) -> ShapeRates:
+        """Return the derivatives by a parameter of the law's own profile."""
+        return self.rates_by(by, contact_radius, surface.radius)
+
+    def rates_by(self, by: str, contact_radius: FloatArray, radius: FloatArray) -> ShapeRates:
+        """Return the derivatives by a parameter at contact radii a > 0 of caps with these R [mm]."""
+        return rates_by_radius(self, contact_radius, radius, *self._bends(contact_radius, radius))
+
+    def profile_rate(self, by: str, distance: FloatArray, surface: Surface, i: int) -> FloatArray:
+        """Return the derivative of the depth by a parameter of the law's own profile."""
+        return self.depth_rate(by, distance, float(surface.radius[i]))
+
+    @abstractmethod
+    def depth_rate(self, by: str, distance: FloatArray, radius: float) -> FloatArray:
+        """Return the derivative of the depth f by a parameter, at distances from the axis [mm]."""
+
+    def summits(self, surface: Surface, radius: FloatArray | None = None) -> Any:
+        """Return R of all asperities [mm]: the law has a profile of its own."""
+        return surface.radius if radius is None else radius
 
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return the contact radius a [mm], the root of D(a) + k a^2 = d; 0 where the contact is open.
@@ -157,10 +181,50 @@ class PowerCap(ElasticCap):
         """Return the depth c R (rho/R)^n [mm] of the cap below its summit at a distance from the axis."""
         return np.asarray(self.coefficient * radius * np.divide(distance, radius) ** self.exponent)[()]
 
+    def fits(self, cap: Cap) -> bool:
+        """Return whether the caps have this power-law profile."""
+        return isinstance(cap, Power) and (cap.exponent, cap.coefficient) == (self.exponent, self.coefficient)
+
     @property
     def power(self) -> float:
         """Exponent n of the profile [-]."""
         return self.exponent
+
+    def shape_parameters(self, cap: Cap) -> tuple[str, ...]:
+        """Return the parameters of the law's own profile, whatever the caps of the surface are."""
+        return "radius", "exponent", "coefficient"
+
+    def rates_by(self, by: str, contact_radius: FloatArray, radius: FloatArray) -> ShapeRates:
+        """Return the derivatives by R, exponent or coefficient; all but the exponent only scale D."""
+        a, n = contact_radius, self.exponent
+        depth = self._depth(a, radius)
+        if by == "exponent":
+            # d ln D/dn = d ln K/dn + ln(a/R)
+            rate = 0.5 * (digamma(0.5 * n + 1.0) - digamma(0.5 * (n + 1.0))) + np.log(a / radius)
+        else:
+            rate = (1.0 - n) / radius if by == "radius" else 1.0 / self.coefficient
+        own = float(by == "exponent")  # the exponent is also a factor of D' and of the other quantities
+        return ShapeRates(
+            indentation=np.asarray(depth * rate),
+            slope=np.asarray(depth / a * (n * rate + own)),
+            bend=np.asarray(depth / a**2 * (n * (n - 1.0) * rate + own * (2.0 * n - 1.0))),
+            load=np.asarray(2.0 * a * depth * (n / (n + 1.0) * rate + own / (n + 1.0) ** 2)),
+            moment=np.asarray(4.0 / 3.0 * a**3 * depth * (n / (n + 3.0) * rate + 3.0 * own / (n + 3.0) ** 2)),
+        )
+
+    def _bends(self, a: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+        n = self.exponent
+        bend = (n - 1.0) * self._slope(a, radius) / a
+        return np.asarray(bend), np.asarray((n - 2.0) * bend / a)
+
+    def depth_rate(self, by: str, distance: FloatArray, radius: float) -> FloatArray:
+        """Return the derivative of the depth f by R, exponent or coefficient."""
+        depth = self.depth_at(distance, radius)
+        if by == "exponent":
+            return np.asarray(depth * np.log(np.where(distance > 0.0, distance, radius) / radius))
+        return np.asarray(
+            depth * ((1.0 - self.exponent) / radius if by == "radius" else 1.0 / self.coefficient)
+        )
 
     def _factor(self) -> float:
         """Return c K [-]."""
@@ -214,9 +278,9 @@ class SphericalCap(ElasticCap):
     (np.float64(0.222061), np.float64(0.029997))
     """
 
-    def shape(self) -> CapShape:
-        """Return the shape of the caps of a part."""
-        return SPHERES
+    def fits(self, cap: Cap) -> bool:
+        """Return whether the caps are spheres."""
+        return cap == SPHERE
 
     def depth_at(self, distance: Values, radius: Values) -> FloatArray:
         """Return the depth R - sqrt(R^2 - rho^2) [mm] below the summit at a distance rho from the axis.
@@ -227,6 +291,12 @@ class SphericalCap(ElasticCap):
         inside = np.minimum(rho, STEEP * size)
         slope = STEEP / math.sqrt(1.0 - STEEP**2)
         return np.asarray(sphere_profile(inside, size) + slope * (rho - inside))[()]
+
+    def depth_rate(self, by: str, distance: FloatArray, radius: float) -> FloatArray:
+        """Return the derivative of the depth f by R."""
+        inside = np.minimum(distance, STEEP * radius)
+        rest = np.sqrt((radius - inside) * (radius + inside))
+        return np.asarray(-(inside**2) / (rest * (rest + radius)))
 
     def _depth(self, a: FloatArray, radius: FloatArray) -> FloatArray:
         return np.asarray(a * np.arctanh(a / radius))
@@ -247,6 +317,11 @@ class SphericalCap(ElasticCap):
         series = 4.0 * x**5 * _polynomial(2 * k / ((2 * k - 1.0) * (2 * k + 3.0)), x**2)
         closed = (x**4 + 3.0) * np.arctanh(x) - x**3 - 3.0 * x
         return np.asarray(radius**4 * np.where(x < SERIES_LIMIT, series, closed) / 3.0)
+
+    def _bends(self, a: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+        rest = (radius - a) * (radius + a)
+        bend = 2.0 * radius**3 / rest**2
+        return np.asarray(bend), np.asarray(4.0 * a * bend / rest)
 
     def _closed_radius(self, depth: FloatArray, radius: FloatArray, curvature: FloatArray) -> FloatArray:
         # with a = R tanh t, d/R = t tanh t + k R tanh^2 t: quadratic in t for small t, and linear for large t
@@ -288,3 +363,17 @@ def root(
             return np.asarray(new)
         x = new
     return np.asarray(x)
+
+
+def power_logarithms(
+    exponent: FloatArray, coefficient: float, radius: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return ln b of the contact radii ``a = b d^(1/n)`` of power caps, and its derivative with respect to n.
+
+    With K as in `PowerCap`, ``b = R (c K R)^(-1/n)``.
+    """
+    n = exponent
+    depth = math.log(coefficient * radius * math.sqrt(math.pi)) + gammaln(0.5 * n + 1.0)
+    depth -= gammaln(0.5 * (n + 1.0))  # ln(c K R)
+    turn = 0.5 * (digamma(0.5 * n + 1.0) - digamma(0.5 * (n + 1.0)))  # K'/K
+    return math.log(radius) - depth / n, (depth / n - turn) / n

@@ -3,21 +3,57 @@
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar, NamedTuple, Protocol, cast, runtime_checkable
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, cast, runtime_checkable
 
 import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.contact.cap_geometry import SPHERES, CapShape, Values
-from metafem.errors import InvalidInput
+from metafem.caps.cap import Cap, Values
+from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Material
 from metafem.notes import Note
 
-__all__ = ["Contact", "Contacts", "Values", "area_change", "checked_contact", "contacts", "material_of"]
+if TYPE_CHECKING:
+    from metafem.surface import Surface
+
+__all__ = [
+    "Contact",
+    "Contacts",
+    "ShapeRates",
+    "Values",
+    "area_change",
+    "checked_contact",
+    "contacts",
+    "material_of",
+    "no_rates",
+    "rates_by_radius",
+    "refuse_parameter",
+    "sizes_of",
+]
+
+# Summits of caps that differ: R [mm], and the index of the cap of each asperity.
+SUMMIT = np.dtype([("radius", np.float64), ("cap", np.int64)])
 
 # Relative step of the contact radius in the finite difference for D''.
 STEP = 1e-3
+
+# Contact radius over R at which the derivatives of open contacts are computed; these are not used.
+SMALL = 1e-3
+
+
+class ShapeRates(NamedTuple):
+    """Derivatives by R [mm], the exponent or the coefficient of a cap, at a given contact radius a > 0."""
+
+    indentation: FloatArray  # of d = D(a) [mm]
+    slope: FloatArray  # of D'(a) [-]
+    bend: FloatArray  # of D''(a) [1/mm]
+    load: FloatArray  # of P/E* [mm^2]
+    moment: FloatArray  # of the second moment of the pressure over E* [mm^4]
+
+    def times(self, factor: Values) -> ShapeRates:
+        """Return the derivatives by a quantity on which the parameter depends with the slope `factor`."""
+        return ShapeRates(*(factor * part for part in self))
 
 
 @runtime_checkable
@@ -71,6 +107,22 @@ class Contact(Protocol):
         """Return the law for a material; the law itself unless it has an energy or a stress."""
         return self
 
+    def bound(self, surface: Surface) -> Contact:
+        """Return the law for the material and the caps of a surface."""
+        return self.for_material(surface.material)
+
+    def summits(self, surface: Surface, radius: FloatArray | None = None) -> Any:
+        """Return what the methods of a bound law take as `radius`, for all asperities of a surface.
+
+        These are the radii of curvature of the summits [mm], (..., n), unless the law takes the caps by their
+        own profiles. radius: R of the asperities (..., n) [mm]; default: the surface's.
+        """
+        return surface.cap.summit_radius(surface.radius if radius is None else radius)
+
+    def fits(self, cap: Cap) -> bool:
+        """Return whether the law describes caps of this shape."""
+        return True
+
     @property
     def count(self) -> int | None:
         """Number of asperities if the law is individual; None if all asperities share the law."""
@@ -79,6 +131,21 @@ class Contact(Protocol):
     def one(self, i: int) -> Contact:
         """Return the law of asperity i; the law itself if all asperities share it."""
         return self
+
+    def shape_parameters(self, cap: Cap) -> tuple[str, ...]:
+        """Return the parameters of caps for which `shape_rates` returns derivatives; default: none."""
+        return ()
+
+    def shape_rates(self, by: str, contact_radius: FloatArray, surface: Surface) -> ShapeRates:
+        """Return the derivatives by a parameter of the cap of each asperity, at contact radii (..., n) > 0.
+
+        They are zero for asperities whose caps do not have the parameter.
+        """
+        raise InvalidInput(f"{self!r} has no derivatives by the shape of the caps", key="by", value=repr(by))
+
+    def profile_rate(self, by: str, distance: FloatArray, surface: Surface, i: int) -> FloatArray:
+        """Return the derivative of the depth f by a parameter of cap i, at distances from its axis [mm]."""
+        raise InvalidInput(f"{self!r} has no derivatives by the shape of the caps", key="by", value=repr(by))
 
     def breaks(self, radius: float) -> FloatArray:
         """Return the increasing contact radii [mm] between which the law is smooth, or an empty array."""
@@ -99,10 +166,6 @@ class Contact(Protocol):
         no loss of height.
         """
         return self, np.zeros(np.shape(indentation))
-
-    def shape(self) -> CapShape:
-        """Return the shape of the caps of a part: spheres of radius R, unless the law has another profile."""
-        return SPHERES
 
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return the contact radius a [mm] at an indentation d [mm]; 0 for open contacts, d < 0."""
@@ -152,6 +215,12 @@ def material_of(law: Any) -> Material:
     return cast("Material", law.material)
 
 
+def sizes_of(summits: Any) -> FloatArray:
+    """Return R [mm] of summits, which are numbers or `SUMMIT` records."""
+    found = np.asarray(summits)
+    return found["radius"] if found.dtype.names else np.asarray(found, dtype=np.float64)
+
+
 class Contacts(NamedTuple):
     """State of contacts at given indentations; all arrays have the same shape."""
 
@@ -184,3 +253,39 @@ def area_change(
     own, before = (law.profile_slope(a, radius) for a in (contact_radius, (1.0 - STEP) * contact_radius))
     bend = np.log(own / before) / -math.log1p(-STEP)
     return np.asarray(-2.0 * (bend - 1.0) * (slope / own) ** 2)
+
+
+def no_rates(contact_radius: FloatArray) -> ShapeRates:
+    """Return the derivatives by a parameter that has no effect."""
+    return ShapeRates(*np.zeros((len(ShapeRates._fields), *np.shape(contact_radius))))
+
+
+def rates_by_radius(
+    law: Contact, contact_radius: FloatArray, radius: FloatArray, bend: Values, third: Values
+) -> ShapeRates:
+    """Return the derivatives by R for a law that is the same for all R when lengths are divided by R.
+
+    bend, third: D'' [1/mm] and D''' [1/mm^2]. From ``D = R u(a/R)``, ``dD/dR = (D - a D')/R``; the load and
+    the second moment scale with the second and fourth power of R.
+    """
+    a, slope = np.asarray(contact_radius), law.profile_slope(contact_radius, radius)
+    load_slope = law.stiffness(a, radius) * slope
+    return ShapeRates(
+        indentation=np.asarray((law.indentation(a, radius) - a * slope) / radius),
+        slope=np.asarray(-a * bend / radius),
+        bend=np.asarray(-(bend + a * third) / radius),
+        load=np.asarray((2.0 * law.load(a, radius) - a * load_slope) / radius),
+        moment=np.asarray((4.0 * law.second_moment(a, radius) - 4.0 / 3.0 * a**4 * slope) / radius),
+    )
+
+
+def refuse_parameter(law: Contact, by: Any, surface: Surface) -> None:
+    """Raise InvalidInput unless A0 has derivatives by the parameter `by` of the contacts of a surface."""
+    known = ("height", *law.shape_parameters(surface.cap))
+    words = " or ".join(map(repr, known))
+    refuse_if(
+        not isinstance(by, str) or by not in known,
+        f"must be {words} for the contacts of {law!r} with the caps {surface.cap!r}",
+        key="by",
+        value=repr(by),
+    )

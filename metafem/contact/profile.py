@@ -4,24 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from functools import cached_property
+from typing import ClassVar, NamedTuple
 
 import numpy as np
-import scipy
 from numpy.polynomial import chebyshev
 
-from metafem import _validate as check
-from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.contact.cap_geometry import CapShape, ProfileCaps
+from metafem.caps import Cap, Profile
 from metafem.contact.caps import ElasticCap, root
-from metafem.contact.law import Values
+from metafem.contact.law import ShapeRates, Values, no_rates
 from metafem.errors import InvalidInput, refuse_if
-
-if TYPE_CHECKING:
-    from scipy.interpolate import PchipInterpolator
 
 # Degree of the polynomial that represents the integral of D in each panel of contact radii, panels per octave
 # (a factor of 2 in the contact radius), and octaves. The relative error is 12^-15 for a power-law profile,
@@ -35,9 +29,6 @@ NODES = 96
 
 # A profile is smooth if the last two polynomial coefficients, relative to the first, are below this bound.
 SMOOTH = 1e-10
-
-# Step of the finite difference for the slope at the end of a profile, relative to the extent.
-TANGENT = 1e-6
 
 # Relative excess over the largest indentation that is treated as rounding.
 ROUNDING = 1e-12
@@ -97,23 +88,9 @@ class AxisymmetricCap(Value, ElasticCap):
     extent: float | None = None
 
     def __post_init__(self) -> None:
-        if callable(self.profile):
-            refuse_if(
-                self.extent is None, "extent must be given with a function: the largest contact radius [mm]"
-            )
-            check.member(self, "extent", above=0.0)
-        else:
-            table = check.array("profile", self.profile, shape=(2, None))
-            for name, row in zip(("rho", "f"), table, strict=True):
-                if len(row) < 3 or row[0] != 0.0 or not (np.diff(row) > 0.0).all():
-                    words = "must begin with 0 and increase over at least 3 points"
-                    raise InvalidInput(words, key=name, value=shown(row.tolist(), 80))
-            refuse_if(
-                self.extent is not None and self.extent != table[0, -1],
-                f"extent = {self.extent} must be the last rho of the table, {table[0, -1]:g}",
-            )
-            object.__setattr__(self, "profile", table)
-            object.__setattr__(self, "extent", float(table[0, -1]))
+        cap = self._cap  # checks the profile, and completes the extent
+        object.__setattr__(self, "profile", cap.profile)
+        object.__setattr__(self, "extent", cap.extent)
         found = self._panels
         refuse_if(
             not (np.diff(found.depth) > 0.0).all(),
@@ -122,40 +99,24 @@ class AxisymmetricCap(Value, ElasticCap):
 
     def __repr__(self) -> str:
         """Return the call of the constructor, with the function's name or the number of points of a table."""
-        if callable(self.profile):
-            shape = getattr(self.profile, "__name__", type(self.profile).__name__)
-        else:
-            shape = f"<{self.profile.shape[1]} points>"
-        return f"{type(self).__name__}({shape}, extent={self.extent:g})"
+        return repr(self._cap).replace("Profile", type(self).__name__, 1)
 
-    def shape(self) -> CapShape:
-        """Return the shape of the caps of a part: this profile for every radius."""
-        return ProfileCaps(partial(self.depth_at, radius=1.0), scaled=False, extent=self._panels.edge[-1])
+    @cached_property
+    def _cap(self) -> Profile:
+        """Shape of the caps."""
+        return Profile(self.profile, self.extent)
+
+    def fits(self, cap: Cap) -> bool:
+        """Return whether the caps have this profile."""
+        return bool(cap == self._cap)
 
     def depth_at(self, distance: Values, radius: Values) -> FloatArray:
         """Return the depth f [mm] of the cap below its summit at a distance from the axis, for any radius.
 
         Beyond the extent the profile continues along its tangent.
         """
-        rho, extent = np.asarray(distance, dtype=np.float64), self._panels.edge[-1]
-        before = (1.0 - TANGENT) * extent
-        low, high = self._profile(np.array([before, extent]))
-        slope = (high - low) / (extent - before)
-        inside = np.minimum(rho, extent)
-        found = self._profile(inside.ravel()).reshape(rho.shape) + slope * (rho - inside)
-        return np.asarray(np.broadcast_to(found, np.broadcast_shapes(rho.shape, np.shape(radius))))[()]
-
-    def _profile(self, rho: FloatArray) -> FloatArray:
-        """Return the depth f [mm] at distances rho [mm] up to the extent; tables are cubics of rho^2."""
-        if callable(self.profile):
-            return np.asarray(self.profile(rho), dtype=np.float64)
-        return np.asarray(self._cubic(rho**2))
-
-    @cached_property
-    def _cubic(self) -> PchipInterpolator:
-        """Monotone cubic of rho^2 through the points of a table."""
-        rho, depth = np.asarray(self.profile)
-        return scipy.interpolate.PchipInterpolator(rho**2, depth, extrapolate=True)
+        found = self._cap.unit_profile(np.asarray(distance))
+        return np.asarray(np.broadcast_to(found, np.broadcast_shapes(found.shape, np.shape(radius))))[()]
 
     @cached_property
     def _panels(self) -> Panels:
@@ -212,7 +173,7 @@ class AxisymmetricCap(Value, ElasticCap):
         w = np.sqrt(np.maximum(a[..., None] ** 2 - square, 0.0))
         half, middle = 0.5 * (w[..., :-1] - w[..., 1:]), 0.5 * (w[..., :-1] + w[..., 1:])
         inside = middle[..., None] + half[..., None] * node
-        depth = self._cubic(np.maximum(a[..., None, None] ** 2 - inside**2, 0.0))
+        depth = self._cap.cubic(np.maximum(a[..., None, None] ** 2 - inside**2, 0.0))
         return np.asarray(((depth @ weight) * half).sum(axis=-1))
 
     def breaks(self, radius: float) -> FloatArray:
@@ -222,6 +183,17 @@ class AxisymmetricCap(Value, ElasticCap):
     def largest_indentation(self, radius: Values) -> FloatArray:
         """Return the indentation [mm] at which the contact reaches the extent of the profile."""
         return np.full(np.shape(radius), self._panels.depth[-1])[()]
+
+    def rates_by(self, by: str, contact_radius: FloatArray, radius: FloatArray) -> ShapeRates:
+        """Return zeros: the profile does not depend on R."""
+        return no_rates(contact_radius)
+
+    def depth_rate(self, by: str, distance: FloatArray, radius: float) -> FloatArray:
+        """Return zeros: the profile does not depend on R."""
+        return np.zeros_like(distance)
+
+    def _bends(self, a: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+        raise NotImplementedError  # only derivatives by R need them
 
     def _at(self, name: str, a: FloatArray) -> FloatArray:
         """Return the function `name` of the panels at contact radii [mm]."""

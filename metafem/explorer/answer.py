@@ -7,10 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from metafem._validate import FloatArray
-from metafem.errors import Infeasible, InvalidInput, MetafemError
+from metafem.errors import Infeasible, InvalidInput, MetafemError, refuse_if
 from metafem.explorer.session import State
 from metafem.files import Specification, parsed, section_forms
 from metafem.inversion import Design, OperatingPoints, SampledLaw
+from metafem.inversion.quantity import FRICTION
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import Wording
 
@@ -111,7 +112,14 @@ def specification_of(state: State) -> Specification:
     """Return the specification of a state, or raise InvalidInput."""
     # a browser can send a lone surrogate; with "surrogatepass" the parser then refuses it as invalid UTF-8
     tables = {name: text.encode("utf-8", "surrogatepass") for name, text in state.tables.items()}
-    return parsed(state.text, tables)
+    found = parsed(state.text, tables)
+    refuse_if(
+        found.target.of != FRICTION,
+        'must be "friction" on this page, which draws friction laws; use metafem design for other quantities',
+        key="target.of",
+        value=f'"{found.target.of}"',
+    )
+    return found
 
 
 def _in_units_of(state: State, specification: Specification, error: Infeasible) -> str:

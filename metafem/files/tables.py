@@ -21,7 +21,7 @@ from metafem.files.units import decimal, factor
 from metafem.progress import message
 
 # Units in the declared names of columns, with the package's unit of each.
-OWN = {"mm": "mm", "um": "mm", "mm2": "mm^2", "N": "N", "mN": "N"}
+OWN = {"mm": "mm", "um": "mm", "mm2": "mm^2", "N": "N", "mN": "N", "MPa": "MPa"}
 
 SEMICOLONS = "if commas are decimal, separate the columns by semicolons"
 

@@ -77,10 +77,13 @@ def assess(problem: Problem, candidate: Candidate, surface: Surface) -> dict[str
         grid = LAW_END * last * np.arange(1, effort.law_points + 1) / effort.law_points
     lists = [grid, target_law.load, *(branch.load[:: effort.branch_step] for branch in branches)]
     load, (on_grid, at_target, *on_branches) = _united(lists)
-    curve = problem.model.curve(surface, load)
-    shown = curve.part(on_grid, lambda: problem.model.curve(surface, grid[-1:]).last)
-    law = law_of_curve(surface, problem.model, shown, grid)
-    area = curve.checked().area
+    curve, solver = problem.model.curve(surface, load), problem.predicted or problem.model
+    if solver == problem.model:
+        shown = curve.part(on_grid, lambda: solver.curve(surface, grid[-1:]).last)
+    else:  # the areas of the curve are another quantity
+        shown = solver.curve(surface, grid)
+    law = law_of_curve(surface, solver, shown, grid)
+    area = curve.checked().rescaled_friction
     fits = tuple(
         (branch, fit_branch(load[rows], area[rows], branch.load_range, surface.material, surface.friction))
         for branch, rows in zip(branches, on_branches, strict=True)
@@ -110,9 +113,10 @@ def reassessed(design: Design) -> Design:
         design.density,
         moved=status is DesignStatus.REFINED,
         robust=status is DesignStatus.ROBUST,
+        cap=surface.cap,
     )
     template, model, limits = design.template, design.law.model, design.limits
-    problem = Problem.checked(design.target, template, model, limits, radii=design.radii)
+    problem = Problem.checked(design.target, template, model, limits, tools=design.tools)
     found = assess(problem, candidate, surface)
     return replace(design, **found, notes=found["law"].notes)
 
@@ -141,14 +145,14 @@ def misfit_of(candidate: Candidate, area: Callable[[FloatArray], FloatArray]) ->
 
 def independent_misfit(problem: Problem, candidate: Candidate) -> float:
     """Return the misfit [-] of a candidate for independent asperities; the sites do not affect it."""
-    height, radius = candidate.height, candidate.radius
-    return misfit_of(candidate, lambda load: problem.independent.curve_of(height, radius, load).area)
+    model, summits = problem.bound_to(candidate.surface(problem.template))
+    return misfit_of(candidate, lambda load: model.curve_of(candidate.height, summits, load).area)
 
 
 def model_misfit(problem: Problem, candidate: Candidate) -> float:
     """Return the misfit [-] of a candidate under the model of the problem."""
     surface = candidate.surface(problem.template)
-    return misfit_of(candidate, lambda load: problem.model.curve(surface, load).checked().area)
+    return misfit_of(candidate, lambda load: problem.model.curve(surface, load).checked().rescaled_friction)
 
 
 def _united(loads: list[FloatArray]) -> tuple[FloatArray, list[IntArray]]:

@@ -41,7 +41,8 @@ from scipy.optimize import brentq
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.law import Contacts, contacts
-from metafem.inversion.limits import Limits, Radii
+from metafem.inversion.limits import Limits
+from metafem.inversion.tools.radii import Radii
 from metafem.models import Independent
 
 # A value within this relative distance of a bound counts as equal to the bound. Otherwise rounding could
@@ -183,6 +184,10 @@ class Bounds:
             return half + math.sqrt(max(half**2 - shift**2, 0.0))
         # without an intercept the line ends at N times the load at which one asperity meets the line
         end = self.count * load_at_pressure(self.law, (1.0 + margin) / slope, self.radii.high)
+        return self._crossing(end, slope, intercept, margin)
+
+    def _crossing(self, end: float, slope: float, intercept: float, margin: float) -> float:
+        """Return the load [mm^2] at which a line crosses the highest friction; `end` is an initial guess."""
 
         def above(p: float) -> float:
             return slope * p + intercept - float(self.region(np.array([p]))[1][0]) * (1.0 + margin)

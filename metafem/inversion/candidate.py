@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
+from metafem.caps import Cap
 from metafem.errors import Infeasible
 from metafem.inversion.height_density import ExponentialDensity
 from metafem.inversion.limits import Limits
@@ -45,7 +46,7 @@ class Branch:
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """Heights above the base plane (n,) [mm] with their radii, and data for the design.
+    """Heights above the base plane (n,) [mm] with their radii and caps, and data for the design.
 
     A strategy returns the heights of independent asperities, tallest first and without `sites`. The later
     steps of a design assign the heights to sites of the template and may change them.
@@ -63,6 +64,7 @@ class Candidate:
     - `unpinned` [-]: misfit without the prescribed heights.
     - `refusal`: function that returns the error for heights that miss the target under the model, set only if
       independent asperities do not meet the target.
+    - `cap`: the caps, or None if all have the cap of the template.
     """
 
     height: FloatArray
@@ -81,6 +83,7 @@ class Candidate:
     held: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     unpinned: float | None = None
     refusal: Callable[[], Infeasible] | None = None
+    cap: Cap | None = None
 
     @property
     def held_rows(self) -> IntArray:
@@ -88,15 +91,21 @@ class Candidate:
         return np.searchsorted(self.sites, self.held)
 
     def surface(self, template: Surface) -> Surface:
-        """Return the surface with the heights and radii on their sites of a template."""
-        position = template.position[self.sites]
-        return template.replaced(position=position, height=self.height, radius=self.radius)
+        """Return the surface on the sites of a template; without sites, on its first ones."""
+        some = self.sites if self.sites.size else np.arange(len(self.height))
+        cap = template.cap.at(some) if self.cap is None else self.cap
+        return template.only(some, height=self.height, radius=self.radius, cap=cap)
+
+    def taken(self, rows: IntArray) -> Candidate:
+        """Return the candidate with the asperities of some rows, in their order, which may repeat."""
+        cap = None if self.cap is None else self.cap.at(rows)
+        return replace(self, height=self.height[rows], radius=self.radius[rows], cap=cap)
 
     def placed(self, sites: IntArray, foot: float = -np.inf) -> Candidate:
         """Return the candidate on sites (n,) in any order; heights below the foot [mm] are raised to it."""
         order = np.argsort(sites)
-        height = np.maximum(self.height[order], foot)
-        return replace(self, sites=sites[order], height=height, radius=self.radius[order])
+        found = self.taken(order)
+        return replace(found, sites=sites[order], height=np.maximum(found.height, foot))
 
     def with_heights(self, height: FloatArray) -> Candidate:
         """Return the candidate with changed heights on the same sites, without the parameters of levels."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
 from dataclasses import replace
 from typing import Any
 
@@ -10,7 +10,9 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.errors import Infeasible
+from metafem.caps import Power
+from metafem.errors import Infeasible, refuse_if
+from metafem.inversion.adjustment.exponents import corrected
 from metafem.inversion.adjustment.height_steps import rounded_to_steps
 from metafem.inversion.adjustment.pinned import with_pinned
 from metafem.inversion.adjustment.refinement import refined
@@ -19,12 +21,17 @@ from metafem.inversion.assessment import EXACT, assess
 from metafem.inversion.candidate import Parameter
 from metafem.inversion.design_notes import design_notes
 from metafem.inversion.feasibility import achievable_friction_coefficients
-from metafem.inversion.limits import Limits, RadiusRange
+from metafem.inversion.limits import Limits
 from metafem.inversion.placement.layout import Layout, arranged
 from metafem.inversion.problem import Problem
+from metafem.inversion.quantity import FRICTION
 from metafem.inversion.result import Design
+from metafem.inversion.strategies import tools as strategy
+from metafem.inversion.strategies.coated import coated_candidate
 from metafem.inversion.strategies.mixture import unreachable
 from metafem.inversion.targets.target import Target
+from metafem.inversion.tools.kit import Given, Kit
+from metafem.inversion.tools.tool import Tool
 from metafem.models import Model
 from metafem.notes import information, when_read
 from metafem.prediction.perturbation import Tolerances
@@ -46,7 +53,7 @@ def design(
     rng: Any = 0,
     layout: Layout | None = None,
     *,
-    radii: RadiusRange | Sequence[float] | None = None,
+    tools: Given | None = None,
     common_radius: bool = False,
     robust: Tolerances | None = None,
 ) -> Design:
@@ -54,12 +61,14 @@ def design(
 
     Parameters
     ----------
-    target : OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw or MultilinearLaw
+    target : OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw or Band
         With a load range, a linear or bilinear law is a line through the origin over that range. Without a
         load range the heights follow a density whose law has the target slopes but its own intercept.
     template : Surface
-        Surface with the sites, common radius, material, friction and block. Its heights are used only for
-        the default of `limits`, and its radii only if `radii` is not given.
+        Surface with the sites, common radius, material, friction and block. If its asperities differ in
+        friction, each site keeps its friction and has an asperity, and the target is a law over a load
+        range; `layout`, `radii`, `robust` and prescribed heights are then not supported. Its heights are
+        used only for the default of `limits`, and its radii only if `radii` is not given.
     model : Model, optional
         Model under which the law must meet the target; default: ``Independent()``. For a model with
         interaction, heights are first found for independent asperities with the contact law of the model.
@@ -78,17 +87,21 @@ def design(
         Objectives for the assignment of heights to sites. `arrange` assigns them under the model, before
         any refinement; the parameters ``layout_before`` and ``layout_after`` [-] are the misfits of the
         objectives. Default: a random assignment.
-    radii : RadiusRange or sequence of float, optional
-        Allowed radii of each asperity [mm]: any radius of a range, or a list of tool radii. All asperities
-        have the same radius if a single radius reaches the target. Otherwise radii are mixed. For linear and
-        bilinear laws two radii are assigned to the heights of one density, whose law is that of the single
-        radius ``R = (<R>/<sqrt R>)^2``. For operating points each level can have a different radius. For
-        other laws heights and radii are searched together. The radii are found for independent asperities;
-        under another model only the heights are refined. With several radii the local exponent of a law can
-        be below 2/3, and its slope can be larger. Default: the common radius of the template.
+    tools : sequence of Tool or of float, RadiusRange or PowerRange, optional
+        Tools of which one makes each asperity: a list of tools or of their radii [mm], any radius of a range,
+        or power caps of any exponent of a range. Plain radii have the common cap of the template. All
+        asperities are made by the same tool if a single tool reaches the target; otherwise tools are mixed.
+        For operating points and other laws over a range of loads, heights and tools are searched together.
+        Linear and bilinear laws without a load range, whose heights follow a density, can mix two radii of
+        one cap; their law is that of the single radius ``R = (<R>/<sqrt R>)^2``. The tools are found for
+        independent asperities; under another model only the heights are refined. Several radii or caps reach
+        local exponents of a law below 2/3, larger slopes, and laws that saturate. If not all caps are spheres
+        or paraboloids, the default contact law is `Elastic()`. Default: the common radius and cap of the
+        template.
     common_radius : bool
-        Whether all asperities have the same radius, the radius of `radii` with the smallest misfit. All radii
-        of a list are tried, and up to 13 radii of a range. The trials use neither `layout` nor `robust`.
+        Whether all asperities are made by the same tool, the one with the smallest misfit. All tools of a
+        list are tried, up to 13 radii of a range, and 7 exponents. The trials use neither `layout` nor
+        `robust`.
     robust : Tolerances, optional
         Errors of the manufactured surface and of its alignment. The expected squared misfit over these
         errors is minimised, see Notes. Default: None; the misfit of the exact heights is minimised.
@@ -96,15 +109,17 @@ def design(
     Returns
     -------
     Design
-        With `radii`, the parameters of the design include ``used_radii`` [mm], the radii in use, and
+        With radii as `tools`, the parameters of the design include ``used_radii`` [mm], the radii in use, and
         ``radius_counts``, the number of asperities of each radius. For many radii of a range they include
-        ``lowest_radius`` and ``highest_radius`` [mm] instead.
+        ``lowest_radius`` and ``highest_radius`` [mm] instead. For tools of several shapes they include
+        ``tool_counts``, the number of asperities of each tool, and for a range of exponents
+        ``used_exponents`` [-] and ``exponent_counts``.
 
         With `common_radius`, the parameters include ``radius`` [mm] and, for all radii that can reach the
         target, ``tried_radii`` [mm] and ``radius_misfits`` [-]. A note lists the radii that cannot reach the
         target, with the reason.
 
-        With `radii` and a template that has a friction, the parameters also include ``lowest_coefficients``
+        With radii and a template that has a friction, the parameters also include ``lowest_coefficients``
         [-] and, if `limits.height_sd` is given, ``highest_coefficients`` [-]. These are bounds on the
         friction coefficients of linear laws with a single radius, for each of the ``tried_radii``. Without
         `common_radius`, ``reachable_coefficients`` [-] are the two bounds for mixtures of the radii.
@@ -154,10 +169,10 @@ def design(
     The larger tool cannot reach a slope of 4.5. A local exponent below 2/3 needs both tools.
 
     >>> tools = [0.3, 0.526]
-    >>> mf.design(mf.LinearLaw(4.5), template, radii=tools, common_radius=True).parameters["radius"]
+    >>> mf.design(mf.LinearLaw(4.5), template, tools=tools, common_radius=True).parameters["radius"]
     0.3
     >>> target, limits = mf.PowerLaw(0.64, (0.1, 0.2)), mf.Limits(0.27)
-    >>> mf.design(target, template, limits=limits, radii=[0.2, 0.8]).parameters["used_radii"]
+    >>> mf.design(target, template, limits=limits, tools=[0.2, 0.8]).parameters["used_radii"]
     array([0.2, 0.8])
 
     The heights have errors of 3 um, and the plane is tilted by up to 0.05 degrees about each axis.
@@ -175,17 +190,24 @@ def design(
     (array([0.1]), False, True)
     """
     check.instance("common_radius", common_radius, bool, "True or False")
-    problem = Problem.checked(target, template, model, limits, layout, radii, robust)
+    problem = Problem.checked(target, template, model, limits, layout, tools, robust)
     generator = check.generator(rng)
     if common_radius:
         return _with_common_radius(problem, generator)
-    _refuse_infeasible(problem)
-    permutation = problem.pins.placed(generator.permutation(template.count))
-    with doing("inverting the law"):
-        candidate = problem.target.candidate(problem, generator)
-    candidate = candidate.placed(permutation[: len(candidate.height)], problem.limits.foot)
-    candidate = arranged(problem, candidate, generator)
-    candidate = problem.target.judged(problem, refined(problem, candidate, generator))
+    _refuse_rescaled(problem)
+    if np.ndim(problem.template.friction_weights):
+        with doing("inverting the law"):
+            candidate = coated_candidate(problem, generator)
+    else:
+        _refuse_infeasible(problem)
+        permutation = problem.pins.placed(generator.permutation(template.count))
+        with doing("inverting the law"):
+            several = isinstance(problem.tools, Kit)
+            candidate = (strategy if several else problem.target).candidate(problem, generator)
+        candidate = candidate.placed(permutation[: len(candidate.height)], problem.limits.foot)
+        candidate = arranged(problem, candidate, generator)
+        candidate = corrected(problem, candidate, generator)
+        candidate = problem.target.judged(problem, refined(problem, candidate, generator))
     plain = rounded_to_steps(problem, candidate)
     if problem.pins.rows.size:
         plain, candidate = with_pinned(problem, plain, candidate, generator)
@@ -197,8 +219,8 @@ def design(
             candidate = compared(problem, plain, trial, generator)
     surface = candidate.surface(problem.template)
     found = assess(problem, candidate, surface)
-    if radii is not None:
-        found["parameters"] |= _radii_in_use(problem, surface)
+    if tools is not None:
+        found["parameters"] |= _tools_in_use(problem, surface)
     result = Design(
         surface=surface,
         sites=problem.pins.open[candidate.sites],
@@ -206,7 +228,7 @@ def design(
         template=template,
         limits=problem.limits,
         density=candidate.density,
-        radii=None if radii is None else problem.radii.given_as,
+        tools=None if tools is None else problem.tools.given_as,
         layout=layout,
         robust=robust,
         pinned=problem.pins.pinned,
@@ -214,6 +236,16 @@ def design(
     )
     size = surface.count + result.law.load.size
     return replace(result, notes=when_read(design_notes, problem, candidate, result, size=size))
+
+
+def _refuse_rescaled(problem: Problem) -> None:
+    """Raise InvalidInput if no site is left of the largest sigma B, by which the target is rescaled."""
+    whole, part = problem.pins.template.friction, problem.template.friction
+    refuse_if(
+        whole is not None and part is not None and whole.stress != part.stress,
+        "pinned leaves all sites of the largest shear_strength * area_ratio empty, by which friction is "
+        "rescaled; keep one of them",
+    )
 
 
 def _refuse_infeasible(problem: Problem) -> None:
@@ -229,7 +261,9 @@ def _refuse_infeasible(problem: Problem) -> None:
 
 def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
     """Return the design with the best common radius; the choice of the radius ignores layout and `robust`."""
-    choice, pins, seed = problem.radii, problem.pins, rng.integers(2**63)
+    choice, pins, seed = problem.tools, problem.pins, int(rng.integers(2**63))
+    if isinstance(choice, Kit):
+        return _with_one_tool(problem, choice, seed)
     found: dict[float, Design] = {}
     refused: dict[float, Infeasible] = {}
 
@@ -238,7 +272,7 @@ def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
             part, again = pins.template.replaced(radius=radius), np.random.default_rng(seed)
             try:
                 found[radius] = design(
-                    problem.target, part, problem.model, problem.limits, again, layout, robust=robust
+                    problem.target, part, problem.predicted, problem.limits, again, layout, robust=robust
                 )
             except Infeasible as reason:
                 refused[radius] = reason
@@ -266,14 +300,49 @@ def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
     return replace(result, notes=when_read(lambda: (*found[best].notes, note), size=result.surface.count))
 
 
-def _radii_in_use(problem: Problem, surface: Surface) -> dict[str, Parameter]:
-    """Return the parameters that state the radii of a surface, and the friction coefficients they allow."""
-    radii, template = problem.radii, problem.template
+def _with_one_tool(problem: Problem, kit: Kit, seed: int) -> Design:
+    """Return the design with the best tool for all asperities; the choice ignores layout and `robust`."""
+    found: dict[Tool, Design] = {}
+    refused: dict[Tool, Infeasible] = {}
+    objectives: list[tuple[Layout | None, Tolerances | None]] = [(None, None)]
+    if problem.layout is not None or problem.robust is not None:
+        objectives.append((problem.layout, problem.robust))
+    tried = kit.tools
+    for layout, robust in objectives:
+        for tool in each("tool", tried):
+            part = problem.pins.template.replaced(radius=tool.radius, cap=tool.cap)
+            given = problem.target, part, problem.predicted, problem.limits, np.random.default_rng(seed)
+            try:
+                found[tool] = design(*given, layout, robust=robust)
+            except Infeasible as reason:
+                refused[tool] = reason
+        if not found:
+            raise strategy.unreachable(refused)
+        tried = (min(found, key=lambda tool: max(found[tool].misfit, EXACT)),)
+    best = found[tried[0]]
+    return replace(best, parameters={**best.parameters, **_kit_in_use(kit, best.surface)})
+
+
+def _kit_in_use(kit: Kit, surface: Surface) -> dict[str, Parameter]:
+    """Return the parameters that state the tools of a surface."""
+    made = Counter(Tool(radius, surface.cap.one(i)) for i, radius in enumerate(surface.radius.tolist()))
+    if kit.range is None:
+        return {"tool_counts": np.array([made[tool] for tool in kit.tools])}
+    exponents = {tool.cap.exponent: number for tool, number in made.items() if isinstance(tool.cap, Power)}
+    used = sorted(exponents)
+    return {"used_exponents": np.array(used), "exponent_counts": np.array([exponents[n] for n in used])}
+
+
+def _tools_in_use(problem: Problem, surface: Surface) -> dict[str, Parameter]:
+    """Return the parameters that state the tools of a surface, and the friction coefficients they allow."""
+    radii, template = problem.tools, problem.template
+    if isinstance(radii, Kit):
+        return _kit_in_use(radii, surface)
     used, counts = np.unique(surface.radius, return_counts=True)
     parameters: dict[str, Parameter] = {"used_radii": used, "radius_counts": counts.astype(np.int64)}
     if radii.tools is None and len(used) > MOST_LISTED:
         parameters = {"lowest_radius": float(used[0]), "highest_radius": float(used[-1])}
-    if template.friction is not None:
+    if template.friction is not None and problem.target.of == FRICTION:
         given = problem.limits, radii.given_as, problem.contact
         reach = np.array(achievable_friction_coefficients(template, *given))
         parameters |= {"tried_radii": radii.tried, **_coefficients(problem, radii.tried)}
@@ -284,7 +353,7 @@ def _radii_in_use(problem: Problem, surface: Surface) -> dict[str, Parameter]:
 
 def _coefficients(problem: Problem, radii: FloatArray) -> dict[str, Parameter]:
     """Return bounds on the friction coefficients [-] of linear laws, separately for each radius."""
-    if problem.template.friction is None:
+    if problem.template.friction is None or problem.target.of != FRICTION:
         return {}
     template, limits, law = problem.template, problem.limits, problem.contact
     each_radius = ([radius] for radius in radii.tolist())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,10 +11,10 @@ from metafem.errors import Infeasible
 from metafem.inversion.assessment import DesignStatus
 from metafem.inversion.design import design
 from metafem.inversion.feasibility import ELASTIC_LIMIT, roughness
-from metafem.inversion.limits import Radii, RadiusRange
 from metafem.inversion.result import Design
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import Message
+from metafem.inversion.tools.kit import Given, chosen, default_contact, singles
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of, with_contact
 from metafem.notes import Note, information, when_read
@@ -28,7 +27,7 @@ def design_for_hardness(
     hardness: float,
     model: Model | None = None,
     *,
-    radii: RadiusRange | Sequence[float] | None = None,
+    tools: Given | None = None,
     common_radius: bool = False,
     **others: Any,
 ) -> Design:
@@ -39,7 +38,7 @@ def design_for_hardness(
     exists:
 
     1. The design under the elastic law of the model, if psi < 0.6.
-    2. A design with one of the `radii` for all asperities, if psi < 0.6 and the target is reached. If there
+    2. A design with one of the `tools` for all asperities, if psi < 0.6 and the target is reached. If there
        are several, it is the design with the smallest misfit.
     3. The design under `KogutEtsion(hardness)`, whose interaction is of order 1. Its note states the ratio
        E*/H below which the contacts would stay elastic.
@@ -48,7 +47,7 @@ def design_for_hardness(
     ----------
     hardness : float
         H of the softer material [MPa], positive.
-    target, template, model, radii, common_radius
+    target, template, model, tools, common_radius
         As in `design`. If the contact law of the model is plastic, it remains in use.
     others
         Further arguments of `design`: limits, rng, layout and robust.
@@ -81,7 +80,7 @@ def design_for_hardness(
     the contacts stay elastic: the plasticity index is 0.0316, below 0.6, with H = 10 MPa
     """
     h = check.number("hardness", hardness, above=0.0)
-    solver = Independent() if model is None else model
+    solver = Independent(default_contact(tools)) if model is None else model
 
     def under(surface: Surface, model: Model, **options: Any) -> Design:
         return design(target, surface, model, **others, **options)
@@ -89,18 +88,18 @@ def design_for_hardness(
     def index(found: Design) -> float:
         return template.material.composite_modulus / h * roughness(found.surface)
 
-    first = under(template, solver, radii=radii, common_radius=common_radius)
+    first = under(template, solver, tools=tools, common_radius=common_radius)
     psi = index(first)
     given = f"with H = {h:g} MPa"
-    if contact_of(solver).for_material(template.material).plastic:
+    if contact_of(solver).bound(template).plastic:
         return _noted(first, h, information(f"the contacts are those of {contact_of(solver)!r}"))
     if psi < ELASTIC_LIMIT:
         text = f"the contacts stay elastic: the plasticity index is {psi:.3g}, below {ELASTIC_LIMIT}, {given}"
         return _noted(first, h, information(text))
     reached = [first]
-    for radius in () if radii is None else Radii.given(radii).tried:
+    for alone in () if tools is None else singles(*chosen(tools, template)):
         try:
-            one = under(template.replaced(radius=float(radius)), solver)
+            one = under(alone, solver)
         except Infeasible:
             continue
         if one.status is not DesignStatus.MISSED:
@@ -114,11 +113,11 @@ def design_for_hardness(
         )
         return _noted(best, h, information(text))
     least = ELASTIC_LIMIT / min(roughness(one.surface) for one in reached)
-    besides = "" if radii is None else ", nor with any of the radii"
+    besides = "" if tools is None else ", nor with any of the tools"
     law = KogutEtsion(h)
     why += f"{besides}; a material with E*/H below {least:.3g} would stay elastic"
     try:
-        plastic = under(template, with_contact(solver, law), radii=radii, common_radius=common_radius)
+        plastic = under(template, with_contact(solver, law), tools=tools, common_radius=common_radius)
     except Infeasible as error:
         message = Message((f"{why}, and under {law!r} no surface is found: ", error.message))
         raise Infeasible(message, error.nearest, error.by_search) from None

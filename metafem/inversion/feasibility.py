@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -19,8 +18,11 @@ from metafem.contact import Contact
 from metafem.errors import Infeasible, InvalidInput, MetafemWarning
 from metafem.inversion.bounds import ROUNDING, Bounds
 from metafem.inversion.height_density import FINEST_SCALE_IN_SD, ExponentialDensity, uniform_slope
-from metafem.inversion.limits import Limits, Radii, RadiusRange
+from metafem.inversion.limits import Limits
 from metafem.inversion.targets.wording import Message, Wording
+from metafem.inversion.tools.kit import Choice, Given, chosen, refuse_curvature, singles
+from metafem.inversion.tools.kit_bounds import KitBounds
+from metafem.inversion.tools.radii import Radii
 from metafem.models.model import PARABOLOID, checked_contact
 from metafem.surface import Surface
 
@@ -86,7 +88,7 @@ def broken_sample(
     i, words, bound = broken
     before, between, after = point or (f"sample {i + 1} (load ", ", friction ", ")")
     where, what = ("loads", load[i]), ("frictions", friction[i])
-    scope = f", for any surface of {problem.radii}{margin_words(margin)}"
+    scope = f", for any surface of {problem.tools}{margin_words(margin)}"
     parts = (before, where, between, what, f"{after} is {words}, ", ("frictions", bound), scope)
     return Message(parts, wording)
 
@@ -124,11 +126,21 @@ def margin_words(margin: float) -> str:
     return f" (the model's interaction leaves a margin of {percent(margin)})" if margin > 0.0 else ""
 
 
+def bounds_of(choice: Choice, template: Surface, contact: Contact, last: float) -> Bounds:
+    """Return the bounds for the tools of a choice, up to a load [mm^2]."""
+    refuse_curvature(choice, template, contact)
+    if isinstance(choice, Radii):
+        return Bounds(contact.bound(template), choice, template.count, last)
+    alone = [(part, Radii.of(float(part.radius[0]))) for part in singles(choice, template)]
+    parts = tuple(Bounds(contact.bound(part), radius, part.count, last) for part, radius in alone)
+    return KitBounds.of(parts, contact.bound(choice.surface(template)))
+
+
 def feasible_region(
     template: Surface,
     rescaled_load: ArrayLike,
     limits: Limits,
-    radii: RadiusRange | Sequence[float] | None = None,
+    tools: Given | None = None,
     contact: Contact = PARABOLOID,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the lowest and highest friction of any surface of independent asperities at each load.
@@ -143,12 +155,12 @@ def feasible_region(
     Parameters
     ----------
     template : Surface
-        Surface of which only the number N of sites is used, and the common radius if `radii` is not given.
+        Surface of which only the number N of sites is used, and the common radius if `tools` is not given.
     rescaled_load : array_like, (k,)
         P/E* [mm^2], positive.
     limits : Limits
-    radii : RadiusRange or sequence of float, optional
-        Allowed radii of each asperity [mm]; default: the radius of the template.
+    tools : sequence of Tool or of float, RadiusRange or PowerRange, optional
+        Tools of which one makes each asperity, as in `design`; default: the radius and cap of the template.
     contact : Contact
         Law of one contact; default: `Hertz()`.
 
@@ -160,7 +172,7 @@ def feasible_region(
     Raises
     ------
     InvalidInput
-        If a load or a radius is not positive, or if the template has several radii and `radii` is not given.
+        If a load or a radius is not positive, or if the template has several radii and `tools` is not given.
 
     Examples
     --------
@@ -176,8 +188,8 @@ def feasible_region(
     check.instance("template", template, Surface, "a metafem.Surface")
     check.instance("limits", limits, Limits, "metafem.Limits")
     load = check.array("rescaled_load", rescaled_load, shape=(None,), positive=True)
-    law = checked_contact(contact).for_material(template.material)
-    bounds = Bounds(law, Radii.given(radii, template), template.count, float(load.max()))
+    template.refuse_coatings("metafem.feasible_region")
+    bounds = bounds_of(*chosen(tools, template), checked_contact(contact), float(load.max()))
     within = load <= bounds.largest_load(limits)
     low, high = np.full((2, len(load)), np.nan)
     if within.any():
@@ -189,7 +201,7 @@ def feasible_region(
 def achievable_friction_coefficients(
     template: Surface,
     limits: Limits,
-    radii: RadiusRange | Sequence[float] | None = None,
+    tools: Given | None = None,
     contact: Contact = PARABOLOID,
 ) -> tuple[float, float]:
     """Return the smallest and largest friction coefficient of linear laws from exponential height densities.
@@ -204,10 +216,10 @@ def achievable_friction_coefficients(
     Parameters
     ----------
     template : Surface
-        Template with a friction, and with one common radius unless `radii` is given.
+        Template with a friction, and with one common radius unless `tools` is given.
     limits : Limits
-    radii : RadiusRange or sequence of float, optional
-        Allowed radii of each asperity [mm]; default: the radius of the template.
+    tools : sequence of Tool or of float, RadiusRange or PowerRange, optional
+        Tools of which one makes each asperity, as in `design`; default: the radius and cap of the template.
     contact : Contact
         Law of one contact; default: `Hertz()`. Adhesion is ignored.
 
@@ -219,7 +231,7 @@ def achievable_friction_coefficients(
     Raises
     ------
     InvalidInput
-        If the template has no friction, if it has several radii and `radii` is not given, or if a radius is
+        If the template has no friction, if it has several radii and `tools` is not given, or if a radius is
         not positive.
 
     Notes
@@ -239,21 +251,23 @@ def achievable_friction_coefficients(
     check.instance("limits", limits, Limits, "metafem.Limits")
     if template.friction is None:
         raise InvalidInput("template has no friction; a friction coefficient needs metafem.Friction")
-    choice = Radii.given(radii, template)
-    stress = template.friction.shear_strength * template.friction.area_ratio
+    template.refuse_coatings("metafem.achievable_friction_coefficients")
+    stress = template.friction.stress
+    choice, template = chosen(tools, template)
     per_slope = stress / template.material.composite_modulus
-    law = checked_contact(contact).for_material(template.material).without_adhesion
-    low = uniform_slope(choice.low, limits.span, law)
+    bounds = bounds_of(choice, template, checked_contact(contact), 0.0)
+    parts = bounds.parts if isinstance(bounds, KitBounds) else (bounds,)
+    low = min(uniform_slope(part.radii.low, limits.span, part.law.without_adhesion) for part in parts)
     high = math.inf
     if limits.height_sd:
         finest = ExponentialDensity(FINEST_SCALE_IN_SD * limits.height_sd, limits.span)
-        high = finest.asymptotic_slope(choice.high, law)
+        high = max(finest.asymptotic_slope(part.radii.high, part.law.without_adhesion) for part in parts)
     return low * per_slope, high * per_slope
 
 
 def roughness(surface: Surface) -> float:
-    """Return sqrt(s/R) [-], where s is the standard deviation of the heights and R the mean radius."""
-    return math.sqrt(float(surface.height.std()) / float(surface.radius.mean()))
+    """Return sqrt(s/R) [-]: s is the standard deviation of the heights, R the mean radius of curvature."""
+    return math.sqrt(float(surface.height.std()) / float(surface.cap.summit_radius(surface.radius).mean()))
 
 
 def plasticity_index(surface: Surface, hardness: float) -> float:

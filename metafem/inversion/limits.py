@@ -1,9 +1,9 @@
-"""Manufacturing limits: heights, sites with a prescribed height or none, and allowed radii."""
+"""Manufacturing limits: heights, sites with a prescribed height or none."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
@@ -19,18 +19,6 @@ from metafem.surface import Surface
 
 # Maximum number of height steps: finer steps are below the resolution of any machine and only cost time.
 MOST_LEVELS = 100_000
-
-# Default spacing of the radii of a range [mm], of the order of the tolerance of ball-end tools.
-STEP = 0.01
-
-# Radii in mm are rounded to this many decimals, which removes the rounding error of multiples of a step.
-DECIMALS = 12
-
-# A step may exceed its range by this fraction, which is treated as rounding.
-ROUNDING = 1e-9
-
-# Number of logarithmically spaced radii of a range that are tried as a common radius.
-TRIED_RADII = 7
 
 # Heights [mm] above the base plane by site, None for a site without an asperity.
 Pinned = Mapping[int, float | None]
@@ -173,9 +161,7 @@ class Pins:
         template, some = self.template, self.open
         if len(some) == template.count:
             return template
-        return template.replaced(
-            position=template.position[some], height=template.height[some], radius=template.radius[some]
-        )
+        return template.only(some)
 
 
 def _checked_height(name: str, height: Any, limits: Limits) -> float:
@@ -186,131 +172,3 @@ def _checked_height(name: str, height: Any, limits: Limits) -> float:
         found > limits.top, must + "plane as this height is", Given(name, limits.top), key=name, value=found
     )
     return found
-
-
-@dataclass(frozen=True)
-class RadiusRange:
-    """Range of allowed radii of each asperity.
-
-    Parameters
-    ----------
-    low, high : float
-        Smallest and largest radius [mm], positive and increasing.
-    step : float, optional
-        Radii between `low` and `high` are multiples of this step [mm]. Default: 0.01, of the order of the
-        tolerance of ball-end tools. None allows any radius.
-
-    Raises
-    ------
-    InvalidInput
-        If `low` or `step` is not positive, `high` does not exceed `low`, or `step` exceeds ``high - low``.
-
-    Examples
-    --------
-    >>> RadiusRange(0.2, 0.8).high
-    0.8
-    """
-
-    low: float
-    high: float
-    step: float | None = STEP
-
-    def __post_init__(self) -> None:
-        check.member(self, "low", above=0.0)
-        check.member(self, "high", above=self.low)
-        check.member(self, "step", optional=True, above=0.0)
-        wide = self.step is not None and self.step > (self.high - self.low) * (1.0 + ROUNDING)
-        words = "exceeds the range from {.number} to {.number}; give a smaller step, or none"
-        ends = Given("low", self.low), Given("high", self.high)
-        refuse_if(wide, words, *ends, key="step", value=self.step)
-
-
-@dataclass(frozen=True)
-class Radii:
-    """Allowed radii of each asperity [mm]: the `tools`, increasing, or any radius from `low` to `high`.
-
-    With a `step` [mm] the radii between `low` and `high` are multiples of the step.
-    """
-
-    low: float
-    high: float
-    tools: tuple[float, ...] | None
-    step: float | None = None
-
-    @classmethod
-    def of(cls, radius: float) -> Radii:
-        """Return the choice of a single radius [mm] for all asperities."""
-        return cls(radius, radius, (radius,))
-
-    @classmethod
-    def given(cls, radii: RadiusRange | Sequence[float] | None, template: Surface | None = None) -> Radii:
-        """Return the choice for a range or a list of tools; default: the common radius of a template."""
-        if isinstance(radii, RadiusRange):
-            return cls(radii.low, radii.high, None, radii.step)
-        if radii is None and template is not None:
-            radius = template.radius
-            refuse_if(
-                (radius != radius[0]).any(),
-                f"template.radius runs from {radius.min():g} to {radius.max():g} mm; one common radius is "
-                "needed here, and the argument radii allows several",
-            )
-            return cls.of(float(radius[0]))
-        tools = np.unique(check.array("radii", radii, shape=(None,)))
-        refuse_if(tools[0] <= 0.0, f"radii holds {tools[0]:g}; all must be greater than 0")
-        return cls(float(tools[0]), float(tools[-1]), tuple(tools.tolist()))
-
-    @property
-    def single(self) -> bool:
-        """Whether only one radius is possible."""
-        return self.low == self.high
-
-    @property
-    def tried(self) -> FloatArray:
-        """Radii that are tried as a common radius: all tools, or some radii of the range, increasing [mm]."""
-        if self.tools is None:
-            between = self.nearest(np.geomspace(self.low, self.high, TRIED_RADII))
-            return np.union1d([self.low, self.high], between)
-        return np.array(self.tools)
-
-    @property
-    def continuous(self) -> bool:
-        """Whether radii can change by any amount."""
-        return self.tools is None and self.step is None
-
-    def tried_beside(self, best: float, count: int) -> FloatArray:
-        """Return at most `count` radii [mm] between the tried radius `best` and its tried neighbours."""
-        tried = self.tried
-        i = int(np.argmin(np.abs(tried - best)))
-        low, high = tried[max(i - 1, 0)], tried[min(i + 1, len(tried) - 1)]
-        sides = [np.geomspace(low, best, 2 + count // 2), np.geomspace(best, high, 2 + count // 2)]
-        between = np.concatenate([side[1:-1] for side in sides])
-        return np.setdiff1d(self.nearest(between), tried)
-
-    @property
-    def given_as(self) -> RadiusRange | tuple[float, ...]:
-        """The range or the tools, as in the argument `radii` of `design`."""
-        return RadiusRange(self.low, self.high, self.step) if self.tools is None else self.tools
-
-    @property
-    def between(self) -> Radii:
-        """Choice of any radius from the smallest to the largest."""
-        return Radii(self.low, self.high, None)
-
-    @property
-    def extremes(self) -> Radii:
-        """Choice of only the smallest and the largest radius."""
-        return Radii(self.low, self.high, (self.low, self.high))
-
-    def nearest(self, radius: FloatArray) -> FloatArray:
-        """Return the nearest allowed radius for each radius [mm]; tools are compared by their ratio."""
-        if self.tools is None:
-            if self.step is not None:
-                radius = np.round(self.step * np.rint(radius / self.step), DECIMALS)
-            return np.clip(radius, self.low, self.high)
-        tools = np.array(self.tools)
-        return np.asarray(tools[np.abs(np.log(radius[:, None] / tools)).argmin(axis=1)])
-
-    def __str__(self) -> str:
-        if self.single:
-            return f"radius {self.low:g} mm"
-        return f"radii from {self.low:g} to {self.high:g} mm"

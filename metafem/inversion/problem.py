@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
@@ -14,10 +14,16 @@ import numpy as np
 from metafem import _validate as check
 from metafem.contact import Contact
 from metafem.inversion.bounds import Bounds
-from metafem.inversion.limits import Limits, Pins, Radii, RadiusRange
+from metafem.inversion.limits import Limits, Pins
 from metafem.inversion.placement.layout import Layout
+from metafem.inversion.quantity import measured
 from metafem.inversion.search.levenberg_marquardt import DEFAULTS, OTHER_LAWS, SearchOptions
 from metafem.inversion.targets.target import Target
+from metafem.inversion.tools import kit
+from metafem.inversion.tools.kit import Choice, Given, Kit
+from metafem.inversion.tools.kit_bounds import KitBounds
+from metafem.inversion.tools.radii import Radii
+from metafem.inversion.tools.tool import Tool
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of, has_paraboloids
 from metafem.prediction.perturbation import Tolerances
@@ -42,6 +48,8 @@ class Effort:
     refined_restarts: int = 3
     # Restarts for independent asperities whose target is divided by a ratio of laws, about 3 ms each.
     ratio_restarts: int = 10
+    # Initial guesses for mixtures of tools of several shapes, about 10 ms each.
+    mixtures: int = 20
     # Restarts for each trial of the load range of a line. Most ranges that are too wide use all restarts.
     range_restarts: int = 4
     # Random changes of the other heights if a design with prescribed heights misses the target, about 5 ms
@@ -65,8 +73,8 @@ class Effort:
 # its misfit is at most 1.7 times as large, or up to .5 % under a model with interaction.
 DRAFT = Effort(
     restarts=2, adhesive_restarts=1, free_goals=(1e-2,), refined_restarts=0, ratio_restarts=2,
-    range_restarts=0, pinned_changes=1, step_changes=1, evaluated_steps=6, law_points=25, branch_step=5,
-    refined_loads=15, refined_goal=2e-3,
+    mixtures=4, range_restarts=0, pinned_changes=1, step_changes=1, evaluated_steps=6, law_points=25,
+    branch_step=5, refined_loads=15, refined_goal=2e-3,
 )  # fmt: skip
 
 WHOLE = Effort()
@@ -92,12 +100,13 @@ def drafting() -> Iterator[None]:
 class Problem:
     """A target, and all constraints on the surface that must meet it.
 
-    The template contains only the sites that may have an asperity, in the order of `pins.open`.
+    The template contains only the sites that may have an asperity, in the order of `pins.open`. The areas
+    of `model` are the quantity of the target; `predicted` is the model of the user.
     """
 
     target: Target
     template: Surface
-    radii: Radii
+    tools: Choice
     model: Model
     limits: Limits
     pins: Pins
@@ -105,6 +114,7 @@ class Problem:
     robust: Tolerances | None = None
     options: SearchOptions = DEFAULTS
     effort: Effort = WHOLE
+    predicted: Model | None = None
 
     @classmethod
     def checked(
@@ -114,18 +124,19 @@ class Problem:
         model: Model | None = None,
         limits: Limits | None = None,
         layout: Layout | None = None,
-        radii: RadiusRange | Sequence[float] | None = None,
+        tools: Given | None = None,
         robust: Tolerances | None = None,
     ) -> Problem:
         """Return the problem of these arguments, or raise InvalidInput if one has the wrong type.
 
         Defaults: independent asperities, heights up to the tallest of the template, and its common radius.
         """
-        kinds = "one of OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw"
+        kinds = "one of OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw, Band"
         check.instance("target", target, Target, kinds)
         check.instance("template", template, Surface, "a metafem.Surface")
-        solver: Model = Independent() if model is None else model
         bounds = Limits(max_height=float(template.height.max())) if limits is None else limits
+        choice, template = kit.chosen(tools, template)
+        solver: Model = Independent(kit.default_contact(tools)) if model is None else model
         checks: tuple[tuple[str, Any, Any, str], ...] = (
             ("model", solver, Model, "a model such as metafem.Independent()"),
             ("limits", bounds, Limits, "metafem.Limits"),
@@ -134,19 +145,49 @@ class Problem:
         )
         for each in checks:
             check.instance(*each)
+        if robust is not None:
+            robust.refuse_shape("robust")
         pins = Pins.given(template, bounds)
         template = pins.reduced
-        choice = Radii.given(radii, template)
+        kit.refuse_misfits(choice, template, bounds.top, contact_of(solver))
+        predicted, solver = solver, measured(solver, target.of, template)
         options = DEFAULTS if has_paraboloids(solver) else OTHER_LAWS
         # messages state loads in N and in mm^2
         any_kind: Any = target
         target = replace(any_kind, wording=target.wording.of_part(template.material))
-        return cls(target, template, choice, solver, bounds, pins, layout, robust, options, EFFORT.get())
+        given = target, template, choice, solver, bounds, pins, layout, robust, options, EFFORT.get()
+        return cls(*given, predicted)
 
     @cached_property
     def contact(self) -> Contact:
         """Law of one contact of the model, for the material of the template."""
-        return contact_of(self.model).for_material(self.template.material)
+        return contact_of(self.model).bound(self._with_caps)
+
+    @property
+    def radii(self) -> Radii:
+        """The choice of radii, if all caps have the same shape."""
+        assert isinstance(self.tools, Radii)
+        return self.tools
+
+    @cached_property
+    def tool_summits(self) -> Any:
+        """What the methods of `contact` take as `radius`, for each tool of a kit."""
+        return self.contact.summits(self._with_caps)
+
+    @property
+    def _with_caps(self) -> Surface:
+        return self.tools.surface(self.template) if isinstance(self.tools, Kit) else self.template
+
+    def alone(self, tool: Tool) -> Problem:
+        """Return the problem in which all asperities are made by one tool."""
+        template = self.template.replaced(radius=tool.radius, cap=tool.cap)
+        pins = replace(self.pins, template=self.pins.template.replaced(radius=tool.radius, cap=tool.cap))
+        return replace(self, template=template, pins=pins, tools=Radii.of(tool.radius))
+
+    def bound_to(self, surface: Surface) -> tuple[Independent, Any]:
+        """Return independent asperities with the contact law of a surface, and its summits."""
+        law = contact_of(self.model).bound(surface)
+        return Independent(contact=law), law.summits(surface)
 
     @cached_property
     def independent(self) -> Independent:
@@ -156,7 +197,9 @@ class Problem:
     @cached_property
     def bounds(self) -> Bounds:
         """Bounds on the friction of independent asperities up to the last load of the target."""
-        unlimited = Bounds(self.contact, self.radii, self.count, 0.0)
+        if isinstance(self.tools, Kit):
+            return KitBounds.of(tuple(self.alone(tool).bounds for tool in self.tools.tools), self.contact)
+        unlimited = Bounds(self.contact, self.tools, self.count, 0.0)
         last = self.target.last_load or unlimited.largest_load(self.limits)
         return replace(unlimited, last=last)
 
@@ -184,7 +227,9 @@ class Problem:
         last = self.target.last_load
         if not self.model.couples or self.count == 1 or last is None:
             return 0.0
-        equal = self.template.replaced(height=np.zeros(self.count), radius=self.radii.high)
+        if isinstance(self.tools, Kit):
+            return max(self.alone(tool).interaction_margin() for tool in self.tools.tools)
+        equal = self.template.replaced(height=np.zeros(self.count), radius=self.tools.high)
         load = last * MARGIN_LOADS
         change = self.model.curve(equal, load).area / self.independent.curve(equal, load).area - 1.0
         return 2.0 * float(np.abs(change).max())

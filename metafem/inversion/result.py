@@ -25,12 +25,15 @@ from metafem.inversion.assessment import (
 )
 from metafem.inversion.candidate import Branch, Parameter
 from metafem.inversion.height_density import ExponentialDensity
-from metafem.inversion.limits import Limits, Pinned, RadiusRange
+from metafem.inversion.limits import Limits, Pinned
 from metafem.inversion.placement.layout import Layout
+from metafem.inversion.quantity import FRICTION, RESCALED, measured, words
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies import exponential
 from metafem.inversion.strategies.mixture import Mixture
 from metafem.inversion.targets.target import Target
+from metafem.inversion.tools.ranges import PowerRange, RadiusRange
+from metafem.inversion.tools.tool import Tool
 from metafem.models.model import contact_of
 from metafem.notes import Note, late, printed_count
 from metafem.prediction import BranchFit, FrictionLaw
@@ -69,8 +72,8 @@ class Design(Value):
         The arguments of the design.
     fits : tuple of (Branch, BranchFit)
         Straight branches of the target, each with the straight line fitted to the law.
-    radii : RadiusRange, tuple of float or None
-        Allowed radii of each asperity [mm]; None for one common radius.
+    tools : RadiusRange, PowerRange, tuple of Tool or of float, or None
+        Allowed tools of each asperity, or radii of tools [mm]; None for one common radius and cap.
     density : ExponentialDensity or None
         The density that the heights follow, as a function of the height above `limits.foot`.
     notes : tuple of Note
@@ -116,7 +119,7 @@ class Design(Value):
     fits: tuple[tuple[Branch, BranchFit], ...] = ()
     density: ExponentialDensity | None = None
     notes: tuple[Note, ...] = late(())
-    radii: RadiusRange | tuple[float, ...] | None = None
+    tools: RadiusRange | PowerRange | tuple[float | Tool, ...] | None = None
     layout: Layout | None = None
     robust: Tolerances | None = None
     pinned: Pinned = field(default_factory=dict)
@@ -201,12 +204,20 @@ class Design(Value):
     @property
     def _without_adhesion(self) -> Contact:
         """Law of one contact without adhesion, for the material of the surface."""
-        return contact_of(self.law.model).for_material(self.surface.material).without_adhesion
+        return contact_of(self.law.model).bound(self.surface).without_adhesion
 
     @cached_property
     def target_area(self) -> FloatArray:
-        """A0 under the model at the loads of `target_law`, (k,) [mm^2]; computed when first read."""
-        return self.law.model.curve(self.surface, self.target_law.load).checked().area
+        """A0 under the model at the loads of `target_law`, (k,) [mm^2]; computed when first read.
+
+        For a target of another quantity, it is this quantity [mm] in place of A0.
+        """
+        return self.achieved(self.target_law.load)
+
+    def achieved(self, rescaled_load: FloatArray) -> FloatArray:
+        """Return the quantity of the target at increasing rescaled loads [mm^2], (k,): A0, or k/E* [mm]."""
+        model = measured(self.law.model, self.target.of, self.surface)
+        return model.curve(self.surface, rescaled_load).checked().rescaled_friction
 
     @property
     def largest_misfit(self) -> float:
@@ -260,7 +271,12 @@ def few(law: TargetLaw) -> bool:
 
 def draw_laws(design: Design, ax: Axes, label: str = "achieved") -> None:
     """Draw the achieved law with its label, and the target or the law of its height density."""
-    design.law.plot(ax, label=label)
+    of, load = design.target.of, design.law.rescaled_load
+    if of == FRICTION:
+        design.law.plot(ax, label=label)
+    else:
+        drawing.law(ax, load, design.achieved(load), forces=False, label=label)
+        ax.set_ylabel(f"{words(of)}  {RESCALED[of]} [mm]")
     if design.density is None:
         law = design.target_law
         draw_target(design, ax, law.load, law.law(design.target_area) if law.is_open else law.base)
@@ -277,6 +293,14 @@ def draw_target(design: Design, ax: Axes, load: FloatArray, friction: FloatArray
     `load` and `friction`, (k,), are the values of `design.target_law` in any units.
     """
     law = design.target_law
+    if law.ends is not None:
+        lowest, highest = (friction / law.base * end for end in law.ends)
+        ax.plot(
+            load, lowest, "--", marker="." if few(law) else "", color=TARGET, label="target: between these"
+        )
+        ax.plot(load, highest, "--", marker="." if few(law) else "", color=TARGET)
+        ax.fill_between(load, lowest, highest, color=TARGET, alpha=0.06, lw=0)
+        return
     if few(law):
         ax.plot(load, friction, "o", ms=7, color=TARGET, label="target", zorder=3)
         return

@@ -179,7 +179,7 @@ class Automatic(WithoutGradients):
             return None, UNSOLVED
         if not curve.area.any():
             return curve, ModelError(0.0, "there is no contact")
-        equation = load_equation(self.contact.for_material(surface.material), self._uncoupled)
+        equation = load_equation(self.contact.bound(surface), self._uncoupled)
         bound = self.substrate.for_surface(surface)
         error, sinking = independent_error(equation, surface, bound, curve, self.tolerance)
         found = ModelError(error, DISPLACEMENTS)

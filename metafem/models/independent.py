@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from functools import partial
+from typing import ClassVar, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +13,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
-from metafem.contact.law import checked_contact
+from metafem.contact.law import SMALL, checked_contact, refuse_parameter
 from metafem.errors import InvalidInput
 from metafem.models.adhesion.load_equation import AdhesiveAsperities
 from metafem.models.adhesion.notes import adhesive_law
@@ -22,12 +23,15 @@ from metafem.models.load_equation import LoadEquation, Paraboloids, sunk
 from metafem.surface import Surface
 
 
-def load_equation(law: Contact, model: object = None) -> LoadEquation:
-    """Return the load equation of a contact law, defined for unit E*; its states refer to `model`."""
+def load_equation(law: Contact, model: object = None, weights: float | FloatArray = 1.0) -> LoadEquation:
+    """Return the load equation of a contact law, defined for unit E*; its states refer to `model`.
+
+    weights: those of the areas of the asperities in their friction, (n,); default: 1, equal friction.
+    """
     adhesive = adhesive_law(law)
     if adhesive is not None:
-        return AdhesiveAsperities(model, adhesive)
-    return Paraboloids(model, law) if law == PARABOLOID else LoadEquation(model, law)
+        return AdhesiveAsperities(model, adhesive, weights)
+    return (Paraboloids if law == PARABOLOID else LoadEquation)(model, law, weights)
 
 
 class Uncoupled:
@@ -35,6 +39,7 @@ class Uncoupled:
 
     couples: ClassVar[bool] = False
     unloads: ClassVar[bool] = True
+    adds: ClassVar[bool] = True  # whether stiffness and conductance are sums over the asperities
     title: ClassVar[str]
     contact: Contact
 
@@ -65,7 +70,7 @@ class Uncoupled:
         return 0.0
 
     def _equation(self, surface: Surface) -> LoadEquation:
-        return load_equation(self.contact.for_material(surface.material), self)
+        return load_equation(self.contact.bound(surface), self, surface.friction_weights)
 
     def curve(
         self,
@@ -85,18 +90,41 @@ class Uncoupled:
         return equation.path(surface, values, by_load, unloading, self._compliance(surface))
 
     def sensitivity(
-        self, surface: Surface, load: FloatArray, height: FloatArray | None = None
+        self, surface: Surface, load: FloatArray, height: FloatArray | None = None, by: str = "height"
     ) -> Sensitivity:
         """Return the law at increasing rescaled loads (k,), and dA0/dh at fixed load [mm], (k, n).
 
         ``dA0/dh_i = A'_i - P'_i sum_j A'_j / sum_j P'_j`` for asperities in contact, where A' and P' are
         derivatives with respect to the indentation. For Hertz contacts this is
-        ``pi R_i - sum_j pi R_j sqrt(R_i d_i) / sum_j sqrt(R_j d_j)``.
-        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked.
+        ``pi R_i - sum_j pi R_j sqrt(R_i d_i) / sum_j sqrt(R_j d_j)``. If the asperities differ in friction,
+        the derivatives are those of ``sum_i w_i A_i``, and each A' has the factor w.
+        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked. by:
+        parameter of the derivatives, see `Sensitivity`.
         """
         heights = surface.height if height is None else height
-        found = self._equation(surface).sensitivity(heights, surface.radius, load)
-        return replace(found, curve=sunk(found.curve, self._compliance(surface)))
+        equation = self._equation(surface)
+        own = self.contact.for_material(surface.material)
+        refuse_parameter(own, by, surface)
+        found = equation.sensitivity(heights, equation.law.summits(surface), load)
+        found = replace(found, curve=sunk(found.curve, self._compliance(surface)))
+        if by == "height":
+            return found
+        return replace(found, compute_gradient=partial(_by_shape, found, equation.law, own, by, surface))
+
+    def conductance(self, surface: Surface, load: FloatArray, share: float = 1.0) -> FloatArray:
+        """Return the rescaled conductance ``(rho_1 + rho_2) G/2`` [mm] at increasing rescaled loads, (k,).
+
+        It is that of discs in parallel, ``sum_i 2 a_i``, in series with the body whose mean potential
+        corresponds to the sinking of the base. share: not used.
+        """
+        equation = self._equation(surface)
+        radius = equation.contacts(surface.height, equation.law.summits(surface), load)[0]
+        total = 2.0 * radius.sum(axis=1)
+        return np.asarray(total / (1.0 + self._compliance(surface) * total))
+
+    def pull_off(self, surface: Surface, largest: float) -> float:
+        """Return the largest tension [mm^2] on the way back from the largest rescaled load, with adhesion."""
+        return cast("AdhesiveAsperities", self._equation(surface)).pull_off(surface, largest)
 
     def areas(
         self,
@@ -106,12 +134,27 @@ class Uncoupled:
         radius: FloatArray | None = None,
         position: FloatArray | None = None,
     ) -> FloatArray:
-        """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k).
+        """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k); see `Model.areas`.
 
         height, radius: (m, n) [mm]; default: the surface's. Positions have no effect.
         """
-        sizes = surface.radius if radius is None else radius
-        return self._equation(surface).areas(surface, height, sizes, load)
+        equation = self._equation(surface)
+        return equation.areas(surface, height, equation.law.summits(surface, radius), load)
+
+
+def _by_shape(found: Sensitivity, law: Contact, shaped: Contact, by: str, surface: Surface) -> FloatArray:
+    """Return dA0 by a parameter of each cap at fixed load, (k, n).
+
+    At a given load of the contact, the parameter changes its area and, as a height, its indentation.
+    law: for unit E*; shaped: the law before it was bound to the caps.
+    """
+    summits, closed = law.summits(surface), found.indentation > 0.0
+    a = np.where(closed, law.contact_radius(found.indentation, summits), SMALL * surface.radius)
+    rates, stiffness = shaped.shape_rates(by, a, surface), law.stiffness(a, summits)
+    deeper = rates.indentation - rates.load / stiffness
+    own = surface.friction_weights * rates.load * law.area_slope(a, summits) / stiffness
+    change = -found.gradient * deeper - own
+    return np.where(closed, change, 0.0)
 
 
 @dataclass(frozen=True, repr=False)

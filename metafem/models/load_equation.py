@@ -19,7 +19,7 @@ from metafem._kernels.contact import independent as tabulated
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
-from metafem.contact.law import contacts
+from metafem.contact.law import contacts, sizes_of
 from metafem.errors import InvalidInput
 from metafem.models._resources import run_rows
 from metafem.models.contact_tables import deepest, rows_of, tables
@@ -46,13 +46,14 @@ class LoadEquation:
 
     model: object  # to which the states refer
     law: Contact  # for unit E*
+    weights: float | FloatArray = 1.0  # of the areas of the asperities in their friction, (n,)
 
     def path(
         self, surface: Surface, values: FloatArray, by_load: bool, unloading: bool, compliance: float
     ) -> Curve:
         """Return equilibria at increasing loads or approaches (k,); the base sinks by compliance P."""
         refuse_flattening(self.law, unloading)
-        height, radius = surface.height, surface.radius
+        height, radius = surface.height, self.law.summits(surface)
         if by_load:
             return sunk(self.curve(height, radius, values), compliance)
         if compliance == 0.0:
@@ -71,7 +72,9 @@ class LoadEquation:
         """Return equilibria at approaches (k,) for heights and radii (n,)."""
         load, area, slope = self._sums(height, radius, approach)
         last = partial(self._last, height, radius, 0.0, approach[-1])
-        return Curve(np.array(approach), load, area, slope, np.zeros(len(approach)), TOLERANCE, last)
+        friction = self.friction_area(approach, height.max() - height, radius)
+        residual = np.zeros(len(approach))
+        return Curve(np.array(approach), load, area, slope, residual, TOLERANCE, last, friction_area=friction)
 
     def solve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
         """Return approach, load, area and stiffness (m, k) of surfaces (m, n) at increasing loads (k,)."""
@@ -95,15 +98,30 @@ class LoadEquation:
         return results
 
     def areas(self, surface: Surface, height: FloatArray, radius: FloatArray, load: FloatArray) -> FloatArray:
-        """Return A0 [mm^2] (m, k) of surfaces (m, n) at increasing loads (k,); nan if not converged."""
-        _, carried, area, _ = self.solve(height, radius, load)
+        """Return A0 or friction areas [mm^2] (m, k) of surfaces (m, n) at loads (k,); see `Model.areas`."""
+        approach, carried, area, _ = self.solve(height, radius, load)
+        if np.ndim(self.weights):
+            sizes = np.broadcast_to(radius, height.shape)
+            rows = zip(approach, height.max(axis=1, keepdims=True) - height, sizes, strict=True)
+            area = np.array([self.friction_area(*row) for row in rows])
         return np.where(solved(_error(carried, load), TOLERANCE, carried, area), area, np.nan)
 
     def sensitivity(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
         """Return the law at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
         curve = self.curve(height, radius, load)
         indentation = curve.approach[:, None] - (height.max() - height)
-        return Sensitivity(curve, lambda: at_fixed_load(*self.rates(indentation, radius)[1::2]), indentation)
+
+        def gradient() -> FloatArray:
+            _, stiffness, _, area_rate = self.rates(indentation, radius)
+            return at_fixed_load(stiffness, self.weights * area_rate)
+
+        return Sensitivity(curve, gradient, indentation)
+
+    def friction_area(self, approach: FloatArray, gap: FloatArray, radius: FloatArray) -> FloatArray | None:
+        """Return ``sum w_i A_i`` [mm^2] at approaches (k,); None if the asperities have the same friction."""
+        if not np.ndim(self.weights):
+            return None
+        return np.asarray(self.rates(approach[:, None] - gap, radius)[2] @ self.weights)
 
     def contacts(
         self, height: FloatArray, radius: FloatArray, load: FloatArray
@@ -127,7 +145,9 @@ class LoadEquation:
         """Return the curve of the first surface in `results`; its last approach is base + depth."""
         approach, carried, area, slope = (part[0] for part in results)
         last = partial(self._last, height, radius, base, depth)
-        return Curve(approach, carried, area, slope, _error(carried, load), TOLERANCE, last)
+        friction = self.friction_area(approach, height.max() - height, radius)
+        error = _error(carried, load)
+        return Curve(approach, carried, area, slope, error, TOLERANCE, last, friction_area=friction)
 
     def _sums(self, height: FloatArray, radius: FloatArray, approach: FloatArray) -> tuple[FloatArray, ...]:
         """Return load [mm^2], area [mm^2] and stiffness [mm] at approaches (k,) [mm]."""
@@ -161,7 +181,7 @@ class LoadEquation:
 
     def _above_base(self, surface: Surface, approach: FloatArray, compliance: float) -> FloatArray:
         """Return approaches y (k,) [mm] relative to the sunken base: y + compliance P(y) = approach."""
-        height, radius = surface.height, surface.radius
+        height, radius = surface.height, self.law.summits(surface)
         most = float((surface.gap + self.law.largest_indentation(radius)).min())
 
         def excess(y: FloatArray, approach: FloatArray) -> FloatArray:
@@ -202,7 +222,9 @@ class Paraboloids(LoadEquation):
         return results
 
     def areas(self, surface: Surface, height: FloatArray, radius: FloatArray, load: FloatArray) -> FloatArray:
-        """Return A0 [mm^2] (m, k) of surfaces (m, n) at increasing loads (k,); nan if not converged."""
+        """Return A0 or friction areas [mm^2] (m, k) of surfaces (m, n) at loads (k,); see `Model.areas`."""
+        if np.ndim(self.weights):
+            return super().areas(surface, height, radius, load)
         gap, root = _sorted_by_gap(height, radius)
         area, load = np.empty((len(gap), len(load))), np.array(load)
 
@@ -265,7 +287,7 @@ def approach_at_load(law: Contact, gap: FloatArray, radius: FloatArray, load: Fl
         return _sums(law, gap, radius, approach)[0] - load
 
     # first guess: about the indentation of the tallest asperity if it carries the load by itself
-    high = np.minimum(np.cbrt(load**2 / radius[gap.argmin()]), most)
+    high = np.minimum(np.cbrt(load**2 / sizes_of(radius)[gap.argmin()]), most)
     while (short := excess(high, load) < 0.0).any():
         if high[short].max() >= most:
             raise InvalidInput(

@@ -13,6 +13,7 @@ from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.models.curve import Curve
 from metafem.models.independent import Uncoupled
+from metafem.models.interacting.coupled import MEAN_PLANE
 from metafem.notes import information
 from metafem.surface import Surface
 
@@ -29,6 +30,7 @@ class MeanField(Uncoupled):
     The sinking is the mean displacement of a uniformly loaded square of area A, which gives ``c = 0.9464``.
     The nominal area A follows from the positions, see `nominal_area`. A uniform displacement changes only the
     separation, so A0(P) is that of `Independent`. The model is valid for a half-space and many asperities.
+    With a periodic cell the separation is measured from the mean plane, so that the base does not sink.
     Ciavarella, Greenwood and Paggi, Wear 265, 729 (2008), doi:10.1016/j.wear.2008.01.019.
 
     Parameters
@@ -46,6 +48,7 @@ class MeanField(Uncoupled):
     """
 
     title: ClassVar[str] = "mean-field"
+    adds: ClassVar[bool] = False
 
     contact: Contact = PARABOLOID
 
@@ -63,12 +66,15 @@ class MeanField(Uncoupled):
         loads may then be negative.
         """
         found = super().curve(surface, load, approach=approach, unloading=unloading)
-        if surface.count > 1:
+        if surface.count > 1 and surface.cell is None:
             return found
-        return replace(found, compute_last=lambda: replace(found.last, notes=(NO_NEIGHBOURS,)))
+        note = NO_NEIGHBOURS if surface.cell is None else MEAN_PLANE
+        return replace(found, compute_last=lambda: replace(found.last, notes=(note,)))
 
     def _compliance(self, surface: Surface) -> float:
         """Return the mean sinking per unit of P/E* [1/mm], c/sqrt(A)."""
+        if surface.cell is not None:
+            return 0.0
         return MEAN_DISPLACEMENT / math.sqrt(nominal_area(surface))
 
 

@@ -95,20 +95,22 @@ class Model(Protocol):
     ) -> FloatArray:
         """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k); nan if not converged.
 
+        If the asperities differ in friction, the areas are the friction areas ``sum w_i A_i``.
         height, radius: (m, n) [mm]; position: (m, n, 2) [mm]; default: the surface's.
         """
         ...
 
 
 class Sensitive(Model, Protocol):
-    """A model that computes derivatives of its friction law with respect to the heights."""
+    """A model that computes derivatives of its friction law with respect to heights and shapes."""
 
     def sensitivity(
-        self, surface: Surface, load: FloatArray, height: FloatArray | None = None
+        self, surface: Surface, load: FloatArray, height: FloatArray | None = None, by: str = "height"
     ) -> Sensitivity:
         """Return the law at increasing rescaled loads P/E* (k,), with dA0/dh at fixed load [mm], (k, n).
 
-        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked.
+        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked. by:
+        "height", or the parameter of the caps "radius", "exponent" or "coefficient", see `Sensitivity`.
         """
         ...
 

@@ -71,7 +71,7 @@ def model_error(surface: Surface, model: Model, curve: Curve, unloading: bool = 
         bound = reference.substrate.for_surface(surface)
         independent = Independent(law)
         alone = curve if model == independent else independent.curve(surface, curve.load)
-        equation = load_equation(law.for_material(surface.material), independent)
+        equation = load_equation(law.bound(surface), independent)
         error, _ = independent_error(equation, surface, bound, alone, SMALL)
         if error <= SMALL:
             return ModelError(error, DISPLACEMENTS)

@@ -18,6 +18,7 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
+from metafem.contact.law import sizes_of
 from metafem.models.curve import Curve, ModelError
 from metafem.models.interacting.elastic import ElasticCoupling, Response
 from metafem.models.interacting.influence import displacements, nearest_distance
@@ -91,7 +92,7 @@ def _steps(
     displacement: Callable[[FloatArray], FloatArray],
 ) -> tuple[FloatArray, FloatArray]:
     """Return relative changes of A0 by interaction and sinkings per load [1/mm] at m rows, (m,) each."""
-    radius, load, area = surface.radius, curve.load[rows], curve.area[rows]
+    radius, load, area = equation.law.summits(surface), curve.load[rows], curve.area[rows]
     z = curve.approach[rows, None] - surface.gap
     own, rate, _, _ = equation.rates(z, radius)
 
@@ -124,7 +125,7 @@ def _higher_orders(law: Contact, surface: Surface, substrate: Substrate, curve: 
     assumes the densest arrangement of sites with the same smallest distance.
     """
     own = abs(getattr(substrate, "self_curvature", 0.0))
-    radius = float(surface.radius.max())
+    radius = float(sizes_of(law.summits(surface)).max())
     densest = PACKED / (2.0 * math.pi * nearest_distance(surface) ** 3)
     most = FLATTENING * (densest + own) * load * radius
     if law == PARABOLOID and most <= 0.1 * NEGLIGIBLE:
@@ -133,8 +134,8 @@ def _higher_orders(law: Contact, surface: Surface, substrate: Substrate, curve: 
     closed = np.flatnonzero(area > 0.0)
     load_of, position = curve.last.load[closed], surface.position[closed]
     curvature = own * load_of
-    if closed.size > 1:
-        r, near = nearest(position)
+    if closed.size > 1 or surface.cell is not None:
+        r, near = nearest(position, surface.cell)
         curvature += (load_of[near] / (2.0 * math.pi * r**3)).sum(axis=1)
     response = equivalent_radii(law, surface, area)[0][closed]
     flatter = FLATTENING * float(curvature * response @ area[closed] / area.sum())

@@ -7,15 +7,18 @@ from metafem.prediction.flattening import flattened
 from metafem.prediction.friction_law import default_loads, friction_law, law_of_curve
 from metafem.prediction.law import FrictionLaw
 from metafem.prediction.perturbation import Perturbed, Tolerances
+from metafem.prediction.quantities import Conductance, conductance, pull_off, tangential_stiffness
 from metafem.prediction.sliding import Onset, onset
 
 __all__ = [
     "BranchFit",
+    "Conductance",
     "ContactState",
     "FrictionLaw",
     "Onset",
     "Perturbed",
     "Tolerances",
+    "conductance",
     "default_loads",
     "equilibrium",
     "fit_branch",
@@ -23,4 +26,6 @@ __all__ = [
     "friction_law",
     "law_of_curve",
     "onset",
+    "pull_off",
+    "tangential_stiffness",
 ]

@@ -122,7 +122,8 @@ class BaseLaw(Value):
             Columns named by quantity and unit, as in ``law.csv``: ``load_N``, ``area_mm2``,
             ``separation_mm``, ``rescaled_load_mm2``, ``rescaled_friction_mm2``, ``approach_mm``,
             ``stiffness_N_per_mm`` and ``residual``. With a Friction, there are also ``friction_force_N`` and
-            ``friction_coefficient``. The ``attrs`` of the table hold model, status and notes as texts.
+            ``friction_coefficient``, and with a periodic cell ``nominal_pressure_MPa`` and
+            ``nominal_shear_stress_MPa``. The ``attrs`` of the table hold model, status and notes as texts.
 
         Examples
         --------
@@ -147,8 +148,9 @@ class BaseLaw(Value):
         xarray.Dataset
             ``load``, ``area``, ``separation``, ``rescaled_friction``, ``approach``, ``stiffness`` and
             ``residual`` over the dimension ``rescaled_load``, each with its ``units`` and ``long_name``. With
-            a Friction, there are also ``friction_force`` and ``friction_coefficient``. The ``attrs`` of the
-            dataset hold model, status and notes as texts.
+            a Friction, there are also ``friction_force`` and ``friction_coefficient``, and with a periodic
+            cell ``nominal_pressure`` and ``nominal_shear_stress``. The ``attrs`` of the dataset hold model,
+            status and notes as texts.
 
         Examples
         --------

@@ -65,7 +65,7 @@ def fit_branch(
     material: Material,
     friction: Friction | None,
 ) -> BranchFit:
-    """Return the least-squares line of areas (k,) over rescaled loads (k,) [mm^2] between two loads."""
+    """Return the least-squares line of rescaled friction over rescaled loads (k,) [mm^2], between two."""
     low, high = load_range
     refuse_if(high <= low, f"load_range = ({low:g}, {high:g}) must increase")
     chosen = (load >= low) & (load <= high) & ~np.isnan(area)  # areas of a measured law may be unknown
@@ -89,7 +89,7 @@ def fit_branch(
     fit = BranchFit(slope, intercept, slopes, intercepts, (low, high), count)
     if friction is None:
         return fit
-    stress = friction.shear_strength * friction.area_ratio
+    stress = friction.stress
     per_slope = stress / material.composite_modulus
     return replace(
         fit,

@@ -94,8 +94,8 @@ def unloading_curve(
 
 def flattened_by(surface: Surface, model: Model, indentation: FloatArray) -> tuple[Surface, Model]:
     """Return surface and model after indentations (n,) [mm]; an elastic law leaves both unchanged."""
-    law = contact_of(model).for_material(surface.material)
-    after, loss = law.unloaded(indentation, surface.radius)
+    law = contact_of(model).bound(surface)
+    after, loss = law.unloaded(indentation, law.summits(surface))
     if after is law:
         return surface, model
     return surface.replaced(height=surface.height - loss), with_contact(model, after)

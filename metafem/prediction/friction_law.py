@@ -93,7 +93,7 @@ def friction_law(
     solver = checked_model(Independent() if model is None else model)
     refuse_if(load is not None and separation is not None, "only one of load and separation can be given")
     check.instance("unloading", unloading, bool, "True or False")
-    law = contact_of(solver).for_material(surface.material)
+    law = contact_of(solver).bound(surface)
     refuse_if(
         unloading and not getattr(solver, "unloads", False),
         f"unloading = True: the model {solver.name} has no unloading; use independent, mean-field, "
@@ -132,8 +132,8 @@ def friction_law(
 
 def default_loads(surface: Surface, model: Model) -> FloatArray:
     """Return the rescaled loads of the default grid [mm^2]."""
-    contact = contact_of(model).for_material(surface.material)
-    described = (surface.gap + contact.largest_indentation(surface.radius)).min()
+    contact = contact_of(model).bound(surface)
+    described = (surface.gap + contact.largest_indentation(contact.summits(surface))).min()
     last = np.array([min(_grid_end(surface), WITHIN * described)])
     end = model.curve(surface, approach=last).load[0]
     if end <= 0.0:  # with adhesion the load may be negative there; use the load without adhesion
@@ -164,13 +164,26 @@ def law_of_curve(
         model=model,
         material=surface.material,
         friction=surface.friction,
+        friction_area=_friction_area(surface, model, curve),
         notes=when_read(validity.notes, curve.notes, size=size),
         model_error=when_read(getattr, validity, "error", size=size),
+        cell=surface.cell,
     )
     if not curve.converged:
         worst = curve.residual.max()
         raise NotConverged(f"{curve.status.value}: largest residual {worst:.2g}; {REMEDY}", law)
     return law
+
+
+def _friction_area(surface: Surface, model: Model, curve: Curve) -> FloatArray | None:
+    """Return the friction areas of a curve; refuse a curve without them if the asperities differ."""
+    differs = surface.friction is not None and surface.friction.differs
+    refuse_if(
+        differs and curve.friction_area is None,
+        f"{model!r} does not compute the friction of asperities that differ in friction; its curve needs "
+        "friction_area",
+    )
+    return curve.friction_area if differs else None
 
 
 def _grid_end(surface: Surface) -> float:

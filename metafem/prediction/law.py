@@ -19,7 +19,7 @@ from metafem.notes import Note, late, printed_count, to_lines
 from metafem.prediction import tables
 from metafem.prediction.base_law import BaseLaw
 from metafem.prediction.validity import NOT_ESTIMATED
-from metafem.surface import Friction, Material
+from metafem.surface import Friction, Material, PeriodicCell
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,7 +28,10 @@ if TYPE_CHECKING:
 ARRAYS = ("rescaled_load", "area", "separation", "approach", "rescaled_stiffness", "residual")
 
 # Additional quantities of a law whose surface has a Friction.
-FORCES = ("friction_force", "friction_coefficient")
+FORCES = ("friction_force", "friction_coefficient", "nominal_shear_stress")
+
+# Additional quantities of a law whose surface has a periodic cell.
+NOMINAL = ("nominal_pressure", "nominal_shear_stress")
 
 # Quantities that may be negative; the load is negative only when adhesive contacts are pulled apart.
 SIGNED = ("rescaled_load", "separation", "approach")
@@ -38,7 +41,8 @@ SIGNED = ("rescaled_load", "separation", "approach")
 class FrictionLaw(BaseLaw):
     """Friction law ``F = sigma B A0(P)`` of one surface under one model, as arrays (k,) at increasing loads.
 
-    sigma is the shear strength and B the area ratio of `metafem.Friction`. The rescaled law is A0 over P/E*.
+    sigma is the shear strength and B the area ratio of `metafem.Friction`. The rescaled law is A0 over P/E*,
+    or ``sum w_i A_i`` over P/E* if the asperities differ in friction.
     Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234.
 
     Attributes
@@ -59,6 +63,9 @@ class FrictionLaw(BaseLaw):
     model : Model
     material : Material
     friction : Friction or None
+    friction_area : ndarray or None
+        ``sum w_i A_i`` [mm^2] with the weights of `metafem.Friction`; None if the asperities do not differ in
+        friction, so that it is A0.
     notes : tuple of Note
         Approximations with their bounds, and estimates of neglected effects, computed when `notes` is first
         read.
@@ -66,6 +73,8 @@ class FrictionLaw(BaseLaw):
         Largest estimated relative error of A0(P) over the loads, compared with resolved contacts on the same
         substrate; computed when it is first read. It is nan if it cannot be estimated; its `source` states
         the reason.
+    cell : PeriodicCell or None
+        Period of the surface; all loads and areas are those of one period.
     load, stiffness : ndarray
         Normal load P [N] and normal contact stiffness [N/mm].
 
@@ -90,12 +99,19 @@ class FrictionLaw(BaseLaw):
     model: Model
     material: Material
     friction: Friction | None = None
+    friction_area: FloatArray | None = None
     notes: tuple[Note, ...] = late(())
     model_error: ModelError = late(NOT_ESTIMATED)
+    cell: PeriodicCell | None = None
 
     def __post_init__(self) -> None:
         converged = self.status is Status.CONVERGED  # the last state of a failed solver may be arbitrary
-        for name in ARRAYS:
+        differs = self.friction is not None and self.friction.differs
+        refuse_if(
+            differs != (self.friction_area is not None),
+            "friction_area must be given if the asperities differ in friction, and only then",
+        )
+        for name in (*ARRAYS, *("friction_area",) * differs):
             values = getattr(self, name)
             refuse_if(
                 values.ndim != 1 or values.shape != self.rescaled_load.shape or not values.size,
@@ -121,7 +137,7 @@ class FrictionLaw(BaseLaw):
         x, y = (
             card.thinned(self.load, self.friction_force)
             if forces
-            else card.thinned(self.rescaled_load, self.area)
+            else card.thinned(self.rescaled_load, self.rescaled_friction)
         )
         return card.card("Friction law", self._facts(), lambda ax: drawing.law(ax, x, y, forces=forces))
 
@@ -130,8 +146,8 @@ class FrictionLaw(BaseLaw):
         ends = self.material.composite_modulus * self.rescaled_load[[0, -1]]
         facts = {"loads": f"{len(self.area):,} loads {span(ends, 'N')}", "area": span(self.area, "mm^2")}
         if self.friction is not None:
-            stress = self.friction.shear_strength * self.friction.area_ratio
-            facts["friction force"] = span(stress * np.array([self.area.min(), self.area.max()]), "N")
+            ends = np.array([self.rescaled_friction.min(), self.rescaled_friction.max()])
+            facts["friction force"] = span(self.friction.stress * ends, "N")
         facts |= {"model": repr(self.model), "status": self.status.value, "notes": printed_count(self)}
         return facts
 
@@ -147,31 +163,48 @@ class FrictionLaw(BaseLaw):
 
     @property
     def rescaled_friction(self) -> FloatArray:
-        """Rescaled friction F/(sigma B) = A0 [mm^2], (k,)."""
-        return self.area
+        """Rescaled friction F/(sigma B) [mm^2], (k,): A0, or ``sum w_i A_i`` by the largest sigma B."""
+        return self.area if self.friction_area is None else self.friction_area
 
     @property
     def friction_force(self) -> FloatArray:
-        """Friction force F = sigma B A0 [N], (k,); raises InvalidInput for a surface without a Friction."""
+        """Friction force ``F = sum sigma_i B_i A_i`` [N], (k,); raises InvalidInput without a Friction."""
         if self.friction is None:
             raise InvalidInput(
                 "friction_force needs the surface's friction; create the surface with "
                 "friction=metafem.Friction(shear_strength, area_ratio)"
             )
-        return self.friction.shear_strength * self.friction.area_ratio * self.area
+        return self.friction.stress * self.rescaled_friction
+
+    @property
+    def nominal_pressure(self) -> FloatArray:
+        """Load per area of the periodic cell, P/A [MPa], (k,); raises InvalidInput without a cell."""
+        return np.asarray(self.load / self._nominal_area())
+
+    @property
+    def nominal_shear_stress(self) -> FloatArray:
+        """Friction force per area of the periodic cell, F/A [MPa], (k,), if both are known."""
+        return np.asarray(self.friction_force / self._nominal_area())
+
+    def _nominal_area(self) -> float:
+        if self.cell is None:
+            raise InvalidInput(
+                "loads per area need a periodic surface; create it with cell=metafem.PeriodicCell(...)"
+            )
+        return self.cell.area
 
     def _force(self) -> FloatArray:
         return self.friction_force
 
     def quantities(self) -> dict[str, FloatArray]:
         """Return the arrays (k,) of the law by name, in the order of the columns of its tables."""
-        names = [name for name in tables.QUANTITIES if self.friction is not None or name not in FORCES]
-        return {name: getattr(self, name) for name in names}
+        unknown = (*(FORCES if self.friction is None else ()), *(NOMINAL if self.cell is None else ()))
+        return {name: getattr(self, name) for name in tables.QUANTITIES if name not in unknown}
 
     def _about(self) -> dict[str, str]:
         about = {"model": repr(self.model), "status": self.status.value, "notes": to_lines(self.notes)}
         return about | {"model_error": f"{self.model_error:.2g}, by {self.model_error.source}"}
 
     def _draw(self, ax: Axes, forces: bool, label: str | None) -> None:
-        x, y = (self.load, self.friction_force) if forces else (self.rescaled_load, self.area)
+        x, y = (self.load, self.friction_force) if forces else (self.rescaled_load, self.rescaled_friction)
         drawing.law(ax, x, y, forces=forces, label=label)

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy
 
-from metafem.contact.cap_geometry import SPHERES, CapShape
-from metafem.notes import Note
+from metafem.caps import SPHERE
+from metafem.models.neighbours import close_pairs
+from metafem.notes import Note, information
 from metafem.surface import Surface
 
 
-def part_notes(surface: Surface, shape: CapShape) -> list[Note]:
-    """Return notes on features of the surface that cannot be manufactured."""
+def part_notes(surface: Surface) -> list[Note]:
+    """Return notes on features of the surface that cannot be manufactured or differ in the part."""
     height, radius, block = surface.height, surface.radius, surface.block
-    most = shape.tallest(radius)
+    most = surface.cap.tallest(radius)
     low, high = int((height < 0.0).sum()), int((height > most).sum())
-    buried = _overlapping_caps(surface, shape)
-    if shape is SPHERES:
+    buried = _overlapping_caps(surface)
+    if surface.cap == SPHERE:
         too_high = "their radius", f"{float(radius.min()):g} mm, or use larger radii"
     else:
         too_high = "their profile is deep", f"{float(most.min()):.4g} mm, or give a wider profile"
@@ -45,14 +45,18 @@ def part_notes(surface: Surface, shape: CapShape) -> list[Note]:
             f"{block.length:g} mm, whose centre is at (0, 0): make it larger, or move them"
         )
         features.append((outside, text))
-    return [Note(text) for count, text in features if count]
+    notes = [Note(text) for count, text in features if count]
+    if block is not None and surface.cell is not None:
+        sides = f"{surface.cell.width:g} by {surface.cell.length:g} mm"
+        notes.append(
+            information(f"the law is that of an infinite surface; the part has one period of {sides}")
+        )
+    return notes
 
 
-def _overlapping_caps(surface: Surface, shape: CapShape) -> int:
-    """Return the number of pairs of caps that overlap."""
-    height = np.clip(surface.height, 0.0, shape.tallest(surface.radius))
-    foot = shape.foot_radius(height, surface.radius)
-    tree = scipy.spatial.cKDTree(surface.position)
-    pairs = tree.query_pairs(2.0 * float(foot.max()), output_type="ndarray")
-    distance = np.hypot(*(surface.position[pairs[:, 0]] - surface.position[pairs[:, 1]]).T)
-    return int((distance < foot[pairs].sum(axis=1)).sum())
+def _overlapping_caps(surface: Surface) -> int:
+    """Return the number of pairs of caps that overlap, among all periods if the surface has a cell."""
+    height = np.clip(surface.height, 0.0, surface.cap.tallest(surface.radius))
+    foot = surface.cap.foot_radius(height, surface.radius)
+    i, j, distance = close_pairs(surface.position, surface.cell, 2.0 * float(foot.max()))
+    return int((distance < foot[i] + foot[j]).sum())

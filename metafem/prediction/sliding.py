@@ -16,6 +16,7 @@ from metafem.errors import refuse_if
 from metafem.models import Model
 from metafem.prediction.contact_state import ContactState
 from metafem.prediction.equilibria import equilibrium
+from metafem.prediction.quantities.tangential import shear_modulus
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
@@ -100,10 +101,10 @@ def onset(surface: Surface, model: Model | None = None, *, load: float) -> Onset
     """Return the onset of sliding of a surface at a fixed normal load.
 
     Contact i has the tangential stiffness ``8 G* a_i``, with ``G* = G/(2 - nu) = E* (1 - nu)/(2 (2 - nu))``
-    against a rigid plane, and slides at the force ``sigma B A_i``. The force at the displacement x is
-    ``F(x) = sum_i min(8 G* a_i x, sigma B A_i)``. Contact i starts to slide at
-    ``sigma B pi a_i/(8 G*)``: small contacts slide first, and all slide at that of the largest. The first
-    stiffness is ``8 G* sum a_i``, and F of full sliding is the friction law ``sigma B A0``.
+    against a rigid plane, and slides at the force ``sigma_i B_i A_i``. The force at the displacement x is
+    ``F(x) = sum_i min(8 G* a_i x, sigma_i B_i A_i)``. Contact i starts to slide at
+    ``sigma_i B_i pi a_i/(8 G*)``: of equal friction, small contacts slide first, and all slide at that of the
+    largest. The first stiffness is ``8 G* sum a_i``, and F of full sliding is that of the friction law.
 
     The tangential displacements by other contacts and partial slip within a contact are left out, as is the
     change of the area before sliding; B is that of full sliding.
@@ -140,7 +141,7 @@ def onset(surface: Surface, model: Model | None = None, *, load: float) -> Onset
     (0.1707, 0.0884)
     """
     check.instance("surface", surface, Surface, "a metafem.Surface")
-    friction, material = surface.friction, surface.material
+    friction = surface.friction
     refuse_if(
         friction is None,
         "onset needs the surface's friction; create the surface with "
@@ -150,10 +151,9 @@ def onset(surface: Surface, model: Model | None = None, *, load: float) -> Onset
     state = equilibrium(surface, model, load=check.number("load", load, above=0.0))
     closed = np.flatnonzero(state.asperity_area > 0.0)
     area = state.asperity_area[closed]
-    ratio = material.poisson_ratio
-    shear_modulus = material.composite_modulus * (1.0 - ratio) / (2.0 * (2.0 - ratio))
-    stiffness = 8.0 * shear_modulus * np.sqrt(area / np.pi)
-    force = friction.shear_strength * friction.area_ratio * area
+    stiffness = 8.0 * shear_modulus(surface.material) * np.sqrt(area / np.pi)
+    each = np.broadcast_to(friction.weights, surface.height.shape)
+    force = friction.stress * each[closed] * area
     order = np.argsort(force / stiffness, kind="stable")
     displacement = (force / stiffness)[order]
     # contacts that slide, and the stiffness of those that stick

@@ -15,6 +15,8 @@ QUANTITIES = {
     "rescaled_friction": ("mm2", "friction over shear strength and area ratio, F/(sigma B)"),
     "friction_force": ("N", "friction force F"),
     "friction_coefficient": ("1", "friction force over load, F/P"),
+    "nominal_pressure": ("MPa", "load per area of the periodic cell, P/A"),
+    "nominal_shear_stress": ("MPa", "friction force per area of the periodic cell, F/A"),
     "approach": ("mm", "tallest summit minus separation"),
     "stiffness": ("N/mm", "normal contact stiffness"),
     "residual": ("1", "relative error of the equations"),

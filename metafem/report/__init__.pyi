@@ -6,3 +6,5 @@ from .names import misfit_words as misfit_words
 from .names import model_data as model_data
 from .page import page as page
 from .page import parameter_rows as parameter_rows
+from .sections.sliding import onset_data as onset_data
+from .sections.sliding import onset_words as onset_words

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from metafem.drawing import ACHIEVED, QUIET, TARGET, finished, new_figure
 from metafem.inversion import Design, feasible_region
 from metafem.inversion.result import draw_laws, draw_target, few
+from metafem.models.model import contact_of
 from metafem.report.comparison import Comparison
 from metafem.report.names import model_words
 
@@ -51,7 +52,10 @@ def _draw_difference(design: Design, ax: Axes) -> None:
     ax.axhline(0.0, color=QUIET, lw=0.8)
     ax.plot(target.load, 100.0 * difference, "o" if few(target) else "-", color=ACHIEVED)
     ax.spines[["top", "right"]].set_visible(False)
-    ax.set_ylabel(f"A0 against\n{'the target' if design.density is None else 'density law'} [%]")
+    name = "A0" if design.law.friction_area is None else "F/(σB)"
+    if design.target.of != "friction":
+        name = design.target.of.replace("_", " ")
+    ax.set_ylabel(f"{name} against\n{'the target' if design.density is None else 'density law'} [%]")
     if np.abs(difference).max() < 1e-9:
         ax.set_ylim(-1.0, 1.0)
         ax.annotate("all points are met to 1e-9", (0.02, 0.75), xycoords="axes fraction", color=QUIET)
@@ -60,25 +64,30 @@ def _draw_difference(design: Design, ax: Axes) -> None:
 def _draw_reach(design: Design, ax: Axes) -> None:
     """Draw the region of laws that independent asperities can reach, if the target is a curve."""
     target = design.target_law
-    if design.density is not None or few(target):
+    coated = design.law.friction_area is not None
+    if design.density is not None or few(target) or coated or design.target.of != "friction":
         return
     bounds = np.linspace(0.0, float(target.load[-1]), 200)[1:]
-    low, high = feasible_region(design.template, bounds, design.limits, design.radii)
+    low, high = feasible_region(
+        design.template, bounds, design.limits, design.tools, contact_of(design.law.model)
+    )
+    if np.isinf(high).any():  # no bound is proven
+        return
     ax.fill_between(
         bounds, low, high, color=QUIET, alpha=0.12, lw=0, label="achievable with independent asperities"
     )
-    ax.set_ylim(top=1.5 * float(design.law.area[-1]))
+    ax.set_ylim(top=1.5 * float(design.law.rescaled_friction[-1]))
 
 
 def force_figure(design: Design, friction: Friction) -> Figure:
     """Draw the friction force and the friction coefficient F/P against the load [N], with the target."""
     law, target = design.law, design.target_law
-    modulus, strength = law.material.composite_modulus, friction.shear_strength * friction.area_ratio
+    modulus, strength = law.material.composite_modulus, friction.stress
     figure = new_figure(9.0, 3.2, MARGINS)
     left, right = figure.subplots(1, 2, gridspec_kw={"wspace": 0.25})
     law.plot(left, units="N", label="achieved")
     right.plot(law.load, law.friction_coefficient, color=ACHIEVED, lw=1.8, label="achieved")
-    if design.density is None:
+    if design.density is None and design.target.of == "friction":
         load = target.load * modulus
         force = strength * target.law(design.target_area)
         draw_target(design, left, load, force)
@@ -108,7 +117,7 @@ def comparison_figure(comparisons: tuple[Comparison, ...]) -> Figure:
 
 
 def sensitivity_figure(design: Design) -> Figure:
-    """Draw the derivative dA0/dh of each asperity, the tallest first, against the load."""
+    """Draw the derivative of the friction, dA0/dh, of each asperity, the tallest first, against the load."""
     model = design.law.model.gradient_model
     load = design.law.rescaled_load[:: max(1, len(design.law.load) // SENSITIVITY_LOADS)]
     gradient = model.sensitivity(design.surface, load).gradient[:, np.argsort(-design.surface.height)]
@@ -119,7 +128,8 @@ def sensitivity_figure(design: Design) -> Figure:
         np.arange(design.surface.count) + 1, load, gradient, cmap="RdBu_r", vmin=-largest, vmax=largest,
         rasterized=True, shading="nearest",
     )  # fmt: skip
-    figure.colorbar(picture, label="dA0/dh [mm]")
+    what = "A0" if design.law.friction_area is None else "F/(σB)"
+    figure.colorbar(picture, label=f"d{what}/dh [mm]")
     ax.set(xlabel="asperity, the tallest first", ylabel="rescaled load  P/E* [mm²]")
     return figure
 
@@ -127,11 +137,13 @@ def sensitivity_figure(design: Design) -> Figure:
 def _force_axes(design: Design, ax: Axes) -> None:
     """Add axes with the load [N] at the top and, with a Friction, the friction force [N] on the right."""
     friction, modulus = design.surface.friction, design.surface.material.composite_modulus
+    if design.target.of != "friction":
+        friction = None
     top = ax.secondary_xaxis("top", functions=_scaling(modulus))
     top.set_xlabel("load P [N]")
     ax.spines["right"].set_visible(friction is not None)
     if friction is not None:
-        right = ax.secondary_yaxis("right", functions=_scaling(friction.shear_strength * friction.area_ratio))
+        right = ax.secondary_yaxis("right", functions=_scaling(friction.stress))
         right.set_ylabel("friction F [N]")
 
 

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from metafem._validate import FloatArray
 from metafem._values import MICROMETRES, percent, three_digits
 from metafem.drawing.inline import drawn
 from metafem.errors import MetafemError
-from metafem.inversion import Design, RadiusRange
+from metafem.inversion import Design, PowerRange, RadiusRange, Tool
 from metafem.inversion.assessment import empty_sites_words
 from metafem.prediction.validity import base_contact_load
 from metafem.progress import doing
@@ -26,6 +27,7 @@ from metafem.report.names import all_notes, error_words, in_python, misfit_words
 from metafem.report.sections.exactness import exactness_section
 from metafem.report.sections.explanation import explanation_section
 from metafem.report.sections.measured import measured_section
+from metafem.report.sections.sliding import sliding_section
 from metafem.report.views import MOST_SHAPED, contact_figure, height_figure, shape_figure
 from metafem.studies.summaries.tolerances import TOLERANCES
 
@@ -74,6 +76,9 @@ PARAMETERS = {
     "highest_coefficients": ("highest friction coefficients of linear laws with them", "", 1.0),
     "used_radii": ("radii in use", "µm", MICROMETRES),
     "radius_counts": ("numbers of asperities with them", "", 1.0),
+    "tool_counts": ("numbers of asperities of each tool", "", 1.0),
+    "used_exponents": ("exponents of the caps in use", "", 1.0),
+    "exponent_counts": ("numbers of asperities with them", "", 1.0),
     "lowest_radius": ("smallest radius in use", "µm", MICROMETRES),
     "highest_radius": ("largest radius in use", "µm", MICROMETRES),
     "level_radii": ("radii of the levels", "µm", MICROMETRES),
@@ -90,6 +95,7 @@ PARAMETERS = {
     "largest_modulus_ratio": ("E*/H below which these contacts stay elastic", "", 1.0),
     "step_levels": ("levels after quantisation, above the base", "µm", MICROMETRES),
     "step_counts": ("numbers of asperities on these levels", "", 1.0),
+    "band_margin": ("margin to the band, relative to half its width", "%", 100.0),
     "step_loss": ("change of the misfit by quantisation", "%", 100.0),
 }
 
@@ -148,6 +154,7 @@ def page(
         if design.surface.count <= MOST_COMPARED
         else None,
         contacts=drawn(contact_figure(design), "Real contacts at three loads"),
+        sliding=sliding_section(design),
         measured=measured_section(design, studies),
         comparison=drawn(comparison_figure(comparisons), "Change by elastic interaction")
         if comparisons
@@ -186,7 +193,7 @@ def parameter_rows(design: Design) -> list[Row]:
     """Return the labels, values and units of the parameters that the inversion determined."""
     rows = []
     heights = MICROMETRES * float(np.abs(design.surface.height).max())
-    scales = {"%": 100.0, "mm²": float(design.law.area[-1]), "µm": heights}
+    scales = {"%": 100.0, "mm²": float(design.law.rescaled_friction[-1]), "µm": heights}
     for name, value in design.parameters.items():
         words, unit, factor = PARAMETERS[name]
         numbers = np.atleast_1d(np.asarray(value) * (int(factor) if factor == 1.0 else factor))
@@ -230,6 +237,12 @@ def _comparisons(comparisons: tuple[Comparison, ...]) -> list[tuple[str, ...]]:
     ]
 
 
+def _range(values: FloatArray) -> str:
+    """Return the text of a value, or of the lowest and the highest of several."""
+    low, high = (f"{value:g}" for value in (values.min(), values.max()))
+    return low if low == high else f"{low} – {high}"
+
+
 def _inputs(design: Design) -> list[Row]:
     surface, limits, radii = design.template, design.limits, np.unique(design.surface.radius) * MICROMETRES
     rows = [
@@ -237,16 +250,25 @@ def _inputs(design: Design) -> list[Row]:
         ("Poisson's ratio ν", f"{surface.material.poisson_ratio:g}", ""),
     ]
     if surface.friction is not None:
-        rows.append(("shear strength σ", f"{surface.friction.shear_strength:g}", "MPa"))
-        rows.append(("area ratio B", f"{surface.friction.area_ratio:g}", ""))
+        strength, ratio = map(np.asarray, (surface.friction.shear_strength, surface.friction.area_ratio))
+        rows.append(("shear strength σ", _range(strength), "MPa"))
+        rows.append(("area ratio B", _range(ratio), ""))
     few = ", ".join(f"{radius:.6g}" for radius in radii[:MOST_NAMED])
     words = few if len(radii) <= MOST_NAMED else f"{radii[0]:.4g} – {radii[-1]:.4g}"
     rows.append(("summit radius R", words, "µm"))
-    if isinstance(design.radii, RadiusRange):
-        low, high, step = (MICROMETRES * (value or 0.0) for value in astuple(design.radii))
+    if isinstance(design.tools, RadiusRange):
+        low, high, step = (MICROMETRES * (value or 0.0) for value in astuple(design.tools))
         rows.append(
             ("radii to choose from", f"{low:g} – {high:g}{f' in steps of {step:g}' if step else ''}", "µm")
         )
+    if isinstance(design.tools, PowerRange):
+        low, high, step, _, coefficient = astuple(design.tools)
+        words = f"{low:g} – {high:g}{f' in steps of {step:g}' if step else ''}, coefficient {coefficient:g}"
+        rows.append(("exponents of power caps to choose from", words, ""))
+    if isinstance(design.tools, tuple) and isinstance(design.tools[0], Tool):
+        tools = (tool for tool in design.tools if isinstance(tool, Tool))
+        words = "; ".join(f"{tool.cap!r} of R = {MICROMETRES * tool.radius:.6g} µm" for tool in tools)
+        rows.append(("tools to choose from", words, ""))
     rows.append(("sites for asperities", f"{surface.count}", ""))
     if surface.block is not None:
         block = surface.block
@@ -264,8 +286,8 @@ def _inputs(design: Design) -> list[Row]:
         rows.append(("sites that stay empty by the specification", ", ".join(empty), ""))
     if design.robust is not None:
         for name, value in vars(design.robust).items():
-            _, unit, factor = TOLERANCES[name]
             if value > 0.0:
+                _, unit, factor = TOLERANCES[name]
                 rows.append((f"robust.{name}", f"{value * factor:.4g}", unit.split()[0]))
     words = "load at which the plane reaches the base plane"
     try:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem.contact.cap_geometry import SPHERES, CapShape
+from metafem.caps import SPHERE, Cap
 from metafem.drawing import FloatArray, spacing
 
 # The pixels of a picture need single precision only.
@@ -48,7 +48,7 @@ def relief(
     radius: FloatArray,
     colour: FloatArray,
     corners: FloatArray,
-    shape: CapShape = SPHERES,
+    cap: Cap = SPHERE,
 ) -> tuple[FloatArray, tuple[float, float, float, float], int]:
     """Draw caps of a shape and of colours (n, 4) on the rectangle between two corners (2, 2) [mm].
 
@@ -64,7 +64,7 @@ def relief(
     step = float(np.ptp(right)) / (PIXELS * SAMPLES)
     u = np.arange(right.min() + 0.5 * step, right.max(), step)
     v = np.arange(away.min() + 0.5 * step, away.max(), step)
-    z, owner = _field(u, v, position, factor * height, radius, factor, shape)
+    z, owner = _field(u, v, position, factor * height, radius, factor, cap)
     inside = _inside(u, v, corners)
     up = np.where(inside, (v[:, None] * math.sin(RISE)).astype(np.float32) + z * math.cos(RISE), -np.inf)
     top = np.maximum.accumulate(up, axis=0)
@@ -93,21 +93,21 @@ def _field(
     top: FloatArray,
     radius: FloatArray,
     factor: int,
-    shape: CapShape,
+    cap: Cap,
 ) -> tuple[Single, NDArray[np.int32]]:
     """Return the drawn heights on the grid (v, u) [mm], and the index of the cap at each point, or -1."""
     z, owner = np.zeros((len(v), len(u)), np.float32), np.full((len(v), len(u)), -1, np.int32)
     right, away = turned(position)
-    most = shape.tallest(radius)
+    most = cap.tallest(radius)
     for i in np.flatnonzero(top > 0.0):
         drop = np.minimum(top[i : i + 1] / factor, most[i])
-        foot = float(shape.foot_radius(drop, radius[i : i + 1])[0])
+        foot = float(cap.at([i]).foot_radius(drop, radius[i : i + 1])[0])
         a, b = np.searchsorted(v, (away[i] - foot, away[i] + foot))
         c, d = np.searchsorted(u, (right[i] - foot, right[i] + foot))
         square = (v[a:b, None] - away[i]) ** 2 + (u[c:d] - right[i]) ** 2
-        cap = top[i] - factor * shape.depth_at(np.sqrt(square), radius[i])
-        higher = (square < foot**2) & (cap > z[a:b, c:d])
-        z[a:b, c:d][higher] = cap[higher]
+        own = top[i] - factor * cap.one(int(i)).depth_at(np.sqrt(square), radius[i])
+        higher = (square < foot**2) & (own > z[a:b, c:d])
+        z[a:b, c:d][higher] = own[higher]
         owner[a:b, c:d][higher] = i
     return z, owner
 

@@ -14,7 +14,6 @@ from metafem._values import MICROMETRES, three_digits
 from metafem.drawing import QUIET, new_figure
 from metafem.inversion import Design
 from metafem.material import Block
-from metafem.models.model import contact_of
 from metafem.prediction import equilibrium
 from metafem.report.relief import SIDE, projected, relief
 from metafem.surface import Surface
@@ -80,10 +79,9 @@ def shape_figure(design: Design) -> Figure:
         corners = _corners(surface.block)
     height = surface.height[shown]
     scale = drawing.height_scale(surface.height)
-    shape = contact_of(design.law.model).shape()
     colour = np.asarray(scale.to_rgba(MICROMETRES * height))
     caps = surface.position[shown], height, surface.radius[shown], colour
-    image, extent, factor = relief(*caps, corners, shape)
+    image, extent, factor = relief(*caps, corners, surface.cap.at(shown))
     figure = new_figure(8.0, 4.4, (0.1, 0.5, 0.1, 0.4))
     ax = figure.add_subplot()
     ax.imshow(image, extent=extent, origin="lower", interpolation="none")

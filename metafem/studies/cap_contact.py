@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from scipy.optimize import elementwise
 
 from metafem._validate import FloatArray
+from metafem.caps.shapes import SPHERE, foot_radius
 from metafem.contact import Hertz
-from metafem.contact.cap_geometry import foot_radius
 from metafem.errors import NotConverged, refuse_if
 from metafem.progress import each
 from metafem.surface import Surface
@@ -109,6 +109,12 @@ def caps_of(surface: Surface, indentation: FloatArray) -> dict[float, CapContact
     of these summits does not satisfy 0 < h <= R.
     """
     touching = indentation > 0.0
+    refuse_if(
+        touching.any() and surface.cap.at(touching) != SPHERE,
+        f"must be {SPHERE!r}, the cap of the finite elements",
+        key="cap",
+        value=repr(surface.cap),
+    )
     radii, height = np.unique(surface.radius[touching]).tolist(), surface.height[touching]
     refuse_if(
         len(radii) > MOST_RADII,

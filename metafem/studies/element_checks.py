@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.contact.cap_geometry import sphere_profile
+from metafem.caps.shapes import sphere_profile
 from metafem.fe.axisymmetric.active_set import search_contact
 from metafem.fe.axisymmetric.geometry import Cap, Oblate
 from metafem.fe.axisymmetric.mesh import graded_mesh, half_space_mesh

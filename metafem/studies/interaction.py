@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
+from metafem.caps import Caps
 from metafem.errors import NotConverged
 from metafem.inversion import Design
 from metafem.models import Independent, Interacting
@@ -69,6 +70,7 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     >>> dict(interaction(design, placements=5).sizes)
     {'substrate': 1, 'order': 2, 'rescaled_load': 100, 'placement': 5}
     """
+    design.surface.refuse_coatings("the study interaction")
     count = check.integer("placements", placements, at_least=1)
     seed = entropy(rng)
     # a random stream other than that of `design`: with the same seed, the first permutation of that stream
@@ -122,12 +124,16 @@ def _areas(
     model: Interacting, surface: Surface, orders: list[IndexArray], rescaled: FloatArray
 ) -> FloatArray:
     """Return A0 (m, k) [mm^2] of m assignments of the asperities to the sites, at k rescaled loads."""
-    varied = np.ptp(surface.radius) > 0.0
-    parts = [np.array(orders[k : k + AT_ONCE]) for k in range(0, len(orders), AT_ONCE)]
-    areas = [
-        model.areas(surface, rescaled, surface.height[part], surface.radius[part] if varied else None)
-        for part in each("assignments, part", parts)
-    ]
+    if isinstance(surface.cap, Caps):
+        placed = [surface.only(order, position=surface.position) for order in orders]
+        areas = [model.areas(part, rescaled, part.height[None]) for part in each("assignment", placed)]
+    else:
+        varied = np.ptp(surface.radius) > 0.0
+        parts = [np.array(orders[k : k + AT_ONCE]) for k in range(0, len(orders), AT_ONCE)]
+        areas = [
+            model.areas(surface, rescaled, surface.height[part], surface.radius[part] if varied else None)
+            for part in each("assignments, part", parts)
+        ]
     if not all(np.isfinite(part).all() for part in areas):
         raise NotConverged("the model has no solution for an assignment of the heights to the sites")
     return np.concatenate(areas)

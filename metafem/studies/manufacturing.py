@@ -90,6 +90,7 @@ def manufacturing(
         the plane reaches the lowest summit, with independent asperities. The source does not state its range.
     others : Tolerances
         Errors in addition to those of the heights, such as ``Tolerances(radius_sd=0.001)``; default: none.
+        They include errors of the shape of power caps.
     rng : int or numpy.random.Generator
         Seed or generator; default: 0.
     execution : metafem.studies.Execution, optional
@@ -125,6 +126,7 @@ def manufacturing(
     >>> study.slope_sd.values.round(3)
     array([0.   , 0.041])
     """
+    surface.refuse_coatings("the study manufacturing")
     used = checked_model(Independent() if model is None else model)
     deviations = np.atleast_1d(check.array("height_sd", np.atleast_1d(height_sd), shape=(None,)))
     tolerances = tuple(replace(others, height_sd=float(sd)) for sd in deviations)
@@ -234,11 +236,11 @@ class SlopeDraws:
             return sums_of(*np.zeros((2, size, len(self.nominal))))
         points = unit_points(self.seed, batch, size, self.dimensions, plain=self.plain)
         unit = points[:, self.dimensions - own :]
-        height, radius, position = self.tolerances.perturbed(self.surface, unit)
-        areas = self.model.areas(self.surface, self.slope.load, height, radius, position)
+        areas = self.tolerances.areas(self.model, self.surface, self.slope.load, unit)
         # no matrix product: its last bits would depend on the number of threads
         slopes = np.einsum("mk,k->m", areas, self.slope.weight)
         difference = np.column_stack([slopes, areas]) / self.nominal - 1.0
+        height = self.tolerances.perturbed(self.surface, unit).height
         response = np.einsum("mn,qn->mq", height - self.surface.height, self.response)
         response /= np.where(self.scale > 0.0, self.scale, 1.0)
         return sums_of(difference, response)

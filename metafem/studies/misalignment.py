@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
+from metafem.caps import Caps
 from metafem.errors import NotConverged, refuse_if
 from metafem.models import Independent, Model
 from metafem.models.model import checked_model, contact_of
@@ -131,7 +132,9 @@ def misalignment(
     >>> dict(found.slope_sd.sizes), found.slope_sd[0].round(3).values
     ({'placement': 4, 'angle': 2}, array([0.025, 0.065]))
     """
+    surface.refuse_coatings("the study misalignment")
     words = f"must be one of {', '.join(map(repr, DIRECTIONS))}"
+    surface.refuse_tilt()
     refuse_if(axes not in DIRECTIONS, words, key="axes", value=repr(axes))
     signed = both_signs(_angles(angle))
     used = checked_model(Independent() if model is None else model)
@@ -207,8 +210,9 @@ def _touches(task: Tilts) -> bool:
     """Return whether the tilted base plane would touch the plane at the largest angle and load."""
     surface, rise = task.surface, task.tilt[-1]
     tilted = surface.height + surface.position @ rise
-    law = contact_of(task.model).for_material(surface.material)
-    approach = Independent(contact=law).curve_of(tilted, surface.radius, task.fit.load[-1:]).approach[0]
+    law = contact_of(task.model).bound(surface)
+    summits = law.summits(surface)
+    approach = Independent(contact=law).curve_of(tilted, summits, task.fit.load[-1:]).approach[0]
     separation = float(tilted.max() - approach)  # from the base plane at the origin
     block = surface.block
     sides = np.abs(surface.position).max(axis=0)
@@ -285,6 +289,8 @@ class Tilts:
     def _areas(self, order: IntArray) -> FloatArray:
         surface = self.surface
         rise = self.tilt @ surface.position.T
+        if isinstance(surface.cap, Caps):  # also the caps are shuffled
+            surface, order = surface.only(order, position=surface.position), np.arange(surface.count)
         radius = None if np.ptp(surface.radius) == 0.0 else surface.radius[order]
         rows = max(1, MOST_HEIGHTS // surface.count)
         parts = []

@@ -2,29 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import ClassVar
 
 import numpy as np
-from scipy.special import j0, j1
 
 from metafem import _validate as check
-from metafem._kernels import layer as kernel
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, refuse_if
+from metafem.substrate.grounded_layer import GroundedLayer
+from metafem.substrate.layered import Layered, Quadrature, quadrature, regular_table
 from metafem.substrate.protocol import agreed
-from metafem.substrate.radial import Radial
 from metafem.surface import Surface
-
-# Upper limit of the integrals. Beyond it 1 - M, which decreases as x^2 exp(-2x), is below 1e-19.
-LAST_WAVENUMBER = 25.0
-
-# Number of panels and of Gauss points per panel. A panel is shorter than three periods of J0 at the end of
-# the table.
-PANELS = 72
-PANEL_POINTS = 16
 
 # End of the table in s = r/t. There G is below 1e-13 of its value on a half-space. Its decay is slowest at
 # nu = 1/2, where it is exp(-0.739 s); 0.739 = cos 0.739 is the first pole of M.
@@ -32,7 +22,7 @@ TABLE_END = 48.0
 
 
 @dataclass(frozen=True)
-class BondedLayer(Radial):
+class BondedLayer(Layered):
     """A layer of thickness t, unbounded in the plane, bonded to a rigid base.
 
     ``G(r) = 1/pi int_0^inf M(k t) J0(k r) dk`` with
@@ -82,29 +72,30 @@ class BondedLayer(Radial):
         thickness = agreed("BondedLayer", "thickness", self.thickness, given)
         return replace(self, thickness=thickness, poisson_ratio=ratio)
 
-    @property
-    def self_influence(self) -> float:
-        """Regular part of G at r = 0, ``-1/(pi t) int (1 - M) dx`` [1/mm], about -0.56/t for nu = 0.5."""
-        thickness, ratio = self._values()
-        return float(-_moments(ratio)[0] / (math.pi * thickness))
+    def conductor(self, share: float) -> GroundedLayer:
+        """Return the conducting layer of the same thickness with a grounded base."""
+        return GroundedLayer(self._thickness, share)
 
     @property
-    def self_curvature(self) -> float:
-        """Second derivative of the regular part of G at r = 0 [1/mm^3].
+    def _thickness(self) -> float:
+        return self._values()[0]
 
-        It is ``1/(2 pi t^3) int (1 - M) x^2 dx``, about 0.61/t^3 for nu = 0.5.
-        """
-        thickness, ratio = self._values()
-        return float(_moments(ratio)[1] / (2.0 * math.pi * thickness**3))
+    @property
+    def _quadrature(self) -> Quadrature:
+        return _quadrature(self._values()[1])
 
-    def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the regular parts of G [1/mm], G' [1/mm^2] and G'' [1/mm^3] at distances r >= 0 [mm]."""
+    @property
+    def _table(self) -> FloatArray:
+        return _table(self._values()[1])
+
+    @property
+    def _mean(self) -> float:
+        """Displacement by a uniform pressure p/E* = 1 without lateral strain [mm]."""
         thickness, ratio = self._values()
-        flat = np.ravel(distance)
-        parts = kernel.empty_results(flat.size)
-        kernel.fill_regular(flat, thickness, regular_table(ratio), *parts)
-        value, first, second = (part.reshape(np.shape(distance)) for part in parts)
-        return value, first, second
+        return thickness * (1.0 - 2.0 * ratio) / (1.0 - ratio) ** 2
+
+    def _deficit(self, wavenumber: FloatArray) -> FloatArray:
+        return _deficit(wavenumber, self._values()[1])
 
     def _values(self) -> tuple[float, float]:
         if self.thickness is None or self.poisson_ratio is None:
@@ -123,30 +114,10 @@ def _deficit(wavenumber: FloatArray, poisson_ratio: float) -> FloatArray:
 
 
 @lru_cache
-def _quadrature(poisson_ratio: float) -> tuple[FloatArray, FloatArray]:
-    """Return nodes x and weights w for which sum w f(x) is the integral of (1 - M) f."""
-    node, weight = np.polynomial.legendre.leggauss(PANEL_POINTS)
-    half = 0.5 * LAST_WAVENUMBER / PANELS
-    x = (half * (2.0 * np.arange(PANELS)[:, None] + 1.0 + node)).ravel()
-    return x, half * np.tile(weight, PANELS) * _deficit(x, poisson_ratio)
-
-
-def _moments(poisson_ratio: float) -> tuple[float, float]:
-    """Return the integrals of 1 - M and of (1 - M) x^2."""
-    x, weight = _quadrature(poisson_ratio)
-    return float(weight.sum()), float(weight @ x**2)
+def _quadrature(poisson_ratio: float) -> Quadrature:
+    return quadrature(partial(_deficit, poisson_ratio=poisson_ratio))
 
 
 @lru_cache
-def regular_table(poisson_ratio: float) -> FloatArray:
-    """Return the read-only table of coefficients that `metafem._kernels.layer` evaluates."""
-    x, weight = _quadrature(poisson_ratio)
-
-    def regular(s: FloatArray) -> tuple[FloatArray, ...]:
-        phase = np.outer(s, x)
-        zero, one = j0(phase), j1(phase)
-        return -(zero @ weight), one @ (weight * x), (zero - one / phase) @ (weight * x**2)
-
-    table = kernel.tabulated(regular, TABLE_END)
-    table.flags.writeable = False
-    return table
+def _table(poisson_ratio: float) -> FloatArray:
+    return regular_table(_quadrature(poisson_ratio), TABLE_END)

@@ -7,10 +7,12 @@ from abc import ABC, abstractmethod
 from typing import Literal, Self, overload
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
+from metafem.material import PeriodicCell
+from metafem.substrate.periodic import LatticeSum, lattice_sum
 from metafem.surface import Surface
 
 
@@ -33,6 +35,13 @@ class Radial(ABC):
         """Return the substrate with the dimensions and the Poisson's ratio of a surface."""
         return self
 
+    def conductor(self, share: float) -> Radial:
+        """Return the influence of currents, for a share of this body in the sum of both resistivities [-]."""
+        raise InvalidInput(
+            f"{self!r} has no conduction: the conductance of contacts needs metafem.HalfSpace() or "
+            "metafem.BondedLayer()"
+        )
+
     @property
     @abstractmethod
     def self_influence(self) -> float:
@@ -46,6 +55,28 @@ class Radial(ABC):
     @abstractmethod
     def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the regular parts of G [1/mm], G' [1/mm^2] and G'' [1/mm^3] at distances r >= 0 [mm]."""
+
+    @property
+    def last_wavenumber(self) -> float:
+        """Wavenumber beyond which `transform` is zero to rounding [1/mm]."""
+        return 0.0
+
+    def transform(self, wavenumber: FloatArray) -> FloatArray:
+        """Return the two-dimensional Fourier transform of the regular part of G [mm] at wavenumbers [1/mm].
+
+        At 0 it is the mean displacement by a uniform pressure p/E* = 1, without the part of a half-space.
+        """
+        raise InvalidInput(
+            f"{self!r} has no transform, which a surface with a periodic cell needs; use "
+            "metafem.HalfSpace(), metafem.BondedLayer(), or define transform and last_wavenumber"
+        )
+
+    def periodic(self, cell: PeriodicCell, x: FloatArray, y: FloatArray) -> LatticeSum:
+        """Return the influence of all periods of a source at differences x, y [mm] of the positions.
+
+        The sum has the regular terms alone at x = y = 0, and no mean displacement of a half-space.
+        """
+        return lattice_sum(cell, x, y, self.transform, self.last_wavenumber)
 
     def regular(self, distance: ArrayLike) -> FloatArray:
         """Return ``G(r) - 1/(pi r)`` [1/mm], finite down to r = 0."""
@@ -89,6 +120,8 @@ class Radial(ABC):
 
     def influence_matrix(self, surface: Surface) -> FloatArray:
         """Return the displacement at asperity i per unit of rescaled load on asperity j, (n, n) [1/mm]."""
+        if surface.cell is not None:
+            return self.influence_terms(surface)[0]
         bound = self.for_surface(surface)
         _, _, r = _differences(surface.position)
         matrix = bound.influence(r)
@@ -100,15 +133,35 @@ class Radial(ABC):
         return self.influence_terms(surface)[1:]
 
     def influence_terms(self, surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return `influence_matrix` and the three `influence_derivatives`; G is evaluated once."""
+        """Return `influence_matrix` and the three `influence_derivatives`; G is evaluated once.
+
+        With a periodic cell they are sums over all periods, see `metafem.substrate.periodic`.
+        """
         bound = self.for_surface(surface)
         dx, dy, r = _differences(surface.position)
+        if surface.cell is not None:
+            return _symmetric(bound.periodic(surface.cell, dx[_upper(len(dx))], dy[_upper(len(dx))]), len(dx))
         matrix, first, second = bound.influence(r, derivatives=True)
         np.fill_diagonal(matrix, bound.self_influence)
         first /= r
         laplacian = second + first
         np.fill_diagonal(laplacian, 2.0 * bound.self_curvature)
         return matrix, first * dx, first * dy, laplacian
+
+
+def _upper(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    return np.triu_indices(count)
+
+
+def _symmetric(half: LatticeSum, count: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return the matrices (n, n) from their upper halves; the gradients change sign below the diagonal."""
+    i, j = _upper(count)
+    value, slope_x, slope_y, laplacian = (np.empty((count, count)) for _ in range(4))
+    pairs = zip((value, slope_x, slope_y, laplacian), half, (1.0, -1.0, -1.0, 1.0), strict=True)
+    for matrix, part, sign in pairs:
+        matrix[j, i] = sign * part
+        matrix[i, j] = part
+    return value, slope_x, slope_y, laplacian
 
 
 def _differences(position: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

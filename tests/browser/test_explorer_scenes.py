@@ -84,7 +84,7 @@ def test_a_state_that_the_browser_cannot_keep_is_told(visit):
 def test_several_radii_are_shown_as_colours_and_in_words(visit):
     select = visit.page.get_by_label("Colour of the sites")
     assert "radius" not in select.inner_text()
-    several = {"lattice.radius": None, "radii.tools": ["200 um", "800 um"], "radii.mixed": True}
+    several = {"lattice.radius": None, "tools.radii": ["200 um", "800 um"], "tools.mixed": True}
     several |= {"target.rescaled_load": None, "target.rescaled_friction": None, "target.kind": "power"}
     several |= {"target.exponent": 0.645, "target.load_range": ["0.1 mm^2", "0.3 mm^2"], "block": None}
     several |= {"limits.max_height": "120 um", "part": None}

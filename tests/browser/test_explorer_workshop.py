@@ -77,14 +77,14 @@ def test_kinds_and_sections_are_changed(visit):
     chosen(visit, "contact.kind", "")
     assert value(visit, "contact") is None
     before = visit.asked
-    page.locator('[data-section="radii"] summary').click()
-    page.get_by_role("button", name="Add Choice of radii").click()
+    page.locator('[data-section="tools"] summary').click()
+    page.get_by_role("button", name="Add Choice of tools").click()
     visit.settled(before)
-    assert (value(visit, "radii.tools"), value(visit, "lattice.radius")) == (["300 um", "526 um"], None)
+    assert (value(visit, "tools.radii"), value(visit, "lattice.radius")) == (["300 um", "526 um"], None)
     before = visit.asked
-    page.get_by_role("button", name="Remove Choice of radii").click()
+    page.get_by_role("button", name="Remove Choice of tools").click()
     visit.settled(before)
-    assert (value(visit, "radii"), value(visit, "lattice.radius")) == (None, "526 um")
+    assert (value(visit, "tools"), value(visit, "lattice.radius")) == (None, "526 um")
 
 
 # Drops a file of a name and a text.

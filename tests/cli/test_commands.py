@@ -32,7 +32,7 @@ def test_spec_prints_every_key(run):
 def test_radii_and_layout_of_a_specification_are_designed(run):
     text = demo_text("linear").replace('radius = "526 um"', "").replace("seed = 0", 'tilt = "0.1 deg"')
     text = text.replace("[8, 8]", "[6, 6]")
-    Path("tools.toml").write_text(text + '[radii]\ntools = ["526 um", "300 um"]\n', "utf-8")
+    Path("tools.toml").write_text(text + '[tools]\nradii = ["526 um", "300 um"]\n', "utf-8")
     result = run("design", "tools.toml", "-o", "tools")
     assert result.exit_code == 0, result.output
     assert "misfit with the optimised assignment" in " ".join(result.output.split())
@@ -189,6 +189,17 @@ def test_predict_reads_a_folder_and_a_table(run, demo):
     assert Path("law.csv").read_text("utf-8") == Path("linear/law.csv").read_text("utf-8")
 
 
+def test_predict_prints_the_onset_of_sliding(run, demo):
+    demo("linear")
+    onset = json.loads(run("predict", "linear", "--onset", "0.3 N", "--json").stdout)["onset"]
+    expected = mf.onset(mf.load("linear").surface, load=0.3)
+    assert onset["friction_force_N"] == expected.friction_force.tolist()
+    assert onset["sliding_displacement_mm"] == expected.sliding_displacement
+    text = " ".join(run("predict", "linear", "--onset", "300 mN").output.split())
+    assert "contacts that slide" in text
+    assert "At a load of 0.3 N, the first of" in text
+
+
 def test_predict_compares_contact_laws_and_models_at_the_same_loads(run, demo):
     demo("linear")
     laws = ("--contact", "hertz", "--contact", "power 2 0.5", "--contact", "sphere")
@@ -216,7 +227,7 @@ def test_a_surface_is_designed_made_and_predicted_under_a_contact_law(run):
     contact = design.law.model.contact
     assert contact == mf.AxisymmetricCap([[0.0, 0.2, 0.4, 0.5, 0.7], [0.0, 0.038, 0.17, 0.29, 0.6]])
     assert Path("cap/cap.csv").read_bytes() == Path("cap.csv").read_bytes()
-    assert "profile is that of AxisymmetricCap" in Path("cap/mould.svg").read_text("utf-8")
+    assert "Profile of the holes: Profile(" in Path("cap/mould.svg").read_text("utf-8")
     predicted = json.loads(run("predict", "cap", "--load", "0.02 N", "--json").stdout)
     area = mf.friction_law(design.surface, mf.Independent(contact=contact), load=[0.02]).area
     assert predicted["area_mm2"] == area.tolist()

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.contact.cap_geometry import sphere_profile
+from metafem.caps.shapes import sphere_profile
 from tests.models.scenes import scene
 
 RADIUS, EXTENT = 0.526, 0.36

@@ -19,7 +19,7 @@ TEXT = demo_text("operating-points")
 TRIALS = {"operating-points": 30, "sampled": 20, "linear": 6, "bilinear": 8, "power": 12, "multilinear": 8}
 
 # A section by which each asperity can have one of two radii.
-TOOLS = "[radii]\ntools = ['300 um', '526 um']\nmixed = true\n"
+TOOLS = "[tools]\nradii = ['300 um', '526 um']\nmixed = true\n"
 
 # Operating points that no levels meet, whose heights a draft does not find: rows of the lattice, offset [um],
 # rescaled loads and frictions [mm^2]. They lie on laws of random surfaces.
@@ -248,3 +248,11 @@ def test_a_refusal_is_in_the_unit_of_the_axes(forces):
         unit, other = ("N", r"mm\^2") if newtons else (r"mm\^2", "N")
         assert re.search(rf"\(load \S+ {unit} \(\S+ {other}\), friction \S+ {unit}\)", words)
         assert re.search(rf"can be from \S+ to \S+ {unit}$", words)
+
+
+def test_quantities_other_than_friction_are_refused_by_their_key():
+    lines = "rescaled_load = ['0.1 mm^2', '0.2 mm^2']\nrescaled_friction = ['3.5 mm', '5.1 mm']\n"
+    rest = TEXT[TEXT.index("[material]") :]
+    answer = answered(State(f'[target]\nkind = "sampled"\nof = "stiffness"\n{lines}{rest}'), 1)
+    assert list(answer.problems) == ["target.of"]
+    assert "draws friction laws" in answer.problems["target.of"]

@@ -16,7 +16,7 @@ from metafem.files import demo_text
 
 LINEAR = Document(demo_text("linear")).with_values({"lattice.shape": [4, 4], "limits.height_step": None})
 PINS = {"sites.pinned": [5], "sites.heights": ["150 um"], "sites.empty": [9]}
-TOOLS = {"lattice.radius": None, "radii.tools": ["300 um", "526 um"], "radii.mixed": True}
+TOOLS = {"lattice.radius": None, "tools.radii": ["300 um", "526 um"], "tools.mixed": True}
 POINTS = {"target.kind": "sampled", "target.slope": None}
 MANY = np.linspace(0.01, 0.1, 1000)
 TABULATED = "indentation_um,load_mN,area_mm2\n" + "".join(

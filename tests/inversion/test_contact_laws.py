@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 import metafem as mf
 from metafem.inversion.bounds import Bounds
 from metafem.inversion.height_density import ExponentialDensity
-from metafem.inversion.limits import Radii
 from metafem.inversion.strategies.mixture import Mixture
+from metafem.inversion.tools.radii import Radii
 from validation.scenes.random_laws import LATTICE, RADIUS
 
 POINTS = mf.OperatingPoints([0.144, 0.336, 0.649], [0.84, 1.68, 4.12])

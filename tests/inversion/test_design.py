@@ -173,7 +173,7 @@ def test_heights_too_fine_for_the_workshop_are_noted(template):
         (lambda: mf.design(mf.LinearLaw(7), LATTICE, limits=0.1), "limits = 0.1 must be metafem.Limits"),
         (
             lambda: mf.design(mf.LinearLaw(7), LATTICE.replaced(radius=np.linspace(1, 2, 64))),
-            "one common radius is needed here, and the argument radii allows several",
+            "one common radius is needed here, and the argument tools allows several",
         ),
     ],
 )
@@ -297,7 +297,7 @@ def deepest_call(monkeypatch, *arguments, **options):
 def test_a_kernel_is_called_within_ten_frames(template, monkeypatch, target, limits, radii, model):
     # with interaction, too, but that takes seconds
     robust = mf.Tolerances(height_sd=0.003) if limits.height_step and not model.couples else None
-    deepest = deepest_call(monkeypatch, target, template, model, limits, radii=radii, robust=robust)
+    deepest = deepest_call(monkeypatch, target, template, model, limits, tools=radii, robust=robust)
     assert 0 < deepest <= 10
 
 

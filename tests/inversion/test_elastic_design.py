@@ -29,7 +29,7 @@ def test_hard_materials_keep_the_elastic_law(template):
 
 
 def test_another_radius_is_taken_before_a_plastic_law(template):
-    options = {"limits": LIMITS, "radii": [0.4, 1.2], "common_radius": True}
+    options = {"limits": LIMITS, "tools": [0.4, 1.2], "common_radius": True}
     plain = mf.design(mf.LinearLaw(6.87), template, **options)
     # the radius with the least misfit is the smaller one; the heights of the larger one differ less
     hardness = index(plain, 0.64)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import metafem as mf
 from metafem.inversion.bounds import Bounds, relative_depth
-from metafem.inversion.limits import Radii
+from metafem.inversion.tools.radii import Radii
 
 RADIUS = 0.526
 

@@ -6,10 +6,10 @@ import pytest
 import metafem as mf
 from metafem.inversion import DesignStatus
 from metafem.inversion.height_density import ExponentialDensity
-from metafem.inversion.limits import Radii
-from metafem.inversion.search.nearest_law import Asperities
+from metafem.inversion.search.asperities import OfRadii
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies.mixture import Mixture
+from metafem.inversion.tools.radii import Radii
 from tests.models.scenes import said
 
 TOOLS = [0.2, 0.8]
@@ -40,7 +40,7 @@ CASES = [
 @pytest.mark.parametrize(("exponent", "radii", "model"), CASES)
 def test_powers_beyond_one_radius(template, exponent, radii, model):
     """One radius has at least 2/3, and reaches about 1.44 within 1 % over this range."""
-    result = mf.design(mf.PowerLaw(exponent, (0.1, 0.4)), template, model, LIMITS, radii=radii)
+    result = mf.design(mf.PowerLaw(exponent, (0.1, 0.4)), template, model, LIMITS, tools=radii)
     assert result.misfit <= 1.5e-3
     moved = "heights were moved" in said(result)
     assert result.status is (DesignStatus.REFINED if moved else DesignStatus.REACHED)
@@ -58,13 +58,13 @@ def test_powers_beyond_one_radius(template, exponent, radii, model):
 def test_radii_of_a_range_are_those_of_tools(template, step, most, common):
     radii = mf.RadiusRange(0.2, 0.8, step)
     assert radii.step == mf.RadiusRange(0.2, 0.8).step or step != 0.01
-    result = mf.design(mf.LinearLaw(4.5), template, limits=LIMITS, radii=radii, common_radius=common)
+    result = mf.design(mf.LinearLaw(4.5), template, limits=LIMITS, tools=radii, common_radius=common)
     tools = {0.2, 0.8, *(round(i * step, 12) for i in range(1000) if 0.2 < i * step < 0.8)}
     assert len(tools) == most
     assert {*result.surface.radius, *result.parameters["tried_radii"]} <= tools
     law = mf.friction_law(result.surface, load=result.law.load)
     np.testing.assert_allclose(law.area, result.law.area, rtol=1e-12)
-    assert common or result.radii == radii
+    assert common or result.tools == radii
 
 
 def test_a_step_is_no_larger_than_its_range_whose_ends_are_tried():
@@ -91,12 +91,12 @@ def test_laws_of_random_mixtures_are_recovered(seed):
     )
     load = np.linspace(0.02, 0.5, 30)
     target = mf.SampledLaw(load, mf.friction_law(mixed, load=load).area)
-    result = mf.design(target, lattice, limits=mf.Limits(0.4), radii=[0.2, 0.5, 0.9])
+    result = mf.design(target, lattice, limits=mf.Limits(0.4), tools=[0.2, 0.5, 0.9])
     assert result.misfit <= 2e-3
 
 
 def test_one_tool_that_reaches_the_law_is_preferred(template):
-    result = mf.design(mf.PowerLaw(1.2, (0.1, 0.4)), template, limits=LIMITS, radii=TOOLS)
+    result = mf.design(mf.PowerLaw(1.2, (0.1, 0.4)), template, limits=LIMITS, tools=TOOLS)
     assert len(result.parameters["used_radii"]) == 1
 
 
@@ -112,8 +112,8 @@ def test_points_below_those_of_one_radius_are_met(template, radii, model):
     """F grows by less than P^(2/3)."""
     target = mf.OperatingPoints([0.144, 0.336], [0.84, 0.84 * (0.336 / 0.144) ** 0.65])
     with pytest.raises(mf.Infeasible, match=r"no radius .* point 2"):
-        mf.design(target, template, limits=LIMITS, radii=TOOLS, common_radius=True)
-    result = mf.design(target, template, model, LIMITS, radii=radii)
+        mf.design(target, template, limits=LIMITS, tools=TOOLS, common_radius=True)
+    result = mf.design(target, template, model, LIMITS, tools=radii)
     assert result.misfit <= 1e-9
     assert result.status is DesignStatus.EXACT
 
@@ -125,8 +125,8 @@ def test_levels_of_different_radii_meet_points():
     law = mf.friction_law(built, separation=[0.265, 0.2])
     target = mf.OperatingPoints(law.rescaled_load, law.rescaled_friction)
     with pytest.raises(mf.Infeasible):
-        mf.design(target, three, limits=mf.Limits(0.3), radii=[0.1, 2.0], common_radius=True)
-    result = mf.design(target, three, limits=mf.Limits(0.3), radii=[0.1, 2.0])
+        mf.design(target, three, limits=mf.Limits(0.3), tools=[0.1, 2.0], common_radius=True)
+    result = mf.design(target, three, limits=mf.Limits(0.3), tools=[0.1, 2.0])
     assert result.misfit <= 1e-9
     assert set(result.surface.radius) == {0.1, 2.0}
 
@@ -154,14 +154,14 @@ def test_a_mixture_reaches_between_the_tools(template):
         for radius in (0.2, 1.6)
     )
     slope = 0.5 * (low[1] + high[0])
-    result = mf.design(mf.LinearLaw(slope), template, limits=limits, radii=[0.2, 1.6])
+    result = mf.design(mf.LinearLaw(slope), template, limits=limits, tools=[0.2, 1.6])
     assert result.parameters["used_radii"].tolist() == [0.2, 1.6]
     assert result.status is DesignStatus.APPROXIMATE
     assert not [note for note in result.notes if "height_sd" in note.text]
     reach = result.parameters["reachable_coefficients"] / per_slope
     np.testing.assert_allclose(reach, [low[0], high[1]])
     # without height_sd no largest slope is known, and one number is no range
-    result = mf.design(mf.LinearLaw(slope), template, limits=mf.Limits(0.12, offset=0.1), radii=[0.2, 1.6])
+    result = mf.design(mf.LinearLaw(slope), template, limits=mf.Limits(0.12, offset=0.1), tools=[0.2, 1.6])
     assert "reachable_coefficients" not in result.parameters
     assert result.parameters["lowest_coefficients"].shape == (2,)
 
@@ -171,15 +171,15 @@ def test_proportional_laws_and_branches_take_tools(template):
     wide = mf.achievable_load_range(mf.LinearLaw(12.0), template, LIMITS, TOOLS)
     narrow = mf.achievable_load_range(mf.LinearLaw(12.0), template, LIMITS, TOOLS[:1])
     assert wide[1] / wide[0] > 1.5 * narrow[1] / narrow[0]
-    assert mf.design(mf.LinearLaw(12.0, wide), template, limits=LIMITS, radii=TOOLS).misfit <= 0.01
+    assert mf.design(mf.LinearLaw(12.0, wide), template, limits=LIMITS, tools=TOOLS).misfit <= 0.01
     target = mf.MultilinearLaw([6.0, 12.0], [0.15], (0.1, 0.3))
-    assert mf.design(target, template, limits=LIMITS, radii=TOOLS).misfit <= 1e-3
+    assert mf.design(target, template, limits=LIMITS, tools=TOOLS).misfit <= 1e-3
 
 
 @pytest.mark.parametrize("cap", [mf.Hertz(), mf.PowerCap(4), mf.SphericalCap()], ids=repr)
 def test_gradients_by_radii_are_those_of_differences(cap):
     model, rng = mf.Independent(contact=cap), np.random.default_rng(1)
-    space = Asperities(1.0, 9, radii=Radii(0.1, 2.0, None), depth=0.05)
+    space = OfRadii(1.0, 9, radii=Radii(0.1, 2.0, None), depth=0.05)
     target = TargetLaw.fixed(np.array([0.05, 0.2]), np.ones(2))
     at = space.joined(rng.uniform(0.1, 0.2, 9), rng.uniform(0.2, 0.8, 9))
 
@@ -198,33 +198,33 @@ def test_gradients_by_radii_are_those_of_differences(cap):
 
 def test_a_target_beyond_all_radii_says_why(template):
     with pytest.raises(mf.Infeasible, match=r"at least 0\.6283 .* radii from 0\.2 to 0\.8 mm"):
-        mf.design(mf.PowerLaw(0.62, (0.1, 0.4)), template, limits=LIMITS, radii=TOOLS)
+        mf.design(mf.PowerLaw(0.62, (0.1, 0.4)), template, limits=LIMITS, tools=TOOLS)
     with pytest.raises(mf.Infeasible, match=r"no radius reaches the target: with a radius of 0\.2 mm"):
-        mf.design(mf.LinearLaw(1.0), template, limits=LIMITS, radii=TOOLS)
+        mf.design(mf.LinearLaw(1.0), template, limits=LIMITS, tools=TOOLS)
 
 
 def test_a_mixed_design_survives_its_files(template, tmp_path):
     limits = mf.Limits(0.15, offset=0.02)
-    result = mf.design(mf.PowerLaw(1.5, (0.1, 0.3)), template, limits=limits, radii=RANGE)
+    result = mf.design(mf.PowerLaw(1.5, (0.1, 0.3)), template, limits=limits, tools=RANGE)
     mf.save(result, tmp_path / "mixed")
     again = mf.load(tmp_path / "mixed")
     np.testing.assert_array_equal(again.surface.radius, result.surface.radius)
-    assert again.radii == RANGE
+    assert again.tools == RANGE
 
 
 def test_branches_far_from_those_of_one_tool_are_designed_with_the_other(template):
     """Of small radii no intercept leaves the nearest law positive: that is no perfect hit."""
     target = mf.MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26))
-    assert mf.design(target, template, limits=LIMITS, radii=[0.2, 0.526]).misfit < 1e-3
-    assert mf.design(target, template, limits=LIMITS, radii=[0.2]).misfit > 0.1
+    assert mf.design(target, template, limits=LIMITS, tools=[0.2, 0.526]).misfit < 1e-3
+    assert mf.design(target, template, limits=LIMITS, tools=[0.2]).misfit > 0.1
 
 
 def test_a_template_of_one_radius_is_the_default_choice(template):
     one = mf.design(mf.LinearLaw(7.0), template, limits=LIMITS, rng=1)
-    assert one.radii is None
-    same = mf.design(mf.LinearLaw(7.0), template, limits=LIMITS, rng=1, radii=[0.526])
+    assert one.tools is None
+    same = mf.design(mf.LinearLaw(7.0), template, limits=LIMITS, rng=1, tools=[0.526])
     np.testing.assert_array_equal(same.surface.height, one.surface.height)
-    assert same.radii == (0.526,)
+    assert same.tools == (0.526,)
     with pytest.raises(mf.InvalidInput, match="common_radius = 1 must be True or False"):
         mf.design(mf.LinearLaw(7.0), template, common_radius=1)
 
@@ -235,7 +235,7 @@ def test_a_law_of_one_tool_is_designed_with_it(template):
     load = np.linspace(0.01, 0.1, 8)
     law = mf.Independent().curve(six.replaced(radius=np.full(6, 0.4)), load)
     result = mf.design(
-        mf.SampledLaw(load, law.area), six, limits=mf.Limits(0.5), radii=[0.3, 0.4, 0.5], common_radius=True
+        mf.SampledLaw(load, law.area), six, limits=mf.Limits(0.5), tools=[0.3, 0.4, 0.5], common_radius=True
     )
     assert result.parameters["radius"] == 0.4
     assert result.misfit < 1e-3
@@ -243,7 +243,7 @@ def test_a_law_of_one_tool_is_designed_with_it(template):
 
 
 def test_reach_of_each_tool_is_told(template):
-    result = mf.design(mf.LinearLaw(7.0), template, limits=COMMON, radii=THREE, common_radius=True)
+    result = mf.design(mf.LinearLaw(7.0), template, limits=COMMON, tools=THREE, common_radius=True)
     found = result.parameters
     assert found["tried_radii"].tolist() == sorted(THREE)
     assert found["radius"] in THREE
@@ -255,7 +255,7 @@ def test_reach_of_each_tool_is_told(template):
 
 def test_tools_out_of_reach_are_noted(template):
     """A slope below 3 pi/4 sqrt(R/h) asks for a smaller radius."""
-    result = mf.design(mf.LinearLaw(4.5), template, limits=COMMON, radii=THREE, common_radius=True)
+    result = mf.design(mf.LinearLaw(4.5), template, limits=COMMON, tools=THREE, common_radius=True)
     assert result.parameters["radius"] == 0.2
     assert (
         "radii that cannot reach the target [mm]: 0.526, 0.8; slope 4.5 is not above" in result.notes[-1].text
@@ -265,7 +265,7 @@ def test_tools_out_of_reach_are_noted(template):
 def test_a_range_is_searched_around_its_best(template):
     target = mf.PowerLaw(1.2, (0.1, 0.4))
     result = mf.design(
-        target, template, limits=mf.Limits(0.27), radii=mf.RadiusRange(0.3, 0.8), common_radius=True
+        target, template, limits=mf.Limits(0.27), tools=mf.RadiusRange(0.3, 0.8), common_radius=True
     )
     assert len(result.parameters["tried_radii"]) > 7
     assert 0.3 <= result.parameters["radius"] <= 0.8
@@ -276,22 +276,22 @@ def test_a_target_beyond_all_common_radii_says_why(template):
     with pytest.raises(
         mf.Infeasible, match=r"no radius .* of 0.2 mm, slope 1 .* of 0.8 mm, slope 1"
     ) as caught:
-        mf.design(mf.LinearLaw(1.0), template, limits=COMMON, radii=THREE, common_radius=True)
-    near = mf.design(caught.value.nearest, template, limits=COMMON, radii=THREE, common_radius=True)
+        mf.design(mf.LinearLaw(1.0), template, limits=COMMON, tools=THREE, common_radius=True)
+    near = mf.design(caught.value.nearest, template, limits=COMMON, tools=THREE, common_radius=True)
     assert near.parameters["radius"] == 0.2
 
 
 @pytest.mark.parametrize(
     ("radii", "words"),
     [
-        ([], "radii"),
-        ([0.3, -0.1], "radii holds -0.1; all must be greater than 0"),
-        ([0.3, np.nan], "radii"),
+        ([], "tools"),
+        ([0.3, -0.1], r"tools\[1\] = -0.1 must be greater than 0"),
+        ([0.3, np.nan], "tools"),
     ],
 )
 def test_bad_radii_are_named(template, radii, words):
     with pytest.raises(mf.InvalidInput, match=words):
-        mf.design(mf.LinearLaw(7.0), template, radii=radii, common_radius=True)
+        mf.design(mf.LinearLaw(7.0), template, tools=radii, common_radius=True)
 
 
 def test_a_range_must_increase():

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
 import metafem as mf
-from metafem.contact.cap_geometry import sphere_profile
+from metafem.caps.shapes import sphere_profile
 from metafem.models.mean_field import nominal_area
 from tests.models.scenes import lattice, scene
 

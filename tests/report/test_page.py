@@ -39,6 +39,23 @@ def paper(demo_results):
     return call
 
 
+@pytest.mark.parametrize(
+    ("tools", "words"),
+    [
+        (
+            [mf.Tool(0.3), mf.Tool(0.5, mf.Power(4))],
+            ["Sphere() of R = 300 µm", "numbers of asperities of each"],
+        ),
+        (mf.PowerRange(1.2, 6.0), ["exponents of power caps to choose from", "1.2 – 6 in steps of 0.1"]),
+    ],
+)
+def test_page_states_the_tools_to_choose_from(template, tools, words):
+    limits = mf.Limits(0.27)
+    text = words_of(mf.design(mf.PowerLaw(0.6, (0.1, 0.2)), template, limits=limits, tools=tools))
+    for each in words:
+        assert each in text
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_page_is_self_contained_and_reproducible(paper, kind):
     design, text = paper(kind)
@@ -49,7 +66,7 @@ def test_page_is_self_contained_and_reproducible(paper, kind):
         "#",
         "d",
     }  # elements of the page, and data: images
-    assert text.count("<svg") == 7
+    assert text.count("<svg") == 8
     assert "<td>layer</td>" in text
     assert "Model: independent, in Python Independent()" in text
     assert "radius [µm]" not in text  # a column for radii that differ
@@ -59,7 +76,7 @@ def test_page_is_self_contained_and_reproducible(paper, kind):
 def test_page_states_tools_and_steps(template):
     limits, radii = mf.Limits(0.27, height_step=0.002), [0.4, 0.526]
     line = mf.LinearLaw(9.0, (0.05, 0.2))
-    text = words_of(mf.design(line, template, limits=limits, radii=radii, common_radius=True))
+    text = words_of(mf.design(line, template, limits=limits, tools=radii, common_radius=True))
     for words in ("radii tried", "Friction proportional to load: slope 9 from 0.05 to 0.2 mm²"):
         assert words in text
     assert "heights are on steps of 2 um" in text
@@ -117,7 +134,7 @@ def test_page_leaves_out_a_true_block_that_is_not_kept(template, tmp_path, monke
 def test_page_with_the_finite_element_checks(full_report):
     text = full_report.read_text("utf-8")
     # three pictures of the checks, and one of each study
-    assert text.count("<svg") == 7 + 3 + 3
+    assert text.count("<svg") == 8 + 3 + 3
     assert re.search(r"(\d+) checks, \1 passed", text)
 
 

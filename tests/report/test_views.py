@@ -40,9 +40,7 @@ def test_a_cap_is_drawn_at_its_projection_and_hides_what_is_behind_it():
 def test_a_cap_is_drawn_with_its_profile():
     colour = np.array([[1.0, 0.0, 0.0, 1.0]])
     cap = np.zeros((1, 2)), np.array([0.3]), np.array([0.5]), colour, CORNERS
-    sphere, quartic, wide = (
-        relief(*cap, law.shape())[0] for law in (mf.Hertz(), mf.PowerCap(4), mf.PowerCap(8))
-    )
+    sphere, quartic, wide = (relief(*cap, shape)[0] for shape in (mf.Sphere(), mf.Power(4), mf.Power(8)))
     red = [int((image[..., 0] > 1.1 * image[..., 1]).sum()) for image in (sphere, quartic, wide)]
     # nearly that of the feet, 0.458, 0.468 and 0.494 mm, and of a blunt cap more
     assert red[0] < red[1] < red[2]

@@ -39,7 +39,7 @@ def equation_error(surface: mf.Surface, model: Model, curve: Curve) -> float | N
     """
     if not isinstance(model, mf.Independent | mf.MeanField | mf.Interacting):
         return None
-    law = model.contact.for_material(surface.material)
+    law = model.contact.bound(surface)
     if _flat_summit(law) and isinstance(model, mf.Interacting) and model.order == 3:
         return None
     third = isinstance(model, mf.Interacting) and model.order == 3

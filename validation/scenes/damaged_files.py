@@ -110,7 +110,7 @@ def few_designs() -> Iterator[None]:
     original, seen = Specification.design, count(1)
 
     def design(self: Specification, model: Any = None) -> Any:
-        fast = model is None and not self.model.couples and self.radii is None and self.layout is None
+        fast = model is None and not self.model.couples and self.tools is None and self.layout is None
         if next(seen) % DESIGNED or self.template.count > FEW_SITES or not fast:
             raise NotConverged("accepted, and not designed")
         return original(self, model)

@@ -209,7 +209,7 @@ def _approach(surface: mf.Surface, law: Contact, widest: np.ndarray) -> float:
 
     Adhesive contacts that are wider without a load have a tenth of the indentation without adhesion.
     """
-    used = law.for_material(surface.material)
+    used = law.bound(surface)
     plain = used.without_adhesion.indentation(widest, surface.radius)
     depth = np.maximum(used.indentation(widest, surface.radius), LEAST_DEPTH * plain)
     return float((surface.gap + depth).min())
@@ -217,13 +217,13 @@ def _approach(surface: mf.Surface, law: Contact, widest: np.ndarray) -> float:
 
 def _widest(surface: mf.Surface, law: Contact, approach: float) -> float:
     """Return the radius of the widest contact without interaction at an approach [mm]."""
-    used = law.for_material(surface.material)
+    used = law.bound(surface)
     return float(used.contact_radius(approach - surface.gap, surface.radius).max())
 
 
 def _load(surface: mf.Surface, law: Contact, approach: float) -> float:
     """Return the load of contacts without interaction or adhesion at an approach, P/E* [mm²]."""
-    plain = law.for_material(surface.material).without_adhesion
+    plain = law.bound(surface).without_adhesion
     z = np.maximum(approach - surface.gap, 0.0)
     return float(plain.load(plain.contact_radius(z, surface.radius), surface.radius).sum())
 

@@ -12,7 +12,8 @@ from scipy.interpolate import CubicSpline
 from metafem import _validate as check
 from metafem._given import Given, shown
 from metafem._validate import FloatArray
-from metafem.contact import JKR, AxisymmetricCap, Contact, SphericalCap, TabulatedContact
+from metafem.caps import Caps
+from metafem.contact import JKR, AxisymmetricCap, Contact, Elastic, SphericalCap, TabulatedContact
 from metafem.errors import refuse_if
 from metafem.material import Material
 from metafem.models import Independent, Model
@@ -109,7 +110,8 @@ class Sample:
     @property
     def cap(self) -> Contact:
         """Contact law of a cap without adhesion."""
-        return contact_of(self.model)
+        law = contact_of(self.model)
+        return law if self.surface is None or not isinstance(law, Elastic) else law.bound(self.surface)
 
     @property
     def ratio(self) -> float:
@@ -146,6 +148,10 @@ class Sample:
             (law.plastic, f"is plastic; E* is fitted to an elastic law{without}"),
             (law.individual, "must be one law for all contacts"),
             (
+                isinstance(law, Elastic) and self.surface is None,
+                "takes the caps of a surface; give surface, the calibration sample",
+            ),
+            (
                 of_one_modulus,
                 "has loads in N for one E*, which must be known: contact.for_material(material)",
             ),
@@ -157,6 +163,12 @@ class Sample:
         own, ratio = surface.material.poisson_ratio, self.poisson_ratio
         other = f"poisson_ratio = {ratio} differs from that of the surface, {own:g}"
         refuse_if(ratio not in (None, own), other)
+        refuse_if(
+            isinstance(surface.cap, Caps),
+            "must be one cap for all asperities, because one law is fitted to all contacts",
+            key="surface.cap",
+            value=repr(surface.cap),
+        )
         refuse_if(
             surface.count != self.contacts,
             f"surface has {surface.count} asperities, but contacts = {self.contacts} share the load; they "

@@ -175,7 +175,7 @@ class Scene:
             computed, gradient = total, by_total
             error: Callable[[FloatArray], FloatArray] = law.errors.of_area
             if name == "friction_force" and self.friction is not None:
-                nominal = self.friction.shear_strength * self.friction.area_ratio
+                nominal = self.friction.stress
                 stress, error = made.factor["friction"] * nominal, law.errors.of_friction_force
                 computed, gradient = stress * total, stress * by_total
                 if "friction" in causes.sd:

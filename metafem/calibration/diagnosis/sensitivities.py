@@ -85,7 +85,7 @@ def response(model: Model, part: Made, load: FloatArray) -> Response:
     """Return the contacts at rescaled loads (k,) in any order; the derivatives neglect interaction."""
     surface = part.surface
     contact = with_adhesion(contact_of(model), part.factor["adhesion_root"])
-    law = contact.for_material(surface.material)
+    law = contact.bound(surface)
     radius = surface.radius
     if model.couples:
         size, indentation, carried = _states(with_contact(model, contact), surface, load)

@@ -114,6 +114,7 @@ class MeasuredLaw(BaseLaw):
         check.instance("material", self.material, Material, "a metafem.Material")
         if self.friction is not None:
             check.instance("friction", self.friction, Friction, "a metafem.Friction, or None")
+            self.friction.refuse_differing("a measured law")
         check.instance("errors", self.errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
         check.instance("label", self.label, str, "a text")
         for name, values in checked({name: getattr(self, name) for name in ARRAYS}, self.errors).items():
@@ -242,7 +243,7 @@ class MeasuredLaw(BaseLaw):
                 "the friction force was not measured; to compute it from the areas, give the law "
                 "friction=metafem.Friction(shear_strength, area_ratio)"
             )
-        return self.friction.shear_strength * self.friction.area_ratio
+        return self.friction.stress
 
     def _force(self, suffix: str = "") -> FloatArray:
         """Return friction forces, measured or sigma B times areas, or their standard deviations [N]."""

@@ -113,6 +113,7 @@ def shear_strength(
             "the area ratio B is not known; give the surface a friction=metafem.Friction(shear_strength, "
             "area_ratio), whose shear strength is not used"
         )
+    friction.refuse_differing("metafem.calibration.shear_strength")
     used = law.load >= least
     few = f"law has {int(used.sum())} points at {{}} or above; sigma needs at least {FEWEST}"
     refuse_if(used.sum() < FEWEST, few, Given("load_min", least))
@@ -132,19 +133,20 @@ def shear_strength(
     fitted_sd = of(factor * value)
     square = fitted_sd**2 + (factor * area_sd) ** 2
     residual = (force - factor * area) / np.sqrt(square)
-    strength = factor / friction.area_ratio
-    measured = float(variance) / friction.area_ratio**2
+    ratio = float(friction.area_ratio)
+    strength = float(factor / ratio)
+    measured = float(variance) / ratio**2
     # relative changes of sigma with each parameter, through the areas (weighted as in the fit) or through B
     weight = area / square / (area**2 / square).sum()
     change = {
         "composite_modulus": lambda: float(weight @ (load * slope)) / surface.material.composite_modulus,
-        "area_ratio": lambda: -1.0 / friction.area_ratio,
+        "area_ratio": lambda: -1.0 / ratio,
         "radius": lambda: -float(weight @ _growth(surface, solver, load)) / float(surface.radius.mean()),
     }
     gradient = strength * np.array([change[name]() for name in names])
     rows = *np.eye(len(names) + 1)[:-1], np.append(gradient, 1.0)
     return StrengthFit(
-        shear_strength=float(strength),
+        shear_strength=strength,
         parameters=(*names, "shear_strength"),
         covariance=propagated(block_diag(known, measured), *rows),
         measured_sd=measured**0.5,
@@ -155,7 +157,7 @@ def shear_strength(
         friction_force_sd=fitted_sd,
         residual=residual,
         verdict=judged(residual, 1),
-        area_ratio=friction.area_ratio,
+        area_ratio=ratio,
     )
 
 

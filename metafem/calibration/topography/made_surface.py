@@ -17,6 +17,7 @@ from metafem.calibration.topography.caps import Cap, fitted_caps, pooled
 from metafem.calibration.topography.cells import HeightMap, cells
 from metafem.calibration.topography.levelled import Levelling, levelled
 from metafem.calibration.topography.summits import hills
+from metafem.caps import SPHERE
 from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note
 from metafem.progress import doing
@@ -171,7 +172,7 @@ def measured_surface(
     ------
     InvalidInput
         If the map is too small or shows no base plane, if it shows no cap with a radius within a factor of
-        two of the design's radius, or if no cap lies on a site.
+        two of the design's radius, if no cap lies on a site, or if the caps of the design are not spheres.
 
     Notes
     -----
@@ -193,6 +194,12 @@ def measured_surface(
     limit = check.number("steepest", steepest, above=0.0)
     picture = _height_map(height_map, pixel_size, mould)
     design = design_surface
+    refuse_if(
+        design.cap != SPHERE,
+        f"must be {SPHERE!r}: spheres are fitted to the map",
+        key="design_surface.cap",
+        value=repr(design.cap),
+    )
     with doing("measuring the surface"):
         level, every, covariance, other = _spheres(picture, design, bow, limit, mould)
     caps = [cap for cap in every if not cap.cause]
@@ -217,7 +224,7 @@ def measured_surface(
     x, y, height, radii = value[order].T
     variance = np.diagonal(covariance[order], axis1=1, axis2=2)
     return MadeSurface(
-        surface=Surface(place.position[order], height, radii, design.material, design.friction, design.block),
+        surface=design.only(site, position=place.position[order], height=height, radius=radii),
         design=design,
         site=site,
         height_sd=np.sqrt(variance[:, 2] + level.base_sd(x, y) ** 2),

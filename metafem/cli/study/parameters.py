@@ -205,8 +205,9 @@ def with_calibration(
         "composite_modulus": surface.material.composite_modulus,
     }
     if surface.friction is not None:
-        designed["area_ratio"] = surface.friction.area_ratio
-        designed["shear_strength"] = surface.friction.shear_strength
+        surface.refuse_coatings("--calibration")
+        designed["area_ratio"] = float(surface.friction.area_ratio)
+        designed["shear_strength"] = float(surface.friction.shear_strength)
     used = [i for i, name in enumerate(found.parameters) if name in designed]
     for i in used:
         name, sd, value = found.parameters[i], float(found.sd[i]), float(found.value[i])

@@ -179,7 +179,7 @@ def _linear(design: Design, tolerances: Tolerances) -> Linear | None:
     load = loads_of(design)
     try:
         found = model.sensitivity(surface, load)
-        return load, found.curve.checked().area, deviations(tolerances, surface, found.gradient)
+        return load, found.curve.checked().rescaled_friction, deviations(tolerances, surface, found.gradient)
     except MetafemError:  # the model has no solution at these loads
         return None
 

@@ -6,7 +6,6 @@ from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
 from metafem.explorer.certainty.figures import Figure, figures
 from metafem.files import planned
-from metafem.models.model import contact_of
 from metafem.notes import Note
 from metafem.report import all_notes
 
@@ -50,7 +49,7 @@ def part_problem(answer: Answer) -> str:
     if not answer.current or design is None or specification is None:
         return ""
     try:
-        planned(design.surface, design.template, specification.part, contact_of(design.law.model))
+        planned(design.surface, design.template, specification.part)
     except InvalidInput as error:
         return f"no part can be made: {error}"
     return ""

@@ -67,7 +67,7 @@ class Points:
         rows &= self.friction > 0.0
         if not rows.any():
             return 0.0, 0
-        achieved = np.interp(self.load[rows], law.rescaled_load, law.area)
+        achieved = np.interp(self.load[rows], law.rescaled_load, law.rescaled_friction)
         return float(np.sqrt(((achieved / self.friction[rows] - 1.0) ** 2).mean())), int(rows.sum())
 
     def words(self, design: Design | None) -> str:

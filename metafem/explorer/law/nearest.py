@@ -101,6 +101,6 @@ def _stated(
     stress: float | None = template.material.composite_modulus
     if not loads:
         pair = template.friction
-        stress = None if pair is None else pair.shear_strength * pair.area_ratio
+        stress = None if pair is None else pair.stress
     pairs = zip(values, like, strict=True)
     return [stated(float(value), other, stress, RESOLUTION) for value, other in pairs]

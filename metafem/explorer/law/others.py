@@ -73,7 +73,7 @@ def given(design: Design, name: str) -> tuple[Surface, Model, FloatArray]:
 def compared(design: Design, name: str, found: tuple[FloatArray, FloatArray]) -> Other:
     """Return the law `found` under another model, with its difference from the law of the design."""
     load, friction = found
-    own = design.law.area[::-EVERY][::-1]
+    own = design.law.rescaled_friction[::-EVERY][::-1]
     return Other(name, load, friction, float(np.sqrt(((friction / own - 1.0) ** 2).mean())))
 
 

@@ -9,8 +9,8 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.files import Specification
 from metafem.inversion import feasible_region
-from metafem.inversion.bounds import Bounds
-from metafem.inversion.limits import Radii
+from metafem.inversion.feasibility import bounds_of
+from metafem.inversion.tools.kit import chosen
 from metafem.models.model import contact_of
 
 # Number of loads of the band, and the smallest load as a fraction of the largest. The loads are spaced evenly
@@ -36,8 +36,8 @@ class Reach:
         template = specification.template
         count = template.count - sum(height is None for height in specification.pinned.values())
         key = (
-            *(count, float(template.radius[0]), template.material, specification.limits),
-            *(specification.radii, contact_of(specification.model)),
+            *(count, float(template.radius[0]), template.material, template.friction, specification.limits),
+            *(specification.tools, contact_of(specification.model)),
         )
         if key != self.key:
             self.key, self.band = key, band_of(specification, count)
@@ -47,16 +47,16 @@ class Reach:
 def band_of(specification: Specification, count: int) -> Band | None:
     """Return rescaled load, lowest and highest friction (k,) [mm^2] of `count` asperities, or None."""
     template = specification.template
-    members = {name: getattr(template, name)[:count] for name in ("position", "height", "radius")}
-    template = template.replaced(**members)
-    limits, radii, contact = specification.limits, specification.radii, contact_of(specification.model)
-    law = contact.for_material(template.material)
-    largest = Bounds(law, Radii.given(radii, template), count, 0.0).largest_load(limits)
+    if np.ndim(template.friction_weights):  # the bounds are those of one friction
+        return None
+    template = template.only(slice(count))
+    limits, tools, contact = specification.limits, specification.tools, contact_of(specification.model)
+    largest = bounds_of(*chosen(tools, template), contact, 0.0).largest_load(limits)
     if not 0.0 < largest < np.inf:
         return None
     load = largest * np.geomspace(LEAST, 1.0, LOADS)
     load[-1] = largest
-    low, high = feasible_region(template, load, limits, radii, contact)
+    low, high = feasible_region(template, load, limits, tools, contact)
     if not np.isfinite(high[:-1]).all():
         return None
     return load, low, high

@@ -54,7 +54,7 @@ class Units:
         """Return the units for a surface; rescaled units if it is None or has no friction."""
         if template is None or template.friction is None or not newtons:
             return cls()
-        stress = template.friction.shear_strength * template.friction.area_ratio
+        stress = template.friction.stress
         return cls(template.material.composite_modulus, stress, True)
 
     def axes(self) -> dict[str, dict[str, str]]:

@@ -59,7 +59,7 @@ def _words(design: Design, state: ContactState) -> str:
 
 
 def _sensitivity(design: Design, rescaled_load: float, state: ContactState) -> dict[str, Any]:
-    """Return the sensitivities 100 (dF/dh) / F = 100 (dA0/dh) / A0 [% per um] at the sites, and a note.
+    """Return the sensitivities 100 (dF/dh) / F [% per um] at the sites, and a note.
 
     A model without derivatives uses the derivatives of its `gradient_model`, which the note names.
     """
@@ -67,6 +67,6 @@ def _sensitivity(design: Design, rescaled_load: float, state: ContactState) -> d
     if not state.area > 0.0:
         return {"sensitivity": at_sites(design, np.zeros(design.surface.count), 0), "note": ""}
     found = model.sensitivity(design.surface, np.array([rescaled_load]))
-    share = PERCENT * found.gradient[0] / (found.curve.area[0] * MICROMETRES)
+    share = PERCENT * found.gradient[0] / (found.curve.rescaled_friction[0] * MICROMETRES)
     note = "" if model == design.law.model else f"Sensitivities are those of the model {model.name}."
     return {"sensitivity": at_sites(design, share, SENSITIVITY_DECIMALS), "note": note}

@@ -68,12 +68,22 @@ class Document:
         """Return the text with a section changed to another kind.
 
         `values` are the keys and values of the new section. Default: the present values of the keys that the
-        new kind has, and the examples of the manual for missing required keys. All other keys are removed.
+        new kind has, and the examples of the manual for missing required keys. Lists whose lengths differ
+        from those of the added lists are replaced by the examples. All other keys are removed.
         """
         now = self.value(section)
         present = now if isinstance(now, dict) else {}
         if values is None:
             kept = {name: value for name, value in present.items() if name in key_order(section, kind)}
+            sizes = {
+                len(value) for value in _examples(section, kind, kept).values() if isinstance(value, list)
+            }
+            if sizes:
+                kept = {
+                    name: value
+                    for name, value in kept.items()
+                    if not isinstance(value, list) or len(value) in sizes
+                }
             values = {**kept, **_examples(section, kind, kept)}
         keys = {"kind": kind, **dict.fromkeys(name for name in present if name != "kind"), **values}
         keys["kind"] = kind

@@ -112,7 +112,8 @@ def typed_value(form: KeyForm, typed: str) -> Any:
     ([8, 12], '1.5')
     """
     if not form.listed:
-        return _typed_entry(form, typed)
+        several = form.several and ", " in typed  # one value for each site
+        return _typed_list(form, typed.strip("[] ")) if several else _typed_entry(form, typed)
     # take groups out first, so that their commas do not separate entries of the list
     groups = [_typed_list(form, group[1:-1]) for group in GROUPS.findall(typed)] if form.pairs else []
     rest = GROUPS.sub("[]", typed) if form.pairs else typed.strip().removeprefix("[").removesuffix("]")

@@ -8,7 +8,7 @@ from metafem.errors import InvalidInput
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.lines import LineHandles
 from metafem.explorer.text.marks import Handle, Marks, Scene
-from metafem.explorer.text.points import PointHandles
+from metafem.explorer.text.points import BandCurves, PointHandles
 from metafem.explorer.text.power import PowerHandles
 from metafem.explorer.text.shape import Shape
 from metafem.files import Specification
@@ -30,6 +30,7 @@ MARKS: dict[str, type[Marks]] = {
     "bilinear": LineHandles,
     "multilinear": LineHandles,
     "power": PowerHandles,
+    "band": BandCurves,
 }
 
 

@@ -31,10 +31,14 @@ NAMES: Mapping[str, str] = {
     "multilinear": "several branches (multilinear)",
     "power": "power law",
     "sampled": "curve (sampled)",
+    "band": "between two curves (band)",
 }
 
 # Numbers of operating points to try, in this order, and the number of samples of a law.
 POINTS, SAMPLES = (4, 3, 2, 1), 8
+
+# Half-width of a band around the law of the last design, relative to the law.
+HALF_WIDTH = 0.05
 
 # Relative resolution of a target after a change of units. The change of the law is too small to see.
 RESTATED = 1e-6
@@ -105,7 +109,7 @@ def _near(
     wording, template, first = scene.target.wording, specification.template, ""
     law, low, high = _present(design)
     for numbers in ATTEMPTS[kind](law, low, high):
-        if "rescaled_load" in numbers:
+        if "rescaled_friction" in numbers:
             numbers = _with_bends(numbers, law, scene.target)
         found = document.with_kind("target", kind, _written(numbers, scene, wording, resolution))
         first = first or found
@@ -128,7 +132,7 @@ def restated(document: Document, specification: Specification, newtons: bool) ->
     wording = (
         RESCALED if friction is None or not newtons else Wording.of(specification.template.material, friction)
     )
-    names = ("rescaled_load", "rescaled_friction", "slope", "slopes")
+    names = ("rescaled_load", "rescaled_friction", "lowest", "highest", "slope", "slopes")
     given = {name: getattr(scene.target, name, None) for name in names}
     numbers = {name: np.asarray(value).tolist() for name, value in given.items() if value is not None}
     return _written(numbers, scene, wording, RESTATED)
@@ -169,6 +173,12 @@ def _sampled(law: Law, low: float, high: float) -> Iterator[Numbers]:
     yield {"rescaled_load": load.tolist(), "rescaled_friction": law(load).tolist()}
 
 
+def _band(law: Law, low: float, high: float) -> Iterator[Numbers]:
+    load = np.geomspace(low, high, SAMPLES)
+    lowest, highest = ((factor * law(load)).tolist() for factor in (1.0 - HALF_WIDTH, 1.0 + HALF_WIDTH))
+    yield {"rescaled_load": load.tolist(), "lowest": lowest, "highest": highest}
+
+
 def _linear(law: Law, low: float, high: float) -> Iterator[Numbers]:
     yield {"slope": _slope(law, low, high)}
 
@@ -206,6 +216,7 @@ ATTEMPTS: dict[str, Callable[[Law, float, float], Iterator[Numbers]]] = {
     "sampled": _sampled,
     "power": _power,
     "multilinear": _multilinear,
+    "band": _band,
 }
 
 
@@ -225,6 +236,9 @@ def _written(numbers: Numbers, scene: Scene, wording: Wording, resolution: float
             found[key] = [scene.load(load, like, resolution) for load in value]
         elif name == "rescaled_friction":
             key, like = ("friction_force", "1 N") if forces else (name, "1 mm^2")
+            found[key] = [scene.friction(friction, like, resolution) for friction in value]
+        elif name in ("lowest", "highest"):
+            key, like = (f"{name}_force", "1 N") if forces else (name, "1 mm^2")
             found[key] = [scene.friction(friction, like, resolution) for friction in value]
         elif name == "exponent":
             found[name] = rounded(value, resolution)

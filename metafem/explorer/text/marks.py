@@ -73,7 +73,7 @@ class Scene:
     def friction_stress(self) -> float | None:
         """Force per rescaled friction [MPa]: sigma B; None without a friction."""
         friction = self.specification.template.friction
-        return None if friction is None else friction.shear_strength * friction.area_ratio
+        return None if friction is None else friction.stress
 
     def load(self, rescaled: float, like: str, resolution: float) -> str:
         """Return a rescaled load [mm^2] as a quantity in the unit of the quantity `like`."""

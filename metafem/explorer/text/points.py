@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from metafem.errors import InvalidInput
 from metafem.explorer.text.marks import Handle, Marks
 from metafem.explorer.text.shape import Shape
@@ -116,3 +118,17 @@ class PointHandles(Marks):
             names[1]: [scene.friction(friction, like, EXACT) for friction in frictions],
             **(more if error is None else {"relative_error": error.tolist()}),
         }
+
+
+class BandCurves(Marks):
+    """The two curves of a band, without handles."""
+
+    def handles(self) -> tuple[Handle, ...]:
+        """Return no handles; the values are edited in the text."""
+        return ()
+
+    def shape(self) -> Shape:
+        """Return the two curves, with a gap between them."""
+        target: Any = self.scene.target
+        load, gap = target.rescaled_load, [math.nan]
+        return Shape(np.concatenate([load, gap, load]), np.concatenate([target.lowest, gap, target.highest]))

@@ -37,23 +37,31 @@ def with_choice(text: str, section: str, choice: int, specification: Specificati
             values[f"{section}.{key.name}"] = same.get(key.name, key.example)
         elif key.choice not in (None, choice) and key.name in given:
             values[f"{section}.{key.name}"] = None
+    if section == "tools":  # exponents are those of caps of the lattice's radius
+        exponents = values.get("tools.exponent_range", given.get("exponent_range"))
+        values["lattice.radius"] = None if exponents is None else _radius(document)
     return document.with_values(values)
 
 
 def with_section(text: str, section: str) -> str:
-    """Return the text with an optional section; the section ``radii`` replaces the key ``lattice.radius``."""
+    """Return the text with an optional section; radii of the section ``tools`` replace ``lattice.radius``."""
     text = fields.with_section(text, section)
-    return Document(text).without("lattice.radius") if section == "radii" else text
+    return Document(text).without("lattice.radius") if section == "tools" else text
 
 
 def without_section(text: str, section: str) -> str:
-    """Return the text without an optional section; an example ``lattice.radius`` replaces ``radii``."""
+    """Return the text without an optional section; an example ``lattice.radius`` replaces ``tools``."""
     text = fields.without_section(text, section)
     document = Document(text)
-    if section != "radii" or document.value("lattice.radius") is not None:
+    if section != "tools" or document.value("lattice.radius") is not None:
         return text
-    example = next(key.example for key in _keys(document, "lattice") if key.name == "radius")
-    return document.with_value("lattice.radius", example)
+    return document.with_value("lattice.radius", _radius(document))
+
+
+def _radius(document: Document) -> Any:
+    """Return the radius in the text, or the example of the manual."""
+    given = document.value("lattice.radius")
+    return given or next(key.example for key in _keys(document, "lattice") if key.name == "radius")
 
 
 def _keys(document: Document, section: str) -> tuple[KeyForm, ...]:

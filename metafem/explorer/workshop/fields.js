@@ -127,7 +127,7 @@ export default {
     },
     fields(part) {
       const choice = this.choice(part);
-      return this.keys(part).filter((field) => (field.key !== "lattice.radius" || field.key in this.values || !this.present.includes("radii")) && (field.choice === null || field.choice === choice || field.key in this.values));
+      return this.keys(part).filter((field) => (field.key !== "lattice.radius" || field.key in this.values || !this.present.includes("tools") || "tools.exponent_range" in this.values) && (field.choice === null || field.choice === choice || field.key in this.values));
     },
     brief(part) {  // what a closed section holds
       if (!this.present.includes(part.name)) return "not used";

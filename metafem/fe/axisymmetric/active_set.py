@@ -12,7 +12,7 @@ from skfem import Basis, BilinearForm, ElementQuad1, ElementQuad2, ElementVector
 
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
-from metafem.contact.cap_geometry import sphere_profile
+from metafem.caps.shapes import sphere_profile
 from metafem.errors import NotConverged, refuse_if
 from metafem.fe.axisymmetric.geometry import Cap, checked_cap
 from metafem.fe.axisymmetric.mesh import named, uniform_mesh

@@ -10,7 +10,7 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.contact.cap_geometry import foot_radius
+from metafem.caps.shapes import foot_radius
 from metafem.errors import refuse_if
 
 # Imaginary step h of the derivatives: f(x + i h) = f(x) + i h f'(x) has no cancellation.

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from metafem import _validate as check
+from metafem.caps.shapes import sphere_profile
 from metafem.contact import Hertz
-from metafem.contact.cap_geometry import sphere_profile
 from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.fe.axisymmetric.geometry import Cap, Flat, Oblate, checked_cap
 from metafem.fe.axisymmetric.mesh import graded_mesh, half_space_mesh

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
+from metafem.caps.shapes import sphere_profile
 from metafem.contact import TabulatedContact
-from metafem.contact.cap_geometry import sphere_profile
 from metafem.errors import NotConverged, refuse_if
 from metafem.fe.axisymmetric.geometry import Cap, checked_cap
 from metafem.fe.axisymmetric.mesh import graded_mesh

@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
-from metafem.contact.cap_geometry import SPHERES, CapShape
+from metafem.caps import SPHERE, Cap
 from metafem.errors import MetafemError
 from metafem.surface import Block, Surface
 
@@ -60,8 +60,8 @@ def mirrored(points: FloatArray) -> FloatArray:
     return result
 
 
-def block_mesh(surface: Surface, block: Block, chord_error: float, shape: CapShape = SPHERES) -> Mesh:
-    """Return the mesh of the part: a block with caps of a shape, and its base plane at z = 0.
+def block_mesh(surface: Surface, block: Block, chord_error: float) -> Mesh:
+    """Return the mesh of the part: a block with caps, and its base plane at z = 0.
 
     The base circles of the caps must not overlap and must lie within the block. The chord error is the
     largest depth of a face below its cap [mm].
@@ -74,7 +74,7 @@ def block_mesh(surface: Surface, block: Block, chord_error: float, shape: CapSha
     >>> mesh.closed, round(float(mesh.vertices[:, 2].max()), 12)
     (True, 0.1)
     """
-    mesh = _welded(surface, block, chord_error, shape)
+    mesh = _welded(surface, block, chord_error)
     if not mesh.closed:
         raise MetafemError("the mesh of the part is not closed; the part files were not written")
     return mesh
@@ -92,29 +92,27 @@ def mould_mesh(part: Mesh, surface: Surface, block: Block) -> Mesh:
     return Mesh(mirrored(vertices) * (1.0, 1.0, -1.0), part.faces[:, ::-1])
 
 
-def triangle_count(
-    height: FloatArray, radius: FloatArray, chord_error: float, shape: CapShape = SPHERES
-) -> int:
+def triangle_count(height: FloatArray, radius: FloatArray, chord_error: float, cap: Cap = SPHERE) -> int:
     """Return the number of triangles of a part, which is also that of its mould, without meshing it.
 
     A triangulated plane with V vertices and n holes has ``V + 2 n - 2`` triangles.
     """
-    rings = ring_count(height, radius, chord_error, shape)
+    rings = ring_count(height, radius, chord_error, cap)
     plane = 4 + 6 * rings.sum() + 2 * len(rings) - 2
     return int(6 * (rings**2).sum() + plane + len(_BOX))
 
 
-def _welded(surface: Surface, block: Block, chord_error: float, shape: CapShape) -> Mesh:
+def _welded(surface: Surface, block: Block, chord_error: float) -> Mesh:
     """Return one mesh of the caps, the base plane between their rims, and the block below."""
     x, y = 0.5 * block.width, 0.5 * block.length
     corners = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
     vertices = [np.column_stack([corners, np.full(4, z)]) for z in (0.0, -block.thickness)]
     faces, outline, points = [_BOX], [np.arange(4)], [1, 1, 1, 1]
     count = _CORNERS
-    every = ring_count(surface.height, surface.radius, chord_error, shape)
+    every = ring_count(surface.height, surface.radius, chord_error, surface.cap)
     for rings in np.unique(every).tolist():
         which = np.flatnonzero(every == rings)
-        caps = cap_vertices(surface.height[which], surface.radius[which], rings, shape)
+        caps = cap_vertices(surface.height[which], surface.radius[which], rings, surface.cap.at(which))
         caps[:, :, :2] += surface.position[which, None]
         size = caps.shape[1]
         first = count + size * np.arange(len(which))
@@ -147,14 +145,12 @@ def _plane(points: FloatArray, owner: IntArray) -> IntArray:
     return outward
 
 
-def ring_count(
-    height: FloatArray, radius: FloatArray, chord_error: float, shape: CapShape = SPHERES
-) -> IntArray:
+def ring_count(height: FloatArray, radius: FloatArray, chord_error: float, cap: Cap = SPHERE) -> IntArray:
     """Return the number of rings of each cap, (n,), with which its faces keep the chord error [mm]."""
-    return np.maximum(_FEWEST, np.ceil(shape.ring_count(height, radius, chord_error))).astype(np.int64)
+    return np.maximum(_FEWEST, np.ceil(cap.ring_count(height, radius, chord_error))).astype(np.int64)
 
 
-def cap_vertices(height: FloatArray, radius: FloatArray, rings: int, shape: CapShape = SPHERES) -> FloatArray:
+def cap_vertices(height: FloatArray, radius: FloatArray, rings: int, cap: Cap = SPHERE) -> FloatArray:
     """Return the vertices of caps with their summits above the origin [mm], (n, m, 3).
 
     The vertices are the summit and rings of 6, 12, 18, ... points, at equal distances along the meridian from
@@ -165,7 +161,7 @@ def cap_vertices(height: FloatArray, radius: FloatArray, rings: int, shape: CapS
     ring = np.repeat(np.arange(rings + 1), size)
     place = np.arange(len(ring)) - np.repeat(np.cumsum(size) - size, size)
     turn = 2.0 * math.pi * place / size[ring]
-    across, z = shape.rings(height, radius, rings)
+    across, z = cap.rings(height, radius, rings)
     return np.stack([across[:, ring] * np.cos(turn), across[:, ring] * np.sin(turn), z[:, ring]], axis=2)
 
 

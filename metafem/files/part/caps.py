@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.contact.cap_geometry import SPHERES, CapShape
+from metafem.caps import SPHERE, Caps
 from metafem.errors import InvalidInput, refuse_if
 from metafem.surface import Block, Surface
 
@@ -46,35 +46,38 @@ def alignment_positions(template: Surface) -> FloatArray:
     return np.array([(west, south), (east, south), (west, north), (east, north)])
 
 
-def with_alignment(
-    surface: Surface, template: Surface, height: float | None, shape: CapShape = SPHERES
-) -> Surface:
+def with_alignment(surface: Surface, template: Surface, height: float | None) -> Surface:
     """Return the asperities of a part, followed by four alignment asperities of `height` [mm].
 
-    If `height` is None, the part has no alignment asperities. Otherwise these have the smallest radius in use
-    with which a cap can have this height (a sphere needs a radius of at least the height). The part then
-    needs no further tool, and its alignment asperities are as narrow as its tools allow. Raise InvalidInput
+    If `height` is None, the part has no alignment asperities. Otherwise these have the cap and the
+    radius in use with the smallest radius with which a cap can have this height (a sphere needs a radius of
+    at least the height). The part then needs no further tool. Raise InvalidInput
     if the height does not exceed the tallest summit, or if no cap can have this height.
     """
     if height is None:
         return surface
-    tallest, most = float(surface.height.max()), shape.tallest(surface.radius)
+    tallest, most = float(surface.height.max()), surface.cap.tallest(surface.radius)
     given: dict[str, Any] = {"key": "part.alignment_height", "value": f"{height:g} mm"}
     must = f"must exceed the tallest summit, {tallest:g} mm, so that the alignment asperities touch first"
     refuse_if(height <= tallest, f"{must}; raise it, or {LEAVE_OUT}", **given)
     limit = f"the largest radius in use, {most.max():g} mm; a cap is at most as high as its radius"
-    if shape is not SPHERES:
+    if surface.cap != SPHERE:
         limit = f"{most.max():.4g} mm, where the profile of the caps ends"
     refuse_if(height > most.max(), f"exceeds {limit}; lower it, or {LEAVE_OUT}", **given)
-    radius = float(surface.radius[most >= height].min())
+    high = np.flatnonzero(most >= height)
+    used = int(high[surface.radius[high].argmin()])
+    every = [surface.cap.one(i) for i in (*range(surface.count), *[used] * 4)]
     return surface.replaced(
         position=np.vstack([surface.position, alignment_positions(template)]),
         height=np.append(surface.height, np.full(4, height)),
-        radius=np.append(surface.radius, np.full(4, radius)),
+        radius=np.append(surface.radius, np.full(4, surface.radius[used])),
+        cap=Caps.of(every),
+        friction=None,
+        cell=None,  # the alignment asperities do not repeat
     )
 
 
-def refuse_impossible(surface: Surface, block: Block, asperities: int, shape: CapShape = SPHERES) -> None:
+def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
     """Raise InvalidInput if a cap cannot have its height, overlaps another cap or leaves the block.
 
     The first `asperities` caps are those of the design, and all others are for alignment.
@@ -94,15 +97,15 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int, shape: Ca
         return InvalidInput(why, key="part.alignment_height", value=f"{h[-1]:g} mm")
 
     h, R = surface.height, surface.radius
-    most = shape.tallest(R)
+    most = surface.cap.tallest(R)
     for i in np.flatnonzero((h <= 0.0) | (h > most))[:1]:
         needs = (
             f"a cap of radius {R[i]:g} mm needs a height above 0 and at most its radius"
-            if shape is SPHERES
+            if surface.cap.one(i) == SPHERE
             else f"a cap needs a height above 0 and at most {most[i]:.4g} mm, where its profile ends"
         )
         raise CannotBeMade(f"{name(i)} has the height {h[i]:g} mm; {needs}", "limits.max_height")
-    base = shape.foot_radius(h, R)
+    base = surface.cap.foot_radius(h, R)
     room = 0.5 * np.array([block.width, block.length])
     ends = np.abs(surface.position) + base[:, None]
     for i in np.flatnonzero((ends >= room).any(axis=1))[:1]:
@@ -119,8 +122,10 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int, shape: Ca
     for row in np.flatnonzero(distance <= base[pairs].sum(axis=1))[:1]:
         i, j = pairs[row]
         remedy = "increase the pitch or lower the summits"
-        if R[i] == R[j]:
-            top = _rounded(float(shape.depth_at(np.array(0.5 * distance[row]), float(R[i]))), False)
+        if R[i] == R[j] and surface.cap.one(i) == surface.cap.one(j):
+            top = _rounded(
+                float(surface.cap.one(i).depth_at(np.array(0.5 * distance[row]), float(R[i]))), False
+            )
             remedy += f": with this pitch and radius they can be {top:g} mm high above the base plane"
         raise refused(
             f"{name(i)} and {name(j)} overlap: their caps have base radii of {base[i]:g} and {base[j]:g} mm",

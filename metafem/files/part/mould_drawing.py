@@ -12,10 +12,9 @@ from html import escape
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.contact import Contact
-from metafem.contact.cap_geometry import SPHERES
+from metafem.caps import SPHERE, Caps
+from metafem.files.caps import cap_text
 from metafem.files.part.block import mirrored
-from metafem.models.model import PARABOLOID
 from metafem.surface import Block, Surface
 
 # Scales of ISO 5455, largest first, and the largest side of the plan view, for an A3 sheet [mm].
@@ -55,18 +54,17 @@ _TOOLS = (
 _SAME = 1e-9
 
 
-def mould_drawing(surface: Surface, asperities: int, block: Block, contact: Contact = PARABOLOID) -> str:
+def mould_drawing(surface: Surface, asperities: int, block: Block) -> str:
     """Return the drawing of a mould, seen from its open face, as the text of an SVG file.
 
-    The first `asperities` caps of the surface are those of the design, and all others are for alignment. The
-    contact law determines the shape of the caps.
+    The first `asperities` caps of the surface are those of the design, and all others are for alignment.
     """
     position = mirrored(surface.position)
     scale = next((s for s in _SCALES if s * max(block.width, block.length) <= _PLAN), _SCALES[-1])
     wide, high = scale * block.width, scale * block.length
     left = _LEFT + 0.5 * max(_NARROWEST - _LEFT - _RIGHT - wide, 0.0)
     tools = _tools(surface)
-    notes = _notes(surface, asperities, block, scale, contact)
+    notes = _notes(surface, asperities, block, scale)
     bottom = _TOP + high
     sheet = (max(_NARROWEST, _LEFT + wide + _RIGHT), bottom + _BELOW + _LINE * (len(notes) + len(tools) + 1))
     lines = [
@@ -81,7 +79,7 @@ def mould_drawing(surface: Surface, asperities: int, block: Block, contact: Cont
         _centre_lines(left, wide, high),
     ]
     x, y = left + 0.5 * wide + scale * position[:, 0], _TOP + 0.5 * high - scale * position[:, 1]
-    rim = scale * contact.shape().foot_radius(surface.height, surface.radius)
+    rim = scale * surface.cap.foot_radius(surface.height, surface.radius)
     for (colour, dashes), (which, _) in zip(_TOOLS, tools, strict=False):
         lines.append(f'<g stroke="{colour}" stroke-width=".25" stroke-dasharray="{dashes or "none"}">')
         lines += [f'<circle cx="{x[i]:.6g}" cy="{y[i]:.6g}" r="{rim[i]:.3g}"/>' for i in which]
@@ -122,15 +120,18 @@ def _tools(surface: Surface) -> list[tuple[list[int], str]]:
 
     If there are more tools than line styles, all tools are described as one.
     """
-    radii = np.unique(surface.radius)
-    if len(radii) > len(_TOOLS):
-        words = f"{surface.count} holes, {len(radii)} tool radii R from {radii[0]:.6g} to {radii[-1]:.6g}"
+    radii, mixed = np.unique(surface.radius), isinstance(surface.cap, Caps)
+    every = [(float(r), surface.cap.one(i) if mixed else None) for i, r in enumerate(surface.radius)]
+    kinds = sorted(set(every), key=repr)
+    if len(kinds) > len(_TOOLS):
+        words = f"{surface.count} holes, {len(kinds)} tools, radii R from {radii[0]:.6g} to {radii[-1]:.6g}"
         return [(list(range(surface.count)), f"{words}, {_depths(surface.height)}")]
     tools = []
-    for radius in radii:
-        which = np.flatnonzero(surface.radius == radius)
-        depth = _depths(surface.height[which])
-        tools.append((which.tolist(), f"{len(which)} holes, tool radius R {radius:.6g}, {depth}"))
+    for kind in kinds:
+        radius, cap = kind
+        which = [i for i, own in enumerate(every) if own == kind]
+        depth, shape = _depths(surface.height[which]), f", {cap_text(cap)}" if cap else ""
+        tools.append((which, f"{len(which)} holes, tool radius R {radius:.6g}{shape}, {depth}"))
     return tools
 
 
@@ -139,7 +140,7 @@ def _depths(height: FloatArray) -> str:
     return f"depth {low:.5g}" if low == high else f"depths from {low:.5g} to {high:.5g}"
 
 
-def _notes(surface: Surface, asperities: int, block: Block, scale: float, contact: Contact) -> list[str]:
+def _notes(surface: Surface, asperities: int, block: Block, scale: float) -> list[str]:
     ratio = f"{scale:g}:1" if scale >= 1.0 else f"1:{1.0 / scale:g}"
     rows = "by its number" if surface.count <= _MOST_NUMBERED else "one row for each"
     notes = [
@@ -148,8 +149,8 @@ def _notes(surface: Surface, asperities: int, block: Block, scale: float, contac
         f"Position, depth and tool radius of each hole: mould.csv, {rows}.",
         f"Depths are below the face; the part above it is {block.thickness:.7g} thick.",
     ]
-    if contact.shape() is not SPHERES:
-        notes.insert(3, f"The holes are no spheres: their profile is that of {contact!r}.")
+    if surface.cap != SPHERE:
+        notes.insert(3, f"Profile of the holes: {surface.cap!r}.")
     if asperities < surface.count:
         notes.insert(3, "Holes with a cross: alignment asperities, which are cut off the part in the end.")
     return notes

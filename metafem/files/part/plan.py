@@ -10,14 +10,12 @@ from typing import Any
 from metafem import _validate as check
 from metafem._given import shown
 from metafem._values import MICROMETRES
-from metafem.contact import Contact
-from metafem.contact.cap_geometry import SPHERES
+from metafem.caps import SPHERE
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.part.block import block_mesh, mould_mesh, triangle_count
 from metafem.files.part.caps import refuse_impossible, with_alignment
 from metafem.files.part.formats import WRITERS, stl_size
 from metafem.files.part.mould_drawing import mould_drawing
-from metafem.models.model import PARABOLOID
 from metafem.notes import Note, information
 from metafem.progress import doing, message
 from metafem.surface import Block, Surface
@@ -83,19 +81,16 @@ class Part:
     block: Block
     chord_error: float  # [mm]
     options: PartOptions
-    contact: Contact  # contact law, which determines the shape of the caps
 
     @cached_property
     def triangles(self) -> int:
         """Number of triangles of the part, and of its mould."""
-        return triangle_count(
-            self.surface.height, self.surface.radius, self.chord_error, self.contact.shape()
-        )
+        return triangle_count(self.surface.height, self.surface.radius, self.chord_error, self.surface.cap)
 
     @property
     def caps(self) -> str:
         """Description of the caps."""
-        return "spheres" if self.contact.shape() is SPHERES else "caps"
+        return "spheres" if self.surface.cap == SPHERE else "caps"
 
     def record(self) -> dict[str, Any]:
         """Return chord error, number of triangles and names of the files, for JSON."""
@@ -118,7 +113,7 @@ class Part:
     def write(self, folder: Path) -> None:
         """Write the solids and the drawing of the mould into a folder."""
         (folder / "mould.svg").write_text(
-            mould_drawing(self.surface, self.asperities, self.block, self.contact),
+            mould_drawing(self.surface, self.asperities, self.block),
             encoding="utf-8",
             newline="\n",
         )
@@ -126,7 +121,7 @@ class Part:
             return
         message(self.size())
         with doing("meshing the part"):
-            block = block_mesh(self.surface, self.block, self.chord_error, self.contact.shape())
+            block = block_mesh(self.surface, self.block, self.chord_error)
             mould = mould_mesh(block, self.surface, self.block)
         with doing("writing the part"):
             for kind in self.options.formats:
@@ -134,24 +129,20 @@ class Part:
                 WRITERS[kind](mould, folder / f"mould.{kind}", "mould")
 
 
-def planned(
-    surface: Surface, template: Surface, options: PartOptions, contact: Contact = PARABOLOID
-) -> Part | None:
+def planned(surface: Surface, template: Surface, options: PartOptions) -> Part | None:
     """Return the part of a surface, or None if the surface has no block.
-
-    The contact law determines the shape of the caps.
 
     Raises
     ------
     InvalidInput
         If a cap cannot be made, or if the chord error needs too many triangles.
     """
-    whole = with_alignment(surface, template, options.alignment_height, contact.shape())
+    whole = with_alignment(surface, template, options.alignment_height)
     if surface.block is None:
         return None
-    refuse_impossible(whole, surface.block, surface.count, contact.shape())
+    refuse_impossible(whole, surface.block, surface.count)
     fine = FINE * float(whole.radius.min())
-    part = Part(whole, surface.count, surface.block, options.chord_error or fine, options, contact)
+    part = Part(whole, surface.count, surface.block, options.chord_error or fine, options)
     if options.chord_error is None:
         while part.triangles > MOST_BY_DEFAULT and part.chord_error < float(whole.radius.max()):
             part = replace(part, chord_error=COARSER * part.chord_error)

@@ -89,7 +89,9 @@ def _recomputed(design: Design, path: Path, changed: bool) -> tuple[Design, list
 
 def _same_law(design: Design, again: Design) -> bool:
     stated, found = design.law, again.law
-    return _same(stated.rescaled_load, found.rescaled_load) and _same(stated.area, found.area)
+    return _same(stated.rescaled_load, found.rescaled_load) and _same(
+        stated.rescaled_friction, found.rescaled_friction
+    )
 
 
 def _other_target(design: Design) -> str:

@@ -14,6 +14,7 @@ from types import MappingProxyType
 from typing import Any
 
 from metafem import _validate as check
+from metafem.contact.by_profile import cap_of
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.atomic import digest, earlier_result, staged
 from metafem.files.part.caps import with_alignment
@@ -109,7 +110,7 @@ def write_all(
     """Write all files of a design into an existing folder; return the part, or None without a block."""
     surface = design.surface
     options = part or (PartOptions() if specification is None else specification.part)
-    made = planned(surface, design.template, options, contact_of(design.law.model))
+    made = planned(surface, design.template, options)
     texts = {
         "design.json": json.dumps(_record(design, specification, made, options), indent=1, allow_nan=False)
         + "\n",
@@ -132,8 +133,7 @@ def write_all(
 
 def result_tables(design: Design, part: PartOptions) -> dict[str, str]:
     """Return the texts of a design's tables by file name: its summits, its law and the holes of its mould."""
-    shape = contact_of(design.law.model).shape()
-    whole = with_alignment(design.surface, design.template, part.alignment_height, shape)
+    whole = with_alignment(design.surface, design.template, part.alignment_height)
     return {
         "heights.csv": heights_table(design.surface, design.sites),
         "law.csv": law_table(design.law),
@@ -180,6 +180,10 @@ def load_compared(folder: str | Path) -> tuple[Design, tuple[Note, ...]]:
     with damaged(path):
         design = from_record(record.get("design"), "design")
         refuse_if(not isinstance(design, Design), "it holds no design")
+        if "cap" not in record["design"]["surface"]:  # of an earlier version: the contact law had the cap
+            cap = cap_of(contact_of(design.law.model))
+            parts = {name: getattr(design, name).replaced(cap=cap) for name in ("surface", "template")}
+            design = replace(design, **parts)
     return compared(design, Path(folder))
 
 

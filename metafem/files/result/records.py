@@ -14,7 +14,7 @@ from typing import Any, cast, get_type_hints
 import numpy as np
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
-from metafem import contact, inversion, models, notes, prediction, substrate, surface
+from metafem import caps, contact, inversion, models, notes, prediction, substrate, surface
 from metafem._given import printable, shown
 from metafem._validate import plain
 from metafem.contact import TabulatedContact, flattened
@@ -25,7 +25,7 @@ from metafem.models.curve import ModelError
 
 # Modules whose dataclasses and enums may occur in a record.
 MODULES = (
-    *(surface, contact, flattened, substrate, models, prediction, notes),
+    *(surface, caps, contact, flattened, substrate, models, prediction, notes),
     *(inversion, candidate, height_density, wording),
 )
 TYPES: Mapping[str, type] = {
@@ -40,8 +40,19 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
     "TabulatedContact": lambda table, material: TabulatedContact(*table, material=material),
     "ModelError": lambda value, **rest: ModelError(math.nan if value is None else value, **rest),
 }
+# Targets, whose quantity earlier versions did not write.
+TARGETS = ("OperatingPoints", "SampledLaw", "PowerLaw", "LinearLaw", "BilinearLaw", "MultilinearLaw", "Band")
 # Members that earlier versions did not write; they have a default.
-ADDED: Mapping[str, set[str]] = {"FrictionLaw": {"model_error"}}
+ADDED: Mapping[str, set[str]] = {
+    "FrictionLaw": {"model_error", "cell", "friction_area"},
+    "Surface": {"cap", "cell"},
+    "TargetLaw": {"ends"},
+    "Wording": {"quantity"},
+    **{name: {"of"} for name in TARGETS},
+    "Tolerances": {"exponent_sd", "coefficient_sd"},
+}
+# Members that earlier versions wrote with another name.
+RENAMED: Mapping[str, Mapping[str, str]] = {"Design": {"radii": "tools"}}
 # Types whose modules are imported only when a record contains the type.
 LATE: Mapping[str, str] = {"Block3D": "metafem.fe"}
 ARRAYS = ("float64", "int64")
@@ -117,6 +128,8 @@ def from_record(record: Any, name: str = "record") -> Any:
 def _made(kind: Any, record: dict[str, Any], name: str) -> Any:
     """Return the instance of a class that a record describes; the class checks the members."""
     title = kind.__name__
+    names = RENAMED.get(title, {})
+    record = {names.get(key, key): member for key, member in record.items()}
     given, known = record.keys() - {"type"}, _members(kind).keys()
     differing = (given ^ known) - ADDED.get(title, set())
     if differing:

@@ -10,16 +10,19 @@ import numpy as np
 
 from metafem._validate import IntArray
 from metafem.calibration import MadeSurface
+from metafem.caps import SPHERE, Caps
 from metafem.errors import named, refuse_if
+from metafem.files.caps import cap_named, cap_text
 from metafem.files.part.block import mirrored
-from metafem.files.tables import Columns
+from metafem.files.tables import Columns, Entries
 from metafem.inversion import Design
 from metafem.prediction import FrictionLaw, equilibrium, tables
 from metafem.surface import Block, Friction, Material, Surface
 
 # Columns of a table of summits. metafem writes the site and standard deviations, but reading needs neither.
 COLUMNS = Columns(
-    "site,x_mm,y_mm,height_um,radius_um,sd_position_mm,sd_height_mm,sd_radius_mm",
+    "site,x_mm,y_mm,height_um,radius_um,cap,shear_strength_MPa,area_ratio,"
+    "sd_position_mm,sd_height_mm,sd_radius_mm",
     ("x,y,height",),
     "summit",
     "x_mm,y_mm,height_um,radius_um (or in other units)",
@@ -33,8 +36,12 @@ DIGITS = 13
 
 
 def heights_table(surface: Surface, sites: IntArray) -> str:
-    """Return the text of heights.csv: site in the template, position, height and radius of each summit."""
-    return csv(HEIGHTS, zip(sites.tolist(), *_columns(surface), strict=True))
+    """Return the text of heights.csv: site in the template, position, height and radius of each summit.
+
+    If the caps are not spheres or the frictions differ, they follow.
+    """
+    more = {**_caps(surface), **_frictions(surface)}
+    return csv((*HEIGHTS, *more), zip(sites.tolist(), *_columns(surface), *more.values(), strict=True))
 
 
 def made_table(made: MadeSurface, sites: IntArray) -> str:
@@ -43,8 +50,9 @@ def made_table(made: MadeSurface, sites: IntArray) -> str:
     `sites` are the sites of the design's asperities.
     """
     errors = (each.tolist() for each in (made.position_sd, made.height_sd, made.radius_sd))
-    rows = zip(sites[made.site].tolist(), *_columns(made.surface), *errors, strict=True)
-    return csv((*HEIGHTS, "sd_position_mm", "sd_height_mm", "sd_radius_mm"), rows)
+    more = {**_caps(made.surface), **_frictions(made.surface)}
+    rows = zip(sites[made.site].tolist(), *_columns(made.surface), *more.values(), *errors, strict=True)
+    return csv((*HEIGHTS, *more, "sd_position_mm", "sd_height_mm", "sd_radius_mm"), rows)
 
 
 def law_table(law: FrictionLaw) -> str:
@@ -65,12 +73,13 @@ def mould_table(design: Design, part: Surface | None = None) -> str:
     """
     holes = part or design.surface
     holes = holes.replaced(position=mirrored(holes.position))
-    sites = chain(design.sites.tolist(), repeat(""))
+    sites, caps = chain(design.sites.tolist(), repeat("")), _caps(holes)
+    columns = zip(*_columns(holes), *caps.values(), strict=True)
     rows = (
         (number, "alignment" if site == "" else "asperity", site, *hole)
-        for number, (site, hole) in enumerate(zip(sites, zip(*_columns(holes), strict=True), strict=False), 1)
+        for number, (site, hole) in enumerate(zip(sites, columns, strict=False), 1)
     )
-    return csv(("number", "kind", "site", "x_mm", "y_mm", "depth_mm", "tool_radius_mm"), rows)
+    return csv(("number", "kind", "site", "x_mm", "y_mm", "depth_mm", "tool_radius_mm", *caps), rows)
 
 
 def read_surface(
@@ -86,13 +95,16 @@ def read_surface(
     ----------
     path : str or Path
         CSV file whose first line names the columns as quantity_unit, such as ``x_mm,y_mm,height_um``. The
-        columns are x, y, height and radius, in any order and in any unit of length. Other columns are not
-        read, and `metafem.progress` reports them. Lines that begin with ``#`` are skipped. If semicolons or
-        tabs separate the columns, a comma is the decimal sign.
+        columns are x, y, height and radius, in any order and in any unit of length, and cap: "sphere" (the
+        default), "paraboloid" or "power 4 0.5", with exponent and coefficient. For asperities that differ in
+        friction they are also shear_strength_MPa and area_ratio (default: 1). Other columns are not read,
+        and `metafem.progress` reports them. Lines that begin with ``#`` are skipped. If semicolons or tabs
+        separate the columns, a comma is the decimal sign.
     material : Material
     radius : float, optional
         Radius of all summits [mm], for a table without a column radius.
     friction : Friction, optional
+        Friction, for a table without a column shear_strength.
     block : Block, optional
 
     Returns
@@ -120,20 +132,25 @@ def read_surface(
         raise COLUMNS.lacking(entries, "radius", hint=hint)
     words = f"{entries.table.name} has a column radius, and --radius is given too; leave one out"
     refuse_if(radius is not None and "radius" in entries.columns, words)
+    friction = _friction(entries, friction)
     position = np.column_stack([entries.numbers("x"), entries.numbers("y")])
     names = {"position": f"{entries.title('x')}, {entries.title('y')}"}
     if radius is not None:
         names["radius"] = "--radius"
     with named(entries.names(**names)):
         radii = entries.numbers("radius") if radius is None else radius
-        return Surface(position, entries.numbers("height"), radii, material, friction, block)
+        caps = entries.texts("cap") if "cap" in entries.columns else ["sphere"]
+        known = {text: cap_named(text) for text in dict.fromkeys(caps)}
+        cap = Caps.of(known[text] for text in caps)
+        return Surface(position, entries.numbers("height"), radii, material, friction, block, cap)
 
 
 def write_surface(design: Design, path: str | Path) -> None:
     """Write a VTU file whose points are the summits, with their contacts at the law's largest load.
 
     Each point has its site in the template, height and radius [mm], and, under the law's model, its load [N],
-    area [mm^2] and contact_radius [mm].
+    area [mm^2] and contact_radius [mm]; if the caps differ, also the index of its cap, and if the frictions
+    differ, its shear_strength_MPa and area_ratio.
     """
     import meshio
 
@@ -146,12 +163,45 @@ def write_surface(design: Design, path: str | Path) -> None:
             "site": design.sites,
             "height": surface.height,
             "radius": surface.radius,
+            **({"cap": surface.cap.index} if isinstance(surface.cap, Caps) else {}),
+            **_frictions(surface),
             "load": state.asperity_load,
             "area": state.asperity_area,
             "contact_radius": np.sqrt(state.asperity_area / np.pi),
         },
     )
     mesh.write(path, file_format="vtu")
+
+
+def _caps(surface: Surface) -> dict[str, list[str]]:
+    """Return the column of the caps, unless all are spheres."""
+    if surface.cap == SPHERE:
+        return {}
+    return {"cap": [cap_text(surface.cap.one(i)) for i in range(surface.count)]}
+
+
+def _frictions(surface: Surface) -> dict[str, list[float]]:
+    """Return the columns of the frictions, if they have one value for each asperity."""
+    friction, shape = surface.friction, surface.height.shape
+    if friction is None or not (np.ndim(friction.shear_strength) or np.ndim(friction.area_ratio)):
+        return {}
+    columns = {"shear_strength_MPa": friction.shear_strength, "area_ratio": friction.area_ratio}
+    return {name: np.broadcast_to(values, shape).tolist() for name, values in columns.items()}
+
+
+def _friction(entries: Entries, given: Friction | None) -> Friction | None:
+    """Return the friction in the columns of a table, or the given one for a table without these columns."""
+    if "shear_strength" not in entries.columns:
+        words = f"{entries.table.name} has a column area_ratio, which needs a column shear_strength_MPa"
+        refuse_if("area_ratio" in entries.columns, words)
+        return given
+    words = (
+        f"{entries.table.name} has a column shear_strength, and --shear-strength is given too; leave one out"
+    )
+    refuse_if(given is not None, words)
+    with named(entries.names()):
+        ratio = entries.numbers("area_ratio") if "area_ratio" in entries.columns else 1.0
+        return Friction(entries.numbers("shear_strength"), ratio)
 
 
 def _columns(surface: Surface) -> list[list[float]]:

@@ -1,4 +1,4 @@
-"""The section ``[contact]``: a pydantic model for each kind of contact law."""
+"""The sections ``[cap]`` and ``[contact]``: a pydantic model for each kind of cap and of contact law."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from metafem.caps import Cap, Paraboloid, Power, Profile, Sphere
 from metafem.contact import (
     JKR,
     AxisymmetricCap,
     Contact,
+    Elastic,
     Hertz,
     JacksonGreen,
     KogutEtsion,
@@ -30,11 +32,73 @@ from metafem.files.specification.fields import (
 )
 
 
+class SphereCap(Section):
+    """Spheres."""
+
+    makes = Sphere
+    kind: Literal["sphere"]
+
+
+class ParaboloidCap(Section):
+    """Paraboloids."""
+
+    makes = Paraboloid
+    kind: Literal["paraboloid"]
+
+
+class PowerLawCap(Section):
+    """Caps with the profile f = coefficient R (rho/R)^exponent."""
+
+    makes = Power
+    kind: Literal["power"]
+    exponent: Number = key("greater than 1, at most 32; 2 is a paraboloid", 4.0)
+    coefficient: Number = key("greater than 0", 0.5, default=0.5)
+
+
+class Tabulated(Section):
+    """Caps with one profile f(rho) from a table.
+
+    Before the section is read, the columns of the table replace the key `file`.
+    """
+
+    kind: Literal["profile"]
+    choices = (("rho", "f"), ("file",))
+    rho: list[Length] | None = optional(
+        "either: distances from the axis, from 0", ["0 um", "200 um", "400 um", "600 um"]
+    )
+    f: list[Length] | None = optional(
+        "with it: depths below the summit, from 0", ["0 um", "39 um", "184 um", "600 um"]
+    )
+    file: str | None = optional("or: a table with columns such as rho_mm,f_um", "cap.csv")
+
+
+class ProfileCap(Tabulated):
+    """Caps with one profile f(rho) from a table."""
+
+    def value(self) -> Cap:
+        """Return the cap that the keys describe."""
+        profile: Any = [self.rho, self.f]
+        return Profile(profile)
+
+
+ShapeSection = Annotated[
+    SphereCap | ParaboloidCap | PowerLawCap | ProfileCap,
+    Field(discriminator="kind"),
+]
+
+
 class HertzSection(Section):
-    """Elastic paraboloids."""
+    """Elastic paraboloids with the curvature of each summit."""
 
     makes = Hertz
     kind: Literal["hertz"]
+
+
+class ElasticSection(Section):
+    """Elastic caps of the shape in the section [cap]."""
+
+    makes = Elastic
+    kind: Literal["elastic"]
 
 
 class SphereSection(Section):
@@ -53,21 +117,8 @@ class PowerCapSection(Section):
     coefficient: Number = key("greater than 0", 0.5, default=0.5)
 
 
-class ProfileSection(Section):
-    """Elastic caps of any radius, all with one profile f(rho) from a table.
-
-    Before the section is read, the columns of the table replace the key `file`.
-    """
-
-    kind: Literal["profile"]
-    choices = (("rho", "f"), ("file",))
-    rho: list[Length] | None = optional(
-        "either: distances from the axis, from 0", ["0 um", "200 um", "400 um", "600 um"]
-    )
-    f: list[Length] | None = optional(
-        "with it: depths below the summit, from 0", ["0 um", "39 um", "184 um", "600 um"]
-    )
-    file: str | None = optional("or: a table with columns such as rho_mm,f_um", "cap.csv")
+class ProfileSection(Tabulated):
+    """Elastic caps of any radius, all with one profile f(rho) from a table."""
 
     def value(self) -> Contact:
         """Return the contact law that the keys describe."""
@@ -75,7 +126,7 @@ class ProfileSection(Section):
         return AxisymmetricCap(profile)
 
 
-CapSection = HertzSection | SphereSection | PowerCapSection | ProfileSection
+CapSection = HertzSection | ElasticSection | SphereSection | PowerCapSection | ProfileSection
 
 
 class JKRSection(Section):

@@ -59,7 +59,12 @@ class KeyForm:
     @property
     def pairs(self) -> bool:
         """Whether an entry of the list can itself be a list of two values."""
-        return "anyOf" in self._entry
+        return self.listed and "anyOf" in self._entry
+
+    @property
+    def several(self) -> bool:
+        """Whether the value can be one value or a list with one for each site."""
+        return not self.listed and "anyOf" in self.schema
 
     @property
     def value(self) -> str:
@@ -84,7 +89,7 @@ class KeyForm:
 
     @property
     def _single(self) -> Schema:
-        return self._entry["anyOf"][0] if self.pairs else self._entry
+        return self._entry["anyOf"][0] if "anyOf" in self._entry else self._entry
 
 
 @dataclass(frozen=True)
@@ -128,7 +133,7 @@ def section_forms() -> tuple[SectionForm, ...]:
     --------
     >>> forms = {form.name: form for form in section_forms()}
     >>> forms["limits"].keys[""][0].units[:3], forms["contact"].kinds["hertz"]
-    (('nm', 'um', 'mm'), 'Elastic paraboloids.')
+    (('nm', 'um', 'mm'), 'Elastic paraboloids with the curvature of each summit.')
     """
     whole, found = whole_schema(), []
     for name, given in whole["properties"].items():

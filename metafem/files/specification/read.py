@@ -24,14 +24,15 @@ from metafem.inversion import (
     Design,
     Layout,
     Limits,
+    PowerRange,
     RadiusRange,
     Target,
+    Tool,
     design,
     design_for_hardness,
 )
 from metafem.inversion.problem import drafting
 from metafem.models import Model
-from metafem.models.model import contact_of
 from metafem.prediction import Tolerances
 from metafem.substrate import Substrate
 from metafem.surface import Surface
@@ -40,6 +41,9 @@ __all__ = ["Specification", "parsed", "read_spec", "toml_table"]
 
 # Default of the tables that the text of a specification names: none.
 NO_TABLES: Mapping[str, bytes] = {}
+
+# Keys of the section [radii] of earlier versions, and of the section [tools] that has replaced it.
+RADII = {"tools": "radii", "range": "radius_range"}
 
 # Hint on the most common mistakes in TOML.
 REMEDY = 'a value with a unit stands in quotes, such as "1.5 mm", and decimals have a point'
@@ -55,7 +59,7 @@ class Specification:
 
     Attributes
     ----------
-    target : OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw or MultilinearLaw
+    target : OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw or Band
     template : Surface
         The lattice; every site has the largest allowed height.
     limits : Limits
@@ -64,8 +68,8 @@ class Specification:
         Seed of the random assignment of heights to sites.
     layout : Layout or None
         Objectives of the assignment of heights to sites.
-    radii : RadiusRange, tuple of float or None
-        Radii to choose from [mm]; they replace the radius of the template.
+    tools : RadiusRange, PowerRange, tuple of Tool or of float, or None
+        Tools to choose from, or radii of tools [mm]; they replace the radius of the template.
     robust : Tolerances or None
         Errors of the made surface; the design minimises the expected misfit under these errors.
     pinned : mapping of int to float or None
@@ -90,7 +94,7 @@ class Specification:
     model: Model
     seed: int
     layout: Layout | None
-    radii: RadiusRange | tuple[float, ...] | None
+    tools: RadiusRange | PowerRange | tuple[Tool | float, ...] | None
     robust: Tolerances | None
     pinned: Mapping[int, float | None]
     mixed: bool
@@ -110,13 +114,13 @@ class Specification:
         remedy = "add [block] with width, length and thickness"
         refuse_missing_block(chosen, self.template, remedy)
         tell_cost(self.template.count)
-        common = self.radii is not None and not self.mixed
+        common = self.tools is not None and not self.mixed
         limits = replace(self.limits, pinned=self.pinned)
         options: dict[str, Any] = {
             "limits": limits,
             "rng": self.seed,
             "layout": self.layout,
-            "radii": self.radii,
+            "tools": self.tools,
             "common_radius": common,
             "robust": None if draft else self.robust,
         }
@@ -136,7 +140,7 @@ class Specification:
             If the chord error is not positive, or so small that the files of the part would be too large.
         """
         part = replace(self.part, chord_error=chord_error)
-        planned(self.template, self.template, part, contact_of(self.model))
+        planned(self.template, self.template, part)
         return replace(self, part=part)
 
 
@@ -158,9 +162,9 @@ def read_spec(path: str | Path) -> Specification:
     ----------
     path : str or Path
         A TOML file with the sections target, material, lattice and limits, and the optional sections
-        friction, sites, radii, block, layout, robust, model, contact, part and checks; ``metafem spec``
-        lists their keys. Lengths, areas, forces, stresses and angles are strings with a unit, such as
-        ``"120 um"``.
+        friction, sites, tools, block, cell, layout, robust, model, cap, contact, part and checks;
+        ``metafem spec`` lists their keys. Lengths, areas, forces, stresses and angles are strings with a
+        unit, such as ``"120 um"``.
 
     Returns
     -------
@@ -181,7 +185,7 @@ def read_spec(path: str | Path) -> Specification:
     ...     _ = path.write_text(demo_text("linear"), encoding="utf-8")
     ...     spec = read_spec(path)
     >>> spec.target, spec.limits.max_height
-    (LinearLaw(slope=6.87, load_range=None), 0.12)
+    (LinearLaw(slope=6.87, load_range=None, of='friction'), 0.12)
     """
     raw = read_bytes(path, SPECIFICATION, "no such file; `metafem demo linear` writes one to start from")
     decoded(path, raw)  # raises an error with the line if the file is not UTF-8
@@ -213,7 +217,7 @@ def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec
     --------
     >>> from metafem.files.specification.models import demo_text
     >>> parsed(demo_text("linear")).target
-    LinearLaw(slope=6.87, load_range=None)
+    LinearLaw(slope=6.87, load_range=None, of='friction')
     >>> try:
     ...     parsed(demo_text("linear").replace('"1.5 mm"', "1.5"))
     ... except InvalidInput as error:
@@ -233,7 +237,7 @@ def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec
 def _specification(name: str, raw: bytes, source: Source) -> Specification:
     """Return the specification in the UTF-8 text `raw`; errors call it `name`, `source` reads its tables."""
     text = raw.decode("utf-8")
-    table = toml_table(text, name)
+    table = _with_tools(toml_table(text, name))
     try:
         kept = with_tables(text, table, source)
     except InvalidInput as error:
@@ -250,12 +254,20 @@ def _specification(name: str, raw: bytes, source: Source) -> Specification:
     return Specification(
         **parts,
         seed=sections.layout.seed,
-        mixed=sections.radii is not None and sections.radii.mixed,
+        mixed=sections.tools is not None and sections.tools.mixed,
         hardness=sections.checks.hardness,
         text=text,
         sha256=hashlib.sha256(raw).hexdigest(),
         files=kept,
     )
+
+
+def _with_tools(table: dict[str, Any]) -> dict[str, Any]:
+    """Return the sections, in which the section [radii] of earlier versions has become [tools]."""
+    if not isinstance(table.get("radii"), dict) or "tools" in table:
+        return table
+    tools = {RADII.get(key, key): value for key, value in table["radii"].items()}
+    return {**{name: value for name, value in table.items() if name != "radii"}, "tools": tools}
 
 
 def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:

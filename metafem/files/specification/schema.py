@@ -184,9 +184,12 @@ def _value(key: KeyForm) -> Schema:
     return key.schema
 
 
-# Condition that radii are stated once, either by the key lattice.radius or by the section [radii].
+# Condition that radii are stated once, either by the key lattice.radius or by the section [tools].
 ONE_RADIUS = {
-    "if": given("radii"),
+    "if": {
+        **given("tools"),
+        "properties": {"tools": {"anyOf": [given("radii"), given("radius_range")]}},
+    },
     "then": {"properties": {"lattice": refused(["radius"])}, "additionalProperties": True},
     "else": {
         "properties": {"lattice": given("radius")},

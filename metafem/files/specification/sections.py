@@ -8,23 +8,28 @@ from pydantic import Field, field_validator, model_validator
 
 from metafem import _validate as check
 from metafem._given import Given, printable
+from metafem.caps import Cap
+from metafem.caps.shapes import STEEPEST
 from metafem.errors import InvalidInput, refuse_if
+from metafem.files.caps import cap_named
 from metafem.files.part.plan import FORMATS, PartOptions
 from metafem.files.specification.fields import (
     Angle,
     Length,
     Number,
+    Numbers,
     PositiveLength,
     PositiveStress,
     Section,
     Stress,
+    Stresses,
     Whether,
     key,
     one_of,
     optional,
 )
 from metafem.files.specification.models import MODELS, suggestion
-from metafem.inversion import Layout, Limits, RadiusRange
+from metafem.inversion import Layout, Limits, PowerRange, RadiusRange, Tool
 from metafem.prediction import Tolerances
 from metafem.surface import Block, Friction, Material
 
@@ -53,8 +58,12 @@ class FrictionSection(Section):
     """The section ``[friction]``."""
 
     makes = Friction
-    shear_strength: Stress = key("sigma: friction force per real contact area", "0.358 MPa")
-    area_ratio: Number = key("B: sheared over initial real contact area", 0.85, default=1.0)
+    shear_strength: Stresses = key(
+        "sigma: friction force per real contact area; one, or a list with one for each site", "0.358 MPa"
+    )
+    area_ratio: Numbers = key(
+        "B: sheared over initial real contact area; one, or a list with one for each site", 0.85, default=1.0
+    )
 
 
 class LatticeSection(Section):
@@ -63,36 +72,77 @@ class LatticeSection(Section):
     shape: tuple[Integer, Integer] = key("rows, columns", [8, 8])
     pitch: Length = key("distance between neighbours", "1.5 mm")
     radius: Length | None = optional(
-        "either: radius of curvature of the summits; or: a section [radii]", "526 um"
+        "either: radius of curvature of the summits; or: radii in a section [tools]", "526 um"
     )
 
 
-class RadiiSection(Section):
-    """The section ``[radii]``."""
+class ToolsSection(Section):
+    """The section ``[tools]``."""
 
-    choices = (("tools",), ("range",))
+    choices = (("radii",), ("radius_range",), ("exponent_range",))
 
-    tools: Annotated[list[PositiveLength], Field(min_length=1)] | None = optional(
+    radii: Annotated[list[PositiveLength], Field(min_length=1)] | None = optional(
         "either: radii of the available tools", ["300 um", "526 um"]
     )
-    range: tuple[PositiveLength, PositiveLength] | None = optional(
+    caps: Annotated[list[Annotated[str, Field(strict=True)]], Field(min_length=1)] | None = optional(
+        "with radii: sphere, paraboloid or power EXPONENT COEFFICIENT of each; default: section [cap]",
+        ["sphere", "power 4 0.5"],
+    )
+    radius_range: tuple[PositiveLength, PositiveLength] | None = optional(
         "or: smallest and largest radius", ["200 um", "800 um"]
     )
     step: PositiveLength | None = optional(
-        "with range: radii between are multiples of it; default: 10 um", "10 um"
+        "with radius_range: radii between are multiples of it; default: 10 um", "10 um"
     )
-    mixed: Whether = key("a radius for each asperity instead of one for all", True, default=False)
+    exponent_range: tuple[Number, Number] | None = optional(
+        "or: smallest and largest exponent of power caps of lattice.radius", [1.2, 6.0]
+    )
+    exponent_step: Number | None = optional(
+        "with exponent_range: exponents between are multiples of it; default: 0.1", 0.1
+    )
+    coefficient: Number | None = optional("with exponent_range: of the power caps; default: 0.5", 0.5)
+    mixed: Whether = key("a tool for each asperity instead of one for all", True, default=False)
 
-    def value(self) -> RadiusRange | tuple[float, ...]:
-        """Return the range of radii, or the radii of the tools [mm]."""
-        if self.range is None:
-            words = "needs radii.range: tools are used as they are"
-            refuse_if(self.step is not None, words, key="step")
-            return tuple(self.tools or ())
-        ends = (Given("range", radius) for radius in self.range)
-        falling = self.range[0] >= self.range[1]
-        refuse_if(falling, "must increase, but is [{.number}, {.number}]", *ends, key="range")
-        return RadiusRange(*self.range, *(() if self.step is None else (self.step,)))
+    def value(self) -> RadiusRange | PowerRange | tuple[Tool | float, ...]:
+        """Return the range of radii or exponents, or the tools."""
+        for name, other, words in (
+            ("step", "radius_range", "tools are used as they are"),
+            ("exponent_step", "exponent_range", "it is the step of exponents"),
+            ("coefficient", "exponent_range", "caps state their own"),
+            ("caps", "radii", "one cap for each radius"),
+        ):
+            alone = getattr(self, name) is not None and getattr(self, other) is None
+            refuse_if(alone, f"needs tools.{other}: {words}", key=name)
+        if self.exponent_range is not None:
+            low, high = self.exponent_range
+            words = f"must increase, from above 1 to at most {STEEPEST:g}, but is [{low:g}, {high:g}]"
+            refuse_if(not 1.0 < low < high <= STEEPEST, words, key="exponent_range")
+            given = {"step": self.exponent_step, "coefficient": self.coefficient}
+            return PowerRange(*self.exponent_range, **{k: v for k, v in given.items() if v is not None})
+        if self.radius_range is None:
+            return self._listed()
+        ends = (Given("radius_range", radius) for radius in self.radius_range)
+        falling = self.radius_range[0] >= self.radius_range[1]
+        refuse_if(falling, "must increase, but is [{.number}, {.number}]", *ends, key="radius_range")
+        return RadiusRange(*self.radius_range, *(() if self.step is None else (self.step,)))
+
+    def _listed(self) -> tuple[Tool | float, ...]:
+        """Return the radii of the tools [mm], or tools if they have caps of their own."""
+        radii = self.radii or []
+        if self.caps is None:
+            return tuple(radii)
+        words = f"has {len(self.caps)} caps for {len(radii)} radii; give one for each"
+        refuse_if(len(self.caps) != len(radii), words, key="caps")
+        return tuple(Tool(radius, self._cap(i)) for i, radius in enumerate(radii))
+
+    def _cap(self, i: int) -> Cap:
+        assert self.caps is not None
+        try:
+            return cap_named(self.caps[i])
+        except InvalidInput as error:
+            value = f'"{printable(self.caps[i], 60)}"'
+            must = error.must if error.key == "cap" else f"is no cap: {error}"
+            raise InvalidInput(must, key=f"caps[{i}]", value=value) from None
 
 
 class SitesSection(Section):
@@ -137,6 +187,13 @@ class BlockSection(Section):
     width: Length = key("along x", "20 mm")
     length: Length = key("along y", "20 mm")
     thickness: Length = key("down to the rigid plate", "7.2 mm")
+
+
+class CellSection(Section):
+    """The section ``[cell]``."""
+
+    width: PositiveLength | None = optional("along x; default: columns times pitch", "15 mm")
+    length: PositiveLength | None = optional("along y; default: rows times pitch", "15 mm")
 
 
 class LimitsSection(Section):

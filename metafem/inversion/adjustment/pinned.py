@@ -125,9 +125,9 @@ def _changed(problem: Problem, start: Candidate, goal: float, rng: np.random.Gen
     """Return the candidate with the best heights found from random changes, on more or fewer sites."""
     count, lowest, limits = problem.count, int(start.height.argmin()), problem.limits
     space = Bounded(limits.foot, limits.top, problem.pins.rows, problem.pins.heights)
-    height, radius = np.full(count, space.absent), np.full(count, start.radius[lowest])
-    height[start.sites], radius[start.sites] = start.height, start.radius
-    whole = replace(start, sites=np.arange(count), height=height, radius=radius)
+    height, rows = np.full(count, space.absent), np.full(count, lowest)
+    height[start.sites], rows[start.sites] = start.height, np.arange(len(start.height))
+    whole = replace(start.taken(rows), sites=np.arange(count), height=height)
     _, residual, _ = residuals(problem, whole, np.asarray)
     exact = start.lowest_level is not None
     r, _ = residual(height)
@@ -140,9 +140,8 @@ def _changed(problem: Problem, start: Candidate, goal: float, rng: np.random.Gen
         best = found if found.misfit < BETTER * best.misfit else best
         if best.misfit <= (EXACT if exact else goal / BETTER):
             break
-    some = space.exists(best.unknowns)
-    result = replace(whole, sites=np.flatnonzero(some), radius=radius[some])
-    return result.with_heights(best.unknowns[some])
+    some = np.flatnonzero(space.exists(best.unknowns))
+    return replace(whole.taken(some), sites=some).with_heights(best.unknowns[some])
 
 
 def _in_place(candidate: Candidate, sites: IntArray, heights: FloatArray, span: float) -> Candidate:
@@ -156,15 +155,16 @@ def _in_place(candidate: Candidate, sites: IntArray, heights: FloatArray, span: 
     own = candidate.sites[None, :] == sites[:, None]
     given, rows = linear_sum_assignment(distance + np.where(own, 0.0, SAME * span))
     where = candidate.sites.copy()
-    height, radius = candidate.height.copy(), candidate.radius.copy()
+    height = candidate.height.copy()
     for i, j in zip(given.tolist(), rows.tolist(), strict=True):
         where[where == sites[i]] = where[j]
         where[j] = sites[i]
         height[j] = heights[i]
     left = np.setdiff1d(np.arange(len(sites)), given)
     nearest = distance[left].argmin(axis=1)
-    height, radius = np.append(height, heights[left]), np.append(radius, radius[nearest])
-    return replace(candidate, held=sites, height=height, radius=radius).placed(np.append(where, sites[left]))
+    found = candidate.taken(np.append(np.arange(len(height)), nearest))
+    found = replace(found, held=sites, height=np.append(height, heights[left]))
+    return found.placed(np.append(where, sites[left]))
 
 
 def _added(problem: Problem, candidate: Candidate) -> Candidate | None:
@@ -177,11 +177,9 @@ def _added(problem: Problem, candidate: Candidate) -> Candidate | None:
     where = candidate.sites.copy()
     where[on] = free[: len(on)]
     nearest = np.abs(candidate.height[None, :] - pins.heights[:, None]).argmin(axis=1)
-    height = np.append(candidate.height, pins.heights)
-    radius = np.append(candidate.radius, candidate.radius[nearest])
-    return replace(candidate, held=pins.rows, height=height, radius=radius).placed(
-        np.append(where, pins.rows)
-    )
+    found = candidate.taken(np.append(np.arange(len(candidate.height)), nearest))
+    found = replace(found, held=pins.rows, height=np.append(candidate.height, pins.heights))
+    return found.placed(np.append(where, pins.rows))
 
 
 def _starts(problem: Problem, candidate: Candidate, first: Candidate) -> Iterator[Candidate]:

@@ -20,8 +20,9 @@ from metafem.errors import InvalidInput
 from metafem.inversion.assessment import EXACT, MISSED, POINT_GOAL, independent_misfit, model_misfit
 from metafem.inversion.candidate import Candidate, below_limit
 from metafem.inversion.problem import Problem
+from metafem.inversion.search.asperities import beyond
 from metafem.inversion.search.levenberg_marquardt import Minimum, descend, search
-from metafem.inversion.search.nearest_law import GOAL, beyond, residual_of_heights
+from metafem.inversion.search.nearest_law import GOAL, residual_of_heights
 from metafem.inversion.search.spaces import Heights, LateResidual, Residual
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.models import Independent, Sensitivity
@@ -105,7 +106,7 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
                     found = search(residual, [found.unknowns], space, AT_KINKS, changes, rng, options)
                     found = descend(residual, found.unknowns, space, goal, True, options)
             else:
-                guesses = _initial_guesses(problem, searched, first().curve.area, rng)
+                guesses = _initial_guesses(problem, searched, first().curve.rescaled_friction, rng)
                 restarts = ADHESIVE_RESTARTS if problem.contact.adhesive else problem.effort.refined_restarts
                 found = search(residual, guesses, space, goal, restarts, rng, options)
             if solver != model:
@@ -150,11 +151,11 @@ def residuals(
             found = first() if same else solver.sensitivity(surface, law.load, placed(height))
         except InvalidInput:
             return beyond(law.load, height)
-        return law.late_residual(found.curve.area, lambda: found.gradient)
+        return law.late_residual(found.curve.rescaled_friction, lambda: found.gradient)
 
     def residual_of_model(height: FloatArray) -> LateResidual:
         height = placed(height)
-        area = model.curve(surface.replaced(height=height), law.load).area
+        area = model.curve(surface.replaced(height=height), law.load).rescaled_friction
         return law.late_residual(area, lambda: solver.sensitivity(surface, law.load, height).gradient)
 
     return first, residual, residual_of_model
@@ -175,7 +176,7 @@ def _initial_guesses(
     powers = np.vander(np.log(law.load / law.load[-1]), RATIO_DEGREE + 1)
     smooth = powers @ np.linalg.lstsq(powers, ratio, rcond=None)[0]
     divided = TargetLaw.fixed(law.load, law.law(area) / smooth, law.weight)
-    residual = residual_of_heights(problem.independent, surface.radius, divided)
+    residual = residual_of_heights(*problem.bound_to(surface), divided)
     space, restarts = Heights(problem.limits.span), problem.effort.ratio_restarts
     corrected = search(residual, [surface.height], space, GOAL, restarts, rng, problem.options)
     # if the layout was chosen for this model, the heights should change as little as possible
@@ -188,16 +189,15 @@ def filled(candidate: Candidate, problem: Problem) -> Candidate:
 
     Interaction lowers the friction at every operating point. Without added summits, the friction could rise
     only if levels came into contact earlier. Added summits that are not needed can mislead the descent,
-    however. The added summits have the radius of the lowest summit.
+    however. The added summits have the radius and the cap of the lowest summit.
     """
     if candidate.lowest_level is None:
         return candidate
     count, lowest = problem.count, candidate.lowest_level
     depth = ADDED_DEPTH * (float(candidate.height.max()) - lowest)
-    height = np.full(count, lowest - depth)
-    radius = np.full(count, candidate.radius[candidate.height.argmin()])
-    height[candidate.sites], radius[candidate.sites] = candidate.height, candidate.radius
-    return replace(candidate, height=height, radius=radius, sites=np.arange(count))
+    height, rows = np.full(count, lowest - depth), np.full(count, candidate.height.argmin())
+    height[candidate.sites], rows[candidate.sites] = candidate.height, np.arange(len(candidate.height))
+    return replace(candidate.taken(rows), height=height, sites=np.arange(count))
 
 
 def stretched(height: FloatArray, span: float = np.inf) -> list[FloatArray]:
@@ -216,12 +216,12 @@ def with_same_entries(problem: Problem, start: Candidate, goal: float, rng: np.r
     solver, limits, options = problem.model.gradient_model, problem.limits, problem.options
     law, surface = start.target_law.thinned(LOADS), start.surface(problem.template)
     space = Heights(limits.span)
-    independent, shifted = Independent(contact=problem.contact), shift(problem, start)
+    (independent, summits), shifted = problem.bound_to(surface), shift(problem, start)
     nothing = beyond(law.load, start.height)
 
     def residual(height: FloatArray) -> LateResidual:
         try:
-            found = independent.sensitivity_of(height, surface.radius, law.load)
+            found = independent.sensitivity_of(height, summits, law.load)
             given = below_limit(shifted(height), limits)
             area = solver.areas(surface, law.load, given[None])[0]
         except InvalidInput:
@@ -246,13 +246,14 @@ def shift(problem: Problem, start: Candidate) -> Callable[[FloatArray], FloatArr
     weighted by the contact stiffnesses of the higher asperities. The corrected heights are computed from the
     tallest to the lowest.
     """
-    radius, deepest = start.radius, problem.contact.largest_indentation(start.radius)
-    substrate = problem.model.reference.substrate
-    influence = substrate.influence_matrix(start.surface(problem.template))
+    surface = start.surface(problem.template)
+    independent, summits = problem.bound_to(surface)
+    law, deepest = independent.contact, independent.contact.largest_indentation(summits)
+    influence = problem.model.reference.substrate.influence_matrix(surface)
 
     def shifted(height: FloatArray) -> FloatArray:
         depth = np.clip(height - height[:, None], 0.0, deepest)
-        found = contacts(problem.contact, depth, np.broadcast_to(radius, depth.shape))
+        found = contacts(law, depth, np.broadcast_to(summits, depth.shape))
         closed = depth > 0.0
         field = np.where(closed, found.load, 0.0) @ influence
         stiffness, moved = np.where(closed, found.stiffness, 0.0), np.zeros(len(height))

@@ -154,6 +154,7 @@ def arrange(
     """
     solver: Model = Interacting() if model is None else model
     check.instance("surface", surface, Surface, "a metafem.Surface")
+    surface.refuse_coatings("metafem.arrange")
     check.instance("model", solver, Model, "a model such as metafem.Interacting()")
     check.instance("objective", objective, Objective, "such as metafem.FollowLaw(...)")
     where, known = sites_for(surface, solver, position)
@@ -219,11 +220,7 @@ class _Search:
     def measured(self, order: IntArray) -> _Measured:
         """Return an assignment (m,) with its residuals under the model."""
         sites = np.flatnonzero(order != EMPTY)
-        surface = self.surface.replaced(
-            position=self.sites.position[sites],
-            height=self.surface.height[order[sites]],
-            radius=self.surface.radius[order[sites]],
-        )
+        surface = self.surface.only(order[sites], position=self.sites.position[sites])
         return _Measured(order, surface, self.objective.residual(surface, self.model))
 
     def disturbed(self, best: _Measured) -> _Measured:

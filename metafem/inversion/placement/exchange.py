@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
+from metafem.caps import SPHERE
 from metafem.contact import Contact
 from metafem.errors import refuse_if
 from metafem.models import Model
@@ -95,7 +96,9 @@ def sites_for(surface: Surface, model: Model, position: ArrayLike | None) -> tup
         given = check.array("position", position, shape=(None, 2))
     count = len(given)
     require_memory(MATRICES * 8 * count**2, f"the influence between {count} sites")
-    everywhere = surface.replaced(position=given, height=np.zeros(count), radius=1.0)
+    everywhere = surface.replaced(
+        position=given, height=np.zeros(count), radius=float(surface.radius.min()), cap=SPHERE
+    )
     if not model.couples:
         return Sites(given, np.zeros((count, count))), model
     substrate = model.reference.substrate

@@ -102,6 +102,7 @@ def arranged(problem: Problem, candidate: Candidate, rng: np.random.Generator) -
         candidate,
         height=found.surface.height,
         radius=found.surface.radius,
+        cap=found.surface.cap,
         parameters={**candidate.parameters, "layout_before": found.before, "layout_after": found.after},
         notes=(*candidate.notes, information(note)),
     )

@@ -78,7 +78,8 @@ class FollowLaw(Value):
         """
         found = model.gradient_model.sensitivity(surface, self.rescaled_load)
         law = _law(model, surface)
-        load = law.load(law.contact_radius(found.indentation, surface.radius), surface.radius)
+        summits = law.summits(surface)
+        load = law.load(law.contact_radius(found.indentation, summits), summits)
         weight = -found.gradient / (self._target(surface, model)[:, None] * math.sqrt(len(load)))
         rows = sites.indices(surface.position)
         left, right = (_spread(values, rows, sites, 0.0) for values in (weight, load))
@@ -129,6 +130,7 @@ class InsensitiveToTilt(Value):
 
     def residual(self, surface: Surface, model: Model) -> FloatArray:
         """Return the residuals, (6 K,) [-]."""
+        surface.refuse_tilt()
         heights = surface.height + np.vstack([np.zeros(surface.count), self._lifts(surface.position)])
         level, *tilted = model.areas(surface, self.rescaled_load, heights)
         return np.ravel(tilted / level - 1.0) / math.sqrt(DIRECTIONS * len(level))
@@ -136,8 +138,8 @@ class InsensitiveToTilt(Value):
     def forecast(self, surface: Surface, model: Model, sites: Sites) -> Forecast:
         """Return the predicted changes of A0 for independent asperities at the same loads."""
         found = model.gradient_model.sensitivity(surface, self.rescaled_load)
-        depth, radius = found.indentation, surface.radius
-        law = _law(model, surface)
+        depth, law = found.indentation, _law(model, surface)
+        radius = law.summits(surface)
         a, size = law.contact_radius(depth, radius), np.broadcast_to(radius, depth.shape)
         rate = law.area_slope(a, size).sum(axis=1) / law.stiffness(a, size).sum(axis=1)
         scale = 1.0 / (found.curve.area * math.sqrt(DIRECTIONS * len(depth)))
@@ -206,12 +208,12 @@ Objective = FollowLaw | InsensitiveToTilt | WeightedObjectives
 
 def _law(model: Model, surface: Surface) -> Contact:
     """Return the contact law of a model for the material of a surface."""
-    return contact_of(model).for_material(surface.material)
+    return contact_of(model).bound(surface)
 
 
 def _spread(values: FloatArray, rows: IntArray, sites: Sites, vacant: float) -> FloatArray:
     """Return values of asperities (..., n) for all sites (..., m), with `vacant` at empty sites."""
-    result = np.full((*values.shape[:-1], len(sites.position)), vacant)
+    result = np.full((*values.shape[:-1], len(sites.position)), vacant, values.dtype)
     result[..., rows] = values
     return result
 

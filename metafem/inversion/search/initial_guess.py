@@ -19,7 +19,7 @@ from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact
 from metafem.contact.law import contacts
 from metafem.inversion.bounds import at_load, depth_at_pressure, relative_depth
-from metafem.inversion.limits import Radii
+from metafem.inversion.tools.radii import Radii
 
 # Smallest and largest indentation over R in the table of contacts, and number of tabulated contacts.
 TABLE, TABULATED = (1e-9, 10.0), 400

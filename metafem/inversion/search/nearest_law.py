@@ -5,25 +5,22 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from operator import itemgetter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from metafem._validate import FloatArray, IntArray
-from metafem.contact.law import contacts
+from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
-from metafem.inversion.limits import Radii
+from metafem.inversion.search.asperities import OfRadii, beyond
 from metafem.inversion.search.initial_guess import initial_heights, slowest_law
 from metafem.inversion.search.levenberg_marquardt import search
-from metafem.inversion.search.spaces import Heights, LateResidual, Residual, moved
+from metafem.inversion.search.spaces import Heights, LateResidual, Residual
 from metafem.inversion.search.target_law import TargetLaw
-from metafem.models import Independent, Sensitivity
+from metafem.inversion.tools.radii import Radii
+from metafem.models import Independent
 
 if TYPE_CHECKING:
     from metafem.inversion.problem import Problem
-
-# Relative step of finite differences with respect to the radius: the cube root of machine precision.
-RELATIVE = 6e-6
 
 # Misfit at which a search ends: height errors of 1 um change A0 by more than this.
 GOAL = 6e-4
@@ -40,16 +37,8 @@ CONTINUOUS_RESTARTS = 4
 # with a factor of 4 one law is not.)
 MIXED_RESTARTS = 10
 
-# Probabilities that the radius of an asperity changes; each random change uses one of them at random.
-NEW_RADIUS = (0.0, 0.1, 0.3)
-
 # Misfit [-] of a law, and the heights and radii (n,) [mm] that have this law.
 Found = tuple[float, FloatArray, FloatArray]
-
-
-def beyond(load: FloatArray, height: FloatArray) -> LateResidual:
-    """Return infinite differences (k,) for heights beyond the range of the contact law."""
-    return np.full(len(load), np.inf), lambda: np.zeros((len(load), len(height)))
 
 
 def _tallest_first(found: Found) -> tuple[FloatArray, FloatArray]:
@@ -58,7 +47,7 @@ def _tallest_first(found: Found) -> tuple[FloatArray, FloatArray]:
     return height[order] - height.max(), radius[order]
 
 
-def residual_of_heights(model: Independent, radius: float | FloatArray, law: TargetLaw) -> Residual:
+def residual_of_heights(model: Independent, radius: Any, law: TargetLaw) -> Residual:
     """Return the residual of independent asperities with fixed radii as a function of their heights."""
 
     def residual(height: FloatArray) -> LateResidual:
@@ -118,7 +107,7 @@ class LawSearch:
         ranged = radii.tools is None
         tools = radii.extremes if ranged else radii
         between, mixing, stepped = (
-            Asperities(span, count, radii=part, depth=depth) for part in (radii.between, tools, radii)
+            OfRadii(span, count, radii=part, depth=depth) for part in (radii.between, tools, radii)
         )
         relaxed = self._within(between, starts, CONTINUOUS_RESTARTS)
         if ranged and relaxed[0] <= self.goal:
@@ -156,88 +145,13 @@ class LawSearch:
             return math.inf
         return self.law.misfit(found.area)
 
-    def _within(self, space: Asperities, starts: list[tuple[FloatArray, FloatArray]], restarts: int) -> Found:
+    def _within(self, space: OfRadii, starts: list[tuple[FloatArray, FloatArray]], restarts: int) -> Found:
         """Return the misfit, heights and radii found by a search from initial heights and radii."""
         unknowns = [space.joined(*start) for start in starts]
         residual = space.residual(self.problem.independent, self.law)
         found = search(residual, unknowns, space, self.goal, restarts, self.rng, self.problem.options)
         return found.misfit, *space.split(found.unknowns)
 
-    def _on_steps(self, stepped: Asperities, found: Found) -> Found:
+    def _on_steps(self, stepped: OfRadii, found: Found) -> Found:
         """Return the asperities with their radii on the steps of a range, after a new search for heights."""
         return found if stepped.radii.continuous else self._within(stepped, [found[1:]], 0)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Asperities(Heights):
-    """Unknowns of a search: the heights (n,), followed by ``depth ln R`` (n,) for the radii, all [mm].
-
-    If `depth` is the largest indentation, equal changes of both kinds of unknowns change the law about
-    equally. Radii that must be those of tools change only in random changes. There are at most `most`
-    asperities, with heights within `span`.
-    """
-
-    radii: Radii
-    depth: float
-
-    def joined(self, height: FloatArray, radius: FloatArray) -> FloatArray:
-        """Return the unknowns (2n,) [mm] for heights and radii, (n,) each [mm]."""
-        return np.concatenate([height, self.depth * np.log(radius)])
-
-    def split(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the heights and the allowed radii for unknowns (2n,), (n,) each [mm]."""
-        height, logarithm = np.split(unknowns, 2)
-        return height, self.radii.nearest(np.exp(logarithm / self.depth))
-
-    def project(self, unknowns: FloatArray) -> FloatArray:
-        """Return the nearest unknowns within the limits, (2n,) [mm]."""
-        height, radius = self.split(unknowns)
-        return self.joined(np.maximum(height, height.max() - self.span), radius)
-
-    def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
-        """Return the index of the tallest height, and the indices of the heights `span` below it, (m,)."""
-        return super().ends(unknowns[: len(unknowns) // 2])
-
-    def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:
-        """Return unknowns after random changes of some heights and some radii."""
-        height, radius = self.split(unknowns)
-        height, source = moved(height, self.most, rng, sizes, self.span)
-        anew = rng.random(len(height)) < rng.choice(NEW_RADIUS)
-        if self.radii.tools is None:
-            drawn = np.exp(rng.uniform(math.log(self.radii.low), math.log(self.radii.high), len(height)))
-        else:
-            drawn = rng.choice(np.array(self.radii.tools), len(height))
-        return self.joined(height, np.where(anew, drawn, radius[source]))
-
-    def residual(self, model: Independent, target: TargetLaw) -> Residual:
-        """Return the residual of independent asperities as a function of the unknowns.
-
-        At a fixed load, ``R_i dA0/dR_i = R dA_i/dR - R dP_i/dR sum A' / sum P'`` with the derivatives A' and
-        P' with respect to the indentation d. If the contact law scales with R, ``R dA/dR = 2 A - d A'`` at a
-        fixed d, and the same relation holds for P. Otherwise finite differences are used.
-        """
-        law = model.contact
-
-        def residual(unknowns: FloatArray) -> LateResidual:
-            height, radius = self.split(unknowns)
-            found = model.sensitivity_of(height, radius, target.load)
-            return target.late_residual(found.curve.area, lambda: gradient(found, radius))
-
-        def gradient(found: Sensitivity, radius: FloatArray) -> FloatArray:
-            depth = found.indentation
-            size = np.broadcast_to(radius, depth.shape)
-            at = contacts(law, depth, size)
-            area_slope = law.area_slope(at.contact_radius, size)
-            slope = area_slope.sum(axis=1) / at.stiffness.sum(axis=1)
-            if not self.radii.continuous:
-                by_radius = np.zeros(depth.shape)
-            elif law.similar:
-                by_radius = 2.0 * at.area - depth * area_slope
-                by_radius -= slope[:, None] * (2.0 * at.load - depth * at.stiffness)
-            else:
-                low, high = (contacts(law, depth, size * (1.0 + step)) for step in (-RELATIVE, RELATIVE))
-                by_radius = (high.area - low.area) / (2.0 * RELATIVE)
-                by_radius -= slope[:, None] * (high.load - low.load) / (2.0 * RELATIVE)
-            return np.hstack([found.gradient, by_radius / self.depth])
-
-        return residual

@@ -31,6 +31,8 @@ class TargetLaw:
     # whether the misfit is the largest relative difference (True) or the root mean square (False)
     pointwise: bool = False
     noise: float = 0.0  # weighted root mean square of the relative errors of the law itself
+    # lowest and highest law (k,) each [mm^2] of a band, with the middle as `base`; None for one law
+    ends: tuple[FloatArray, FloatArray] | None = None
 
     @classmethod
     def fixed(
@@ -56,7 +58,8 @@ class TargetLaw:
     def part(self, rows: IntArray) -> TargetLaw:
         """Return the law at some of its loads, with their weights."""
         given = self.load[rows], self.base[rows], self.free[rows], self.weight[rows]
-        return TargetLaw(*given, self.pointwise, self.noise)
+        ends = None if self.ends is None else (self.ends[0][rows], self.ends[1][rows])
+        return TargetLaw(*given, self.pointwise, self.noise, ends)
 
     @property
     def is_open(self) -> bool:
@@ -68,7 +71,12 @@ class TargetLaw:
         return np.asarray(np.linalg.lstsq(self.free, self.law(area) - self.base, rcond=None)[0])
 
     def law(self, area: FloatArray) -> FloatArray:
-        """Return the target law with the free parameters nearest to an area curve, (k,) [mm^2]."""
+        """Return the target law with the free parameters nearest to an area curve, (k,) [mm^2].
+
+        Of a band it is the nearest law within the band.
+        """
+        if self.ends is not None:
+            return np.clip(area, *self.ends)
         if not self.is_open:
             return self.base
         law = area
@@ -82,6 +90,8 @@ class TargetLaw:
 
     def laws(self, area: FloatArray) -> FloatArray:
         """Return `law` for each of many area curves (m, k), by one call of the QR decomposition, (m, k)."""
+        if self.ends is not None:
+            return np.clip(area, *self.ends)
         law = np.array(area if self.is_open else np.broadcast_to(self.base, area.shape))
         near = np.full(len(area), self.is_open)
         for _ in range(ROUNDS if self.is_open else 0):
@@ -108,6 +118,9 @@ class TargetLaw:
         law = self.law(area)
         scale = np.sqrt(self.weight) / law
         residual = scale * (area - law)
+
+        if self.ends is not None:  # within the band the law may change freely
+            scale = np.where(residual == 0.0, 0.0, scale)
 
         def without_open(values: FloatArray) -> FloatArray:
             if not self.is_open:

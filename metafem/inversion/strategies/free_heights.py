@@ -17,8 +17,8 @@ from metafem.inversion.search.target_law import TargetLaw
 from metafem.notes import information
 
 if TYPE_CHECKING:
-    from metafem.inversion.limits import Radii
     from metafem.inversion.problem import Problem
+    from metafem.inversion.tools.radii import Radii
 
 # Heights without levels are accepted up to this misfit, which is far below the effect of height errors.
 ACCEPTED = 1e-3

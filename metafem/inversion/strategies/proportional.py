@@ -11,7 +11,6 @@ contacts, see `metafem.inversion.bounds`.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -23,6 +22,7 @@ from metafem.inversion.assessment import REACHED, independent_misfit
 from metafem.inversion.bounds import ROUNDING, Bounds
 from metafem.inversion.feasibility import INSIDE, margin_words, refuse_load
 from metafem.inversion.problem import Problem
+from metafem.inversion.strategies import tools as strategy
 from metafem.models import Independent
 from metafem.models.model import PARABOLOID, checked_contact
 
@@ -41,10 +41,14 @@ RANGE_MISFIT = 0.8
 # this ratio (measured; by scaling, the differences do not depend on slope and radius).
 RANGE_START = 1.4
 
+# Initial guesses for mixtures of tools in each trial of a range.
+MIXTURES = 4
+
 if TYPE_CHECKING:
     from metafem.contact import Contact
-    from metafem.inversion.limits import Limits, RadiusRange
+    from metafem.inversion.limits import Limits
     from metafem.inversion.targets.straight import BilinearLaw, LinearLaw, StraightLaw
+    from metafem.inversion.tools.kit import Given
     from metafem.surface import Surface
 
 
@@ -54,7 +58,7 @@ def refuse_line(target: StraightLaw, problem: Problem, margin: float) -> None:
         return
     (low, high), wording = target.load_range, target.wording
     slack = margin + ROUNDING
-    scope = f"for any surface of {problem.count} asperities of {problem.radii}{margin_words(margin)}"
+    scope = f"for any surface of {problem.count} asperities of {problem.tools}{margin_words(margin)}"
     _refuse_second(target, problem, slack, scope)
     refuse_load(high, problem, wording)
     start, end = line_range(target, problem.bounds, slack)
@@ -145,7 +149,8 @@ def _narrowed(whole: Any, centre: float, problem: Problem) -> tuple[float, Strai
         fraction = 0.5 * (inside + outside)
         ends = centre * (low / centre) ** fraction, centre * (high / centre) ** fraction
         trial = replace(whole, load_range=ends)
-        found = trial.candidate(problem, np.random.default_rng(0), problem.effort.range_restarts)
+        tried = replace(problem, target=trial, effort=replace(problem.effort, mixtures=MIXTURES))
+        found = strategy.candidate(tried, np.random.default_rng(0), problem.effort.range_restarts)
         if independent_misfit(problem, found) <= RANGE_MISFIT * REACHED:
             best, inside = trial, fraction
         else:
@@ -157,7 +162,7 @@ def achievable_load_range(
     target: LinearLaw | BilinearLaw,
     template: Surface,
     limits: Limits,
-    radii: RadiusRange | Sequence[float] | None = None,
+    tools: Given | None = None,
     contact: Contact = PARABOLOID,
 ) -> tuple[float, float]:
     """Return the widest range of loads over which a line through the origin is met within 1 %.
@@ -172,10 +177,10 @@ def achievable_load_range(
     target : LinearLaw or BilinearLaw
         Line through the origin. If the target has a load range, only ranges within it are tried.
     template : Surface
-        Surface of which only the number of sites is used, and the common radius if `radii` is not given.
+        Surface of which only the number of sites is used, and the common radius if `tools` is not given.
     limits : Limits
-    radii : RadiusRange or sequence of float, optional
-        Allowed radii of each asperity [mm]; default: the radius of the template.
+    tools : sequence of Tool or of float, RadiusRange or PowerRange, optional
+        Tools of which one makes each asperity, as in `design`; default: the radius and cap of the template.
     contact : Contact
         Law of one contact; default: `Hertz()`. Adhesion is ignored.
 
@@ -190,7 +195,7 @@ def achievable_load_range(
         If there is no such range; the message states a remedy.
     InvalidInput
         If the target is of another kind, if a radius is not positive, or if the template has several radii
-        and `radii` is not given.
+        and `tools` is not given.
 
     Examples
     --------
@@ -202,7 +207,7 @@ def achievable_load_range(
     True
     """
     model = Independent(contact=checked_contact(contact))
-    problem = Problem.checked(target, template, model, limits, radii=radii)
+    problem = Problem.checked(target, template, model, limits, tools=tools)
     if not target.lines:
         raise InvalidInput(f"target = {target!r:.60} must be a metafem.LinearLaw or BilinearLaw")
     found = reached_line(target, problem)
@@ -210,7 +215,7 @@ def achievable_load_range(
         raise Infeasible(
             f"{target.wording.slopes(*(slope for slope, _ in target.lines))} through the origin is not "
             f"reached within {100 * REACHED:g} % over any range of loads with {template.count} asperities of "
-            f"{problem.radii} within {limits.span:g} mm of height; raise max_height or the "
+            f"{problem.tools} within {limits.span:g} mm of height; raise max_height or the "
             f"{target.wording.name()}, or use a smaller radius"
         )
     return found.load_range

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +16,7 @@ from metafem.errors import Infeasible
 from metafem.inversion.assessment import largest_misfit
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.feasibility import broken_sample, margin_words, nearest_within, refuse_load
+from metafem.inversion.quantity import FRICTION, Of, words
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies import operating_points
 from metafem.inversion.targets.target import Target
@@ -45,6 +46,10 @@ class OperatingPoints(Value, Target):
         P_i/E* [mm^2], positive and increasing.
     rescaled_friction : array_like, (k,)
         F_i/(sigma B) [mm^2], positive and increasing.
+    of : str
+        Quantity of the target: "friction" (default), "stiffness" k/E*, "tangential_stiffness" k_t/E* or
+        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). Quantities other than
+        friction need the model `Independent`.
 
     Raises
     ------
@@ -58,18 +63,25 @@ class OperatingPoints(Value, Target):
     3
     """
 
+    exact: ClassVar[bool] = True
+
     rescaled_load: FloatArray
     rescaled_friction: FloatArray
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
+    of: Of = FRICTION
 
     def __init__(
-        self, rescaled_load: ArrayLike, rescaled_friction: ArrayLike, wording: Wording = RESCALED
+        self,
+        rescaled_load: ArrayLike,
+        rescaled_friction: ArrayLike,
+        wording: Wording = RESCALED,
+        of: Of = FRICTION,
     ) -> None:
         load = check.array("rescaled_load", rescaled_load, shape=(None,))
         friction = check.array("rescaled_friction", rescaled_friction, shape=(len(load),))
         load = check.increasing("rescaled_load", load)
         friction = check.increasing("rescaled_friction", friction)
-        self._set(wording, rescaled_load=load, rescaled_friction=friction)
+        self._set(wording, of, rescaled_load=load, rescaled_friction=friction)
 
     @classmethod
     def from_forces(
@@ -82,7 +94,7 @@ class OperatingPoints(Value, Target):
     @property
     def title(self) -> str:
         """Description of the target in one line."""
-        return f"Friction law through {len(self.rescaled_load)} operating points"
+        return self.wording.named(f"Friction law through {len(self.rescaled_load)} operating points")
 
     @property
     def last_load(self) -> float:
@@ -117,6 +129,10 @@ class SampledLaw(Value, Target):
     relative_error : array_like, (k,), optional
         Relative standard deviations of the frictions [-], positive and below 1. Default: None; the samples
         are exact.
+    of : str
+        Quantity of the target: "friction" (default), "stiffness" k/E*, "tangential_stiffness" k_t/E* or
+        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). Quantities other than
+        friction need the model `Independent`.
 
     Raises
     ------
@@ -138,6 +154,7 @@ class SampledLaw(Value, Target):
     weight: FloatArray
     relative_error: FloatArray | None = None
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
+    of: Of = FRICTION
 
     def __init__(
         self,
@@ -146,6 +163,7 @@ class SampledLaw(Value, Target):
         weight: ArrayLike | None = None,
         relative_error: ArrayLike | None = None,
         wording: Wording = RESCALED,
+        of: Of = FRICTION,
     ) -> None:
         load = check.increasing("rescaled_load", check.array("rescaled_load", rescaled_load, shape=(None,)))
         each = (len(load),)
@@ -159,7 +177,7 @@ class SampledLaw(Value, Target):
             given = np.ones(each) if error is None else error**-2.0
         weights = check.array("weight", given, shape=each, positive=True)
         values = {"rescaled_friction": friction, "weight": weights, "relative_error": error}
-        self._set(wording, rescaled_load=load, **values)
+        self._set(wording, of, rescaled_load=load, **values)
 
     @classmethod
     def from_forces(
@@ -179,7 +197,7 @@ class SampledLaw(Value, Target):
     @property
     def title(self) -> str:
         """Description of the target in one line."""
-        return f"Friction law given by {len(self.rescaled_load)} samples"
+        return self.wording.named(f"Friction law given by {len(self.rescaled_load)} samples")
 
     @property
     def last_load(self) -> float:
@@ -212,7 +230,7 @@ class SampledLaw(Value, Target):
         if not broken:
             return candidate
         law, surface = candidate.target_law, candidate.surface(problem.template)
-        area = problem.model.curve(surface, load).checked().area
+        area = problem.model.curve(surface, load).checked().rescaled_friction
         misfit, most = law.misfit(area), largest_misfit(law)
         near = nearest_within(load, law.base, law.weight, problem.bounds) / law.base
         if misfit > most:
@@ -222,7 +240,7 @@ class SampledLaw(Value, Target):
             )
             raise Infeasible(
                 Message((broken, words)),
-                SampledLaw(load, area, self.weight, self.relative_error, wording),
+                SampledLaw(load, area, self.weight, self.relative_error, wording, self.of),
                 by_search=law.misfit(near * law.base) <= most,
             )
         return replace(candidate, notes=(*candidate.notes, information(_outside(near - 1.0, margin))))
@@ -240,6 +258,10 @@ class PowerLaw(Target):
         Smallest and largest P/E* [mm^2], positive and increasing.
     prefactor : float, optional
         C [mm^(2 - 2 beta)], positive; default: free.
+    of : str
+        Quantity of the target: "friction" (default), "stiffness" k/E*, "tangential_stiffness" k_t/E* or
+        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). Quantities other than
+        friction need the model `Independent`.
 
     Raises
     ------
@@ -256,6 +278,7 @@ class PowerLaw(Target):
     load_range: LoadRange
     prefactor: float | None
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
+    of: Of = FRICTION
 
     def __init__(
         self,
@@ -263,9 +286,11 @@ class PowerLaw(Target):
         load_range: ArrayLike,
         prefactor: float | None = None,
         wording: Wording = RESCALED,
+        of: Of = FRICTION,
     ) -> None:
         self._set(
             wording,
+            of,
             exponent=check.number("exponent", exponent, above=0.0),
             load_range=check.interval("load_range", load_range),
             prefactor=None if prefactor is None else check.number("prefactor", prefactor, above=0.0),
@@ -285,7 +310,8 @@ class PowerLaw(Target):
     def title(self) -> str:
         """Description of the target in one line."""
         loads = self.wording.title_loads(*self.load_range)
-        return f"Power law of exponent {self.exponent:.4g} from {loads}"
+        what = "" if self.of == FRICTION else f" of the {words(self.of)},"
+        return f"Power law{what} of exponent {self.exponent:.4g} from {loads}"
 
     @property
     def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
@@ -319,7 +345,7 @@ class PowerLaw(Target):
 
     def refuse(self, problem: Problem, margin: float) -> None:
         """Raise Infeasible if the exponent or prefactor exceeds a bound by more than a relative margin."""
-        (low, high), radii, wording = self.load_range, problem.radii, self.wording
+        (low, high), radii, wording = self.load_range, problem.tools, self.wording
         refuse_load(high, problem, wording)
         bounds = problem.bounds
         least, most = bounds.least_exponent, bounds.largest_exponent(self.load_range)
@@ -330,7 +356,7 @@ class PowerLaw(Target):
                 f"at least {least:.4g} and at most {most:.4g} with {problem.count} asperities of "
                 f"{'one radius' if radii.single else radii}"
                 f"{margin_words(margin)}",
-                PowerLaw(min(max(self.exponent, least), most), self.load_range, wording=wording),
+                PowerLaw(min(max(self.exponent, least), most), self.load_range, wording=wording, of=self.of),
             )
         if self.prefactor is None:
             return

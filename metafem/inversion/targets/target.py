@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
+from metafem.caps import Cap
 from metafem.errors import InvalidInput
+from metafem.inversion import quantity
 from metafem.inversion.candidate import Branch, Candidate, Parameter
+from metafem.inversion.quantity import Of
 from metafem.inversion.search.nearest_law import LawSearch
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.targets.wording import LoadRange, Wording
@@ -26,12 +30,17 @@ LEVEL_FRACTIONS = (0.5, 0.25, 0.75, 0.1, 0.9)
 class Target:
     """Base class of target friction laws, in rescaled loads P/E* and frictions F/(sigma B) [mm^2]."""
 
-    wording: Wording
+    # whether the law must pass through all points, to rounding
+    exact: ClassVar[bool] = False
 
-    def _set(self, wording: Wording, **members: Any) -> None:
+    wording: Wording
+    of: Of
+
+    def _set(self, wording: Wording, of: Of, **members: Any) -> None:
         """Set the attributes of a frozen target."""
         check.instance("wording", wording, Wording, "a Wording, as from_friction_coefficient sets it")
-        for name, value in {**members, "wording": wording}.items():
+        named = replace(wording, quantity=quantity.checked(of))
+        for name, value in {**members, "of": named.quantity, "wording": named}.items():
             object.__setattr__(self, name, value)
 
     @property
@@ -91,14 +100,17 @@ class Target:
 
         Targets with a different strategy override this method, and raise Infeasible if the strategy fails.
         """
-        law, limits = self.curve(), problem.limits
+        law = self.curve()
         guesses = self.guesses(law, problem.bounds, LEVEL_FRACTIONS)
         most = problem.restarts if restarts is None else restarts
         height, radius = LawSearch(problem, law, guesses, most, rng).nearest(problem.radii)
-        parameters: dict[str, Parameter] = {"span": float(-height[-1])}
-        if law.is_open:
-            area = problem.independent.curve_of(height, radius, law.load).area
-            parameters |= self.open_parameters(law, area)
+        return self.of_heights(problem, law, problem.limits.top + height, radius)
+
+    def of_heights(
+        self, problem: Problem, law: TargetLaw, height: FloatArray, radius: FloatArray, cap: Cap | None = None
+    ) -> Candidate:
+        """Return the candidate with heights, radii [mm] and caps (n,) for the curve `law` of the target."""
+        parameters: dict[str, Parameter] = {"span": float(np.ptp(height))}
         branches = tuple(
             # if the law has no free parameter, each branch has a fixed intercept
             Branch(
@@ -108,7 +120,11 @@ class Target:
             )
             for slope, ends in self.branches
         )
-        return Candidate(limits.top + height, radius, parameters, law, branches)
+        candidate = Candidate(height, radius, parameters, law, branches, cap=cap)
+        if law.is_open:
+            model, summits = problem.bound_to(candidate.surface(problem.template))
+            parameters |= self.open_parameters(law, model.curve_of(height, summits, law.load).area)
+        return candidate
 
     def judged(self, problem: Problem, candidate: Candidate) -> Candidate:
         """Return the refined candidate with notes on the target, or raise Infeasible."""

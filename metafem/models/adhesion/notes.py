@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from metafem._given import shown
 from metafem._validate import FloatArray
@@ -13,6 +12,7 @@ from metafem.contact import JKR, Contact
 from metafem.contact.adhesion import of_sizes
 from metafem.errors import InvalidInput
 from metafem.material import Material
+from metafem.models.neighbours import close_pairs
 from metafem.notes import Note, information
 from metafem.surface import Surface
 
@@ -39,18 +39,13 @@ def adhesive_law(contact: Contact, material: Material | None = None) -> JKR | No
 
 def refuse_merging(law: JKR, surface: Surface) -> None:
     """Raise InvalidInput if neighbouring contacts would merge at zero load."""
-    if surface.count == 1:
+    reach = of_sizes(JKR.zero_load_radius, law, law.summits(surface))
+    first, second, distance = close_pairs(surface.position, surface.cell, 2.0 * float(reach.max()))
+    if not first.size:
         return
-    reach = of_sizes(JKR.zero_load_radius, law, surface.radius)
-    tree = scipy.spatial.cKDTree(surface.position)
-    pairs = tree.query_pairs(2.0 * float(reach.max()), output_type="ndarray")
-    if not len(pairs):
-        return
-    first, second = pairs.T
-    distance = np.hypot(*(surface.position[first] - surface.position[second]).T)
     room = distance - reach[first] - reach[second]
     if room.min() <= 0.0:
-        i, j = np.sort(pairs[room.argmin()])
+        i, j = sorted((first[room.argmin()], second[room.argmin()]))
         raise InvalidInput(
             f"adhesion_energy = {law.adhesion_energy:g} N/mm: the contacts of asperities {i} and {j} would "
             f"merge without load, with radii of {reach[i]:.3g} and {reach[j]:.3g} mm at a distance of "

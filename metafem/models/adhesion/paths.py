@@ -18,6 +18,7 @@ from metafem._validate import FloatArray, IntArray
 from metafem.contact import JKR
 from metafem.contact.adhesion import of_sizes
 from metafem.contact.elastic import PARABOLOID
+from metafem.contact.law import sizes_of
 from metafem.errors import InvalidInput
 from metafem.models.adhesion.notes import Jump
 
@@ -81,7 +82,7 @@ class Asperities:
         if cap == PARABOLOID and (d >= 0.0).all():
             return np.where(closed, law.contact_radius(d, radius), 0.0)
         a = np.maximum(self.entry_radius, cap.contact_radius(np.maximum(d, 0.0), radius))
-        top = cap.contact_radius(np.minimum(1e3 * (radius + np.maximum(d, 0.0)), most), radius)
+        top = cap.contact_radius(np.minimum(1e3 * (sizes_of(radius) + np.maximum(d, 0.0)), most), radius)
         for _ in range(MOST_STEPS):
             s = law.deficit(a)
             slope = law.profile_slope(a, radius) - 0.5 * s / a

@@ -26,6 +26,7 @@ from metafem._validate import FloatArray, IntArray
 from metafem.contact import JKR
 from metafem.contact.adhesion import of_sizes
 from metafem.contact.elastic import PARABOLOID
+from metafem.contact.law import sizes_of
 from metafem.models.adhesion.slopes import Slopes
 
 
@@ -71,7 +72,7 @@ class Scene:
     def largest_radius(self) -> FloatArray:
         """Largest contact radius (n,) [mm] that the cap describes."""
         cap = self.law.cap
-        most = np.minimum(cap.largest_indentation(self.radius), 1e3 * self.radius)
+        most = np.minimum(cap.largest_indentation(self.radius), 1e3 * sizes_of(self.radius))
         return np.asarray(cap.contact_radius(most, self.radius))
 
     @cached_property

@@ -136,6 +136,9 @@ class Unloading(Loading):
         def at(radius: float) -> State:
             share = (state.a[i] - radius) / width
             found = self._blend(state, new, share, at_radius(state.contacts, i, radius))
+            for start in (state, new) if share < 0.5 else (new, state):
+                # if the states are far apart, begin at the nearer one, then at the other
+                found = found or self._at_radius(start, i, radius)
             if found is None:
                 raise NotConverged("the adhesive contacts cannot be followed to the end of a branch")
             return found

@@ -15,11 +15,14 @@ from metafem._validate import FloatArray
 from metafem.contact import Contact, Hertz
 from metafem.contact.caps import ElasticCap
 from metafem.contact.elastic import PARABOLOID
+from metafem.contact.law import refuse_parameter
 from metafem.errors import InvalidInput
 from metafem.models.boundary_elements import far_field
 from metafem.models.boundary_elements.field import ContactField
+from metafem.models.boundary_elements.sensitivity import area_gradient
 from metafem.models.boundary_elements.solve import COARSEST, TOLERANCE, Scene, Solution
-from metafem.models.curve import Curve, ModelError, RescaledState, controlled
+from metafem.models.curve import Curve, ModelError, RescaledState, Sensitivity, controlled
+from metafem.models.interacting.coupled import MEAN_PLANE
 from metafem.models.model import WithoutGradients
 from metafem.models.rungs import order_3_error
 from metafem.notes import Note, information
@@ -56,6 +59,11 @@ class BoundaryElements(WithoutGradients):
     contact at any position is at most 0.12/n^2 in load and 0.37/n^2 in area: 5e-5 and 1.5e-4 at n = 50. The
     stiffness is that of flat punches on the cells in contact. Johnson, Contact Mechanics (1985), section 5.9,
     doi:10.1017/CBO9781139171731.
+
+    If the surface has a periodic cell, the cells are those of one period, their side is the largest one up to
+    `cell` that divides both sides of the period, and the Fourier transforms are cyclic. On a half-space the
+    separation is then measured from the mean plane of the deformed surface. Contacts that nearly touch those
+    of the next period are refused.
 
     The contact areas are computed from the second moments of the pressure of each contact. For paraboloids
     ``A = 5 pi sqrt(<x^2><y^2> - <xy>^2)``, which is exact for Hertzian ellipses; for other caps the factor
@@ -125,7 +133,7 @@ class BoundaryElements(WithoutGradients):
         because the contacts are far smaller than their distances.
         """
         values, by_load = controlled(load, approach)
-        scene = Scene(surface, self.cell, self.substrate, cast("Hertz | ElasticCap", self.contact))
+        scene = self._scene(surface)
         guesses = [scene.initial_guess(value, by_load) if value > 0.0 else None for value in values.tolist()]
         fine = [guess is not None and scene.resolves(guess) for guess in guesses]
         light = fine.index(True) if any(fine) else 0
@@ -138,6 +146,57 @@ class BoundaryElements(WithoutGradients):
             for k in each("resolved contacts: load", list(rows))
         ]
         return Curve.joined(parts)
+
+    def sensitivity(
+        self, surface: Surface, load: FloatArray, height: FloatArray | None = None, by: str = "height"
+    ) -> Sensitivity:
+        """Return the law at increasing rescaled loads (k,), and dA0/dh at fixed load [mm], (k, n).
+
+        The derivatives are exact for the equations of the cells while the same cells are in contact. They
+        jump when a cell opens or closes: with 27 cells per contact radius, those by the height scatter by
+        about a tenth of the largest one, and those by the shape by a few percent. Inversions therefore use
+        the smooth ones of `gradient_model`.
+        height: summit heights (n,) [mm] that replace the heights of the surface. by: parameter of the
+        derivatives, see `Sensitivity`. InvalidInput is raised if a load is too light for the cells, or if
+        contacts have merged or do not have the shape of their law.
+        """
+        given = surface if height is None else surface.replaced(height=height)
+        own = self.contact.for_material(surface.material)
+        refuse_parameter(own, by, surface)
+        scene = self._scene(given)
+        curves, gradient = [], np.zeros((len(load), surface.count))
+        for row, value in enumerate(np.asarray(load, dtype=np.float64).tolist()):
+            if value <= 0.0:
+                curves.append(self._point(scene, None, value, True))
+                continue
+            guess = scene.initial_guess(value, True)
+            solution = scene.solve(guess, value)
+            curves.append(self._row(scene, solution, value, True))
+            gradient[row] = area_gradient(scene, solution, own, by)
+        indentation = np.array([curve.last.indentation for curve in curves])
+        return Sensitivity(Curve.joined(curves), lambda: gradient, indentation)
+
+    def conductance(self, surface: Surface, load: FloatArray, share: float = 1.0) -> FloatArray:
+        """Return the rescaled conductance ``(rho_1 + rho_2) G/2`` [mm] at increasing rescaled loads, (k,).
+
+        It is the current through the cells in contact at a common potential. Loads too light for the cells
+        are those of order 3. share: share of the block in the sum of both resistivities [-].
+        """
+        scene = self._scene(surface)
+        conductor = scene.substrate.conductor(share)
+        found = np.zeros(len(load))
+        for k in each("resolved conductance: load", list(np.flatnonzero(load > 0.0))):
+            guess = scene.initial_guess(float(load[k]), by_load=True)
+            if scene.resolves(guess):
+                found[k] = scene.rise(scene.solve(guess, float(load[k])), conductor)
+            else:
+                found[k] = self.gradient_model.conductance(surface, load[k : k + 1], share)[0]
+        return found
+
+    def _scene(self, surface: Surface) -> Scene:
+        """Return the surface with its law and cells."""
+        law = cast("Hertz | ElasticCap", self.contact.bound(surface))
+        return Scene(surface, self.cell, self.substrate, law)
 
     def _light(self, surface: Surface, values: FloatArray, by_load: bool) -> Curve:
         """Return the part of a curve at loads too light for the cells, by `Interacting` of order 3."""
@@ -153,12 +212,18 @@ class BoundaryElements(WithoutGradients):
 
     def _point(self, scene: Scene, guess: Curve | None, value: float, by_load: bool) -> Curve:
         """Return the equilibrium at one load [mm^2] or approach [mm] as a curve."""
-        if guess is None:  # no load, or no contact
-            row = (0.0 if by_load else value, 0.0, 0.0, 0.0, 0.0)
+        solution = None if guess is None else scene.solve(guess, value if by_load else None)
+        return self._row(scene, solution, value, by_load)
+
+    def _row(self, scene: Scene, solution: Solution | None, value: float, by_load: bool) -> Curve:
+        """Return the solution at one load [mm^2] or approach [mm] as a curve."""
+        if solution is None:  # no load, or no contact
+            row, each = (0.0 if by_load else value, 0.0, 0.0, 0.0, 0.0), np.zeros(scene.surface.count)
             last = partial(self._open, scene.surface, row[0])
             estimate = ModelError(0.0, "there is no contact")
         else:
-            solution, h = scene.solve(guess, value if by_load else None), self.cell
+            h = scene.cell
+            each = h**2 * solution.contacts.area
             load, area = (h**2 * math.fsum(part) for part in (solution.contacts.load, solution.contacts.area))
             residual = solution.minimum.error / solution.indentation if solution.covered else math.inf
             if by_load:
@@ -167,7 +232,10 @@ class BoundaryElements(WithoutGradients):
             last = partial(self._last, scene, solution)
             estimate = ModelError(_cell_error(solution), "the number of cells in contact")
         approach, carried, total, stiffness, error = np.array(row)[:, None]
-        return Curve(approach, carried, total, stiffness, error, TOLERANCE, last, error=estimate)
+        weights = scene.surface.friction_weights
+        friction = np.array([each @ weights]) if np.ndim(weights) else None
+        found = Curve(approach, carried, total, stiffness, error, TOLERANCE, last, error=estimate)
+        return replace(found, friction_area=friction)
 
     def _open(self, surface: Surface, approach: float) -> RescaledState:
         """Return the state without contact."""
@@ -176,7 +244,7 @@ class BoundaryElements(WithoutGradients):
         return RescaledState(zero, zero, gap, float((surface.height - gap).min()), self, field=field)
 
     def _last(self, scene: Scene, solution: Solution) -> RescaledState:
-        surface, h = scene.surface, self.cell
+        surface, h = scene.surface, scene.cell
         load = h**2 * solution.contacts.load
         # indentation for point loads: the approach minus gap and displacement by all other point loads
         indentation = h * solution.minimum.multiplier - surface.gap - scene.coupling @ load
@@ -222,7 +290,14 @@ def _notes(scene: Scene, solution: Solution) -> tuple[Note, ...]:
     notes = [
         information(f"{cells} cells cover the contacts; a grid over all of them would have {extent.prod()}"),
     ]
-    if len(patches) > 1:
+    if scene.grid is not None:
+        numbers = " x ".join(map(str, scene.grid))
+        notes = [
+            information(f"{cells} of {numbers} cells of {scene.cell:.4g} mm in the period cover the contacts")
+        ]
+        if not hasattr(scene.substrate, "thickness"):
+            notes.append(MEAN_PLANE)
+    elif len(patches) > 1:
         notes.append(
             information(
                 f"displacements between {len(patches)} patches by expansions within {far_field.TOLERANCE:g}"

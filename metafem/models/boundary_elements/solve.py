@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
 from metafem.contact import Hertz
@@ -17,6 +20,12 @@ from metafem.models.boundary_elements.contact_areas import Contacts, measure
 from metafem.models.boundary_elements.far_field import table_bytes
 from metafem.models.boundary_elements.influence import Influence
 from metafem.models.boundary_elements.patches import Patch, box_rate, boxes, patch
+from metafem.models.boundary_elements.periodic import (
+    PeriodicInfluence,
+    fitting_side,
+    framed,
+    spectrum,
+)
 from metafem.models.boundary_elements.summits import Summits
 from metafem.models.curve import Curve
 from metafem.models.independent import Independent
@@ -26,6 +35,9 @@ from metafem.surface import Surface
 
 # Largest |gap| of a cell with pressure, or overlap of a cell without, relative to the largest indentation.
 TOLERANCE = 1e-9
+
+# Rate below which patches of a periodic cell are merged: only if they overlap, whose rate is 1.
+OVERLAP = 1.0 + 1e-9
 
 # Minimum number of cells per radius of the largest contact. With n cells per radius the error is up to
 # 0.1/n^2 in load and 0.3/n^2 in area (measured for one Hertz contact at six offsets, n = 4 to 12), so that
@@ -83,8 +95,12 @@ class Scene:
     """One surface on one substrate, with the data that are common to all loads."""
 
     def __init__(self, surface: Surface, cell: float, substrate: Radial, law: Hertz | ElasticCap) -> None:
+        surface = framed(surface)
         self.surface = surface
         self.law = law
+        self.grid: tuple[int, int] | None = None
+        if surface.cell is not None:
+            cell, self.grid = fitting_side(cell, surface.cell)
         self.cell = cell
         self.substrate = substrate.for_surface(surface)
         self.summits = Summits.of(surface, law, cell)
@@ -106,7 +122,7 @@ class Scene:
 
     def largest(self, guess: Curve) -> float:
         """Return the largest contact radius of an initial guess [mm]."""
-        return float(self.law.contact_radius(guess.last.indentation, self.surface.radius).max())
+        return float(self.law.contact_radius(guess.last.indentation, self.summits.of_law).max())
 
     def resolves(self, guess: Curve) -> bool:
         """Return whether the cells are fine enough for the largest contact of an initial guess."""
@@ -121,7 +137,7 @@ class Scene:
                 f"{largest:.3g} mm; {COARSEST:g} cells per radius need cell <= {largest / COARSEST:.3g} mm"
             )
         d = guess.last.indentation
-        alone = self.law.load(self.law.contact_radius(d, self.surface.radius), self.surface.radius)
+        alone = self.law.load(self.law.contact_radius(d, self.summits.of_law), self.summits.of_law)
         gain, distance = self._lift(alone)
         reach = np.maximum(self._reach(d, 1.0 + MARGIN_SHARE), LIFTED * distance + MARGIN_CELLS)
         half_width = np.where(d + gain > -NEARLY_CLOSED * d.max(), reach, 0.0)
@@ -131,7 +147,7 @@ class Scene:
             pressure += 1.0  # no summit is the highest surface at its site: any initial guess works
         indentation = float(d.max()) / self.cell
         for _ in range(MAX_GROWTHS):
-            operator = self._influence(patches)
+            operator = self.influence(patches)
             # half of the tolerance, as the final indentation may be smaller than the expected one
             tolerance = 0.5 * TOLERANCE * indentation
             minimum = self._minimum(operator, patches, pressure, float(guess.approach[0]), load, tolerance)
@@ -147,10 +163,15 @@ class Scene:
             patches = self._patches(half_width)
             pressure = _moved(old, parts, patches)
         self.require_extent(contacts)
-        face = minimum.pressure > 0.0
-        ones = np.ones(operator.size)
-        rise = quadratic_program.solve_on(operator, face, ones, STIFFNESS_TOLERANCE, MAX_ITERATIONS)
-        return Solution(minimum, contacts, patches, covered, indentation, float(rise.sum()))
+        rise = _rise(operator, minimum.pressure > 0.0)
+        return Solution(minimum, contacts, patches, covered, indentation, rise)
+
+    def rise(self, solution: Solution, substrate: Radial) -> float:
+        """Return the stiffness of flat punches on the cells in contact [mm], on another substrate."""
+        other = copy(self)
+        other.__dict__.pop("_spectrum", None)
+        other.substrate = substrate
+        return self.cell * _rise(other.influence(solution.patches), solution.minimum.pressure > 0.0)
 
     def _lift(self, load: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the increase [mm] of the indentations by the field's slopes, and where [cells], (n,)."""
@@ -159,8 +180,8 @@ class Scene:
 
     def _reach(self, indentation: FloatArray, factor: float) -> FloatArray:
         """Return the extent of the cells around summits with these indentations, (n,) [cells]."""
-        most = self.law.largest_indentation(self.surface.radius)
-        radius = self.law.contact_radius(np.minimum(indentation, most), self.surface.radius)
+        most = self.law.largest_indentation(self.summits.of_law)
+        radius = self.law.contact_radius(np.minimum(indentation, most), self.summits.of_law)
         return np.asarray(factor * (radius / self.cell) + MARGIN_CELLS)
 
     def require_extent(self, contacts: Contacts) -> None:
@@ -175,20 +196,34 @@ class Scene:
             )
 
     def _patches(self, half_width: FloatArray) -> list[Patch]:
-        members, first, last = boxes(self.summits, half_width)
+        members, first, last = boxes(self.summits, half_width, None if self.grid is None else OVERLAP)
         cells = (last - first + 1).astype(np.float64).prod(axis=1)
         rate = box_rate(first, last)[np.triu_indices(len(cells), 1)]
-        needed = 8 * VECTORS * cells.sum() + TRANSFORM_BYTES * cells.max() + table_bytes(rate)
+        needed = 8 * VECTORS * cells.sum()
+        if self.grid is None:
+            needed += TRANSFORM_BYTES * cells.max() + table_bytes(rate)
+        else:
+            needed += TRANSFORM_BYTES * math.prod(self.grid)
         require_memory(needed, f"cell = {self.cell:g} mm, with {cells.sum():.3g} cells,")
         return [patch(self.summits, *box) for box in zip(members, first, last, strict=True)]
 
-    def _influence(self, patches: list[Patch]) -> Influence:
+    def influence(self, patches: list[Patch]) -> Influence:
+        """Return the influence of the cells of patches on each other."""
         h, substrate = self.cell, self.substrate
+        if self.grid is not None:
+            return PeriodicInfluence(patches, self.grid, self._spectrum)
         return Influence(
             patches,
             lambda r: np.asarray(h * substrate.influence(h * r)),
             lambda r: np.asarray(h * substrate.regular(h * r)),
         )
+
+    @cached_property
+    def _spectrum(self) -> FloatArray:
+        """Transform of the influence between the cells of a period."""
+        assert self.surface.cell is not None
+        assert self.grid is not None
+        return spectrum(self.substrate, self.surface.cell, self.cell, self.grid)
 
     def _expected(self, indentation: FloatArray, patches: list[Patch]) -> FloatArray:
         """Return Hertz's pressure for the law's contact radii, corrected for the neighbours' field.
@@ -197,10 +232,11 @@ class Scene:
         shifts the contact down the slope by R times the slope; shifts above half of the contact radius are
         omitted.
         """
-        surface, h = self.surface, self.cell
-        contact_radius = self.law.contact_radius(indentation, surface.radius)
-        load = self.law.load(contact_radius, surface.radius)
-        blunt = surface.radius * self.summits.bluntness(contact_radius / h)
+        h = self.cell
+        of_law = self.summits.of_law
+        contact_radius = self.law.contact_radius(indentation, of_law)
+        load = self.law.load(contact_radius, of_law)
+        blunt = h * self.summits.radius * self.summits.bluntness(contact_radius / h)
         bend = 0.5 * blunt * (self.laplacian @ load)
         radius = blunt / (1.0 + np.clip(bend, -0.5, 0.5)) / h
         square = radius * np.maximum(indentation, 0.0) / h
@@ -258,6 +294,12 @@ class Scene:
         gain, distance = self._lift(load)
         missed = (half_width <= distance) & (d + gain > 0.0)
         return np.where(missed, np.maximum(self._reach(d, 1.0), LIFTED * distance + MARGIN_CELLS), result)
+
+
+def _rise(operator: Influence, face: NDArray[np.bool_]) -> float:
+    """Return the sum of the pressures on cells that all move by 1."""
+    ones = np.ones(operator.size)
+    return float(quadratic_program.solve_on(operator, face, ones, STIFFNESS_TOLERANCE, MAX_ITERATIONS).sum())
 
 
 def _moved(old: list[Patch], pressure: list[FloatArray], new: list[Patch]) -> FloatArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from metafem._validate import FloatArray
 from metafem.contact import Hertz
 from metafem.contact.caps import ElasticCap
 from metafem.contact.elastic import PARABOLOID
-from metafem.contact.law import area_change
+from metafem.contact.law import area_change, sizes_of
 from metafem.surface import Surface
 
 # Largest indentation, divided by R, for laws without a limit (a sphere then has the contact radius R within
@@ -48,6 +49,7 @@ class Summits:
     radius: FloatArray
     cap: Hertz | ElasticCap = PARABOLOID
     cell: float = 1.0  # [mm]
+    of_law: Any = 0.0  # what the law takes as the radius of each asperity, (n,) [mm]
 
     @classmethod
     def of(cls, surface: Surface, cap: Hertz | ElasticCap, cell: float) -> Summits:
@@ -55,7 +57,8 @@ class Summits:
         low, high = surface.position.min(axis=0), surface.position.max(axis=0)
         # relative to the corner, so that no digits are lost if the surface is far from the origin
         position = ((surface.position - low) - 0.5 * (high - low)) / cell
-        return cls(position, surface.gap / cell, surface.radius / cell, cap, cell)
+        of_law = cap.summits(surface)
+        return cls(position, surface.gap / cell, sizes_of(of_law) / cell, cap, cell, of_law)
 
     @property
     def paraboloids(self) -> bool:
@@ -67,14 +70,13 @@ class Summits:
         if self.paraboloids:  # closed form, without a square root
             return np.asarray(square / (2.0 * self.radius[i]))
         distance = self.cell * np.sqrt(square)
-        return np.asarray(self.cap.depth_at(distance, self.cell * self.radius[i]) / self.cell)
+        return np.asarray(self.cap.depth_at(distance, self.of_law[i]) / self.cell)
 
     def widest(self) -> FloatArray:
         """Return the largest contact radii that the law describes, (n,)."""
-        radius = self.cell * self.radius
-        most = self.cap.largest_indentation(radius)
-        deepest = np.where(np.isfinite(most), most, DEEPEST * radius)
-        return np.asarray(self.cap.contact_radius(deepest, radius) / self.cell)
+        most = self.cap.largest_indentation(self.of_law)
+        deepest = np.where(np.isfinite(most), most, DEEPEST * self.cell * self.radius)
+        return np.asarray(self.cap.contact_radius(deepest, self.of_law) / self.cell)
 
     def lift(self, slope: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the increase of the indentation by slopes g of the field, and its distance rho, (n,).
@@ -86,7 +88,7 @@ class Summits:
         if self.paraboloids:
             return np.zeros(slope.shape), np.zeros(slope.shape)
         distance = self.cell * self.widest()[:, None] * np.geomspace(FLATTEST, 1.0, DISTANCES)
-        gain = slope[:, None] * distance - self.cap.depth_at(distance, self.cell * self.radius[:, None])
+        gain = slope[:, None] * distance - self.cap.depth_at(distance, self.of_law[:, None])
         best = (np.arange(len(slope)), gain.argmax(axis=1))
         beside = gain[best] > 0.0
         return beside * gain[best] / self.cell, beside * distance[best] / self.cell
@@ -97,7 +99,7 @@ class Summits:
             return np.ones(contact_radius.shape)
         inside = np.minimum(contact_radius, self.widest())
         closed = inside > 0.0
-        depth = self.cap.indentation(self.cell * inside, self.cell * self.radius) / self.cell
+        depth = self.cap.indentation(self.cell * inside, self.of_law) / self.cell
         return np.where(closed, inside**2 / np.where(closed, self.radius * depth, 1.0), 1.0)
 
     def areas(self, spread: FloatArray, load: FloatArray, shift: FloatArray) -> FloatArray:
@@ -113,7 +115,7 @@ class Summits:
         """
         if self.paraboloids:
             return 5.0 * math.pi * spread
-        radius, low, widest = self.cell * self.radius, np.zeros(spread.shape), self.cell * self.widest()
+        radius, low, widest = self.of_law, np.zeros(spread.shape), self.cell * self.widest()
         high = widest
         carried = self.cell**2 * load
         moment = 2.0 * self.cell**2 * spread * carried
@@ -153,7 +155,7 @@ class Summits:
             here = owner == i
             x, y = (np.argwhere(here) + corner - self.position[i]).T
             s = self.cell * np.minimum(a * np.sqrt(square), widest[i])
-            mean = (1.0 / self.cap.area_slope(s, self.cell * self.radius[i])) @ weight
+            mean = (1.0 / self.cap.area_slope(s, self.of_law[i])) @ weight
             distance = np.log(np.maximum(np.hypot(x, y), NEAREST * a))
             shape[here] = np.exp(np.interp(distance, np.log(a * part), np.log(mean / mean.max())))
         return shape

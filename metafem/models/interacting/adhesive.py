@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -19,7 +20,7 @@ from metafem.models.adhesion.scene import Scene
 from metafem.models.adhesion.solve import TOLERANCE, State
 from metafem.models.adhesion.unloading import Unloading
 from metafem.models.curve import Curve, RescaledState, Sensitivity
-from metafem.models.interacting.coupled import Coupled
+from metafem.models.interacting.coupled import Coupled, refuse_wide
 from metafem.models.interacting.influence import coupling_between
 from metafem.notes import Note
 
@@ -39,8 +40,10 @@ class Followed:
     def _each(self, value: Callable[[State], float], none: float = 0.0) -> FloatArray:
         return np.array([none if state is None else value(state) for state in self.states])
 
-    def curve(self, compute_last: Callable[[], RescaledState], notes: tuple[Note, ...]) -> Curve:
-        """Return the states as a curve."""
+    def curve(
+        self, compute_last: Callable[[], RescaledState], notes: tuple[Note, ...], weights: float | FloatArray
+    ) -> Curve:
+        """Return the states as a curve; weights: of the areas of the asperities in their friction, (n,)."""
         approach = self._each(lambda state: state.x)
         open_ones = np.array([state is None for state in self.states])
         approach[open_ones] = self.control[open_ones]
@@ -53,7 +56,18 @@ class Followed:
             TOLERANCE,
             compute_last,
             notes,
+            friction_area=self.friction_area(weights) if np.ndim(weights) else None,
         )
+
+    def friction_area(self, weights: float | FloatArray) -> FloatArray:
+        """Return ``sum w_i A_i`` [mm^2], (k,)."""
+        if not np.ndim(weights):
+            return self._each(lambda state: state.area)
+        found = np.zeros((len(self.states), len(self.scene.gap)))
+        for row, state in zip(found, self.states, strict=True):
+            if state is not None:
+                row[state.closed] = math.pi * state.a**2
+        return np.asarray(found @ weights)
 
     def last(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return loads [mm^2], areas [mm^2] and indentations [mm] (n,) of the last state."""
@@ -79,12 +93,16 @@ class Followed:
                 row[state.closed] = state.p
         return found
 
-    def gradients(self) -> FloatArray:
-        """Return dA0/dh at fixed load [mm], (k, n), without the change of the pedestal compliance."""
+    def gradients(self, weights: float | FloatArray) -> FloatArray:
+        """Return dA0/dh at fixed load [mm], (k, n), without the change of the pedestal compliance.
+
+        weights: those of the areas of the asperities in their friction, (n,), or 1.
+        """
+        each = np.broadcast_to(weights, self.scene.gap.shape)
         found = np.zeros((len(self.states), len(self.scene.gap)))
         for row, state in zip(found, self.states, strict=True):
             if state is not None:
-                row[state.closed] = state.area_gradient()
+                row[state.closed] = state.area_gradient(each[state.closed])
         return found
 
 
@@ -127,9 +145,20 @@ class AdhesiveCoupling(Coupled):
         surface = self.surface
         refuse_merging(self.law, surface)
         modulus = surface.material.composite_modulus
-        found = follow(self._scene(surface.height, surface.radius), values, by_load, unloading, modulus)
+        found = follow(self._scene(surface.height), values, by_load, unloading, modulus)
+        refuse_wide(surface, max((float(state.a.max()) for state in found.states if state), default=0.0))
         notes = jump_notes(found.jumps, modulus, unloading) if by_load else ()
-        return found.curve(partial(self._last, surface.height, found), notes)
+        last = partial(self._last, surface.height, found)
+        return found.curve(last, notes, surface.friction_weights)
+
+    def pull_off(self, largest: float) -> float:
+        """Return the largest tension [mm^2] on the way back from the largest rescaled load."""
+        refuse_merging(self.law, self.surface)
+        path = Loading(self._scene(self.surface.height), record=False)
+        path.press(Goal(largest, by_load=True))
+        back = Unloading(path.scene, record=False, state=path.state, extreme=np.inf)
+        back.withdraw(Goal(-np.inf, by_load=True))
+        return max(0.0, -back.extreme)
 
     def solve(self, height: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
         """Return approach, load, area and stiffness (m, k) for heights (m, n) at increasing loads (k,)."""
@@ -137,29 +166,33 @@ class AdhesiveCoupling(Coupled):
         names = ("approach", "load", "area", "stiffness")
         return tuple(np.array([getattr(curve, name) for curve in curves]) for name in names)
 
-    def sensitivity(self, height: FloatArray, load: FloatArray) -> Sensitivity:
-        """Return the loading curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
-        found = followed_near(self._scene(height, self.surface.radius), load)
+    def sensitivity(self, height: FloatArray, load: FloatArray, by: str = "height") -> Sensitivity:
+        """Return the loading curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n).
+
+        by: only "height"; adhesive laws have no derivatives by the shape of the caps.
+        """
+        found = followed_near(self._scene(height), load)
         indentation = np.array([found.indentation(state) for state in found.states])
-        curve = found.curve(partial(self._last, height, found), ())
+        weights = self.surface.friction_weights
+        curve = found.curve(partial(self._last, height, found), (), weights)
         return Sensitivity(
-            curve, lambda: self.on_pedestals(found.gradients(), height, found.loads()), indentation
+            curve, lambda: self.on_pedestals(found.gradients(weights), height, found.loads()), indentation
         )
 
     def areas(self, height: FloatArray, radius: FloatArray | None, load: FloatArray) -> FloatArray:
-        """Return A0 [mm^2] (m, k) for heights and radii (m, n) at loads (k,); nan if not converged."""
+        """Return A0 or friction areas [mm^2] (m, k) for heights and radii (m, n); see `Model.areas`."""
         area = np.full((len(height), len(load)), np.nan)
         for row, heights in enumerate(height):
-            scene = self._scene(heights, self.surface.radius if radius is None else radius[row])
+            scene = self._scene(heights, None if radius is None else radius[row])
             try:
-                states = followed_near(scene, load).states
+                found = followed_near(scene, load)
             except NotConverged:
                 continue
-            area[row] = [0.0 if state is None else state.area for state in states]
+            area[row] = found.friction_area(self.surface.friction_weights)
         return area
 
-    def _scene(self, height: FloatArray, radius: FloatArray) -> Scene:
-        """Return asperities with heights and radii (n,), and their influence on each other."""
+    def _scene(self, height: FloatArray, radius: FloatArray | None = None) -> Scene:
+        """Return asperities with heights and radii (n,) [mm], and their influence on each other."""
         if self.surface.count > MOST:
             raise InvalidInput(
                 f"{self.surface.count} adhesive asperities with interaction are too many: at most {MOST}; "
@@ -167,8 +200,9 @@ class AdhesiveCoupling(Coupled):
             )
         coupling, regular = coupling_between(self.surface, self.substrate, self.order)
         gap = height.max() - height
-        self_term = regular + self.pedestals(height, radius)
-        return Scene(self.law, np.broadcast_to(radius, gap.shape), gap, coupling, self_term)
+        self_term = regular + self.pedestals(height, self.surface.radius if radius is None else radius)
+        summits = np.broadcast_to(self.law.summits(self.surface, radius), gap.shape)
+        return Scene(self.law, summits, gap, coupling, self_term)
 
     def _last(self, height: FloatArray, found: Followed) -> RescaledState:
         return self.state(height, *found.last())

@@ -5,13 +5,34 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.cap_compliance import TALLEST, pedestal_influence
+from metafem.errors import refuse_if
 from metafem.models.curve import RescaledState
-from metafem.notes import Note
+from metafem.notes import Note, information
 from metafem.substrate import Substrate
 from metafem.surface import Surface
+
+# The convention of the separation for periodic cells on a half-space.
+MEAN_PLANE = information(
+    "the separation is measured from the mean plane of the deformed periodic surface: the mean displacement "
+    "of a half-space diverges and is left out"
+)
+
+
+def refuse_wide(surface: Surface, contact_radius: float) -> None:
+    """Raise InvalidInput if a contact radius [mm] exceeds half of the shorter side of a periodic cell."""
+    if surface.cell is None:
+        return
+    side = min(surface.cell.width, surface.cell.length)
+    refuse_if(
+        2.0 * contact_radius > side,
+        f"a contact of radius {contact_radius:.4g} mm is wider than the periodic cell of {side:g} mm; use "
+        "lighter loads or a larger cell",
+    )
 
 
 @dataclass(frozen=True)
@@ -28,6 +49,11 @@ class Coupled:
     def pedestals(self, height: FloatArray, radius: FloatArray) -> FloatArray | float:
         """Return the displacement of each summit by the compliance of its cap, per unit of P/E* [1/mm]."""
         return pedestal_influence(height, radius)[0] if self.pedestal else 0.0
+
+    def pedestal_rate(self, height: FloatArray) -> FloatArray:
+        """Return the derivatives of `pedestals` by R [1/mm^2], (n,): R times `pedestals` depends on h/R."""
+        value, rate = pedestal_influence(height, self.surface.radius)
+        return np.asarray(-(value + height * rate) / self.surface.radius)
 
     def on_pedestals(self, gradient: FloatArray, height: FloatArray, load: FloatArray) -> FloatArray:
         """Return dA0/dh (k, n) [mm] with the change of the caps' compliance, at loads (k, n) [mm^2]."""
@@ -51,4 +77,6 @@ class Coupled:
         if self.pedestal and tall:
             text = f"{tall} summits are higher than {TALLEST:g} R; their pedestals are taken as that high"
             notes += (Note(text),)
+        if self.surface.cell is not None and not hasattr(self.substrate, "thickness"):
+            notes += (MEAN_PLANE,)
         return RescaledState(load, area, indentation, float(base.min()), self.model, notes)

@@ -25,12 +25,14 @@ from metafem.models.curve import (
     refuse_flattening,
     solved,
 )
-from metafem.models.interacting.coupled import Coupled
+from metafem.models.interacting.coupled import Coupled, refuse_wide
 from metafem.models.interacting.influence import coupling_between
 from metafem.models.interacting.large import NOT_RECORDED, large_scene
 from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
-from metafem.models.interacting.sensitivity import area_gradients
+from metafem.models.interacting.sensitivity import area_gradients, friction_areas
+from metafem.models.interacting.shape_sensitivity import Shapes, shape_gradient
 from metafem.models.interacting.sums.fft_sums import find_lattice
+from metafem.models.interacting.sums.periodic_sums import find_grid
 from metafem.notes import Note, information
 from metafem.substrate import Radial
 
@@ -71,6 +73,7 @@ class Solution:
     tolerance: float
     gradient: Callable[[], FloatArray]  # returns dA0/dh without the change of the pedestals
     notes: tuple[Note, ...] = ()
+    friction_area: FloatArray | None = None  # of the last list of heights, (k,)
 
     @property
     def solved(self) -> np.ndarray:
@@ -89,6 +92,8 @@ class ElasticCoupling(Coupled):
             return None
         if count > DENSE_LIMIT:
             return substrate
+        if self.surface.cell is not None:
+            return None if find_grid(self.surface.position, self.surface.cell) is None else substrate
         lattice = None if self.order == 1 else find_lattice(self.surface.position)
         fast = lattice is not None and PAIRS_PER_SITE * math.prod(lattice.shape) <= count**2
         return substrate if fast else None
@@ -113,23 +118,29 @@ class ElasticCoupling(Coupled):
             )
         return results.approach, results.load, results.area, results.stiffness
 
-    def sensitivity(self, height: FloatArray, load: FloatArray) -> Sensitivity:
-        """Return the curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
+    def sensitivity(self, height: FloatArray, load: FloatArray, by: str = "height") -> Sensitivity:
+        """Return the curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n).
+
+        by: parameter of the derivatives, see `Sensitivity`.
+        """
         indentation = np.zeros((len(load), self.surface.count))
         solution = self._solve(height[None, :], load, True, indentation)
 
         def gradient() -> FloatArray:
             found = solution.gradient()
+            if by != "height":
+                return self._by_shape(by, height, indentation, found)
             if not self.pedestal:
                 return found
-            carried = contacts(self.law, indentation, self.surface.radius).load
+            carried = contacts(self.law, indentation, self.law.summits(self.surface)).load
             return self.on_pedestals(found, height, carried)
 
         return Sensitivity(self._curve(solution), gradient, indentation)
 
     def areas(self, height: FloatArray, radius: FloatArray | None, load: FloatArray) -> FloatArray:
-        """Return A0 [mm^2] (m, k) for heights and radii (m, n) at loads (k,); nan if not converged."""
-        if radius is not None and self.summed is not None:
+        """Return A0 or friction areas [mm^2] (m, k) for heights and radii (m, n); see `Model.areas`."""
+        weighted = np.ndim(self.surface.friction_weights) > 0
+        if weighted or (radius is not None and self.summed is not None):
             return areas_one_by_one(self.model.curve, self.surface, load, height, radius, None)
         solution = self._solve(height, load, True, radius=radius)
         self._refuse_thin_layer(solution.results)
@@ -142,7 +153,7 @@ class ElasticCoupling(Coupled):
         """
         surface = self.surface
         gap, self_term = surface.gap, np.zeros(surface.count) + self.pedestals(surface.height, surface.radius)
-        law = tables(self.law, surface.radius)
+        law = tables(self.law, self.law.summits(surface))
         if self.summed is not None:
             equations = large_scene(surface, self.summed, self.order).equations(law, self_term, gap)
 
@@ -163,6 +174,32 @@ class ElasticCoupling(Coupled):
 
         return dense
 
+    def _by_shape(
+        self, by: str, height: FloatArray, indentation: FloatArray, gradient: FloatArray
+    ) -> FloatArray:
+        """Return dA0 by a parameter of the caps (k, n), from dA0/dh without the change of the pedestals."""
+        surface, law = self.surface, self.law
+        own = self.model.contact.for_material(surface.material)
+        shapes = Shapes(surface, law, own, tables(law, law.summits(surface)), by)
+        respond, found = self.response(), np.zeros_like(gradient)
+        for row, (z, change) in enumerate(zip(indentation, gradient, strict=True)):
+            state, _ = respond(z, 0.0)
+            found[row] = shape_gradient(shapes, state, change, self._field(change))
+            if self.pedestal and by == "radius":
+                found[row] -= change * self.pedestal_rate(height) * state.load
+        return found
+
+    def _field(self, load: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+        """Return the Laplacian and the slopes of the field of loads at the asperities; None for order 1."""
+        if self.order == 1:
+            return None
+        if self.summed is not None:
+            return large_scene(self.surface, self.summed, self.order).sums.field(load)
+        coupling, _ = coupling_between(self.surface, self.substrate, self.order)
+        at = coupling.laplacian_at, coupling.slope_x_at, coupling.slope_y_at
+        laplacian, x, y = (load @ matrix for matrix in at)
+        return laplacian, x, y
+
     def _curve(self, solution: Solution) -> Curve:
         approach, load, area, stiffness, residual = (part[0] for part in solution.results[:5])
 
@@ -171,7 +208,8 @@ class ElasticCoupling(Coupled):
             parts = state.load, math.pi * state.footprint, state.indentation
             return self.state(solution.height, *parts, solution.notes)
 
-        return Curve(approach, load, area, stiffness, residual, solution.tolerance, last)
+        given = approach, load, area, stiffness, residual, solution.tolerance, last
+        return Curve(*given, friction_area=solution.friction_area)
 
     def _solve(
         self,
@@ -186,12 +224,15 @@ class ElasticCoupling(Coupled):
         radius: (m, n) [mm]; default: the surface's. `indentation` (k, n) [mm] is filled with the nominal
         indentations of the last list of heights unless empty.
         """
+        weights = self.surface.friction_weights if len(height) == 1 else 1.0
+        if np.ndim(weights) and not indentation.size:
+            indentation = np.zeros((len(control), height.shape[1]))
         gap = height.max(axis=1, keepdims=True) - height
         surface, bound = self.surface, self.substrate
-        size = np.broadcast_to(surface.radius if radius is None else radius, gap.shape)
+        size = surface.radius if radius is None else radius
         self_term = np.zeros(height.shape) + self.pedestals(height, size)
         results = kernel.empty_results(len(height), len(control))
-        law = tables(self.law, size)
+        law = tables(self.law, np.broadcast_to(self.law.summits(surface, radius), gap.shape))
         if self.summed is not None:
             large = large_scene(surface, self.summed, self.order)
             for row in range(len(height)):
@@ -202,8 +243,9 @@ class ElasticCoupling(Coupled):
             self._refuse_deep(rows_of(law, -1), last)
             notes = (information(large.sums.note),)
             scene = rows_of(law, -1), self_term[-1], gap[-1], indentation
-            gradients = partial(large.area_gradients, *scene)
-            return Solution(results, height[-1], last, FAST_TOLERANCE, gradients, notes)
+            gradients = partial(large.area_gradients, *scene, weights)
+            friction = large.friction_areas(*scene, weights) if isinstance(weights, np.ndarray) else None
+            return Solution(results, height[-1], last, FAST_TOLERANCE, gradients, notes, friction)
         coupling, regular = coupling_between(surface, bound, self.order)
         self_term += regular
         control = np.array(control)  # a read-only array would compile the kernel again
@@ -225,9 +267,10 @@ class ElasticCoupling(Coupled):
             run_rows(partial(run, loads=slice(0, len(control))), len(gap), pairs, PAIRS_PER_THREAD)
         for (end, _), state in states.items():
             self._refuse_deep(rows_of(law, end - 1), state)
-        system = coupling, self.order, rows_of(law, -1), self_term[-1]
-        gradients = partial(area_gradients, *system, indentation)
-        return Solution(results, height[-1], states[whole], TOLERANCE, gradients)
+        system = coupling, self.order, rows_of(law, -1), self_term[-1], indentation
+        gradients = partial(area_gradients, *system, weights)
+        friction = friction_areas(*system, weights) if isinstance(weights, np.ndarray) else None
+        return Solution(results, height[-1], states[whole], TOLERANCE, gradients, friction_area=friction)
 
     def _refuse_deep(self, law: Law, state: State) -> None:
         """Raise InvalidInput if an indentation exceeds the range of the law."""
@@ -242,7 +285,8 @@ class ElasticCoupling(Coupled):
             )
 
     def _refuse_thin_layer(self, results: kernel.Results) -> None:
-        """Raise InvalidInput if a contact radius exceeds the layer thickness, where the expansion fails."""
+        """Raise InvalidInput if a contact exceeds the layer thickness or the cell: the expansion fails."""
+        refuse_wide(self.surface, float(results.radius.max()))
         thickness = getattr(self.substrate, "thickness", None)
         # neither the solution nor its contact radii are accurate in this range
         if thickness is not None and float(results.radius.max()) > thickness:

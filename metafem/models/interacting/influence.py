@@ -12,10 +12,14 @@ import scipy
 
 from metafem._kernels.coupling import Coupling
 from metafem._validate import FloatArray
+from metafem.errors import refuse_if
+from metafem.material import PeriodicCell
 from metafem.models._resources import require_memory
 from metafem.models.interacting.sums.ewald_sums import ScatteredSums
 from metafem.models.interacting.sums.fast_sums import fast_sums
 from metafem.models.interacting.sums.fft_sums import LatticeSums
+from metafem.models.interacting.sums.periodic_sums import find_grid
+from metafem.models.neighbours import neighbours
 from metafem.substrate import Radial, Substrate
 from metafem.surface import Surface
 
@@ -24,22 +28,31 @@ from metafem.surface import Surface
 # matrices take 53 MiB. Computing them takes as long as 10 loads of a curve.
 KEPT_FIELDS, MOST_KEPT, MOST_LAST = 8, 256, 1000
 
+# Largest number of asperities in a periodic cell; the sums for 2000 take seconds and 0.5 GB.
+MOST_PERIODIC = 2000
+
 # Largest number of asperities for which fast sums are cached. The spectra and positions of 10,000
 # sites take 2 MiB.
 MOST_KEPT_SUMS = 10_000
 
 
+def _scattered(surface: Surface) -> bool:
+    """Return whether the sites are in a periodic cell, but not on a grid that divides it."""
+    return surface.cell is not None and find_grid(surface.position, surface.cell) is None
+
+
 @dataclass(frozen=True)
 class Sites:
-    """Sites of a surface; two are equal if all their bits are."""
+    """Sites of a surface and its periodic cell; two are equal if all their bits are."""
 
     position: bytes
+    cell: PeriodicCell | None
     surface: Surface = field(compare=False)
 
     @classmethod
     def of(cls, surface: Surface) -> Sites:
         """Return the sites of a surface."""
-        return cls(surface.position.tobytes(), surface)
+        return cls(surface.position.tobytes(), surface.cell, surface)
 
 
 def coupling_between(surface: Surface, bound: Substrate, order: int) -> tuple[Coupling, FloatArray]:
@@ -57,22 +70,24 @@ def coupling_between(surface: Surface, bound: Substrate, order: int) -> tuple[Co
 def displacements(surface: Surface, bound: Substrate) -> Callable[[FloatArray], FloatArray]:
     """Return a function that computes the displacements (m, n) [mm] of the summits by loads (m, n) [mm^2].
 
-    They include the regular self terms. A dense matrix is used for few asperities and for substrates that are
-    not radial, otherwise fast sums.
+    They include the regular self terms. A dense matrix is used for few asperities, for substrates that are
+    not radial and for scattered sites in a cell, otherwise fast sums.
     """
-    if surface.count <= MOST_KEPT or not isinstance(bound, Radial):
+    if surface.count <= MOST_KEPT or not isinstance(bound, Radial) or _scattered(surface):
         coupling, regular = coupling_between(surface, bound, 1)
         return lambda load: load @ coupling.influence + regular * load
     if surface.count > MOST_KEPT_SUMS or not isinstance(bound, Hashable):
         sums = fast_sums(surface, bound, 1)
     else:
         sums = _kept_sums(bound, Sites.of(surface))
-    own = bound.self_influence
+    own = sums.self_influence
     return lambda load: np.array([sums.displacement(row) for row in load]) + own * load
 
 
 def nearest_distance(surface: Surface) -> float:
-    """Return the smallest distance between two asperities [mm]; infinite for one asperity."""
+    """Return the smallest distance between two asperities [mm]; infinite for one asperity without a cell."""
+    if surface.cell is not None:
+        return float(neighbours(surface.position, surface.cell, 1)[0].min())
     return _nearest(Sites.of(surface)) if surface.count > 1 else math.inf
 
 
@@ -102,6 +117,11 @@ def _kept_sums(substrate: Radial, sites: Sites) -> LatticeSums | ScatteredSums:
 
 def _computed(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupling, FloatArray]:
     """Return the influence of the asperities on each other, and the regular self terms (n,), uncached."""
+    refuse_if(
+        surface.cell is not None and surface.count > MOST_PERIODIC,
+        f"a periodic cell with {surface.count} asperities is too large for sums over all pairs, of at most "
+        f"{MOST_PERIODIC}; use a smaller cell, or sites on a rectangular grid that divides it",
+    )
     # the matrices, their transposes, the Jacobian, and temporary arrays of the same size
     require_memory(8 * surface.count**2 * (3 if order == 1 else 14), f"{surface.count} asperities")
     if order == 3 and isinstance(substrate, Radial):

@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import ClassVar
+from typing import ClassVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
+from metafem.caps import SPHERE
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
-from metafem.contact.law import checked_contact
-from metafem.errors import InvalidInput
+from metafem.contact.law import checked_contact, refuse_parameter
+from metafem.errors import InvalidInput, refuse_if
 from metafem.models.adhesion.notes import adhesive_law
 from metafem.models.curve import Curve, Sensitivity, areas_one_by_one, controlled
 from metafem.models.interacting.adhesive import AdhesiveCoupling
+from metafem.models.interacting.discs import conductances
 from metafem.models.interacting.elastic import DENSE_LIMIT as DENSE_LIMIT
 from metafem.models.interacting.elastic import LATTICE_LIMIT as LATTICE_LIMIT
 from metafem.models.interacting.elastic import TOLERANCE as TOLERANCE
 from metafem.models.interacting.elastic import ElasticCoupling
-from metafem.substrate import HalfSpace, Substrate
+from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
 
@@ -54,6 +56,15 @@ class Interacting:
     nu = 0.5, the error of order 3 in A0 is at most 0.2 % up to a/t = 0.3. This error increases as (a/t)^5,
     and is smaller for smaller Poisson's ratios.
 
+    If the surface has a periodic cell, all displacements are sums over the periods, including those of an
+    asperity by its own images. On a half-space they are relative to their mean, so that the separation is
+    measured from the mean plane of the deformed surface; a note states this. Above 2000 asperities the sites
+    must form a rectangular grid that divides the cell. Against finite elements of the unit cell of a square
+    lattice, the load of order 3 at a given contact radius is off by at most 0.03 % up to a/pitch = 0.19.
+
+    The stiffness of a curve of order 1 has a relative error below 1e-8, that of order 3 below 3e-5, because
+    its tangent omits terms of second order; on a half-space, `conductance` is the exact derivative.
+
     The notes of a state or law warn if contacts overlap, or if the estimated error of order 3 in A0 exceeds
     4 %. They also state if a/r exceeds 0.32, or a/t exceeds 0.3.
 
@@ -66,14 +77,15 @@ class Interacting:
     contact : Contact
         Law of one contact; default: `Hertz()`. Laws that consist only of P(d) and A(d) need order 1.
     pedestal : bool
-        Whether to add the compliance of the caps in the limit of light loads, tabulated up to h/R = 0.6;
-        default: False.
+        Whether to add the compliance of spherical caps in the limit of light loads, tabulated up to
+        h/R = 0.6; default: False.
 
     Raises
     ------
     InvalidInput
         If the order is unknown, or the substrate or contact cannot be used. When solving: if the layer is
-        thinner than a contact radius.
+        thinner than a contact radius, a contact is wider than the periodic cell, or the caps on pedestals are
+        not spheres.
     NotConverged
         When solving with `equilibrium`, `friction_law` or `Curve.checked`: if an equilibrium does not
         converge to the tolerance.
@@ -129,7 +141,18 @@ class Interacting:
 
     def bound(self, surface: Surface) -> ElasticCoupling | AdhesiveCoupling:
         """Return the asperities of a surface with their law and their influence on each other."""
-        law = self.contact.for_material(surface.material)
+        if surface.cell is not None and not isinstance(self.substrate, Radial):
+            name = getattr(self.substrate, "name", type(self.substrate).__name__)
+            raise InvalidInput(
+                f"{type(self.substrate).__name__} ({name}) cannot have a periodic cell; use "
+                "metafem.BondedLayer() or metafem.HalfSpace(), or a surface with cell=None"
+            )
+        refuse_if(
+            self.pedestal and surface.cap != SPHERE,
+            f"cannot be True with cap = {surface.cap!r}: the compliance of a cap is known for {SPHERE!r}",
+            key="pedestal",
+        )
+        law = self.contact.bound(surface)
         given = self, surface, law, self.substrate.for_surface(surface), self.order, self.pedestal
         return AdhesiveCoupling(*given) if adhesive_law(law) else ElasticCoupling(*given)
 
@@ -197,16 +220,30 @@ class Interacting:
         return approach, carried, area, stiffness
 
     def sensitivity(
-        self, surface: Surface, load: FloatArray, height: FloatArray | None = None
+        self, surface: Surface, load: FloatArray, height: FloatArray | None = None, by: str = "height"
     ) -> Sensitivity:
         """Return the law at increasing rescaled loads (k,), and dA0/dh at fixed load [mm], (k, n).
 
         The derivatives by all heights need one solution of a linear system per load. If fast sums are used,
         it is solved by conjugate gradients to 1e-9.
-        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked.
+        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked. by:
+        parameter of the derivatives, see `Sensitivity`.
         """
         heights = surface.height if height is None else height
-        return self.bound(surface).sensitivity(heights, load)
+        refuse_parameter(self.contact.for_material(surface.material), by, surface)
+        return self.bound(surface).sensitivity(heights, load, by)
+
+    def conductance(self, surface: Surface, load: FloatArray, share: float = 1.0) -> FloatArray:
+        """Return the rescaled conductance ``(rho_1 + rho_2) G/2`` [mm] at increasing rescaled loads, (k,).
+
+        It is that of discs with the contact areas of this model, see `metafem.models.interacting.discs`.
+        share: share of the block in the sum of both resistivities [-].
+        """
+        return conductances(self.bound(surface), load, share)
+
+    def pull_off(self, surface: Surface, largest: float) -> float:
+        """Return the largest tension [mm^2] on the way back from the largest rescaled load, with adhesion."""
+        return cast("AdhesiveCoupling", self.bound(surface)).pull_off(largest)
 
     def areas(
         self,

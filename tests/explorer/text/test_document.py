@@ -105,7 +105,7 @@ def test_a_key_is_added_in_the_order_of_the_manual_and_removed_again(form):
 @pytest.mark.parametrize(
     ("key", "value", "after", "before"),
     [
-        ("radii.tools", ["300 um", "526 um"], "[lattice]", "[block]"),
+        ("tools.radii", ["300 um", "526 um"], "[lattice]", "[block]"),
         ("contact.kind", "sphere", "[model]", "[part]"),
         ("checks.hardness", "10 MPa", "[part]", None),
     ],

@@ -107,10 +107,10 @@ def test_an_optional_section_is_added_and_removed(section):
 
 
 def test_radii_to_choose_from_replace_the_radius_and_give_it_back():
-    text = with_section(TEXT, "radii")
+    text = with_section(TEXT, "tools")
     assert "radius" not in tomllib.loads(text)["lattice"]
-    assert parsed(text).radii == (0.3, 0.526)
-    assert tomllib.loads(without_section(text, "radii"))["lattice"]["radius"] == "526 um"
+    assert parsed(text).tools == (0.3, 0.526)
+    assert tomllib.loads(without_section(text, "tools"))["lattice"]["radius"] == "526 um"
 
 
 def test_a_text_that_cannot_be_read_locks_the_fields():

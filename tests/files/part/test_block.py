@@ -108,19 +108,18 @@ def test_each_cap_has_its_own_radius():
 
 
 @pytest.mark.parametrize(
-    "law",
+    "shape",
     [
-        mf.PowerCap(4),
-        mf.PowerCap(1.5, 0.4),
-        mf.AxisymmetricCap([np.linspace(0.0, 0.6, 20), np.linspace(0.0, 0.6, 20) ** 2]),
+        mf.Power(4),
+        mf.Power(1.5, 0.4),
+        mf.Profile([np.linspace(0.0, 0.6, 20), np.linspace(0.0, 0.6, 20) ** 2]),
     ],
     ids=["quartic", "pointed", "table"],
 )
-def test_caps_of_any_profile_are_closed_and_have_their_volume(law):
-    part = lattice(np.array([0.01, 0.05, 0.08, 0.1, 0.11, 0.12]))
-    made = planned(part, part, PartOptions(chord_error=1e-3), law)
-    shape = law.shape()
-    block = block_mesh(part, BLOCK, 1e-3, shape)
+def test_caps_of_any_profile_are_closed_and_have_their_volume(shape):
+    part = lattice(np.array([0.01, 0.05, 0.08, 0.1, 0.11, 0.12])).replaced(cap=shape)
+    made = planned(part, part, PartOptions(chord_error=1e-3))
+    block = block_mesh(part, BLOCK, 1e-3)
     mould = mould_mesh(block, part, BLOCK)
     assert block.closed
     assert mould.closed
@@ -180,35 +179,33 @@ def test_the_rim_is_the_only_border(height):
     assert border == set(zip(rim.tolist(), np.roll(rim, -1).tolist(), strict=True))
 
 
-def law_of(name):
-    """A smooth profile, one with an infinite curvature at the summit, a tip, and a table with a bulge."""
+def cap_of(name):
+    """A smooth profile, one with an infinite curvature at the summit, and a table with a bulge."""
     rho = np.linspace(0.0, 0.9, 40)
     return {
-        "quartic": mf.PowerCap(4, 0.5),
-        "blunt": mf.PowerCap(12, 0.5),
-        "pointed": mf.PowerCap(1.3, 0.4),
-        "cone": mf.PowerCap(1, 0.3),
-        "table": mf.AxisymmetricCap([rho, 0.5 * rho**2 + 0.004 * (1.0 - np.cos(20.0 * rho))]),
+        "quartic": mf.Power(4, 0.5),
+        "blunt": mf.Power(12, 0.5),
+        "pointed": mf.Power(1.3, 0.4),
+        "table": mf.Profile([rho, 0.5 * rho**2 + 0.004 * (1.0 - np.cos(20.0 * rho))]),
     }[name]
 
 
 @pytest.mark.parametrize("chord_error", [2e-4, 1e-3])
 @pytest.mark.parametrize("height", [0.005, 0.12])
-@pytest.mark.parametrize("name", ["quartic", "blunt", "pointed", "cone", "table"])
+@pytest.mark.parametrize("name", ["quartic", "blunt", "pointed", "table"])
 def test_faces_of_any_profile_stay_within_the_chord_error(name, height, chord_error):
-    law = law_of(name)
-    shape = law.shape()
+    shape = cap_of(name)
     h, R = np.array([height, 0.12]), np.array([RADIUS, RADIUS])
     rings = int(ring_count(h, R, chord_error, shape)[0])
     vertices = cap_vertices(h, R, rings, shape)[0]
     place = np.linalg.norm(vertices[:, :2], axis=1)
-    np.testing.assert_allclose(height - vertices[:, 2], law.depth_at(place, RADIUS), atol=1e-12)
+    np.testing.assert_allclose(height - vertices[:, 2], shape.depth_at(place, RADIUS), atol=1e-12)
     assert (np.diff(np.unique(place.round(12))) > 0.0).all()
     # depth along the axis, which is at least that along the normal, at points of each face
     corner = vertices[cap_faces(rings)]
     share = np.array([[1, 1, 1], [1, 1, 0], [0, 1, 1], [1, 0, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4], [2, 1, 0]])
     point = np.einsum("sk,fkx->fsx", share / share.sum(axis=1, keepdims=True), corner)
-    depth = height - law.depth_at(np.linalg.norm(point[..., :2], axis=-1), RADIUS) - point[..., 2]
+    depth = height - shape.depth_at(np.linalg.norm(point[..., :2], axis=-1), RADIUS) - point[..., 2]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     depth *= (normal[:, 2] / np.linalg.norm(normal, axis=1))[:, None]
     assert np.abs(depth).max() <= chord_error

@@ -50,20 +50,21 @@ def test_what_cannot_be_made_is_refused_by_asperity(part, alignment, message):
         planned(part, part, PartOptions(alignment))
 
 
-TABLE = mf.AxisymmetricCap([[0.0, 0.1, 0.2, 0.3], [0.0, 0.01, 0.04, 0.09]])
+TABLE = mf.Profile([[0.0, 0.1, 0.2, 0.3], [0.0, 0.01, 0.04, 0.09]])
 
 
-@pytest.mark.parametrize(("part", "law", "alignment", "message"), [
+@pytest.mark.parametrize(("part", "cap", "alignment", "message"), [
     (surface(0.1), TABLE, None, r"asperity 0 .* height 0\.1 mm; .* at most 0\.09 mm, where its profile ends"),
     (surface(0.05), TABLE, 0.1, r"part\.alignment_height = 0\.1 mm exceeds 0\.09 mm, where the profile"),
     (surface(0.08, pitch=0.5), TABLE, None, "asperity 0 .* and asperity 1 .* overlap"),
-    (surface(pitch=0.8), mf.PowerCap(4), None, r"overlap: their caps have base radii of 0\.413"),
+    (surface(pitch=0.8), mf.Power(4), None, r"overlap: their caps have base radii of 0\.413"),
 ])  # fmt: skip
-def test_caps_of_other_profiles_are_refused_by_their_own_feet(part, law, alignment, message):
+def test_caps_of_other_profiles_are_refused_by_their_own_feet(part, cap, alignment, message):
     with pytest.raises(mf.InvalidInput, match=message):
-        planned(part, part, PartOptions(alignment), law)
+        planned(part.replaced(cap=cap), part, PartOptions(alignment))
 
 
 def test_caps_of_other_profiles_may_be_higher_than_their_radius():
     part = surface(0.6)
-    assert planned(part, part, PartOptions(chord_error=1e-3), mf.PowerCap(4, 2.0)).asperities == 6
+    blunt = part.replaced(cap=mf.Power(4, 2.0))
+    assert planned(blunt, blunt, PartOptions(chord_error=1e-3)).asperities == 6

@@ -18,6 +18,7 @@ MEASURED = [[0.005, 0.02, 0.09], [0.00046, 0.0037, 0.035], [0.0083, 0.033, 0.15]
 # Words of each kind, its section, and the law.
 LAWS = {
     "hertz": ("", mf.Hertz()),
+    "elastic": ("", mf.Elastic()),
     "sphere": ("", mf.SphericalCap()),
     "power 4 0.3": ("exponent = 4.0\ncoefficient = 0.3", mf.PowerCap(4, 0.3)),
     "profile cap.csv": ('file = "cap.csv"', CAP),
@@ -61,6 +62,30 @@ def test_a_law_is_read_from_words_and_from_a_section(home, words):
     assert contact_named(words) == law
     model = mf.read_spec(written(home, f'kind = "{words.split()[0]}"\n{keys}')).model
     assert model == mf.Independent(contact=law)
+
+
+CAP_SECTIONS = {
+    'kind = "sphere"': mf.Sphere(),
+    'kind = "paraboloid"': mf.Paraboloid(),
+    'kind = "power"\nexponent = 4.0\ncoefficient = 0.3': mf.Power(4, 0.3),
+    'kind = "profile"\nfile = "cap.csv"': mf.Profile(CAP.profile),
+}
+
+
+@pytest.mark.parametrize("section", CAP_SECTIONS)
+def test_a_cap_is_read_from_its_section(home, section):
+    path = written(home, f'kind = "elastic"\n[cap]\n{section}')
+    found = mf.read_spec(path)
+    assert found.template.cap == CAP_SECTIONS[section]
+    assert found.model == mf.Independent(mf.Elastic())
+
+
+def test_a_law_with_a_profile_of_its_own_states_the_cap(home):
+    found = mf.read_spec(written(home, 'kind = "power"\nexponent = 4.0'))
+    assert found.template.cap == mf.Power(4)
+    words = r"cap\.kind is Power\(exponent=3\.0.*which the contact law PowerCap\(exponent=4\.0"
+    with pytest.raises(mf.InvalidInput, match=words):
+        mf.read_spec(written(home, 'kind = "power"\nexponent = 4.0\n[cap]\nkind = "power"\nexponent = 3.0'))
 
 
 def test_a_profile_is_read_from_keys(home):
@@ -109,7 +134,7 @@ def test_tables_of_a_target_and_of_a_profile_are_both_kept(home):
         ('kind = "jkr"\nadhesion_energy = "9 mJ/m^2"\ncap = "sphere"', r"write \[contact.cap\] on a line"),
         (
             'kind = "jkr"\nadhesion_energy = "9 mJ/m^2"\ncap = {kind = "jkr"}',
-            r'contact.cap.kind = "jkr" is unknown \(known: hertz, sphere, power, profile\)',
+            r'contact.cap.kind = "jkr" is unknown \(known: hertz, elastic, sphere, power, profile\)',
         ),
         (
             'kind = "jkr"\nadhesion_energy = "9 mJ/m^2"\ncap = {kind = "power"}',
@@ -155,7 +180,7 @@ def test_laws_of_the_command_are_those_of_the_files():
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", r'contact law "" is unknown \(known: hertz, sphere, power'),
+        ("", r'contact law "" is unknown \(known: hertz, elastic, sphere, power'),
         ("powr 4", r'contact law "powr" is unknown; did you mean power\?'),
         ("sphere 3", r'"sphere": 3 is not one of its values \(sphere\)'),
         ("power", r'"power": exponent is missing; .* \(power EXPONENT \[COEFFICIENT\]\)'),

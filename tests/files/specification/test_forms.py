@@ -13,7 +13,7 @@ def test_the_forms_are_those_of_the_manual_in_its_order():
     assert [name for name in FORMS if "." not in name] == list(Sections.model_fields)
     found = [(form.name, kind or None, key.name) for form, kind, key in KEYS if "." not in form.name]
     assert found == [(key.section, key.kind, key.name) for key in all_keys()]
-    assert list(FORMS["contact.cap"].kinds) == ["hertz", "sphere", "power", "profile"]
+    assert list(FORMS["contact.cap"].kinds) == ["hertz", "elastic", "sphere", "power", "profile"]
 
 
 @pytest.mark.parametrize(("form", "kind", "key"), KEYS)

@@ -110,18 +110,18 @@ def test_a_list_of_the_wrong_length_is_counted_in_numbers(new, words):
 @pytest.mark.parametrize(
     ("keys", "radii"),
     [
-        ('range = ["200 um", "800 um"]', mf.RadiusRange(0.2, 0.8, 0.01)),
-        ('range = ["200 um", "800 um"]\nstep = "25 um"', mf.RadiusRange(0.2, 0.8, 0.025)),
+        ('radius_range = ["200 um", "800 um"]', mf.RadiusRange(0.2, 0.8, 0.01)),
+        ('radius_range = ["200 um", "800 um"]\nstep = "25 um"', mf.RadiusRange(0.2, 0.8, 0.025)),
     ],
 )
 def test_the_step_of_a_range_of_radii_is_read(keys, radii):
-    assert parsed(LINEAR.replace('radius = "526 um"', "") + f"\n[radii]\n{keys}\n").radii == radii
+    assert parsed(LINEAR.replace('radius = "526 um"', "") + f"\n[tools]\n{keys}\n").tools == radii
 
 
 def test_tools_have_no_step():
-    text = LINEAR.replace('radius = "526 um"', "") + '\n[radii]\ntools = ["0.3 mm"]\nstep = "10 um"\n'
+    text = LINEAR.replace('radius = "526 um"', "") + '\n[tools]\nradii = ["0.3 mm"]\nstep = "10 um"\n'
     (problem,) = problems_of(text)
-    assert str(problem) == "radii.step needs radii.range: tools are used as they are"
+    assert str(problem) == "tools.step needs tools.radius_range: tools are used as they are"
 
 
 def test_every_problem_is_listed_and_survives_a_process():
@@ -170,3 +170,80 @@ def test_the_remedies_of_a_part_work():
     parsed(close.replace('"270 um"', '"145 um"'))
     with pytest.raises(mf.InvalidInput, match=r"they can be 0\.157 mm high"):
         parsed(close.replace('"270 um"', '"147 um"'))
+
+
+def test_the_section_radii_of_earlier_versions_is_read_as_tools():
+    text = LINEAR.replace('radius = "526 um"', "")
+    old = parsed(text + '\n[radii]\ntools = ["0.3 mm", "0.4 mm"]\nmixed = true\n')
+    assert (old.tools, old.mixed) == ((0.3, 0.4), True)
+    ranged = parsed(text + '\n[radii]\nrange = ["0.3 mm", "0.5 mm"]\nstep = "20 um"\n')
+    assert ranged.tools == mf.RadiusRange(0.3, 0.5, 0.02)
+
+
+@pytest.mark.parametrize(
+    ("keys", "tools"),
+    [
+        ("exponent_range = [1.2, 6]", mf.PowerRange(1.2, 6.0)),
+        (
+            "exponent_range = [2, 3]\nexponent_step = 0.5\ncoefficient = 1",
+            mf.PowerRange(2, 3, 0.5, coefficient=1.0),
+        ),
+    ],
+)
+def test_a_range_of_exponents_is_pressed_by_its_profiles(keys, tools):
+    spec = parsed(f"{LINEAR}\n[tools]\n{keys}\nmixed = true\n")
+    assert (spec.tools, spec.model) == (tools, mf.Independent(mf.Elastic()))
+
+
+def test_caps_of_tools_are_named_beside_their_radii():
+    text = LINEAR.replace('radius = "526 um"', "")
+    keys = 'radii = ["300 um", "0.4 mm"]\ncaps = ["sphere", "power 4"]'
+    spec = parsed(f"{text}\n[tools]\n{keys}\n")
+    assert spec.tools == (mf.Tool(0.3), mf.Tool(0.4, mf.Power(4)))
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ('caps = ["sphere"]', "tools.caps has 1 caps for 2 radii; give one for each"),
+        ('caps = ["sphere", "ball"]', 'tools.caps[1] = "ball" must be sphere, paraboloid or power'),
+        ('caps = ["sphere", "power 1"]', "exponent = 1 must be greater than 1"),
+        ('caps = ["paraboloid", "power 0.5e3"]', "exponent = 500 must be"),
+    ],
+)
+def test_wrong_caps_of_tools_are_named(keys, words):
+    text = LINEAR.replace('radius = "526 um"', "") + f'\n[tools]\nradii = ["0.3 mm", "0.4 mm"]\n{keys}\n'
+    (problem,) = problems_of(text)
+    assert words in str(problem)
+
+
+def test_tools_that_overlap_are_refused_before_the_design():
+    text = LINEAR.replace('radius = "526 um"', "")
+    keys = 'radii = ["0.3 mm", "2 mm"]\ncaps = ["sphere", "power 4"]'
+    (problem,) = problems_of(f"{text}\n[tools]\n{keys}\n")
+    assert "tools do not suit: tools: Tool(radius=2.0, cap=Power" in str(problem)
+    assert "nearest sites are 1.5 mm apart" in str(problem)
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ("exponent_range = [1.0, 6.0]", "tools.exponent_range must increase, from above 1 to at most 32"),
+        ('exponent_range = [1.2, 6.0]\ncaps = ["sphere"]', "tools.caps needs tools.radii"),
+        ("exponent_range = [1.2, 6.0]\nexponent_step = 9.0", "exceeds the range"),
+    ],
+)
+def test_wrong_ranges_of_exponents_are_named(keys, words):
+    (problem,) = problems_of(f"{LINEAR}\n[tools]\n{keys}\n")
+    assert words in str(problem)
+
+
+def test_a_range_of_exponents_needs_the_radius_of_the_lattice():
+    text = LINEAR.replace('radius = "526 um"', "") + "\n[tools]\nexponent_range = [2, 3]\n"
+    (problem,) = problems_of(text)
+    assert "lattice.radius is missing" in str(problem)
+
+
+def test_tools_without_a_curvature_need_the_law_of_their_profiles():
+    (problem,) = problems_of(f'{LINEAR}\n[tools]\nexponent_range = [2, 3]\n[contact]\nkind = "hertz"\n')
+    assert "use contact = Elastic()" in str(problem)

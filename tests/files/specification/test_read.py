@@ -150,16 +150,16 @@ def test_errors_that_a_design_cannot_use_are_named(read, keys, words):
 @pytest.mark.parametrize(
     ("keys", "radii", "least"),
     [
-        ('tools = ["526 um", "0.3 mm"]', (0.526, 0.3), 0.3),
-        ('range = ["200 um", "800 um"]\nmixed = false', mf.RadiusRange(0.2, 0.8), 0.2),
+        ('radii = ["526 um", "0.3 mm"]', (0.526, 0.3), 0.3),
+        ('radius_range = ["200 um", "800 um"]\nmixed = false', mf.RadiusRange(0.2, 0.8), 0.2),
     ],
 )
 def test_radii_take_the_place_of_the_lattice_radius(read, keys, radii, least):
-    spec = read(LINEAR.replace(RADIUS, "") + f"[radii]\n{keys}\n")
-    assert (spec.radii, spec.mixed, set(spec.template.radius)) == (radii, False, {least})
+    spec = read(LINEAR.replace(RADIUS, "") + f"[tools]\n{keys}\n")
+    assert (spec.tools, spec.mixed, set(spec.template.radius)) == (radii, False, {least})
 
 
-@pytest.mark.parametrize("radii", [RADIUS, '[radii]\ntools = ["200 um", "526 um"]\nmixed = true'])
+@pytest.mark.parametrize("radii", [RADIUS, '[tools]\nradii = ["200 um", "526 um"]\nmixed = true'])
 def test_caps_higher_than_every_radius_are_refused_before_the_design(read, radii):
     tall = LINEAR.replace('max_height = "120 um"', 'max_height = "120 mm"').replace(RADIUS, "")
     text = tall.replace("[lattice]", f"[lattice]\n{radii}") if radii == RADIUS else f"{tall}\n{radii}\n"
@@ -173,7 +173,7 @@ def test_caps_higher_than_every_radius_are_refused_before_the_design(read, radii
 def test_mixed_radii_may_differ_between_asperities(read):
     kind = '[target]\nkind = "power"\nexponent = 0.645\nload_range = ["0.1 mm^2", "0.3 mm^2"]\n'
     text = kind + LINEAR[LINEAR.index("[material]") :].replace(RADIUS, "")
-    result = read(text + '[radii]\ntools = ["200 um", "0.8 mm"]\nmixed = true\n').design()
+    result = read(text + '[tools]\nradii = ["200 um", "0.8 mm"]\nmixed = true\n').design()
     assert set(result.surface.radius) == {0.2, 0.8}
 
 
@@ -186,7 +186,7 @@ def test_a_specification_is_designed_with_its_radii_and_layout(read):
     assert result.parameters["radius"] == 0.3
     assert result.layout == mf.Layout(tilt=math.radians(0.1))
     same = mf.design(
-        spec.target, spec.template, None, spec.limits, 3, spec.layout, radii=[0.3, 0.526], common_radius=True
+        spec.target, spec.template, None, spec.limits, 3, spec.layout, tools=[0.3, 0.526], common_radius=True
     )
     np.testing.assert_array_equal(result.surface.height, same.surface.height)
 

@@ -80,10 +80,19 @@ def test_every_key_is_described_with_its_example_and_default():
 
 
 # Keys of the manual that exclude others, and a table that is not there.
-COMMON = {"load", "friction_force", "friction_coefficient", "friction_coefficients", "file", "radius"}
-FIRST = {"composite_modulus", *COMMON, "range", "step", "mixed"}
-SECOND = {"young_modulus", "rescaled_load", "rescaled_friction", "slope", "slopes", "file", "radius", "tools"}
-THIRD = FIRST - {"radius"} | {"tools"}
+COMMON = {
+    *("load", "friction_force", "friction_coefficient", "friction_coefficients", "file", "radius", "caps"),
+}
+EXPONENTS = {"exponent_range", "exponent_step", "coefficient"}
+FIRST = {
+    *("composite_modulus", "radius_range", "step", "mixed", "lowest_force", "highest_force"),
+    *(COMMON | EXPONENTS),
+}
+SECOND = {
+    *("young_modulus", "rescaled_load", "rescaled_friction", "lowest", "highest", "slope", "slopes", "file"),
+    *("radius", "radii", "caps", *EXPONENTS),
+}
+THIRD = FIRST - {"radius"} | {"radii", "caps"}
 
 
 def made(kind, law, left_out):

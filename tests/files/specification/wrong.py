@@ -47,16 +47,16 @@ WRONG = {
     "no tilt": ("seed = 0", 'tilt = "0 deg"', ["layout.tilt = 0 deg must be greater than 0 deg"]),
     "weight alone": ("seed = 0", "tilt_weight = 2", ["layout.tilt_weight needs tilt"]),
     "unknown layout": ("seed = 0", "folow_law = true", ["layout.folow_law", "did you mean follow_law?"]),
-    "no radius": (RADIUS, "", ["lattice.radius is missing", '"526 um"', "[radii]"]),
-    "radii twice": ("[block]", '[radii]\ntools = ["1 mm"]\n[block]', ["lattice.radius and [radii] both"]),
-    "no radii": ("[block]", "[radii]\n[block]", ["radii needs either tools or range"]),
-    "no tools": ("[block]", "[radii]\ntools = []\n[block]", ["radii.tools = []", '["300 um", "526 um"]']),
-    "bad tool": ("[block]", '[radii]\ntools = ["0 mm"]\n[block]', ["radii.tools[0] = 0 mm must be gr"]),
+    "no radius": (RADIUS, "", ["lattice.radius is missing", '"526 um"', "[tools]"]),
+    "radii twice": ("[block]", '[tools]\nradii = ["1 mm"]\n[block]', ["lattice.radius and [tools] both"]),
+    "no tools at all": ("[block]", "[tools]\n[block]", ["tools needs either radii or radius_range or exp"]),
+    "no tools": ("[block]", "[tools]\nradii = []\n[block]", ["tools.radii = []", '["300 um", "526 um"]']),
+    "bad tool": ("[block]", '[tools]\nradii = ["0 mm"]\n[block]', ["tools.radii[0] = 0 mm must be gr"]),
     "falling range": (
-        "[block]", '[radii]\nrange = ["2 mm", "1 mm"]\n[block]', ["must increase, but is [2 mm, 1 mm]"]
+        "[block]", '[tools]\nradius_range = ["2 mm", "1 mm"]\n[block]', ["must increase, but is [2 mm, 1 mm]"]
     ),
-    "short range": ("[block]", '[radii]\nrange = ["2 mm"]\n[block]', ["radii.range[1] is missing"]),
-    "unknown radii": ("[block]", '[radii]\ntool = ["2 mm"]\n[block]', ["radii.tool", "did you mean tools?"]),
+    "short range": ("[block]", '[tools]\nradius_range = ["2 mm"]\n[block]', ["tools.radius_range[1] is mis"]),
+    "unknown radii": ("[block]", '[tools]\nradius = ["2 mm"]\n[block]', ["tools.radius", "mean radii?"]),
     "no crossover": (
         'kind = "linear"',
         'kind = "multilinear"\ncrossover_loads = [[]]',

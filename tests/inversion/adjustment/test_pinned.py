@@ -189,8 +189,8 @@ def test_the_other_heights_are_on_steps(name, model):
         pytest.param(
             {"layout": mf.Layout(tilt=0.001), "model": MODELS["half-space"]}, marks=pytest.mark.slow
         ),
-        {"radii": [0.3, 0.526]},
-        {"radii": [0.5, 0.526], "common_radius": True},
+        {"tools": [0.3, 0.526]},
+        {"tools": [0.5, 0.526], "common_radius": True},
         {"robust": mf.Tolerances(height_sd=0.002, angle=0.001)},
         {"model": mf.Independent(contact=mf.PowerCap(4.0))},
     ],
@@ -236,8 +236,8 @@ def test_laws_of_any_shape_are_met_without_the_empty_sites(name):
         {"layout": mf.Layout(tilt=0.001)},
         {"model": mf.Interacting()},
         {"model": mf.Interacting(substrate=mf.BondedLayer())},
-        {"radii": [0.3, 0.526]},
-        {"radii": [0.3, 0.526], "common_radius": True},
+        {"tools": [0.3, 0.526]},
+        {"tools": [0.3, 0.526], "common_radius": True},
         {"robust": mf.Tolerances(height_sd=0.002, angle=0.001)},
     ],
     ids=["layout", "half-space", "layer", "radii", "common radius", "robust"],

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.inversion.adjustment.refinement import shift
+from metafem.inversion.adjustment import refinement
+from metafem.inversion.adjustment.refinement import Minimum, shift
 from metafem.inversion.assessment import EXACT
 from metafem.inversion.candidate import Candidate
 from metafem.inversion.problem import Problem
 from metafem.inversion.search.target_law import TargetLaw
-from tests.models.scenes import PEDESTAL, said
+from tests.models.scenes import PEDESTAL
 
 MODELS = [mf.Interacting(), mf.Interacting(substrate=mf.BondedLayer()), PEDESTAL]
 
@@ -29,11 +30,15 @@ def test_points_that_four_asperities_meet_are_met_on_any_number_of_sites(model, 
     assert design.status is mf.DesignStatus.EXACT
 
 
-def test_heights_that_no_search_improves_are_not_called_refined():
-    target = mf.PowerLaw(0.645, (0.02, 0.1))
-    design = mf.design(target, lattice(0.12, (4, 4)), MODELS[1], radii=[0.2, 0.8])
-    assert "moved" not in said(design)
-    assert design.status is mf.DesignStatus.REACHED
+def test_heights_that_no_search_improves_are_not_called_refined(monkeypatch):
+    target, template = mf.PowerLaw(0.645, (0.02, 0.1)), lattice(0.12, (4, 4))
+    problem = Problem.checked(target, template, MODELS[1], mf.Limits(0.12))
+    height = np.linspace(0.1, 0.12, 16)
+    law = TargetLaw.fixed(np.array([0.05]), np.array([0.5]))
+    start = Candidate(height, np.full(16, 0.526), {}, law, sites=np.arange(16))
+    for name in ("search", "descend"):
+        monkeypatch.setattr(refinement, name, lambda *_, **__: Minimum(height, 0.0))
+    assert refinement.refined(problem, start, np.random.default_rng(0)) == start
 
 
 def test_no_heights_are_evaluated_twice_in_a_refinement(template, monkeypatch):

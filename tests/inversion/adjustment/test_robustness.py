@@ -160,7 +160,7 @@ def test_errors_of_radii_and_positions_count():
 
 def test_best_common_radius_is_made_robust():
     tools = [0.4, 0.526]
-    found = mf.design(LAWS["9.46"], TEMPLATE, radii=tools, common_radius=True, robust=TOLERANCES)
+    found = mf.design(LAWS["9.46"], TEMPLATE, tools=tools, common_radius=True, robust=TOLERANCES)
     assert found.robust == TOLERANCES
     assert found.parameters["robust_gain"] > 0.0
 

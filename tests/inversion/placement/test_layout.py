@@ -99,7 +99,7 @@ def test_a_target_law_that_falls_gives_way_to_that_of_independent_asperities(rou
 def test_the_best_radius_is_arranged():
     layout = mf.Layout(tilt=TILT)
     found = mf.design(
-        SMALL_POWER, SMALL, limits=LIMITS, layout=layout, radii=[0.4, 0.526], common_radius=True
+        SMALL_POWER, SMALL, limits=LIMITS, layout=layout, tools=[0.4, 0.526], common_radius=True
     )
     assert found.parameters["layout_after"] < found.parameters["layout_before"]
     assert found.layout == mf.Layout(tilt=TILT)

@@ -7,7 +7,7 @@ import metafem as mf
 from metafem.inversion import DesignStatus
 from metafem.inversion.bounds import Bounds
 from metafem.inversion.feasibility import nearest_within
-from metafem.inversion.limits import Radii
+from metafem.inversion.tools.radii import Radii
 from validation.scenes.random_laws import LATTICE, RADIUS, noisy_law, random_law
 
 LIMITS = mf.Limits(0.6)

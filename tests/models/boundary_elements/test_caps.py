@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.contact.cap_geometry import sphere_profile
+from metafem.caps.shapes import sphere_profile
 from metafem.models.boundary_elements import contact_areas
 from metafem.models.boundary_elements.contact_areas import Contacts
 from metafem.models.boundary_elements.solve import Scene

@@ -11,7 +11,7 @@ LARGEST = 3_000_000
 
 
 # The folders of the site whose pages need no claims.
-FOLDERS = ("api", "examples", "guide")
+FOLDERS = ("api", "challenge", "examples", "guide")
 
 
 @pytest.fixture(scope="module")

@@ -76,6 +76,11 @@ PAIRS_PER_THREAD = 100_000
 class ScatteredSums:
     """Products with the influence matrix and its derivatives, for any positions, by Ewald's method."""
 
+    @property
+    def self_influence(self) -> float:
+        """Regular self term of a site [1/mm]."""
+        return self.substrate.self_influence
+
     def __init__(self, position: FloatArray, substrate: Radial, accuracy: Accuracy = FINE) -> None:
         self.substrate, self.accuracy = substrate, accuracy
         self._products = 0

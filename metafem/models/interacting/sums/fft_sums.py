@@ -125,6 +125,11 @@ class LatticeSums:
         return LatticeSums(self.lattice, self.substrate, np.float32)
 
     @property
+    def self_influence(self) -> float:
+        """Regular self term of a site [1/mm]."""
+        return self.substrate.self_influence
+
+    @property
     def note(self) -> str:
         """Text of the note that describes the sums."""
         rows, columns = self.lattice.shape

@@ -1,13 +1,13 @@
-"""Geometry of caps: spheres for most contact laws, or surfaces of revolution with any profile."""
+"""Geometry of caps: surfaces of revolution with any increasing profile."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar
 
 import numpy as np
-from scipy.optimize import elementwise
+import scipy
 
 from metafem._validate import FloatArray
 from metafem.errors import refuse_if
@@ -27,85 +27,52 @@ POINTS, SPACINGS = 4097, 129
 NODES = 64
 
 
-def foot_radius(height: Values, radius: Values) -> FloatArray:
-    """Return the foot radius of a cap of height h <= R at the base plane, sqrt(h (2 R - h)) [mm]."""
-    return np.asarray(np.sqrt(height * (2.0 * radius - height)))
+class Cap(ABC):
+    """Shape of the caps of a surface: a profile f(rho) below the summit, which increases with rho.
 
-
-def sphere_profile(r: FloatArray, radius: Values) -> FloatArray:
-    """Return the depth R - sqrt(R^2 - r^2) [mm] below a sphere's summit at r <= R, without cancellation."""
-    return np.asarray(r**2 / (radius + np.sqrt((radius - r) * (radius + r))))
-
-
-class Spheres:
-    """Geometry of spherical caps on a base plane, with heights h <= R and radii R, (n,) [mm]."""
-
-    def tallest(self, radius: FloatArray) -> FloatArray:
-        """Return the largest possible heights of caps, R [mm], (n,)."""
-        return radius
-
-    def foot_radius(self, height: FloatArray, radius: FloatArray) -> FloatArray:
-        """Return the foot radii at the base plane [mm], (n,)."""
-        return foot_radius(height, radius)
-
-    def depth_at(self, distance: FloatArray, radius: float) -> FloatArray:
-        """Return the depth below the summit [mm] at distances from the axis; beyond the equator, R."""
-        return np.asarray(radius - np.sqrt(np.maximum(radius**2 - distance**2, 0.0)))
-
-    def volume(self, height: FloatArray, radius: FloatArray) -> FloatArray:
-        """Return the volumes pi h^2 (3 R - h)/3 [mm^3], (n,)."""
-        return np.asarray(math.pi * height**2 * (3.0 * radius - height) / 3.0)
-
-    def largest_area(self, height: FloatArray, radius: FloatArray) -> FloatArray:
-        """Return the areas of the caps, 2 pi R h [mm^2], (n,)."""
-        return np.asarray(2.0 * math.pi * radius * height)
-
-    def ring_count(self, height: FloatArray, radius: FloatArray, chord_error: float) -> FloatArray:
-        """Return how many rings, (n,), keep the triangles within the chord error [mm] of the spheres.
-
-        Rings of 6, 12, 18, ... points lie at equal distances D along the meridian. Neighbouring points are at
-        most pi/3 D apart along a ring. The circumradius of a triangle is therefore at most that of a right
-        triangle with the sides D and pi/3 D, which lies up to ``(1 + (pi/3)^2) D^2 / (8 R)`` below the
-        sphere.
-        """
-        step = np.sqrt(8.0 * chord_error / ((1.0 + RING_ARC**2) * radius))
-        return np.asarray(self._opening(height, radius) / step)
-
-    def rings(self, height: FloatArray, radius: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
-        """Return the distances of summit and rings from the axis, and their heights, (n, count + 1) [mm]."""
-        polar = self._opening(height, radius)[:, None] * np.arange(count + 1) / count
-        across = radius[:, None] * np.sin(polar)
-        z = height[:, None] - 2.0 * radius[:, None] * np.sin(0.5 * polar) ** 2
-        across[:, -1] = foot_radius(height, radius)
-        z[:, -1] = 0.0
-        return across, z
-
-    def _opening(self, height: FloatArray, radius: FloatArray) -> FloatArray:
-        """Return the polar angles of the feet [rad], from ``h = R (1 - cos(angle)) = 2 R sin^2(angle/2)``."""
-        return np.asarray(2.0 * np.arcsin(np.sqrt(0.5 * height / radius)))
-
-
-SPHERES = Spheres()
-
-
-@dataclass(frozen=True)
-class ProfileCaps:
-    """Geometry of caps with any increasing profile; it has the same methods as `Spheres`.
-
-    `profile` returns the depth f below the summit at distances rho from the axis. If `scaled` is true, this
-    is the profile for R = 1 and all lengths are proportional to R; otherwise all caps have the same profile.
-    The profile ends at `extent` [mm]; default: it has no end.
+    If `scaled` is true, all lengths are proportional to the radius R of the asperity; otherwise all caps have
+    the same profile, whatever R is. A profile ends at its `extent`, divided by R if it is scaled.
     """
 
-    profile: Callable[[FloatArray], FloatArray]
-    scaled: bool
-    extent: float = math.inf
+    scaled: ClassVar[bool] = True
+
+    @property
+    def extent(self) -> float:
+        """Distance from the axis at which the profile ends; infinite if it has no end."""
+        return math.inf
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the parameters of the shape, beginning with that of R."""
+        return ("radius",)
+
+    @abstractmethod
+    def unit_profile(self, rho: FloatArray) -> FloatArray:
+        """Return the depth f at distances rho from the axis, for R = 1."""
+
+    @abstractmethod
+    def summit_radius(self, radius: FloatArray) -> FloatArray:
+        """Return the radii of curvature of summits [mm]; raise InvalidInput if a summit has none."""
+
+    def summit_rate(self, by: str, radius: FloatArray) -> FloatArray:
+        """Return the derivatives of the summits' radii of curvature by a parameter: R or the coefficient."""
+        if by != "radius" or not self.scaled:
+            return np.zeros_like(radius)
+        return np.asarray(self.summit_radius(radius) / radius)
+
+    def at(self, some: Any) -> Cap:
+        """Return the caps of some asperities, given by indices or by a mask: here the cap itself."""
+        return self
+
+    def one(self, i: int) -> Cap:
+        """Return the cap of asperity i: here the cap itself."""
+        return self
 
     def tallest(self, radius: FloatArray) -> FloatArray:
         """Return the largest possible heights of caps [mm], (n,): the depth at the extent."""
         if math.isinf(self.extent):
             return np.full_like(radius, math.inf)
-        return np.asarray(self._scale(radius) * float(self.profile(np.array(self.extent))))
+        return np.asarray(self._scale(radius) * float(self.unit_profile(np.array(self.extent))))
 
     def foot_radius(self, height: FloatArray, radius: FloatArray) -> FloatArray:
         """Return the distances [mm] at which the depth is the height, if these are within the extent."""
@@ -115,7 +82,7 @@ class ProfileCaps:
     def depth_at(self, distance: FloatArray, radius: float) -> FloatArray:
         """Return the depth below the summit [mm] at distances from the axis."""
         scale = radius if self.scaled else 1.0
-        return np.asarray(scale * self.profile(distance / scale))
+        return np.asarray(scale * self.unit_profile(distance / scale))
 
     def volume(self, height: FloatArray, radius: FloatArray) -> FloatArray:
         """Return the volumes 2 pi int rho (h - f) drho [mm^3], (n,), by quadrature."""
@@ -123,7 +90,7 @@ class ProfileCaps:
         scale = self._scale(radius)[:, None]
         foot = self.foot_radius(height, radius)[:, None]
         rho = 0.5 * foot * (node + 1.0)
-        inside = height[:, None] - scale * self.profile(rho / scale)
+        inside = height[:, None] - scale * self.unit_profile(rho / scale)
         return np.asarray(math.pi * foot[:, 0] * ((rho * inside) @ weight))
 
     def largest_area(self, height: FloatArray, radius: FloatArray) -> FloatArray:
@@ -148,7 +115,7 @@ class ProfileCaps:
         length = np.interp(foot, across, along)
         x = np.interp(length[:, None] * np.arange(count + 1) / count, along, across)
         x[:, -1] = foot
-        z = height[:, None] - scale * self.profile(x)
+        z = height[:, None] - scale * self.unit_profile(x)
         z[:, -1] = 0.0
         return np.asarray(scale * x), np.asarray(z)
 
@@ -157,20 +124,20 @@ class ProfileCaps:
 
     def _foot(self, height: FloatArray) -> FloatArray:
         """Return the distances at which the depth is the height, to rounding; all lengths over the scale."""
-        most = float(self.profile(np.array(self.extent))) if math.isfinite(self.extent) else math.inf
+        most = float(self.unit_profile(np.array(self.extent))) if math.isfinite(self.extent) else math.inf
         refuse_if(
             (height > most).any(),
-            f"contact.profile: the profile ends {most:.4g} mm below the summit, at its extent of "
+            f"cap.profile: the profile ends {most:.4g} mm below the summit, at its extent of "
             f"{self.extent:g} mm; a cap of the height {height.max():.4g} mm needs a wider profile",
         )
 
         def missing(distance: FloatArray, height: FloatArray) -> FloatArray:
-            return self.profile(distance) - height
+            return self.unit_profile(distance) - height
 
         wide = np.minimum(height, self.extent)
         while (short := missing(wide, height) < 0.0).any():
             wide = np.where(short, np.minimum(2.0 * wide, self.extent), wide)
-        found = elementwise.find_root(missing, (np.zeros_like(wide), wide), args=(height,))
+        found = scipy.optimize.elementwise.find_root(missing, (np.zeros_like(wide), wide), args=(height,))
         return np.asarray(found.x)
 
     def _meridian(self, height: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -180,7 +147,7 @@ class ProfileCaps:
         """
         foot = self._foot(height)
         across = foot.max() * np.linspace(0.0, 1.0, POINTS)
-        steps = np.hypot(np.diff(across), np.diff(self.profile(across)))
+        steps = np.hypot(np.diff(across), np.diff(self.unit_profile(across)))
         return across, np.concatenate([[0.0], np.cumsum(steps)]), foot
 
     def _chord_errors(self, across: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -190,7 +157,7 @@ class ProfileCaps:
         curvature along the meridian and k2 the curvature across it. The curvature may be infinite at the
         summit: k1 is its largest value beyond the arc length D/4, and k2 that beyond the first ring, at D.
         """
-        angle = np.arctan(np.gradient(self.profile(across), across))
+        angle = np.arctan(np.gradient(self.unit_profile(across), across))
         k1 = np.abs(np.gradient(angle, along))
         k2 = np.abs(np.sin(angle)) / np.maximum(across, across[1])
         most1, most2 = (np.maximum.accumulate(k[::-1])[::-1] for k in (k1, k2))
@@ -198,6 +165,3 @@ class ProfileCaps:
         at_summit, outside = np.searchsorted(along, 0.25 * spacing), np.searchsorted(along, spacing)
         bend = most1[at_summit] + RING_ARC**2 * most2[outside]
         return spacing, np.maximum.accumulate(spacing**2 / 8.0 * bend)
-
-
-CapShape = Spheres | ProfileCaps

@@ -1,0 +1,229 @@
+"""Unknowns of a search for heights and, for each asperity, its radius, its exponent or its tool."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from metafem._kernels.contact import power_caps as kernel
+from metafem._validate import FloatArray, IntArray
+from metafem.contact.caps import power_logarithms
+from metafem.contact.law import contacts
+from metafem.errors import InvalidInput
+from metafem.inversion.search.spaces import Heights, LateResidual, Residual, moved
+from metafem.inversion.search.target_law import TargetLaw
+from metafem.inversion.tools.radii import Radii
+from metafem.inversion.tools.ranges import PowerRange
+from metafem.models import Independent, Sensitivity
+
+# Relative step of finite differences with respect to the radius: the cube root of machine precision.
+RELATIVE = 6e-6
+
+# Probabilities that the radius, exponent or tool of an asperity changes; each random change uses one of them
+# at random.
+NEW_SHAPE = (0.0, 0.1, 0.3)
+
+
+def beyond(load: FloatArray, height: FloatArray) -> LateResidual:
+    """Return infinite differences (k,) for heights beyond the range of the contact law."""
+    return np.full(len(load), np.inf), lambda: np.zeros((len(load), len(height)))
+
+
+def _halves(unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
+    count = len(unknowns) // 2
+    return unknowns[:count], unknowns[count:]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asperities(Heights):
+    """Unknowns of a search: the heights (n,), followed by a number (n,) for the shape of each cap.
+
+    The numbers are lengths, such that equal changes of both kinds of unknowns change the law about equally.
+    There are at most `most` asperities, with heights within `span` [mm].
+    """
+
+    def joined(self, height: FloatArray, shape: FloatArray) -> FloatArray:
+        """Return the unknowns (2n,) for heights [mm] and shapes, (n,) each."""
+        raise NotImplementedError
+
+    def split(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the heights [mm] and the allowed shapes for unknowns (2n,), (n,) each."""
+        raise NotImplementedError
+
+    def residual(self, model: Independent, target: TargetLaw) -> Residual:
+        """Return the residual of independent asperities as a function of the unknowns."""
+        raise NotImplementedError
+
+    def _drawn(self, rng: np.random.Generator, count: int) -> FloatArray:
+        """Return random shapes (count,)."""
+        raise NotImplementedError
+
+    def project(self, unknowns: FloatArray) -> FloatArray:
+        """Return the nearest unknowns within the limits, (2n,) [mm]."""
+        height, shape = self.split(unknowns)
+        return self.joined(np.maximum(height, height.max() - self.span), shape)
+
+    def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
+        """Return the index of the tallest height, and the indices of the heights `span` below it, (m,)."""
+        return super().ends(unknowns[: len(unknowns) // 2])
+
+    def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:
+        """Return unknowns after random changes of some heights and some shapes."""
+        height, shape = self.split(unknowns)
+        height, source = moved(height, self.most, rng, sizes, self.span)
+        anew = rng.random(len(height)) < rng.choice(NEW_SHAPE)
+        return self.joined(height, np.where(anew, self._drawn(rng, len(height)), shape[source]))
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfRadii(Asperities):
+    """Heights and radii: the second unknowns are ``depth ln R``, where `depth` is the largest indentation.
+
+    Radii that must be those of tools change only in random changes.
+    """
+
+    radii: Radii
+    depth: float
+
+    def joined(self, height: FloatArray, shape: FloatArray) -> FloatArray:
+        """Return the unknowns (2n,) [mm] for heights and radii, (n,) each [mm]."""
+        return np.concatenate([height, self.depth * np.log(shape)])
+
+    def split(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the heights and the allowed radii for unknowns (2n,), (n,) each [mm]."""
+        height, logarithm = _halves(unknowns)
+        return height, self.radii.nearest(np.exp(logarithm / self.depth))
+
+    def _drawn(self, rng: np.random.Generator, count: int) -> FloatArray:
+        if self.radii.tools is None:
+            return np.exp(rng.uniform(math.log(self.radii.low), math.log(self.radii.high), count))
+        return rng.choice(np.array(self.radii.tools), count)
+
+    def residual(self, model: Independent, target: TargetLaw) -> Residual:
+        """Return the residual of independent asperities as a function of the unknowns.
+
+        At a fixed load, ``R_i dA0/dR_i = R dA_i/dR - R dP_i/dR sum A' / sum P'`` with the derivatives A' and
+        P' with respect to the indentation d. If the contact law scales with R, ``R dA/dR = 2 A - d A'`` at a
+        fixed d, and the same relation holds for P. Otherwise finite differences are used.
+        """
+        law = model.contact
+
+        def residual(unknowns: FloatArray) -> LateResidual:
+            height, radius = self.split(unknowns)
+            found = model.sensitivity_of(height, radius, target.load)
+            return target.late_residual(found.curve.area, lambda: gradient(found, radius))
+
+        def gradient(found: Sensitivity, radius: FloatArray) -> FloatArray:
+            depth = found.indentation
+            size = np.broadcast_to(radius, depth.shape)
+            at = contacts(law, depth, size)
+            area_slope = law.area_slope(at.contact_radius, size)
+            slope = area_slope.sum(axis=1) / at.stiffness.sum(axis=1)
+            if not self.radii.continuous:
+                by_radius = np.zeros(depth.shape)
+            elif law.similar:
+                by_radius = 2.0 * at.area - depth * area_slope
+                by_radius -= slope[:, None] * (2.0 * at.load - depth * at.stiffness)
+            else:
+                low, high = (contacts(law, depth, size * (1.0 + step)) for step in (-RELATIVE, RELATIVE))
+                by_radius = (high.area - low.area) / (2.0 * RELATIVE)
+                by_radius -= slope[:, None] * (high.load - low.load) / (2.0 * RELATIVE)
+            return np.hstack([found.gradient, by_radius / self.depth])
+
+        return residual
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfExponents(Asperities):
+    """Heights and exponents of power caps of one radius: the second unknowns are ``depth ln n``."""
+
+    range: PowerRange
+    radius: float
+    depth: float
+    area: tuple[float, float] = (math.pi, 2.0)  # c and m of the "area" c a^m of a contact
+
+    def joined(self, height: FloatArray, shape: FloatArray) -> FloatArray:
+        """Return the unknowns (2n,) [mm] for heights [mm] and exponents, (n,) each."""
+        return np.concatenate([height, self.depth * np.log(shape)])
+
+    def split(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the heights [mm] and the allowed exponents for unknowns (2n,), (n,) each."""
+        height, logarithm = _halves(unknowns)
+        return height, np.clip(np.exp(logarithm / self.depth), self.range.low, self.range.high)
+
+    def _drawn(self, rng: np.random.Generator, count: int) -> FloatArray:
+        return np.exp(rng.uniform(math.log(self.range.low), math.log(self.range.high), count))
+
+    def residual(self, model: Independent, target: TargetLaw) -> Residual:
+        """Return the residual of independent asperities as a function of the unknowns.
+
+        With ``a = R (d/(c K R))^(1/n)`` and ``P = 2 n/(n + 1) a d`` at the indentation d, d ln a/dn is
+        ``-(ln(a/R) + K'/K)/n`` and d ln P/dn is this plus 1/(n (n + 1)). At a fixed load,
+        ``dA0/dn_i = dA_i/dn - dP_i/dn sum A' / sum P'``.
+        """
+
+        def residual(unknowns: FloatArray) -> LateResidual:
+            height, exponent = self.split(unknowns)
+            logarithm, turn = power_logarithms(exponent, self.range.coefficient, self.radius)
+            shape = len(target.load), len(height)
+            approach, area = np.empty(shape[0]), np.empty(shape[0])
+            by_height, by_exponent = np.empty(shape), np.empty(shape)
+            order = np.argsort(-height, kind="stable")
+            given = (
+                height[order[0]] - height[order],
+                exponent[order],
+                logarithm[order],
+                turn[order],
+                *self.area,
+            )
+            # a read-only array would compile the kernel again
+            kernel.sensitivities(*given, np.array(target.load), approach, area, by_height, by_exponent)
+
+            def gradient() -> FloatArray:
+                found = np.zeros((shape[0], 2 * shape[1]))
+                found[:, order] = by_height
+                found[:, shape[1] + order] = by_exponent * (exponent[order] / self.depth)
+                return found
+
+            return target.late_residual(area, gradient)
+
+        return residual
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfTools(Asperities):
+    """Heights and tools: the second unknowns are the indices of the tools, which change at random only.
+
+    `summits` is what the contact law takes as `radius` for each tool.
+    """
+
+    summits: Any
+
+    def joined(self, height: FloatArray, shape: FloatArray) -> FloatArray:
+        """Return the unknowns (2n,) for heights [mm] and indices of tools, (n,) each."""
+        return np.concatenate([height, shape])
+
+    def split(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the heights [mm] and the indices of the tools for unknowns (2n,), (n,) each."""
+        return _halves(unknowns)
+
+    def _drawn(self, rng: np.random.Generator, count: int) -> FloatArray:
+        return rng.integers(len(self.summits), size=count).astype(np.float64)
+
+    def residual(self, model: Independent, target: TargetLaw) -> Residual:
+        """Return the residual of independent asperities as a function of the unknowns."""
+
+        def residual(unknowns: FloatArray) -> LateResidual:
+            height, which = self.split(unknowns)
+            try:
+                found = model.sensitivity_of(height, self.summits[which.astype(np.int64)], target.load)
+            except InvalidInput:
+                return beyond(target.load, unknowns)
+            return target.late_residual(
+                found.curve.area, lambda: np.hstack([found.gradient, np.zeros_like(found.gradient)])
+            )
+
+        return residual

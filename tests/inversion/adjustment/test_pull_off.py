@@ -1,0 +1,48 @@
+"""Surfaces scaled to a pull-off force."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import metafem as mf
+
+LAW = mf.JKR(9e-6)
+SINGLE = 1.5 * np.pi * 9e-6 * 0.526
+
+
+def pattern(seed=0, side=3):
+    height = 0.1 - 0.01 * np.random.default_rng(seed).random(side**2)
+    return mf.Surface.square_lattice(height, (side, side), 1.5, radius=0.526, material=mf.Material(1.36))
+
+
+@pytest.mark.parametrize("model", [mf.Independent(LAW), mf.Interacting(contact=LAW)])
+@pytest.mark.parametrize("share", [0.3, 0.8])
+def test_the_surface_has_the_force(model, share):
+    surface, force = pattern(side=2), share * 4 * SINGLE
+    found = mf.scaled_to_pull_off(surface, force, model, load=0.05)
+    assert mf.pull_off(found, model, load=0.05) == pytest.approx(force, rel=1e-6)
+    factor = found.gap[1:] / np.where(surface.gap[1:] > 0.0, surface.gap[1:], 1.0)
+    assert_allclose(factor[surface.gap[1:] > 0.0], factor[surface.gap[1:] > 0.0][0], rtol=1e-9)
+
+
+def test_two_contacts_against_the_sum_of_their_curves():
+    """Force of two JKR contacts at one separation, by a scan over the contact radius of the taller one."""
+    surface = mf.Surface([[0, 0], [2, 0]], [0.1, 0.0995], 0.526, mf.Material(1.36))
+    model = mf.Independent(LAW)
+    found = mf.scaled_to_pull_off(surface, 1.7 * SINGLE, model, load=0.01)
+    law, gap = LAW.for_material(surface.material), found.gap.max()
+    a = np.linspace(0.004, 0.1, 200_001)
+    d, p = law.indentation(a, 0.526), law.load(a, 0.526)
+    rising = slice(int(d.argmin()), None)  # the stable branch
+    both = p[rising] + np.interp(d[rising] - gap, d[rising], p[rising], left=0.0)
+    assert -1.36 * both.min() == pytest.approx(1.7 * SINGLE, rel=1e-6)
+
+
+def test_refusals():
+    model = mf.Independent(LAW)
+    with pytest.raises(mf.Infeasible, match="not reached by scaling"):
+        mf.scaled_to_pull_off(pattern(), 10 * SINGLE, model, load=0.05)
+    with pytest.raises(mf.InvalidInput, match="equal heights"):
+        mf.scaled_to_pull_off(pattern().replaced(height=np.full(9, 0.1)), SINGLE, model, load=0.05)
+    with pytest.raises(mf.InvalidInput, match="do not adhere"):
+        mf.scaled_to_pull_off(pattern(), SINGLE, mf.Independent(), load=0.05)

@@ -1,0 +1,174 @@
+"""Friction that differs from asperity to asperity: laws and sensitivities of all models."""
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.surface import Surface
+
+SPHERE = mf.Sphere()
+MATERIAL = mf.Material(1.36)
+LOAD = np.array([0.02, 0.08, 0.2]) / MATERIAL.composite_modulus
+RNG = np.random.default_rng(1)
+POSITION = 1.1 * np.stack(np.meshgrid(np.arange(3.0), np.arange(3.0)), axis=-1).reshape(-1, 2)
+HEIGHT = RNG.uniform(0.08, 0.12, 9)
+STRENGTH, RATIO = RNG.uniform(0.1, 0.5, 9), RNG.uniform(0.5, 1.0, 9)
+COATED = mf.Friction(STRENGTH, RATIO)
+CAPS = [mf.Sphere(), mf.Power(3)] * 4 + [mf.Paraboloid()]
+
+SENSITIVE = (
+    mf.Independent(),
+    mf.Independent(mf.Elastic()),
+    mf.Independent(mf.JKR(9e-6)),
+    mf.Independent(mf.KogutEtsion(10.0)),
+    mf.MeanField(),
+    mf.Interacting(1),
+    mf.Interacting(),
+    mf.Interacting(substrate=mf.BondedLayer()),
+    mf.Interacting(contact=mf.Elastic()),
+    mf.Interacting(pedestal=True),
+    mf.Interacting(1, contact=mf.JKR(9e-6)),
+    mf.Interacting(contact=mf.JKR(9e-6)),
+)
+
+
+def scene(friction=COATED, height=HEIGHT, cap=SPHERE, **others):
+    """Nine asperities on a block."""
+    block = mf.Block(20.0, 20.0, 7.2)
+    return Surface(POSITION, height, 0.526, MATERIAL, friction, block, cap, **others)
+
+
+def cap_for(model):
+    return CAPS if model.contact == mf.Elastic() else SPHERE
+
+
+def test_closed_form_of_two_contacts():
+    """``F = sum sigma_i B_i pi R d_i`` of independent paraboloids at a given approach."""
+    friction = mf.Friction([0.4, 0.1], [0.9, 0.8])
+    surface = Surface([[0, 0], [1.5, 0]], [0.12, 0.1], 0.526, MATERIAL, friction)
+    law = mf.friction_law(surface, separation=[0.08, 0.11])
+    depth = np.maximum(surface.height - law.separation[:, None], 0.0)
+    expected = (np.pi * 0.526 * depth) @ np.array([0.36, 0.08])
+    np.testing.assert_allclose(law.friction_force, expected, rtol=1e-12)
+    np.testing.assert_allclose(law.rescaled_friction, expected / 0.36, rtol=1e-12)
+    np.testing.assert_allclose(law.area, np.pi * 0.526 * depth.sum(axis=1), rtol=1e-12)
+    # gradient: A'_i - P'_i sum A' / sum P' with weighted A' = pi R w and P' = 2 sqrt(R d)
+    found = mf.Independent().sensitivity(surface, law.rescaled_load[-1:])
+    widening, stiffness = np.pi * 0.526 * np.array([1.0, 0.08 / 0.36]), 2.0 * np.sqrt(0.526 * depth[-1])
+    expected = widening - stiffness * widening.sum() / stiffness.sum()
+    np.testing.assert_allclose(found.gradient[0], expected, rtol=1e-11)
+
+
+@pytest.mark.parametrize("model", [*SENSITIVE, mf.BoundaryElements(0.02)], ids=repr)
+def test_force_is_the_sum_over_the_contacts(model):
+    surface = scene(cap=cap_for(model))
+    law = mf.friction_law(surface, model, load=1.36 * LOAD)
+    for i, load in enumerate(law.load):
+        state = mf.equilibrium(surface, model, load=load)
+        expected = (STRENGTH * RATIO) @ state.asperity_area
+        assert law.friction_force[i] == pytest.approx(expected, rel=1e-11)
+    assert law.friction_coefficient == pytest.approx(law.friction_force / law.load, rel=1e-14)
+    areas = model.areas(surface, LOAD, HEIGHT[None])[0]
+    np.testing.assert_allclose(areas, law.rescaled_friction, rtol=1e-11)
+
+
+@pytest.mark.parametrize("model", SENSITIVE, ids=repr)
+def test_sensitivity_agrees_with_differences(model):
+    """To 1e-7 of the largest derivative; a further contact lies between none of the differences."""
+    cap, found = cap_for(model), model.sensitivity(scene(cap=cap_for(model)), LOAD)
+    np.testing.assert_array_equal(found.curve.rescaled_friction, found.curve.friction_area)
+
+    def change(i, step):
+        shift = step * (np.arange(9) == i)
+        high, low = (model.curve(scene(height=HEIGHT + s, cap=cap), LOAD) for s in (shift, -shift))
+        return (high.rescaled_friction - low.rescaled_friction) / (2.0 * step)
+
+    scale = np.abs(found.gradient).max()
+    for i in range(9):
+        wide, narrow = change(i, 4e-6), change(i, 2e-6)
+        np.testing.assert_allclose(
+            found.gradient[:, i], (4.0 * narrow - wide) / 3.0, rtol=0.0, atol=1e-7 * scale
+        )
+
+
+@pytest.mark.parametrize("model", [*SENSITIVE, mf.Automatic(), mf.BoundaryElements(0.02)], ids=repr)
+def test_equal_frictions_give_the_bits_of_one_friction(model):
+    one, equal = mf.Friction(0.4, 0.85), mf.Friction([0.4] * 9, [0.85] * 9)
+    assert scene(equal).friction == one
+    first, second = (mf.friction_law(scene(friction), model, load=1.36 * LOAD) for friction in (one, equal))
+    assert first.friction_area is None
+    assert first.friction_force.tobytes() == second.friction_force.tobytes()
+    products = mf.Friction([0.4, 0.2], [0.5, 1.0])
+    assert products.weights == 1.0
+    assert not products.differs
+
+
+def test_fast_sums_agree_with_dense_matrices(monkeypatch):
+    """A lattice above the limit of dense matrices: friction and sensitivity."""
+    from metafem.models.interacting import elastic
+
+    rng = np.random.default_rng(3)
+    height, strength = rng.uniform(0.05, 0.12, (2, 36))
+    make = {"radius": 0.526, "material": MATERIAL, "friction": mf.Friction(strength)}
+    surface, model = Surface.square_lattice(height, (6, 6), **make), mf.Interacting()
+    dense = model.sensitivity(surface, LOAD)
+    monkeypatch.setattr(elastic, "LATTICE_LIMIT", 4)
+    monkeypatch.setattr(elastic, "DENSE_LIMIT", 4)
+    fast = model.sensitivity(surface, LOAD)
+    assert "FFT" in str(fast.curve.last.notes)
+    np.testing.assert_allclose(fast.curve.rescaled_friction, dense.curve.rescaled_friction, rtol=1e-8)
+    np.testing.assert_allclose(
+        fast.gradient, dense.gradient, rtol=0.0, atol=1e-7 * np.abs(dense.gradient).max()
+    )
+    np.testing.assert_allclose(
+        model.areas(surface, LOAD, height[None])[0], dense.curve.rescaled_friction, rtol=1e-8
+    )
+
+
+def test_automatic_model_and_unloading():
+    surface = scene()
+    law = mf.friction_law(surface, mf.Automatic(), load=1.36 * LOAD)
+    order_3 = mf.friction_law(surface, mf.Interacting(), load=1.36 * LOAD)
+    # the tolerance of the model is 1e-3 in A0; one contact may have all of the error
+    np.testing.assert_allclose(law.friction_force, order_3.friction_force, rtol=5e-3)
+    for model in (mf.Independent(mf.JKR(9e-6)), mf.Interacting(contact=mf.JKR(9e-6))):
+        back = mf.friction_law(surface, model, load=1.36 * LOAD, unloading=True)
+        last = mf.friction_law(surface, model, load=1.36 * LOAD)
+        assert back.friction_force[-1] == pytest.approx(last.friction_force[-1], rel=1e-9)
+        assert (back.friction_force >= (1.0 - 1e-9) * last.friction_force).all()
+    plastic = mf.Independent(mf.KogutEtsion(0.5))
+    back = mf.friction_law(surface, plastic, load=1.36 * LOAD, unloading=True)
+    assert back.friction_area is not None
+
+
+def test_a_model_without_friction_areas_is_refused():
+    class Own(mf.Independent):
+        def curve(self, surface, load=None, *, approach=None, unloading=False):
+            return super().curve(surface.replaced(friction=None), load, approach=approach)
+
+    with pytest.raises(mf.InvalidInput, match="does not compute the friction of asperities that differ"):
+        mf.friction_law(scene(), Own(), load=[0.1])
+
+
+@pytest.mark.parametrize("model", [*SENSITIVE, mf.BoundaryElements(0.02)], ids=repr)
+def test_the_derivative_of_the_force_by_a_shear_strength_is_area_ratio_times_area(model):
+    state, step = mf.equilibrium(scene(cap=cap_for(model)), model, load=0.1), 1e-4
+    for i in (0, 4, 8):
+        changed = [STRENGTH + sign * step * (np.arange(9) == i) for sign in (1.0, -1.0)]
+        parts = [scene(mf.Friction(strength, RATIO), cap=cap_for(model)) for strength in changed]
+        up, down = (mf.friction_law(part, model, load=[0.1]).friction_force[0] for part in parts)
+        slope = RATIO[i] * state.asperity_area[i]
+        assert (up - down) / (2.0 * step) == pytest.approx(slope, abs=1e-7 * state.area)
+
+
+def test_onset_slides_at_the_own_strength_of_each_contact():
+    """Two equal contacts of different strength: the weaker slides first."""
+    friction = mf.Friction([0.4, 0.1])
+    surface = Surface([[0, 0], [1.5, 0]], [0.1, 0.1], 0.526, MATERIAL, friction)
+    found = mf.onset(surface, load=0.1)
+    each = found.state.asperity_area[0]
+    assert found.asperity.tolist() == [1, 0]
+    assert found.displacement[1] / found.displacement[0] == pytest.approx(4.0, rel=1e-12)
+    assert found.friction_force == pytest.approx([0.2 * each, 0.5 * each], rel=1e-12)
+    law = mf.friction_law(surface, load=[0.1])
+    assert found.friction_force[-1] == pytest.approx(law.friction_force[0], rel=1e-12)

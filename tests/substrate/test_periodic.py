@@ -1,0 +1,122 @@
+"""Lattice sums of a periodic cell: other splittings, sums over images, and the surfaces that have a cell."""
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.substrate.periodic import lattice_sum
+
+CELLS = (mf.PeriodicCell(1.5, 1.5), mf.PeriodicCell(6.0, 2.0))
+LAYERS = (mf.BondedLayer(1.0, 0.3), mf.BondedLayer(1.0, 0.5), mf.BondedLayer(7.2, 0.5))
+MATERIAL = mf.Material(1.36)
+
+# Algebra: the tier of closed forms, for sums of some thousand terms.
+ROUNDING = 1e-12
+
+
+def points(cell: mf.PeriodicCell) -> tuple[np.ndarray, np.ndarray]:
+    """Return the source itself and four points, one of them in another period."""
+    x, y = np.array([0.0, 0.1, -0.45, 0.5, 1.3]), np.array([0.0, 0.02, 0.3, 0.5, -0.2])
+    return cell.width * x, cell.length * y
+
+
+def by_images(layer: mf.BondedLayer, cell: mf.PeriodicCell, x: float, y: float) -> tuple[float, ...]:
+    """Return the sums over all periods within 45 t, where G is below 1e-13; the regular terms for r = 0."""
+    last = 45.0 * layer.thickness
+    i, j = (np.arange(-int(last / s) - 2, int(last / s) + 3) * s for s in (cell.width, cell.length))
+    dx, dy = (part.ravel() for part in np.meshgrid(x - i, y - j))
+    r = np.hypot(dx, dy)
+    other = (r > 0.0) & (r < last)
+    value, first, second = layer.influence(r[other], derivatives=True)
+    own = not (r > 0.0).all()
+    return (
+        value.sum() + own * layer.self_influence,
+        (first * dx[other] / r[other]).sum(),
+        (first * dy[other] / r[other]).sum(),
+        (second + first / r[other]).sum() + own * 2.0 * layer.self_curvature,
+    )
+
+
+@pytest.mark.parametrize("cell", CELLS)
+@pytest.mark.parametrize("substrate", [mf.HalfSpace(), *LAYERS])
+def test_does_not_depend_on_the_splitting(cell, substrate):
+    x, y = points(cell)
+    given = substrate.periodic(cell, x, y)
+    other = lattice_sum(cell, x, y, substrate.transform, substrate.last_wavenumber, splitting=1.6)
+    for part, same in zip(given, other, strict=True):
+        assert part == pytest.approx(same, rel=ROUNDING, abs=ROUNDING * np.abs(part).max())
+
+
+@pytest.mark.parametrize("cell", CELLS)
+@pytest.mark.parametrize("layer", LAYERS[:2])
+def test_layer_equals_the_sum_over_images(cell, layer):
+    x, y = points(cell)
+    found = np.array(layer.periodic(cell, x, y))
+    expected = np.array([by_images(layer, cell, *at) for at in zip(x, y, strict=True)]).T
+    # the tail beyond 45 t and the error of the layer's table, 1e-12 of 1/(pi r)
+    assert found == pytest.approx(expected, rel=1e-10, abs=1e-10)
+
+
+def test_half_space_has_no_mean_and_the_limit_of_a_thick_layer():
+    cell = CELLS[1]
+    x, y = points(cell)
+    # midpoint rule on a smooth function minus its singularity would need care; the thick layer does not:
+    # for nu = 1/2 its mean is zero, and the deficit at the smallest wavenumber is exp(-2 k t)
+    thick = mf.BondedLayer(100.0, 0.5).periodic(cell, x, y)
+    for part, same in zip(mf.HalfSpace().periodic(cell, x, y), thick, strict=True):
+        assert part == pytest.approx(same, rel=ROUNDING, abs=ROUNDING)
+
+
+def test_derivatives_are_those_of_the_value():
+    cell, step = CELLS[1], 1e-4
+    x, y = (part[1:] for part in points(cell))
+    for substrate in (mf.HalfSpace(), LAYERS[0]):
+        _, slope_x, slope_y, laplacian = substrate.periodic(cell, x, y)
+        east, west, north, south, here = (
+            substrate.periodic(cell, x + step * a, y + step * b).value
+            for a, b in ((1, 0), (-1, 0), (0, 1), (0, -1), (0, 0))
+        )
+        # the differences are of second order
+        assert slope_x == pytest.approx((east - west) / (2.0 * step), rel=1e-5, abs=1e-6)
+        assert slope_y == pytest.approx((north - south) / (2.0 * step), rel=1e-5, abs=1e-6)
+        assert laplacian == pytest.approx(
+            (east + west + north + south - 4.0 * here) / step**2, rel=1e-4, abs=1e-5
+        )
+
+
+def test_a_uniform_pressure_compresses_the_layer():
+    # 40 x 40 loads on one cell; the mean of the midpoint rule is the series' term of q = 0 and its aliases
+    layer, cell = mf.BondedLayer(1.0, 0.3), mf.PeriodicCell(2.0, 2.0)
+    mean = layer.thickness * (1.0 - 0.6) / 0.7**2
+    assert layer.transform(np.zeros(1)) == pytest.approx(mean, rel=ROUNDING)
+    assert layer.transform(np.array([1e-5])) + 2e5 == pytest.approx(mean, rel=1e-4)
+    assert cell.area == 4.0
+
+
+def test_matrices_are_symmetric_with_regular_terms():
+    rng = np.random.default_rng(3)
+    cell = mf.PeriodicCell(4.0, 3.0)
+    surface = mf.Surface(
+        rng.uniform(0.0, 3.0, (6, 2)), np.full(6, 0.1), 0.3, mf.Material(1.36, 0.3), cell=cell
+    )
+    for substrate in (mf.HalfSpace(), LAYERS[0]):
+        value, x, y, laplacian = substrate.influence_terms(surface)
+        assert (value == value.T).all()
+        assert (laplacian == laplacian.T).all()
+        assert (x == -x.T).all()
+        assert (y == -y.T).all()
+        own = substrate.periodic(cell, np.zeros(1), np.zeros(1))
+        assert np.diagonal(value) == pytest.approx(own.value[0], rel=ROUNDING)
+        assert (substrate.influence_matrix(surface) == value).all()
+
+
+def test_a_substrate_without_a_transform_says_so():
+    class Mine(mf.substrate.Radial):
+        self_influence = self_curvature = 0.0
+
+        def regular_derivatives(self, distance):
+            return distance, distance, distance
+
+    surface = mf.Surface([[0.0, 0.0]], [0.1], 0.3, MATERIAL, cell=CELLS[0])
+    with pytest.raises(mf.InvalidInput, match="transform"):
+        mf.equilibrium(surface, mf.Interacting(substrate=Mine()), load=0.01)
