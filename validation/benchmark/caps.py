@@ -17,8 +17,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 import metafem as mf
+from metafem.caps.shapes import sphere_profile
 from metafem.contact import Contact
-from metafem.contact.cap_geometry import sphere_profile
 from validation.benchmark import automatic
 from validation.timing import Row
 

@@ -44,7 +44,7 @@ def rows() -> Iterator[Row]:
         yield Row(f"slopes 9.5 and 7, {name}: worst slope", 0.01, worst)
     yield Row("largest exponent within 1 %, at most 1.667", 1.667, _largest_exponent())
     yield from _random_laws()
-    failed = sum(_misfit(mixed_law(seed, TOOLS), radii=TOOLS) > 2e-3 for seed in range(MIXED_LAWS))
+    failed = sum(_misfit(mixed_law(seed, TOOLS), tools=TOOLS) > 2e-3 for seed in range(MIXED_LAWS))
     yield Row(f"{MIXED_LAWS} random laws of three radii, not recovered to 0.2 %", 5, failed)
     yield from _large()
     yield from _arranged(SIDES[0], 3.0)

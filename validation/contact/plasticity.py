@@ -55,7 +55,7 @@ def changed(name: str, index: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the change of A0(P), and the share of A0 in contacts past yield, (k,), at a plasticity index."""
     surface = surfaces()[name]
     modulus, radius = surface.material.composite_modulus, float(surface.radius[0])
-    law = mf.KogutEtsion(modulus * roughness(name) / index).for_material(surface.material)
+    law = mf.KogutEtsion(modulus * roughness(name) / index).bound(surface)
     first = np.pi * radius * float(law.yield_indentation(radius))
     share, area = [], []
     for load in modulus * LOADS:

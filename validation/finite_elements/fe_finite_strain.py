@@ -8,7 +8,7 @@ import numpy as np
 
 import metafem as mf
 from metafem import fe
-from metafem.contact.cap_geometry import sphere_profile
+from metafem.caps.shapes import sphere_profile
 from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.axisymmetric.mesh import graded_mesh
 from metafem.fe.large_strain.body import SoftBody

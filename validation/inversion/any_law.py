@@ -73,7 +73,7 @@ def claim() -> Claim:
         checks.append(below(f"{name}, on steps of 6 µm: misfit", stepped(name).misfit, 0.01, REQUIRED))
     pair = template("fig4_red")
     target = mf.LinearLaw.from_friction_coefficient(LOW_COEFFICIENT, pair.material, pair.friction)
-    found = mf.design(target, pair, limits=mf.Limits(TOP, height_sd=0.0009), radii=TOOLS, common_radius=True)
+    found = mf.design(target, pair, limits=mf.Limits(TOP, height_sd=0.0009), tools=TOOLS, common_radius=True)
     stress = friction_of_slope(pair)
     largest = TOP * (LOW_COEFFICIENT / (stress * smallest_slope(1.0, 1.0))) ** 2
     checks += [

@@ -52,7 +52,7 @@ PUT_IN = known_input("exponent of the target")
 @cache
 def designed(exponent: float, radii: tuple[float, ...] | None = None) -> mf.Design:
     """Return the design of a power law, with spheres of one radius or of some radii."""
-    return mf.design(mf.PowerLaw(exponent, RANGE), template("fig4_red"), limits=LIMITS, radii=radii)
+    return mf.design(mf.PowerLaw(exponent, RANGE), template("fig4_red"), limits=LIMITS, tools=radii)
 
 
 @cache

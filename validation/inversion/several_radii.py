@@ -8,7 +8,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.inversion.bounds import Bounds
-from metafem.inversion.limits import Radii
+from metafem.inversion.tools.radii import Radii
 from metafem.reference.height_densities import slope, smallest_slope
 from metafem.reference.single_contacts import hertz
 from validation.check import LINE_REQUIRED, REQUIRED, Claim, Picture, Row, above, below, near
@@ -37,7 +37,7 @@ SLOW = True
 def designed(exponent: float, choice: str, model: str) -> mf.Design:
     """Return the surface of a power law."""
     target = mf.PowerLaw(exponent, RANGE)
-    return mf.design(target, template("fig4_red"), MODELS[model], LIMITS, radii=CHOICES[choice])
+    return mf.design(target, template("fig4_red"), MODELS[model], LIMITS, tools=CHOICES[choice])
 
 
 def claim() -> Claim:
@@ -107,7 +107,7 @@ def _coefficients() -> list[Row]:
     target = mf.LinearLaw.from_friction_coefficient(
         0.5 * (single[0][1] + single[1][0]), pair.material, pair.friction
     )
-    found = mf.design(target, pair, limits=limits, radii=[0.2, 1.6])
+    found = mf.design(target, pair, limits=limits, tools=[0.2, 1.6])
     return [
         near(
             "least friction coefficient with both tools",
