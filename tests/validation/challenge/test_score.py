@@ -1,0 +1,182 @@
+"""The scorer of the challenge: against metafem, without metafem, and on broken entries."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from validation.challenge import resolved, score
+from validation.challenge.best_results import best
+from validation.challenge.caps import Caps, Tool
+from validation.challenge.entry import broken, made
+from validation.challenge.substrate import HalfSpace, Layer, PeriodicHalfSpace, point_loads
+from validation.challenge.sums import coupled, independent
+from validation.challenge.task import FOLDER, BadInput, names, target
+
+TOOLS = (Tool(0.526), Tool(0.8, 4.0), Tool(0.4, 1.5, 0.7), Tool(0.5, sphere=True))
+CAPS = (mf.Paraboloid(), mf.Power(4.0), mf.Power(1.5, 0.7), mf.Sphere())
+LOAD = np.linspace(0.01, 0.3, 8)
+
+SUBSTRATES = {
+    "half-space": (HalfSpace(), mf.HalfSpace(), None),
+    "layer": (Layer(7.2), mf.BondedLayer(), None),
+    "periodic": (PeriodicHalfSpace(6.0, 6.0), mf.HalfSpace(), mf.PeriodicCell(6.0, 6.0)),
+}
+
+
+def scene(count, kinds):
+    """Return tools of asperities, and a surface of metafem with the same caps."""
+    rng = np.random.default_rng(0)
+    index = rng.integers(0, kinds, count**2)
+    surface = mf.Surface.square_lattice(
+        0.1 + rng.exponential(0.02, count**2),
+        (count, count),
+        1.5,
+        radius=np.array([tool.radius for tool in TOOLS])[index],
+        material=mf.Material(1.36),
+        block=mf.Block(20.0, 20.0, 7.2),
+        cap=[CAPS[i] for i in index],
+    )
+    return index, surface
+
+
+def test_independent_sums_agree_with_metafem():
+    index, surface = scene(4, 4)
+    area, stiffness = independent(Caps.of(TOOLS, index), surface.height, LOAD)
+    curve = mf.Independent(contact=mf.Elastic()).curve(surface, LOAD)
+    np.testing.assert_allclose(area, curve.area, rtol=1e-9)  # the bound that the challenge states
+    approach = mf.Independent(contact=mf.Elastic()).curve(surface, LOAD * (1.0 + 1e-6)).approach
+    np.testing.assert_allclose(stiffness, 1e-6 * LOAD / (approach - curve.approach), rtol=1e-5)
+
+
+@pytest.mark.parametrize("which", SUBSTRATES)
+def test_point_loads_agree_with_metafem(which):
+    own, theirs, cell = SUBSTRATES[which]
+    index, surface = scene(4, 4)
+    influence = point_loads(own, surface.position)
+    area, load = coupled(Caps.of(TOOLS, index), surface.height, LOAD, influence)
+    curve = mf.Interacting(order=1, substrate=theirs, contact=mf.Elastic()).curve(
+        surface.replaced(cell=cell), LOAD
+    )
+    np.testing.assert_allclose(area.sum(axis=1), curve.area, rtol=1e-9)
+    np.testing.assert_allclose(load.sum(axis=1), LOAD, rtol=1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("which", SUBSTRATES)
+@pytest.mark.parametrize("kinds", [1, 3])
+def test_resolved_contacts_agree_with_metafem(which, kinds):
+    own, theirs, cell = SUBSTRATES[which]
+    index, surface = scene(3, kinds)
+    if cell is not None:
+        own, cell = PeriodicHalfSpace(4.5, 4.5), mf.PeriodicCell(4.5, 4.5)
+    load = LOAD[[3, -1]]  # no contact is only a few cells wide, where metafem's resolved areas are rough
+    tools = [TOOLS[i] for i in index]
+    area = resolved.areas(tools, surface.position, surface.height, load, resolved.Grid(own, surface.position))
+    model = mf.BoundaryElements(cell=0.006, substrate=theirs, contact=mf.Elastic())
+    curve = model.curve(surface.replaced(cell=cell), load)
+    np.testing.assert_allclose(area.sum(axis=1), curve.area, rtol=2e-3)  # the bound that the challenge states
+
+
+def test_scorer_needs_numpy_alone():
+    code = (
+        "import sys\n"
+        "for name in ('scipy', 'metafem', 'numba', 'matplotlib'): sys.modules[name] = None\n"
+        "from validation.challenge.score import main\n"
+        "sys.exit(main(['--quick', sys.argv[1]]))\n"
+    )
+    path = FOLDER.parent / "best" / "01-power-law.json"
+    done = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("01-power-law: misfit")
+
+
+@pytest.mark.parametrize("name", names())
+def test_specifications_are_those_of_metafem(name):
+    wanted = target(name)
+    if not wanted.for_metafem:
+        with pytest.raises(mf.InvalidInput):
+            mf.read_spec(FOLDER / f"{name}.toml")
+        return
+    spec = mf.read_spec(FOLDER / f"{name}.toml")
+    np.testing.assert_allclose(spec.template.position, wanted.sites)
+    curve = spec.target.curve()
+    np.testing.assert_allclose(curve.load, wanted.friction.load, rtol=1e-12)
+    area = curve.load**0.8
+    largest = np.abs(curve.difference(area)).max() if curve.pointwise else curve.misfit(area)
+    assert wanted.misfit(area, None) == pytest.approx(largest, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [name if not target(name).resolved else pytest.param(name, marks=pytest.mark.slow) for name in names()],
+)
+def test_best_results_score_as_they_state(name):
+    entry = best(name)
+    found = score.score(entry)
+    assert not found.broken
+    # six digits are written; roundings of heights of 1e-10 mm change relative areas by about 1e-8
+    assert found.misfit == pytest.approx(entry.stated["misfit"], rel=1e-5, abs=1e-8)
+
+
+def changed(**values):
+    """Return an entry of 64 asperities for the first target with some values changed."""
+    wanted = target("01-power-law")
+    given = {"target": wanted.name, "position": wanted.sites.tolist(), "height": [0.1] * 64}
+    return {**given, **values}
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"target": "13-none"}, "13-none.*is unknown.*01-power-law"),
+        ({"height": []}, "height must be a list"),
+        ({"height": [0.1]}, r"position must hold x and y .* of each of the 1 heights"),
+        ({"height": [float("nan")] * 64}, r"height\[0\] is not finite"),
+        ({"height": ["high"] * 64}, "height must hold numbers"),
+        ({"tool": [1]}, "tool has 1 entries for 64"),
+        ({"tool": [2] * 64}, r"tool\[0\] = 2 must be a whole number from 1 to 1"),
+    ],
+)
+def test_unreadable_entries_are_named(values, words):
+    with pytest.raises(BadInput, match=words):
+        made(changed(**values))
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"height": [0.3] * 64}, "height[0] = 0.3 mm is above 0.27 mm"),
+        ({"height": [-0.1] * 64}, "height[0] = -0.1 mm is not positive"),
+        ({"position": [[0.0, 0.0]] * 64}, "from the nearest site of the lattice"),
+        ({"position": [[0.75, 0.75]] * 64}, "on a site that another asperity occupies"),
+    ],
+)
+def test_broken_limits_are_named(values, words):
+    assert any(words in each for each in broken(made(changed(**values))))
+
+
+def test_exit_codes(tmp_path, capsys):
+    good, high, bad = (tmp_path / f"{name}.json" for name in ("good", "high", "bad"))
+    good.write_text(json.dumps(changed()), "utf-8")
+    high.write_text(json.dumps(changed(height=[0.3] * 64)), "utf-8")
+    bad.write_text("{", "utf-8")
+    assert score.main([str(good)]) == 0
+    assert "total" in capsys.readouterr().out
+    assert score.main([str(good), str(high)]) == 1
+    assert score.main([str(bad)]) == score.main([str(tmp_path / "none.json")]) == score.main([]) == 2
+    assert "bad.json" in capsys.readouterr().err
+
+
+def test_tables_are_entries(tmp_path):
+    entry = best("01-power-law")
+    rows = [f"{x:.12g},{y:.12g},{h:.12g}" for (x, y), h in zip(entry.position, entry.height, strict=True)]
+    path = tmp_path / "01-power-law.csv"
+    path.write_text("\n".join(["x,y,height", *rows]), "utf-8")
+    assert score.read(path).height == pytest.approx(entry.height, rel=1e-12)
+    path.write_text("x,y\n0,0\n", "utf-8")
+    with pytest.raises(BadInput, match="the column height is missing"):
+        score.read(path)
