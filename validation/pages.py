@@ -11,7 +11,12 @@ from validation.chapters import CHAPTERS
 TEMPLATES = Path(__file__).parent / "templates"
 
 # Pages beside the report, which `python -m validation --site` writes.
-BESIDE = (("guide/start.html", "Guide"), ("examples/index.html", "Examples"), ("api/index.html", "API"))
+BESIDE = (
+    ("guide/start.html", "Guide"),
+    ("examples/index.html", "Examples"),
+    ("challenge/index.html", "Challenge"),
+    ("api/index.html", "API"),
+)
 
 
 def site_page(template: str, *, here: str, whole: bool = True, **values: Any) -> str:

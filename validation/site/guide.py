@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import re
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,7 +17,8 @@ FOLDER = Path(__file__).parents[1] / "guide"
 
 # The pages in the order in which a newcomer reads them.
 ORDER = (
-    "start", "explorer", "design", "models", "tolerances", "measurements", "commands", "words", "modules",
+    "start", "explorer", "design", "shapes", "models", "tolerances", "measurements", "commands",
+    "words", "modules",
 )  # fmt: skip
 
 # The cells of tables, and the code in them.
@@ -81,7 +83,7 @@ def anchor(words: str) -> str:
 
 
 def _relinked(tokens: list[Any]) -> list[Any]:
-    """Lead links to other pages of the guide; a link to a file that the site does not show becomes text."""
+    """Lead links to other pages of the guide, and hold pictures; links to other files become text."""
     kept, dropped = [], False
     for token in tokens:
         if token.type == "link_open":
@@ -94,6 +96,9 @@ def _relinked(tokens: list[Any]) -> list[Any]:
             elif not href.startswith(("https:", "#")):
                 dropped = True
                 continue
+        if token.type == "image":
+            picture = (FOLDER / str(token.attrGet("src"))).read_bytes()
+            token.attrSet("src", "data:image/svg+xml;base64," + base64.b64encode(picture).decode("ascii"))
         if token.type == "link_close" and dropped:
             dropped = False
             continue

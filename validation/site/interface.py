@@ -151,7 +151,7 @@ def _grouped(module: ModuleType, wanted: tuple[str, ...] | None) -> Iterator[tup
     if module.__name__ != "metafem":
         yield from (("", entry) for entry in entries)
         return
-    layers = ("material", "surface", "contact", "substrate", "models", "prediction", "inversion")
+    layers = ("material", "caps", "surface", "contact", "substrate", "models", "prediction", "inversion")
     for layer in (*layers, "files", "errors", "notes"):
         inner = importlib.import_module(f"metafem.{layer}")
         for entry in entries:
