@@ -43,8 +43,10 @@ DIFFERENCE, DIFFERENCE_BY_CELL, OTHER_CAPS = 0.5, 0.002, 2.0
 NARROW, BOUND = 6, 0.61
 
 # For contacts of fewer cells than this, 4.7 per radius, the area is the number of cells with a correction at
-# the edge.
-SMALL = 70
+# the edge. Caps other than paraboloids need 8 cells per radius: with fewer the extrapolation starts from cells
+# close to the axis, where the pressure is steep or flat, and the area is wrong by up to 100 cells (powers 1.2
+# to 8); the number of cells is then within 2 cells.
+SMALL, SMALL_OTHER_CAPS = 70, 200
 
 # Distance by which the cells with pressure extend beyond the edge, in cells (measured for one Hertz contact
 # with 12 to 100 cells per radius).
@@ -82,7 +84,7 @@ def measure(patches: list[Patch], pressure: list[FloatArray], summits: Summits) 
     lawful = summits.areas(spread, load, shift)
     for patch, p in zip(patches, pressure, strict=True):
         shape = summits.pressure_shape(patch.corner, patch.owner, np.sqrt(lawful / math.pi))
-        area += _areas(p / shape, patch.owner, count)
+        area += _areas(p / shape, patch.owner, count, SMALL if summits.paraboloids else SMALL_OTHER_CAPS)
     merged = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
     difference = DIFFERENCE * math.pi + DIFFERENCE_BY_CELL * np.sqrt(math.pi * area)
     deformed = np.abs(area - lawful) > difference * (1.0 if summits.paraboloids else OTHER_CAPS)
@@ -100,8 +102,8 @@ def _moments(density: FloatArray) -> tuple[float, FloatArray]:
     return math.sqrt(max(square, 0.0)), centroid
 
 
-def _areas(pressure: FloatArray, owner: IntArray, count: int) -> FloatArray:
-    """Return the contact area within the edges on the cells of each asperity, (n,)."""
+def _areas(pressure: FloatArray, owner: IntArray, count: int, small: int) -> FloatArray:
+    """Return the contact area within the edges on the cells of each asperity, (n,); see `SMALL`."""
     # padding for the rings outside and three more cells
     pressure, owner = np.pad(pressure, FILLED + 3), np.pad(owner, FILLED + 3, mode="edge")
     closed = pressure > 0.0
@@ -113,7 +115,7 @@ def _areas(pressure: FloatArray, owner: IntArray, count: int) -> FloatArray:
     level = np.where(_between(closed), np.minimum(level, -BOUND * beside), level)
     covered = _covered(level, owner, count)
     smooth = covered - EDGE * rim + CURVED
-    return np.asarray(np.where(cells >= SMALL, smooth, np.maximum(cells - RIM * rim, 0.0)))
+    return np.asarray(np.where(cells >= small, smooth, np.maximum(cells - RIM * rim, 0.0)))
 
 
 def _extrapolated(pressure: FloatArray, closed: NDArray[np.bool_]) -> FloatArray:
