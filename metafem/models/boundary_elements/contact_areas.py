@@ -43,9 +43,9 @@ DIFFERENCE, DIFFERENCE_BY_CELL, OTHER_CAPS = 0.5, 0.002, 2.0
 NARROW, BOUND = 6, 0.61
 
 # For contacts of fewer cells than this, 4.7 per radius, the area is the number of cells with a correction at
-# the edge. Caps other than paraboloids need 8 cells per radius: with fewer the extrapolation starts from cells
-# close to the axis, where the pressure is steep or flat, and the area is wrong by up to 100 cells (powers 1.2
-# to 8); the number of cells is then within 2 cells.
+# the edge. Caps other than paraboloids need 8 cells per radius: with fewer the extrapolation starts close to
+# the axis, where the pressure is steep or flat, and the area is wrong by up to 100 cells (powers 1.2 to 8),
+# while the number of cells is within 2.
 SMALL, SMALL_OTHER_CAPS = 70, 200
 
 # Distance by which the cells with pressure extend beyond the edge, in cells (measured for one Hertz contact

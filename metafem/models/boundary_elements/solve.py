@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from copy import copy
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,6 +97,7 @@ class Scene:
         self.surface = surface
         self.law = law
         self.grid: tuple[int, int] | None = None
+        self._spectra: dict[Radial, FloatArray] = {}
         if surface.cell is not None:
             cell, self.grid = fitting_side(cell, surface.cell)
         self.cell = cell
@@ -168,10 +167,8 @@ class Scene:
 
     def rise(self, solution: Solution, substrate: Radial) -> float:
         """Return the stiffness of flat punches on the cells in contact [mm], on another substrate."""
-        other = copy(self)
-        other.__dict__.pop("_spectrum", None)
-        other.substrate = substrate
-        return self.cell * _rise(other.influence(solution.patches), solution.minimum.pressure > 0.0)
+        operator = self.influence(solution.patches, substrate)
+        return self.cell * _rise(operator, solution.minimum.pressure > 0.0)
 
     def _lift(self, load: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the increase [mm] of the indentations by the field's slopes, and where [cells], (n,)."""
@@ -207,23 +204,24 @@ class Scene:
         require_memory(needed, f"cell = {self.cell:g} mm, with {cells.sum():.3g} cells,")
         return [patch(self.summits, *box) for box in zip(members, first, last, strict=True)]
 
-    def influence(self, patches: list[Patch]) -> Influence:
-        """Return the influence of the cells of patches on each other."""
-        h, substrate = self.cell, self.substrate
+    def influence(self, patches: list[Patch], substrate: Radial | None = None) -> Influence:
+        """Return the influence of the cells of patches on each other, on its own or another substrate."""
+        h, below = self.cell, substrate or self.substrate
         if self.grid is not None:
-            return PeriodicInfluence(patches, self.grid, self._spectrum)
+            return PeriodicInfluence(patches, self.grid, self._spectrum(below))
         return Influence(
             patches,
-            lambda r: np.asarray(h * substrate.influence(h * r)),
-            lambda r: np.asarray(h * substrate.regular(h * r)),
+            lambda r: np.asarray(h * below.influence(h * r)),
+            lambda r: np.asarray(h * below.regular(h * r)),
         )
 
-    @cached_property
-    def _spectrum(self) -> FloatArray:
-        """Transform of the influence between the cells of a period."""
-        assert self.surface.cell is not None
-        assert self.grid is not None
-        return spectrum(self.substrate, self.surface.cell, self.cell, self.grid)
+    def _spectrum(self, substrate: Radial) -> FloatArray:
+        """Return the transform of the influence between the cells of a period."""
+        if substrate not in self._spectra:
+            assert self.surface.cell is not None
+            assert self.grid is not None
+            self._spectra[substrate] = spectrum(substrate, self.surface.cell, self.cell, self.grid)
+        return self._spectra[substrate]
 
     def _expected(self, indentation: FloatArray, patches: list[Patch]) -> FloatArray:
         """Return Hertz's pressure for the law's contact radii, corrected for the neighbours' field.
