@@ -45,8 +45,8 @@ NARROW, BOUND = 6, 0.61
 # For contacts of fewer cells than this, 4.7 per radius, the area is the number of cells with a correction at
 # the edge. Caps other than paraboloids need 8 cells per radius: with fewer the extrapolation starts close to
 # the axis, where the pressure is steep or flat, and the area is wrong by up to 100 cells (powers 1.2 to 8),
-# while the number of cells is within 2.
-SMALL, SMALL_OTHER_CAPS = 70, 200
+# while the number of cells is within 4.2 (25 offsets each), and differs by up to 4.7 from the law's area.
+SMALL, SMALL_OTHER_CAPS, COUNTED = 70, 200, 5.0
 
 # Distance by which the cells with pressure extend beyond the edge, in cells (measured for one Hertz contact
 # with 12 to 100 cells per radius).
@@ -87,7 +87,9 @@ def measure(patches: list[Patch], pressure: list[FloatArray], summits: Summits) 
         area += _areas(p / shape, patch.owner, count, SMALL if summits.paraboloids else SMALL_OTHER_CAPS)
     merged = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
     difference = DIFFERENCE * math.pi + DIFFERENCE_BY_CELL * np.sqrt(math.pi * area)
-    deformed = np.abs(area - lawful) > difference * (1.0 if summits.paraboloids else OTHER_CAPS)
+    if not summits.paraboloids:
+        difference = np.where(area < SMALL_OTHER_CAPS, COUNTED, OTHER_CAPS * difference)
+    deformed = np.abs(area - lawful) > difference
     deformed[merged.ravel()] = True
     return Contacts(load, np.where(deformed, area, lawful), deformed, merged)
 

@@ -30,12 +30,12 @@ def test_one_contact_is_that_of_the_law(law):
     assert state.model.contact == law
 
 
-@pytest.mark.parametrize("count", [5, 6, 7])
-@pytest.mark.parametrize("exponent", [1.2, 1.5, 1.8, 3, 4, 8])
+@pytest.mark.parametrize("count", [5, 7])
+@pytest.mark.parametrize("exponent", [1.2, 1.5, 8])
 def test_contacts_of_few_cells_keep_the_area_of_their_law(exponent, count):
     """Their edges are not found: the pressure is steep or flat at the axis, some cells from the edge."""
     contact_radius = 0.05
-    for offset in np.random.default_rng(count).random((4, 2)):
+    for offset in np.random.default_rng(count).random((3, 2)):
         state, exact = single_contact(mf.PowerCap(exponent), count, offset, contact_radius)
         missing = abs(state.area - exact.area) / (contact_radius / count) ** 2
         assert missing < 1.25 * (0.37 * np.pi)  # LAWFUL_ERROR
