@@ -1,4 +1,4 @@
-"""Asperities made by tools of several shapes: by one tool if one reaches the target, otherwise by several."""
+"""Asperities made by tools of several shapes or frictions: by one tool if one reaches the target, otherwise by several."""
 
 from __future__ import annotations
 
@@ -47,10 +47,10 @@ def candidate(problem: Problem, rng: np.random.Generator, restarts: int | None =
     most = problem.restarts if restarts is None else restarts
     guesses = target.guesses(law, problem.bounds, LEVEL_FRACTIONS)
     ends = (ENOUGH, POINT_GOAL) if target.exact else (GOAL,)
-    misfit, height, radius, cap = ToolSearch(problem, kit, law, guesses, most, rng, *ends).nearest()
+    misfit, height, *made = ToolSearch(problem, kit, law, guesses, most, rng, *ends).nearest()
     if best is not None and best[0] <= misfit:
         return best[1]
-    mixed = target.of_heights(problem, law, problem.limits.top + height, radius, cap)
+    mixed = target.of_heights(problem, law, problem.limits.top + height, *made)
     if not target.exact:
         return mixed
     return replace(mixed, refusal=_not_met, lowest_level=float(mixed.height.min()))
@@ -73,7 +73,7 @@ def _singles(
     """
     found: list[tuple[float, Candidate]] = []
     refused: dict[Tool, Infeasible] = {}
-    for tool in kit.tools:
+    for i, tool in enumerate(kit.tools):
         alone = problem.alone(tool)
         alone = replace(
             alone, effort=replace(alone.effort, restarts=0, free_goals=FIRST, adhesive_restarts=0)
@@ -85,7 +85,8 @@ def _singles(
             refused[tool] = reason
             continue
         misfit = independent_misfit(alone, one)
-        found.append((misfit, replace(one, cap=tool.cap)))
+        coating = kit.coatings(np.full(len(one.height), i), problem.template.friction)
+        found.append((misfit, replace(one, cap=tool.cap, shear_strength=coating)))
         if misfit <= (EXACT if problem.target.exact else GOAL):
             break
     return found, refused
