@@ -106,8 +106,8 @@ class Candidate:
         """Return the candidate with the asperities of some rows, in their order, which may repeat."""
         cap = None if self.cap is None else self.cap.at(rows)
         coating = None if self.shear_strength is None else self.shear_strength[rows]
-        given = {"height": self.height[rows], "radius": self.radius[rows]}
-        return replace(self, **given, cap=cap, shear_strength=coating)
+        found = replace(self, height=self.height[rows], radius=self.radius[rows])
+        return replace(found, cap=cap, shear_strength=coating)
 
     def placed(self, sites: IntArray, foot: float = -np.inf) -> Candidate:
         """Return the candidate on sites (n,) in any order; heights below the foot [mm] are raised to it."""

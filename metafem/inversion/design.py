@@ -310,7 +310,13 @@ def _with_one_tool(problem: Problem, kit: Kit, seed: int) -> Design:
     tried = kit.tools
     for layout, robust in objectives:
         for tool in each("tool", tried):
-            given = problem.target, tool.on(problem.pins.template), problem.predicted, problem.limits, np.random.default_rng(seed)
+            given = (
+                problem.target,
+                tool.on(problem.pins.template),
+                problem.predicted,
+                problem.limits,
+                np.random.default_rng(seed),
+            )
             try:
                 found[tool] = design(*given, layout, robust=robust)
             except Infeasible as reason:

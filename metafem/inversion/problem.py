@@ -13,10 +13,10 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem.contact import Contact
+from metafem.errors import refuse_if
 from metafem.inversion.bounds import Bounds
 from metafem.inversion.limits import Limits, Pins
 from metafem.inversion.placement.layout import Layout
-from metafem.errors import refuse_if
 from metafem.inversion.quantity import FRICTION, measured, words
 from metafem.inversion.search.levenberg_marquardt import DEFAULTS, OTHER_LAWS, SearchOptions
 from metafem.inversion.targets.target import Target

@@ -96,6 +96,11 @@ def weighted(law: Contact, weight: float) -> Contact:
     return law if weight == 1.0 else Measured(law, FRICTION, math.pi * weight, 2.0)
 
 
+def of_area(law: Contact) -> Contact:
+    """Return the law of which `weighted` has made a law; any other law itself."""
+    return law.law if isinstance(law, Measured) and law.of == FRICTION else law
+
+
 @dataclass(frozen=True)
 class Measured(Contact):
     """A contact law whose "area" is ``factor a^exponent``, a quantity that depends on the contact radius a.
