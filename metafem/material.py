@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -86,9 +86,9 @@ class Material:
 class Friction(Value):
     """Friction of the material pair, ``F = sigma B A0``, or of each asperity, ``F = sum sigma_i B_i A_i``.
 
-    Asperities differ in friction if they have different coatings. Rescaled friction is by the largest sigma B
-    of a surface: ``F/max(sigma B) = sum w_i A_i`` with the weights ``w_i = sigma_i B_i/max(sigma B)``. It is
-    A0 if sigma B is the same for all asperities.
+    Asperities differ in friction if they have different coatings. Rescaled friction is by one `stress` for
+    all asperities, by default the largest sigma B: ``F/stress = sum w_i A_i`` with the weights
+    ``w_i = sigma_i B_i/stress``. It is A0 if sigma B is this stress for all asperities.
 
     Parameters
     ----------
@@ -98,6 +98,9 @@ class Friction(Value):
     area_ratio : float or array_like, (n,)
         B [-], positive: real contact area under shear over that before shear, one value or one for each;
         default: 1, no change.
+    reference : float, optional
+        Stress [MPa] by which friction is rescaled, positive; default: the largest sigma B. A design whose
+        tools have coatings has here the sigma B of its template, by which its target is rescaled.
 
     Raises
     ------
@@ -115,8 +118,10 @@ class Friction(Value):
 
     shear_strength: float | FloatArray
     area_ratio: float | FloatArray = 1.0
+    reference: float | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
+        check.member(self, "reference", optional=True, above=0.0)
         for name in NAMES:
             if check.scalar(getattr(self, name)):
                 check.member(self, name, above=0.0)
@@ -133,19 +138,23 @@ class Friction(Value):
 
     @property
     def stress(self) -> float:
-        """Largest sigma B [MPa]: the friction force over the rescaled friction."""
-        return float(np.max(self._each()))
+        """Reference or largest sigma B [MPa]: the friction force over the rescaled friction."""
+        return float(np.max(self._each())) if self.reference is None else self.reference
 
     @property
     def weights(self) -> float | FloatArray:
-        """sigma_i B_i over the largest sigma B [-], (n,); 1.0 if it is the same for all asperities."""
+        """sigma_i B_i over `stress` [-], (n,); 1.0 if it is the same for all asperities and is `stress`."""
         each = np.asarray(self._each())
-        return 1.0 if (each == each.flat[0]).all() else np.asarray(each / each.max())
+        return 1.0 if (each == self.stress).all() else np.asarray(each / self.stress)
 
     @property
     def differs(self) -> bool:
-        """Whether sigma B differs from asperity to asperity."""
+        """Whether sigma B differs from asperity to asperity, or from the reference."""
         return np.ndim(self.weights) > 0
+
+    def coated(self, shear_strength: FloatArray) -> Friction:
+        """Return the friction of asperities with other sigma (n,) [MPa], rescaled as this friction."""
+        return replace(self, shear_strength=shear_strength, reference=self.stress)
 
     def at(self, some: Any) -> Friction:
         """Return the friction of some asperities (indices or mask)."""
@@ -161,8 +170,11 @@ class Friction(Value):
             )
 
     def of(self, count: int) -> Friction:
-        """Return the friction of `count` asperities, with one value for all where their values are equal."""
-        changes: dict[str, float] = {}
+        """Return the friction of `count` asperities, with one value for all where their values are equal.
+
+        If sigma B differs from the reference, sigma has one value for each asperity.
+        """
+        changes: dict[str, Any] = {}
         for name, values in self._arrays().items():
             refuse_if(
                 len(values) != count,
@@ -171,7 +183,12 @@ class Friction(Value):
             )
             if (values == values[0]).all():
                 changes[name] = float(values[0])
-        return replace(self, **changes) if changes else self
+        found = replace(self, **changes) if changes else self
+        if self.reference is None or found._arrays():
+            return found
+        if found.shear_strength * found.area_ratio == self.reference:
+            return replace(found, reference=None)
+        return replace(found, shear_strength=np.full(count, found.shear_strength))
 
     def _each(self) -> float | FloatArray:
         return self.shear_strength * self.area_ratio

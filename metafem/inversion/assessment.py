@@ -145,8 +145,8 @@ def misfit_of(candidate: Candidate, area: Callable[[FloatArray], FloatArray]) ->
 
 def independent_misfit(problem: Problem, candidate: Candidate) -> float:
     """Return the misfit [-] of a candidate for independent asperities; the sites do not affect it."""
-    model, summits = problem.bound_to(candidate.surface(problem.template))
-    return misfit_of(candidate, lambda load: model.curve_of(candidate.height, summits, load).area)
+    surface = candidate.surface(problem.template)
+    return misfit_of(candidate, lambda load: problem.uncoupled.curve(surface, load).rescaled_friction)
 
 
 def model_misfit(problem: Problem, candidate: Candidate) -> float:

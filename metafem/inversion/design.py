@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from metafem import _validate as check
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem.caps import Power
 from metafem.errors import Infeasible, refuse_if
 from metafem.inversion.adjustment.exponents import corrected
@@ -195,7 +195,7 @@ def design(
     if common_radius:
         return _with_common_radius(problem, generator)
     _refuse_rescaled(problem)
-    if np.ndim(problem.template.friction_weights):
+    if problem.coated_sites:
         with doing("inverting the law"):
             candidate = coated_candidate(problem, generator)
     else:
@@ -310,8 +310,13 @@ def _with_one_tool(problem: Problem, kit: Kit, seed: int) -> Design:
     tried = kit.tools
     for layout, robust in objectives:
         for tool in each("tool", tried):
-            part = problem.pins.template.replaced(radius=tool.radius, cap=tool.cap)
-            given = problem.target, part, problem.predicted, problem.limits, np.random.default_rng(seed)
+            given = (
+                problem.target,
+                tool.on(problem.pins.template),
+                problem.predicted,
+                problem.limits,
+                np.random.default_rng(seed),
+            )
             try:
                 found[tool] = design(*given, layout, robust=robust)
             except Infeasible as reason:
@@ -320,24 +325,37 @@ def _with_one_tool(problem: Problem, kit: Kit, seed: int) -> Design:
             raise strategy.unreachable(refused)
         tried = (min(found, key=lambda tool: max(found[tool].misfit, EXACT)),)
     best = found[tried[0]]
-    return replace(best, parameters={**best.parameters, **_kit_in_use(kit, best.surface)})
+    return replace(best, parameters={**best.parameters, **_kit_in_use(problem, kit, best.surface)})
 
 
-def _kit_in_use(kit: Kit, surface: Surface) -> dict[str, Parameter]:
+def _kit_in_use(problem: Problem, kit: Kit, surface: Surface) -> dict[str, Parameter]:
     """Return the parameters that state the tools of a surface."""
-    made = Counter(Tool(radius, surface.cap.one(i)) for i, radius in enumerate(surface.radius.tolist()))
     if kit.range is None:
-        return {"tool_counts": np.array([made[tool] for tool in kit.tools])}
-    exponents = {tool.cap.exponent: number for tool, number in made.items() if isinstance(tool.cap, Power)}
+        return {"tool_counts": _tool_counts(problem, kit, surface)}
+    made = Counter(surface.cap.one(i) for i in range(surface.count))
+    exponents = {cap.exponent: number for cap, number in made.items() if isinstance(cap, Power)}
     used = sorted(exponents)
     return {"used_exponents": np.array(used), "exponent_counts": np.array([exponents[n] for n in used])}
+
+
+def _tool_counts(problem: Problem, kit: Kit, surface: Surface) -> IntArray:
+    """Return the number of asperities of each tool of a list, (t,)."""
+    radii, caps = surface.radius.tolist(), [surface.cap.one(i) for i in range(surface.count)]
+    given = kit.coatings(np.arange(len(kit.tools)), problem.template.friction)
+    if given is None or surface.friction is None:
+        made = Counter(zip(radii, caps, strict=True))
+        return np.array([made[tool.radius, tool.cap] for tool in kit.tools])
+    sigma = np.broadcast_to(surface.friction.shear_strength, surface.count).tolist()
+    coated = Counter(zip(radii, caps, sigma, strict=True))
+    tools = zip(kit.tools, given.tolist(), strict=True)
+    return np.array([coated[tool.radius, tool.cap, own] for tool, own in tools])
 
 
 def _tools_in_use(problem: Problem, surface: Surface) -> dict[str, Parameter]:
     """Return the parameters that state the tools of a surface, and the friction coefficients they allow."""
     radii, template = problem.tools, problem.template
     if isinstance(radii, Kit):
-        return _kit_in_use(radii, surface)
+        return _kit_in_use(problem, radii, surface)
     used, counts = np.unique(surface.radius, return_counts=True)
     parameters: dict[str, Parameter] = {"used_radii": used, "radius_counts": counts.astype(np.int64)}
     if radii.tools is None and len(used) > MOST_LISTED:

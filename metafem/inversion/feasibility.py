@@ -20,7 +20,7 @@ from metafem.inversion.bounds import ROUNDING, Bounds
 from metafem.inversion.height_density import FINEST_SCALE_IN_SD, ExponentialDensity, uniform_slope
 from metafem.inversion.limits import Limits
 from metafem.inversion.targets.wording import Message, Wording
-from metafem.inversion.tools.kit import Choice, Given, chosen, refuse_curvature, singles
+from metafem.inversion.tools.kit import Choice, Given, chosen, pressed, refuse_curvature, singles
 from metafem.inversion.tools.kit_bounds import KitBounds
 from metafem.inversion.tools.radii import Radii
 from metafem.models.model import PARABOLOID, checked_contact
@@ -130,10 +130,12 @@ def bounds_of(choice: Choice, template: Surface, contact: Contact, last: float) 
     """Return the bounds for the tools of a choice, up to a load [mm^2]."""
     refuse_curvature(choice, template, contact)
     if isinstance(choice, Radii):
-        return Bounds(contact.bound(template), choice, template.count, last)
+        return Bounds(pressed(choice, template, contact)[0], choice, template.count, last)
     alone = [(part, Radii.of(float(part.radius[0]))) for part in singles(choice, template)]
-    parts = tuple(Bounds(contact.bound(part), radius, part.count, last) for part, radius in alone)
-    return KitBounds.of(parts, contact.bound(choice.surface(template)))
+    parts = tuple(
+        Bounds(pressed(radius, part, contact)[0], radius, part.count, last) for part, radius in alone
+    )
+    return KitBounds.of(parts, pressed(choice, template, contact)[0])
 
 
 def feasible_region(

@@ -13,10 +13,11 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem.contact import Contact
+from metafem.errors import refuse_if
 from metafem.inversion.bounds import Bounds
 from metafem.inversion.limits import Limits, Pins
 from metafem.inversion.placement.layout import Layout
-from metafem.inversion.quantity import measured
+from metafem.inversion.quantity import FRICTION, measured, words
 from metafem.inversion.search.levenberg_marquardt import DEFAULTS, OTHER_LAWS, SearchOptions
 from metafem.inversion.targets.target import Target
 from metafem.inversion.tools import kit
@@ -150,6 +151,7 @@ class Problem:
         pins = Pins.given(template, bounds)
         template = pins.reduced
         kit.refuse_misfits(choice, template, bounds.top, contact_of(solver))
+        _refuse_coatings(choice, target, layout)
         predicted, solver = solver, measured(solver, target.of, template)
         options = DEFAULTS if has_paraboloids(solver) else OTHER_LAWS
         # messages state loads in N and in mm^2
@@ -159,9 +161,13 @@ class Problem:
         return cls(*given, predicted)
 
     @cached_property
+    def _pressed(self) -> tuple[Contact, Any]:
+        return kit.pressed(self.tools, self.template, contact_of(self.model))
+
+    @property
     def contact(self) -> Contact:
-        """Law of one contact of the model, for the material of the template."""
-        return contact_of(self.model).bound(self._with_caps)
+        """Law of one contact of the tools, for the material of the template; see `pressed`."""
+        return self._pressed[0]
 
     @property
     def radii(self) -> Radii:
@@ -169,29 +175,29 @@ class Problem:
         assert isinstance(self.tools, Radii)
         return self.tools
 
-    @cached_property
+    @property
     def tool_summits(self) -> Any:
         """What the methods of `contact` take as `radius`, for each tool of a kit."""
-        return self.contact.summits(self._with_caps)
+        return self._pressed[1]
 
     @property
-    def _with_caps(self) -> Surface:
-        return self.tools.surface(self.template) if isinstance(self.tools, Kit) else self.template
+    def coated_sites(self) -> bool:
+        """Whether the friction of an asperity depends on its site."""
+        return float(np.ptp(self.template.friction_weights)) > 0.0
 
     def alone(self, tool: Tool) -> Problem:
         """Return the problem in which all asperities are made by one tool."""
-        template = self.template.replaced(radius=tool.radius, cap=tool.cap)
-        pins = replace(self.pins, template=self.pins.template.replaced(radius=tool.radius, cap=tool.cap))
-        return replace(self, template=template, pins=pins, tools=Radii.of(tool.radius))
+        pins = replace(self.pins, template=tool.on(self.pins.template))
+        return replace(self, template=tool.on(self.template), pins=pins, tools=Radii.of(tool.radius))
 
-    def bound_to(self, surface: Surface) -> tuple[Independent, Any]:
-        """Return independent asperities with the contact law of a surface, and its summits."""
-        law = contact_of(self.model).bound(surface)
-        return Independent(contact=law), law.summits(surface)
+    @cached_property
+    def uncoupled(self) -> Independent:
+        """Model of surfaces whose asperities are independent, with the contact law of the model."""
+        return Independent(contact=contact_of(self.model))
 
     @cached_property
     def independent(self) -> Independent:
-        """Model for the first heights: independent asperities with the contact law of the model."""
+        """Model of lists of heights: independent asperities with the law `contact`, not for surfaces."""
         return Independent(contact=self.contact)
 
     @cached_property
@@ -231,5 +237,22 @@ class Problem:
             return max(self.alone(tool).interaction_margin() for tool in self.tools.tools)
         equal = self.template.replaced(height=np.zeros(self.count), radius=self.tools.high)
         load = last * MARGIN_LOADS
-        change = self.model.curve(equal, load).area / self.independent.curve(equal, load).area - 1.0
+        change = self.model.curve(equal, load).area / self.uncoupled.curve(equal, load).area - 1.0
         return 2.0 * float(np.abs(change).max())
+
+
+def _refuse_coatings(choice: Choice, target: Target, layout: Layout | None) -> None:
+    """Raise InvalidInput for tools with a shear strength where it has no effect or is not supported."""
+    if not (isinstance(choice, Kit) and choice.coated):
+        return
+    of = words(target.of)
+    refuse_if(
+        target.of != FRICTION,
+        f"have a shear_strength, which has no effect on a target of the {of}; leave shear_strength out",
+        key="tools",
+    )
+    refuse_if(
+        layout is not None,
+        "cannot be used with tools that have a shear_strength; leave layout or shear_strength out",
+        key="layout",
+    )

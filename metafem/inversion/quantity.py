@@ -1,15 +1,16 @@
-"""Quantities that a target may prescribe in place of the friction, as sums over independent asperities.
+"""Quantities that a target may prescribe, as sums over independent asperities.
 
 The inversion reads the area of a law alone. A target of another quantity is therefore inverted for contacts
 whose load is that of the model and whose "area" is the quantity of one contact: the stiffness ``2 a``, the
 rescaled conductance ``2 a`` or the tangential stiffness ``4 (1 - nu)/(2 - nu) a``, all in mm and divided by
-E* or by 2/(rho_1 + rho_2). The strategies, bounds and searches are then those for friction.
+E* or by 2/(rho_1 + rho_2). The strategies, bounds and searches are then those for friction. The friction of
+coated caps is such a quantity, too: ``w pi a^2`` with the weight w of the coating.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
@@ -87,15 +88,25 @@ def measured(model: Model, of: Of, surface: Surface) -> Model:
 def measure(law: Contact) -> tuple[float, float]:
     """Return c and m of the "area" c a^m of the contacts of an elastic law."""
     own = law.laws[0] if isinstance(law, MixedCaps) else law
-    return (own.factor, 1.0) if isinstance(own, Measured) else (math.pi, 2.0)
+    return (own.factor, own.exponent) if isinstance(own, Measured) else (math.pi, 2.0)
+
+
+def weighted(law: Contact, weight: float) -> Contact:
+    """Return the law whose areas are the rescaled friction of contacts with a weight; see `Friction`."""
+    return law if weight == 1.0 else Measured(law, FRICTION, math.pi * weight, 2.0)
+
+
+def of_area(law: Contact) -> Contact:
+    """Return the law of which `weighted` has made a law; any other law itself."""
+    return law.law if isinstance(law, Measured) and law.of == FRICTION else law
 
 
 @dataclass(frozen=True)
 class Measured(Contact):
-    """A contact law whose "area" is ``factor a``, a quantity proportional to the contact radius a.
+    """A contact law whose "area" is ``factor a^exponent``, a quantity that depends on the contact radius a.
 
-    The nominal contact radius of this law is ``sqrt(factor a/pi)``; its loads and indentations are those of
-    `law`. factor: set by `for_material`.
+    The nominal contact radius of this law is ``sqrt(factor a^exponent/pi)``; its loads and indentations are
+    those of `law`. factor: of quantities other than friction, set by `for_material`.
     """
 
     largest_order: ClassVar[int] = 1
@@ -103,6 +114,7 @@ class Measured(Contact):
     law: Contact
     of: Of
     factor: float = 2.0
+    exponent: float = 1.0
 
     def __repr__(self) -> str:
         """Return the law with its quantity."""
@@ -110,10 +122,10 @@ class Measured(Contact):
 
     def for_material(self, material: Material) -> Measured:
         """Return the law for a material."""
-        factor = 2.0
+        factor = self.factor
         if self.of == "tangential_stiffness":
             factor = 8.0 * shear_modulus(material) / material.composite_modulus
-        return Measured(self.law.for_material(material), self.of, factor)
+        return replace(self, law=self.law.for_material(material), factor=factor)
 
     def bound(self, surface: Surface) -> Contact:
         """Return the law for the material and the caps of a surface."""
@@ -163,11 +175,12 @@ class Measured(Contact):
         a = self._true(contact_radius)
         closed = a > 0.0
         one = np.where(closed, a, 1.0)
-        rate = self.law.area_slope(one, radius)
-        return np.asarray(np.where(closed, self.factor * rate / (2.0 * math.pi * one), 0.0))[()]
+        slope = self.factor * self.exponent * one ** (self.exponent - 1.0)
+        rate = slope * self.law.area_slope(one, radius) / (2.0 * math.pi * one)
+        return np.asarray(np.where(closed, rate, 0.0))[()]
 
     def _nominal(self, contact_radius: Values) -> FloatArray:
-        return np.sqrt(np.multiply(self.factor / math.pi, contact_radius))
+        return np.sqrt(self.factor / math.pi * np.power(contact_radius, self.exponent))
 
     def _true(self, nominal: Values) -> FloatArray:
-        return np.asarray(math.pi / self.factor * np.square(nominal))
+        return np.asarray((math.pi / self.factor * np.square(nominal)) ** (1.0 / self.exponent))

@@ -27,7 +27,7 @@ from metafem.inversion.candidate import Branch, Parameter
 from metafem.inversion.height_density import ExponentialDensity
 from metafem.inversion.limits import Limits, Pinned
 from metafem.inversion.placement.layout import Layout
-from metafem.inversion.quantity import FRICTION, RESCALED, measured, words
+from metafem.inversion.quantity import FRICTION, RESCALED, measured, weighted, words
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies import exponential
 from metafem.inversion.strategies.mixture import Mixture
@@ -204,7 +204,8 @@ class Design(Value):
     @property
     def _without_adhesion(self) -> Contact:
         """Law of one contact without adhesion, for the material of the surface."""
-        return contact_of(self.law.model).bound(self.surface).without_adhesion
+        law, weights = contact_of(self.law.model).bound(self.surface), self.surface.friction_weights
+        return weighted(law.without_adhesion, float(np.max(weights)))
 
     @cached_property
     def target_area(self) -> FloatArray:

@@ -243,6 +243,11 @@ def _range(values: FloatArray) -> str:
     return low if low == high else f"{low} – {high}"
 
 
+def _tool_words(tool: Tool) -> str:
+    coating = "" if tool.shear_strength is None else f", σ = {tool.shear_strength:g} MPa"
+    return f"{tool.cap!r} of R = {MICROMETRES * tool.radius:.6g} µm{coating}"
+
+
 def _inputs(design: Design) -> list[Row]:
     surface, limits, radii = design.template, design.limits, np.unique(design.surface.radius) * MICROMETRES
     rows = [
@@ -267,7 +272,7 @@ def _inputs(design: Design) -> list[Row]:
         rows.append(("exponents of power caps to choose from", words, ""))
     if isinstance(design.tools, tuple) and isinstance(design.tools[0], Tool):
         tools = (tool for tool in design.tools if isinstance(tool, Tool))
-        words = "; ".join(f"{tool.cap!r} of R = {MICROMETRES * tool.radius:.6g} µm" for tool in tools)
+        words = "; ".join(map(_tool_words, tools))
         rows.append(("tools to choose from", words, ""))
     rows.append(("sites for asperities", f"{surface.count}", ""))
     if surface.block is not None:

@@ -46,6 +46,8 @@ TARGETS = ("OperatingPoints", "SampledLaw", "PowerLaw", "LinearLaw", "BilinearLa
 ADDED: Mapping[str, set[str]] = {
     "FrictionLaw": {"model_error", "cell", "friction_area"},
     "Surface": {"cap", "cell"},
+    "Friction": {"reference"},
+    "Tool": {"shear_strength"},
     "TargetLaw": {"ends"},
     "Wording": {"quantity"},
     **{name: {"of"} for name in TARGETS},

@@ -38,7 +38,6 @@ def corrected(problem: Problem, candidate: Candidate, rng: np.random.Generator) 
     with doing("correcting the exponents for interaction"):
         for _ in range(CORRECTIONS):
             surface = candidate.surface(problem.template)
-            independent, summits = problem.bound_to(surface)
             height = below_limit(shift(problem, candidate)(candidate.height), problem.limits)
             try:
                 area = model.curve(surface.replaced(height=height), law.load).area
@@ -48,7 +47,7 @@ def corrected(problem: Problem, candidate: Candidate, rng: np.random.Generator) 
             best, least = (candidate, misfit) if misfit < least else (best, least)
             if misfit <= REFINED_GOAL:
                 break
-            ratio = area / independent.curve_of(candidate.height, summits, law.load).area
+            ratio = area / problem.uncoupled.curve(surface, law.load).area
             divided = TargetLaw.fixed(law.load, law.law(area) / ratio, law.weight)
             search = ToolSearch(problem, kit, divided, [divided.base], 0, rng)
             found = search.around(candidate.height, surface)

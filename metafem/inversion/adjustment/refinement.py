@@ -22,11 +22,11 @@ from metafem.inversion.candidate import Candidate, below_limit
 from metafem.inversion.problem import Problem
 from metafem.inversion.search.asperities import beyond
 from metafem.inversion.search.levenberg_marquardt import Minimum, descend, search
-from metafem.inversion.search.nearest_law import GOAL, residual_of_heights
+from metafem.inversion.search.nearest_law import GOAL, residual_of_surface
 from metafem.inversion.search.spaces import Heights, LateResidual, Residual
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.models import Independent, Sensitivity
-from metafem.models.model import has_paraboloids
+from metafem.models.model import contact_of, has_paraboloids
 from metafem.notes import information
 from metafem.progress import doing
 
@@ -172,11 +172,11 @@ def _initial_guesses(
     law, surface = start.target_law, start.surface(problem.template)
     if law.misfit(area) <= CLOSE:
         return [start.height]
-    ratio = area / problem.independent.curve(surface, law.load).area
+    ratio = area / problem.uncoupled.curve(surface, law.load).rescaled_friction
     powers = np.vander(np.log(law.load / law.load[-1]), RATIO_DEGREE + 1)
     smooth = powers @ np.linalg.lstsq(powers, ratio, rcond=None)[0]
     divided = TargetLaw.fixed(law.load, law.law(area) / smooth, law.weight)
-    residual = residual_of_heights(*problem.bound_to(surface), divided)
+    residual = residual_of_surface(problem.uncoupled, surface, divided)
     space, restarts = Heights(problem.limits.span), problem.effort.ratio_restarts
     corrected = search(residual, [surface.height], space, GOAL, restarts, rng, problem.options)
     # if the layout was chosen for this model, the heights should change as little as possible
@@ -216,12 +216,12 @@ def with_same_entries(problem: Problem, start: Candidate, goal: float, rng: np.r
     solver, limits, options = problem.model.gradient_model, problem.limits, problem.options
     law, surface = start.target_law.thinned(LOADS), start.surface(problem.template)
     space = Heights(limits.span)
-    (independent, summits), shifted = problem.bound_to(surface), shift(problem, start)
+    shifted = shift(problem, start)
     nothing = beyond(law.load, start.height)
 
     def residual(height: FloatArray) -> LateResidual:
         try:
-            found = independent.sensitivity_of(height, summits, law.load)
+            found = problem.uncoupled.sensitivity(surface, law.load, height)
             given = below_limit(shifted(height), limits)
             area = solver.areas(surface, law.load, given[None])[0]
         except InvalidInput:
@@ -247,8 +247,9 @@ def shift(problem: Problem, start: Candidate) -> Callable[[FloatArray], FloatArr
     tallest to the lowest.
     """
     surface = start.surface(problem.template)
-    independent, summits = problem.bound_to(surface)
-    law, deepest = independent.contact, independent.contact.largest_indentation(summits)
+    law = contact_of(problem.model).bound(surface)
+    summits = law.summits(surface)
+    deepest = law.largest_indentation(summits)
     influence = problem.model.reference.substrate.influence_matrix(surface)
 
     def shifted(height: FloatArray) -> FloatArray:

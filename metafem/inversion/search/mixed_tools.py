@@ -62,8 +62,11 @@ class ToolSearch:
     goal: float = GOAL
     exact: float | None = None
 
-    def nearest(self) -> tuple[float, FloatArray, FloatArray, Cap]:
-        """Return the misfit, and heights, with the tallest first and equal to 0, radii and caps (n,)."""
+    def nearest(self) -> tuple[float, FloatArray, FloatArray, Cap, FloatArray | None]:
+        """Return the misfit, and heights, with the tallest first and equal to 0, radii, caps and sigma (n,).
+
+        sigma is None if no tool has a friction of its own.
+        """
         best = self._fewest(*self.space.split(self._mixed().unknowns))
         height, shape = best.unknowns, best.shape
         if self.exact is not None:
@@ -71,8 +74,8 @@ class ToolSearch:
             found = search(self._of_heights(shape), [height], self._heights, *given)
             height, best = found.unknowns, Mixture(found.unknowns, found.misfit, shape)
         order = np.argsort(-height, kind="stable")
-        radius, cap = self._made(shape[order])
-        return best.misfit, height[order] - height.max(), radius, cap
+        coating = self.kit.coatings(shape[order].astype(np.int64), self.problem.template.friction)
+        return best.misfit, height[order] - height.max(), *self._made(shape[order]), coating
 
     def around(self, height: FloatArray, surface: Surface) -> tuple[FloatArray, Cap]:
         """Return heights [mm] and caps (n,) of a range of exponents after a descent from a surface's."""

@@ -18,6 +18,7 @@ from metafem.inversion.search.spaces import Heights, LateResidual, Residual
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.tools.radii import Radii
 from metafem.models import Independent
+from metafem.surface import Surface
 
 if TYPE_CHECKING:
     from metafem.inversion.problem import Problem
@@ -56,6 +57,19 @@ def residual_of_heights(model: Independent, radius: Any, law: TargetLaw) -> Resi
         except InvalidInput:
             return beyond(law.load, height)
         return law.late_residual(found.curve.area, lambda: found.gradient)
+
+    return residual
+
+
+def residual_of_surface(model: Independent, surface: Surface, law: TargetLaw) -> Residual:
+    """Return the residual of independent asperities of a surface as a function of their heights."""
+
+    def residual(height: FloatArray) -> LateResidual:
+        try:
+            found = model.sensitivity(surface, law.load, height)
+        except InvalidInput:
+            return beyond(law.load, height)
+        return law.late_residual(found.curve.rescaled_friction, lambda: found.gradient)
 
     return residual
 

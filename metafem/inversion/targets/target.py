@@ -107,9 +107,15 @@ class Target:
         return self.of_heights(problem, law, problem.limits.top + height, radius)
 
     def of_heights(
-        self, problem: Problem, law: TargetLaw, height: FloatArray, radius: FloatArray, cap: Cap | None = None
+        self,
+        problem: Problem,
+        law: TargetLaw,
+        height: FloatArray,
+        radius: FloatArray,
+        cap: Cap | None = None,
+        shear_strength: FloatArray | None = None,
     ) -> Candidate:
-        """Return the candidate with heights, radii [mm] and caps (n,) for the curve `law` of the target."""
+        """Return the candidate with heights, radii [mm], caps and sigma for the curve `law` of the target."""
         parameters: dict[str, Parameter] = {"span": float(np.ptp(height))}
         branches = tuple(
             # if the law has no free parameter, each branch has a fixed intercept
@@ -120,10 +126,11 @@ class Target:
             )
             for slope, ends in self.branches
         )
-        candidate = Candidate(height, radius, parameters, law, branches, cap=cap)
+        candidate = Candidate(height, radius, parameters, law, branches)
+        candidate = replace(candidate, cap=cap, shear_strength=shear_strength)
         if law.is_open:
-            model, summits = problem.bound_to(candidate.surface(problem.template))
-            parameters |= self.open_parameters(law, model.curve_of(height, summits, law.load).area)
+            curve = problem.uncoupled.curve(candidate.surface(problem.template), law.load)
+            parameters |= self.open_parameters(law, curve.rescaled_friction)
         return candidate
 
     def judged(self, problem: Problem, candidate: Candidate) -> Candidate:

@@ -1,6 +1,7 @@
 """Bounds on the friction of all surfaces with N independent asperities made by tools of several shapes.
 
-Let A_t(P) be the area of one contact of tool t at the load P, a concave function that begins at 0.
+Let A_t(P) be the area of one contact of tool t at the load P, times the weight w of its coating, a concave
+function that begins at 0.
 
 1. *Friction.* A contact with a part of the load p has at least the same part of A_t(p), so that A0 is at
    least the least A_t(p) of all tools. By Jensen's inequality A0 is at most N H(p/N), where H is the least
@@ -10,7 +11,9 @@ Let A_t(P) be the area of one contact of tool t at the load P, a concave functio
    inequality of Cauchy and Schwarz it is at least ``(sum a^(3/2) e^(1/2))^2/(sum a sum a^2)``, and so at
    least the smallest e times the smallest ``(sum a^(3/2))^2/(sum a sum a^2)`` of N contacts. Where this ratio
    is stationary, sqrt(a) is a root of a quadratic equation, so that the contacts have at most two sizes. It
-   is smallest for one large contact among N - 1 small ones. New contacts raise the exponent.
+   is smallest for one large contact among N - 1 small ones. New contacts raise the exponent. With weights,
+   the ratio is ``(sum w^(1/2) a^(3/2))^2/(sum a sum w a^2)``. At a stationary point sqrt(w a) has at most two
+   values, and the ratio is that of equal weights with ``(N - 1) w_max/w_min`` small contacts.
 """
 
 from __future__ import annotations
@@ -26,6 +29,7 @@ from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.inversion.bounds import Bounds, at_load
 from metafem.inversion.limits import Limits
+from metafem.inversion.quantity import measure, of_area
 from metafem.inversion.tools.radii import Radii
 
 # Loads at which the areas of all tools are compared: their number, and the smallest one over the largest.
@@ -65,10 +69,12 @@ class KitBounds(Bounds):
     @cached_property
     def least_exponent(self) -> float:
         """Lower bound of the local exponent d ln A0/d ln p [-]; 0 if none is proven."""
-        elastic = all(part.law.largest_order > 1 for part in self.parts)
+        elastic = all(of_area(part.law).largest_order > 1 for part in self.parts)
         if not (self.convex and elastic):
             return 0.0
-        return min(part.least_exponent for part in self.parts) * least_ratio(self.count)
+        factors = [measure(part.law)[0] for part in self.parts]
+        ratio = least_ratio(self.count, max(factors) / min(factors))
+        return min(part.least_exponent for part in self.parts) * ratio
 
     def steepest(self, load: float, friction: float, margin: float = 0.0) -> float:
         """Return infinity: flat caps begin with an infinite slope."""
@@ -98,8 +104,10 @@ class KitBounds(Bounds):
         return min(part.tangent_load(slope) for part in self.parts)
 
 
-def least_ratio(count: int) -> float:
-    """Return the smallest ``(sum a^(3/2))^2/(sum a sum a^2)`` of at most `count` positive numbers a.
+def least_ratio(count: int, spread: float = 1.0) -> float:
+    """Return the smallest ``(sum w^(1/2) a^(3/2))^2/(sum a sum w a^2)`` of at most `count` numbers a > 0.
+
+    spread: largest over smallest weight w; default: 1, equal weights.
 
     Examples
     --------
@@ -108,13 +116,13 @@ def least_ratio(count: int) -> float:
     """
     if count == 1:
         return 1.0
-    q = count - 1.0
+    q = (count - 1.0) * spread
 
     def ratio(logarithm: float) -> float:
         a = math.exp(logarithm)
         return float((1.0 + q * a**1.5) ** 2 / ((1.0 + q * a) * (1.0 + q * a * a)))
 
-    return float(minimize_scalar(ratio, bounds=(-2.0 * math.log(count) - 2.0, 0.0), method="bounded").fun)
+    return float(minimize_scalar(ratio, bounds=(-2.0 * math.log(q + 1.0) - 2.0, 0.0), method="bounded").fun)
 
 
 def _concave(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:

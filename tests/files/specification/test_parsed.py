@@ -118,6 +118,39 @@ def test_the_step_of_a_range_of_radii_is_read(keys, radii):
     assert parsed(LINEAR.replace('radius = "526 um"', "") + f"\n[tools]\n{keys}\n").tools == radii
 
 
+COATED = 'radii = ["0.3 mm", "0.5 mm"]\nshear_strengths = ["0.1 MPa", "500 kPa"]\n'
+
+
+@pytest.mark.parametrize(
+    ("keys", "caps"),
+    [
+        ("", (mf.Sphere(), mf.Sphere())),
+        ("[cap]\nkind = 'power'\nexponent = 4.0\n", (mf.Power(4.0), mf.Power(4.0))),
+        ('caps = ["sphere", "power 4"]\n', (mf.Sphere(), mf.Power(4.0))),
+    ],
+)
+def test_tools_have_shear_strengths(keys, caps):
+    text = LINEAR.replace('radius = "526 um"', "").replace("[contact]", "[contact]\nkind = 'elastic'")
+    text += "" if "[contact]" in text else "\n[contact]\nkind = 'elastic'\n"
+    expected = tuple(map(mf.Tool, (0.3, 0.5), caps, (0.1, 0.5)))
+    assert parsed(f"{text}\n[tools]\n{COATED}{keys}").tools == expected
+
+
+@pytest.mark.parametrize(
+    ("keys", "change", "words"),
+    [
+        ('radii = ["0.3 mm"]\n', ("", ""), "tools.shear_strengths has 2 values for 1 radii; give one for each"),
+        ('radius_range = ["0.3 mm", "0.5 mm"]\n', ("", ""), "tools.shear_strengths needs tools.radii: one"),
+        ('radii = ["0.3 mm", "0.5 mm"]\n', ("[friction]", "[friction_]"), "needs a section [friction], which"),
+    ],
+)
+def test_shear_strengths_that_do_not_suit_are_refused(keys, change, words):
+    text = LINEAR.replace('radius = "526 um"', "")
+    text = text[: text.index("[friction]")] if change[0] and "[friction]" in text else text
+    problem = wrong(f'{text}\n[tools]\n{keys}shear_strengths = ["0.1 MPa", "0.5 MPa"]\n')
+    assert words in str(problem)
+
+
 def test_tools_have_no_step():
     text = LINEAR.replace('radius = "526 um"', "") + '\n[tools]\nradii = ["0.3 mm"]\nstep = "10 um"\n'
     (problem,) = problems_of(text)
