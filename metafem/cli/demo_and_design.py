@@ -24,7 +24,7 @@ from metafem.cli.progress import progress
 from metafem.cli.terminal import notes_data, print_notes, print_table, say, terminal
 from metafem.errors import Infeasible, InvalidInput, refuse_if
 from metafem.files.specification.models import DEMOS
-from metafem.inversion.quantity import FRICTION
+from metafem.inversion.quantities.quantity import FRICTION
 from metafem.progress import doing
 
 if TYPE_CHECKING:

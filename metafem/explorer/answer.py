@@ -11,7 +11,7 @@ from metafem.errors import Infeasible, InvalidInput, MetafemError, refuse_if
 from metafem.explorer.session import State
 from metafem.files import Specification, parsed, section_forms
 from metafem.inversion import Design, OperatingPoints, SampledLaw
-from metafem.inversion.quantity import FRICTION
+from metafem.inversion.quantities.quantity import FRICTION
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import Wording
 

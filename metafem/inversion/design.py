@@ -13,6 +13,7 @@ from metafem._validate import FloatArray, IntArray
 from metafem.caps import Power
 from metafem.errors import Infeasible, refuse_if
 from metafem.inversion.adjustment.exponents import corrected
+from metafem.inversion.adjustment.first_heights import first_heights
 from metafem.inversion.adjustment.height_steps import rounded_to_steps
 from metafem.inversion.adjustment.pinned import with_pinned
 from metafem.inversion.adjustment.refinement import refined
@@ -24,7 +25,7 @@ from metafem.inversion.feasibility import achievable_friction_coefficients
 from metafem.inversion.limits import Limits
 from metafem.inversion.placement.layout import Layout, arranged
 from metafem.inversion.problem import Problem
-from metafem.inversion.quantity import FRICTION
+from metafem.inversion.quantities.quantity import FRICTION
 from metafem.inversion.result import Design
 from metafem.inversion.strategies import tools as strategy
 from metafem.inversion.strategies.coated import coated_candidate
@@ -200,11 +201,13 @@ def design(
             candidate = coated_candidate(problem, generator)
     else:
         _refuse_infeasible(problem)
-        permutation = problem.pins.placed(generator.permutation(template.count))
         with doing("inverting the law"):
-            several = isinstance(problem.tools, Kit)
-            candidate = (strategy if several else problem.target).candidate(problem, generator)
-        candidate = candidate.placed(permutation[: len(candidate.height)], problem.limits.foot)
+            if problem.first_under_model:
+                candidate = first_heights(problem, generator)
+            else:
+                permutation = problem.pins.placed(generator.permutation(template.count))
+                candidate = strategy.candidate(problem, generator)
+                candidate = candidate.placed(permutation[: len(candidate.height)], problem.limits.foot)
         candidate = arranged(problem, candidate, generator)
         candidate = corrected(problem, candidate, generator)
         candidate = problem.target.judged(problem, refined(problem, candidate, generator))

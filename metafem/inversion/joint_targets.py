@@ -16,7 +16,7 @@ from metafem._values import Value, percent
 from metafem.errors import refuse_if
 from metafem.inversion.limits import Limits
 from metafem.inversion.problem import Problem
-from metafem.inversion.quantity import words
+from metafem.inversion.quantities.quantity import words
 from metafem.inversion.search.asperities import OfRadii
 from metafem.inversion.search.levenberg_marquardt import search
 from metafem.inversion.search.nearest_law import GOAL, LawSearch, residual_of_heights

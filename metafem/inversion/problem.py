@@ -17,7 +17,7 @@ from metafem.errors import refuse_if
 from metafem.inversion.bounds import Bounds
 from metafem.inversion.limits import Limits, Pins
 from metafem.inversion.placement.layout import Layout
-from metafem.inversion.quantity import FRICTION, measured, words
+from metafem.inversion.quantities.quantity import FRICTION, measured, words
 from metafem.inversion.search.levenberg_marquardt import DEFAULTS, OTHER_LAWS, SearchOptions
 from metafem.inversion.targets.target import Target
 from metafem.inversion.tools import kit
@@ -213,6 +213,11 @@ class Problem:
     def restarts(self) -> int:
         """Number of restarts of a search for independent asperities."""
         return self.effort.adhesive_restarts if self.contact.adhesive else self.effort.restarts
+
+    @property
+    def first_under_model(self) -> bool:
+        """Whether already the first heights are found under the model, whose quantity is not that of the sum."""
+        return self.model.couples and self.target.of != FRICTION
 
     @property
     def tolerances(self) -> Tolerances:

@@ -27,7 +27,7 @@ from metafem.inversion.candidate import Branch, Parameter
 from metafem.inversion.height_density import ExponentialDensity
 from metafem.inversion.limits import Limits, Pinned
 from metafem.inversion.placement.layout import Layout
-from metafem.inversion.quantity import FRICTION, RESCALED, measured, weighted, words
+from metafem.inversion.quantities.quantity import FRICTION, RESCALED, measured, weighted, words
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies import exponential
 from metafem.inversion.strategies.mixture import Mixture

@@ -65,7 +65,7 @@ class Uncoupled:
         """`Interacting` with the same law on a half-space, of the highest order that the law supports."""
         return Interacting(self.contact.largest_order, contact=self.contact)
 
-    def _compliance(self, surface: Surface) -> float:
+    def compliance(self, surface: Surface) -> float:
         """Return the sinking of the base per unit of P/E* [1/mm]."""
         return 0.0
 
@@ -87,7 +87,7 @@ class Uncoupled:
         """
         values, by_load = controlled(load, approach)
         equation = self._equation(surface)
-        return equation.path(surface, values, by_load, unloading, self._compliance(surface))
+        return equation.path(surface, values, by_load, unloading, self.compliance(surface))
 
     def sensitivity(
         self, surface: Surface, load: FloatArray, height: FloatArray | None = None, by: str = "height"
@@ -106,7 +106,7 @@ class Uncoupled:
         own = self.contact.for_material(surface.material)
         refuse_parameter(own, by, surface)
         found = equation.sensitivity(heights, equation.law.summits(surface), load)
-        found = replace(found, curve=sunk(found.curve, self._compliance(surface)))
+        found = replace(found, curve=sunk(found.curve, self.compliance(surface)))
         if by == "height":
             return found
         return replace(found, compute_gradient=partial(_by_shape, found, equation.law, own, by, surface))
@@ -120,7 +120,7 @@ class Uncoupled:
         equation = self._equation(surface)
         radius = equation.contacts(surface.height, equation.law.summits(surface), load)[0]
         total = 2.0 * radius.sum(axis=1)
-        return np.asarray(total / (1.0 + self._compliance(surface) * total))
+        return np.asarray(total / (1.0 + self.compliance(surface) * total))
 
     def pull_off(self, surface: Surface, largest: float) -> float:
         """Return the largest tension [mm^2] on the way back from the largest rescaled load, with adhesion."""

@@ -71,7 +71,7 @@ class MeanField(Uncoupled):
         note = NO_NEIGHBOURS if surface.cell is None else MEAN_PLANE
         return replace(found, compute_last=lambda: replace(found.last, notes=(note,)))
 
-    def _compliance(self, surface: Surface) -> float:
+    def compliance(self, surface: Surface) -> float:
         """Return the mean sinking per unit of P/E* [1/mm], c/sqrt(A)."""
         if surface.cell is not None:
             return 0.0

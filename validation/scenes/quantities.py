@@ -10,7 +10,7 @@ import metafem as mf
 from metafem._kernels.coupling import empty_state, respond, spread
 from metafem.models.contact_tables import tables
 from metafem.models.interacting.influence import coupling_between
-from metafem.models.interacting.sensitivity import _influences, _system
+from metafem.models.interacting.sensitivity import contact_system, influences_of
 
 # Rescaled loads [mm^2], thickness of the layer [mm], and side of the cells of resolved contacts [mm].
 LOADS, THICKNESS, CELL = np.array([0.1, 0.3]), 7.2, 0.005
@@ -36,7 +36,7 @@ def exact_stiffness(model: mf.Interacting, surface: mf.Surface, loads: np.ndarra
         count = respond(field, bound.order, law, self_term, state)
         spread(bound.order, law, state)
         closed, same = state.closed[:count], np.ones(count)
-        hessian, _ = _system(_influences(field, bound.order), self_term, state, closed, same)
+        hessian, _ = contact_system(influences_of(field, bound.order), self_term, state, closed, same)
         found.append(np.linalg.solve(hessian, np.ones(count)).sum())
     return np.array(found)
 

@@ -31,7 +31,7 @@ from metafem.inversion import (
     SampledLaw,
     Target,
 )
-from metafem.inversion.quantity import FRICTION, Of, words
+from metafem.inversion.quantities.quantity import FRICTION, Of, words
 from metafem.inversion.targets.wording import RESCALED, Wording
 from metafem.surface import Friction, Material
 

@@ -23,7 +23,7 @@ from metafem._values import percent
 from metafem.errors import Infeasible
 from metafem.inversion.adjustment.band_margin import area_of
 from metafem.inversion.limits import Limits
-from metafem.inversion.quantity import measured
+from metafem.inversion.quantities.quantity import measured
 from metafem.inversion.targets.band import Band
 from metafem.models import Independent, Model
 from metafem.progress import doing, each

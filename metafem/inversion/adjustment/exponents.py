@@ -27,11 +27,11 @@ CORRECTIONS = 4
 def corrected(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
     """Return the candidate with the exponents of a range and the heights corrected for interaction.
 
-    Candidates of other tools, of a height density and on height steps do not change.
+    Candidates of other tools, of a height density, of other quantities and on height steps do not change.
     """
     kit, model, law = problem.tools, problem.model.gradient_model, candidate.target_law
     ranged = isinstance(kit, Kit) and kit.range is not None
-    if not (ranged and problem.model.couples) or candidate.density is not None or candidate.stepped:
+    if not (ranged and problem.model.couples) or problem.first_under_model or candidate.density is not None or candidate.stepped:
         return candidate
     assert isinstance(kit, Kit)
     best, least = candidate, np.inf

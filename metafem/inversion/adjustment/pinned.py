@@ -38,6 +38,7 @@ from scipy.optimize import linear_sum_assignment
 
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.adjustment.height_steps import rounded_to_steps
+from metafem.inversion.adjustment.on_sites import OnSites
 from metafem.inversion.adjustment.refinement import (
     CLOSE,
     REFINED_GOAL,
@@ -123,12 +124,9 @@ def _best(problem: Problem, candidate: Candidate, unpinned: float, rng: np.rando
 
 def _changed(problem: Problem, start: Candidate, goal: float, rng: np.random.Generator) -> Candidate:
     """Return the candidate with the best heights found from random changes, on more or fewer sites."""
-    count, lowest, limits = problem.count, int(start.height.argmin()), problem.limits
-    space = Bounded(limits.foot, limits.top, problem.pins.rows, problem.pins.heights)
-    height, rows = np.full(count, space.absent), np.full(count, lowest)
-    height[start.sites], rows[start.sites] = start.height, np.arange(len(start.height))
-    whole = replace(start.taken(rows), sites=np.arange(count), height=height)
-    _, residual, _ = residuals(problem, whole, np.asarray)
+    every = OnSites.of(problem, start)
+    space, height = every.space, every.whole.height
+    residual = every.residual(problem.model.gradient_model, start.target_law)
     exact = start.lowest_level is not None
     r, _ = residual(height)
     best = Minimum(height, float(np.sqrt(r @ r / len(r))))
@@ -140,8 +138,7 @@ def _changed(problem: Problem, start: Candidate, goal: float, rng: np.random.Gen
         best = found if found.misfit < BETTER * best.misfit else best
         if best.misfit <= (EXACT if exact else goal / BETTER):
             break
-    some = np.flatnonzero(space.exists(best.unknowns))
-    return replace(whole.taken(some), sites=some).with_heights(best.unknowns[some])
+    return every.candidate(best.unknowns)
 
 
 def _in_place(candidate: Candidate, sites: IntArray, heights: FloatArray, span: float) -> Candidate:

@@ -94,7 +94,7 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
             first, residual, residual_of_model = residuals(
                 problem, searched, lambda height: below_limit(height, limits)
             )
-            if model.couples and not has_paraboloids(model):
+            if model.couples and not (has_paraboloids(model) or problem.first_under_model):
                 found = with_same_entries(problem, trial, goal, rng)
                 if found.misfit > goal and not problem.contact.adhesive:
                     found = descend(residual, found.unknowns, space, goal, exact, options)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from metafem._validate import FloatArray, IntArray
 from metafem.caps import Cap, Caps, Power
-from metafem.inversion.quantity import measure
+from metafem.inversion.quantities.quantity import measure
 from metafem.inversion.search.asperities import Asperities, OfExponents, OfTools
 from metafem.inversion.search.dictionary import starts
 from metafem.inversion.search.levenberg_marquardt import NEAR, Minimum, descend, search

@@ -15,7 +15,7 @@ from metafem.errors import Infeasible
 from metafem.inversion.adjustment.band_margin import widest
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.feasibility import margin_words, refuse_load
-from metafem.inversion.quantity import FRICTION, Of
+from metafem.inversion.quantities.quantity import FRICTION, Of
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.targets.laws import SampledLaw
 from metafem.inversion.targets.target import Target

@@ -16,7 +16,7 @@ from metafem.errors import Infeasible
 from metafem.inversion.assessment import largest_misfit
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.feasibility import broken_sample, margin_words, nearest_within, refuse_load
-from metafem.inversion.quantity import FRICTION, Of, words
+from metafem.inversion.quantities.quantity import FRICTION, Of, words
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies import operating_points
 from metafem.inversion.targets.target import Target

@@ -15,7 +15,7 @@ from metafem._validate import FloatArray
 from metafem.errors import Infeasible, refuse_if
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.feasibility import margin_words, refuse_load
-from metafem.inversion.quantity import FRICTION, Of
+from metafem.inversion.quantities.quantity import FRICTION, Of
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import RESCALED, LoadRange, Wording

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, refuse_if
-from metafem.inversion.quantity import FRICTION, Of, words
+from metafem.inversion.quantities.quantity import FRICTION, Of, words
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies import exponential, proportional
 from metafem.inversion.targets.target import Target

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
-from metafem.inversion.quantity import FRICTION, Of, words
+from metafem.inversion.quantities.quantity import FRICTION, Of, words
 from metafem.surface import Friction, Material
 
 LoadRange = tuple[float, float]

@@ -18,7 +18,7 @@ from metafem.contact.by_profile import MixedCaps
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import SUMMIT
 from metafem.errors import InvalidInput, refuse_if
-from metafem.inversion.quantity import weighted
+from metafem.inversion.quantities.quantity import weighted
 from metafem.inversion.tools.radii import Radii
 from metafem.inversion.tools.ranges import PowerRange, RadiusRange
 from metafem.inversion.tools.tool import Tool

@@ -29,7 +29,7 @@ from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.inversion.bounds import Bounds, at_load
 from metafem.inversion.limits import Limits
-from metafem.inversion.quantity import measure, of_area
+from metafem.inversion.quantities.quantity import measure, of_area
 from metafem.inversion.tools.radii import Radii
 
 # Loads at which the areas of all tools are compared: their number, and the smallest one over the largest.

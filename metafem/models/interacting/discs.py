@@ -36,29 +36,37 @@ MOST = 2000
 STEPS = 4
 
 
-def conductances(bound: Coupled, load: FloatArray, share: float) -> FloatArray:
-    """Return the rescaled conductances [mm] of asperities with their influence, at loads (k,) [mm^2]."""
+def conductor_of(bound: Coupled, share: float) -> Radial:
+    """Return the substrate of the currents, or raise InvalidInput if they cannot be computed."""
     substrate = bound.substrate
     if not isinstance(substrate, Radial):
         raise InvalidInput(
             f"{type(substrate).__name__} has no conduction: the conductance of contacts needs "
             "metafem.HalfSpace() or metafem.BondedLayer()"
         )
-    conductor = substrate.conductor(share)
     if bound.surface.count > MOST:
         raise InvalidInput(
             f"the conductance of {bound.surface.count} interacting asperities is too large a system: at most "
             f"{MOST}; on a half-space, Barber's identity gives it as 2 k/(E* (rho_1 + rho_2))"
         )
-    found = np.zeros(len(load))
+    return substrate.conductor(share)
+
+
+def conductances(bound: Coupled, load: FloatArray, share: float) -> FloatArray:
+    """Return the rescaled conductances [mm] of asperities with their influence, at loads (k,) [mm^2]."""
+    conductor, found = conductor_of(bound, share), np.zeros(len(load))
     for k, value in enumerate(load):
         last = bound.model.curve(bound.surface, np.array([value])).checked().last
-        closed = np.flatnonzero(last.area > 0.0)
-        if closed.size:
-            radius = np.sqrt(last.area[closed] / math.pi)
-            matrix = _resistance(bound, conductor, closed, radius, last.load)
-            found[k] = np.linalg.solve(matrix, np.ones(closed.size)).sum()
+        found[k] = currents(bound, conductor, last.area, last.load).sum()
     return found
+
+
+def currents(bound: Coupled, conductor: Radial, area: FloatArray, load: FloatArray) -> FloatArray:
+    """Return the currents j [mm] of those of n asperities in contact, for areas and loads (n,) [mm^2]."""
+    closed = np.flatnonzero(area > 0.0)
+    radius = np.sqrt(area[closed] / math.pi)
+    matrix = _resistance(bound, conductor, closed, radius, load)
+    return np.asarray(np.linalg.solve(matrix, np.ones(closed.size)))
 
 
 def _resistance(

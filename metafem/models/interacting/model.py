@@ -23,6 +23,7 @@ from metafem.models.interacting.elastic import DENSE_LIMIT as DENSE_LIMIT
 from metafem.models.interacting.elastic import LATTICE_LIMIT as LATTICE_LIMIT
 from metafem.models.interacting.elastic import TOLERANCE as TOLERANCE
 from metafem.models.interacting.elastic import ElasticCoupling
+from metafem.models.interacting.quantities import Quantity, quantity_sensitivity
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
@@ -232,6 +233,16 @@ class Interacting:
         heights = surface.height if height is None else height
         refuse_parameter(self.contact.for_material(surface.material), by, surface)
         return self.bound(surface).sensitivity(heights, load, by)
+
+    def quantity_sensitivity(
+        self, surface: Surface, load: FloatArray, of: Quantity, height: FloatArray | None = None
+    ) -> Sensitivity:
+        """Return a sensitivity whose areas are the quantity `of` [mm], see `interacting.quantities`.
+
+        height: as in `sensitivity`.
+        """
+        bound = cast("ElasticCoupling", self.bound(surface))
+        return quantity_sensitivity(bound, of, surface.height if height is None else height, load)
 
     def conductance(self, surface: Surface, load: FloatArray, share: float = 1.0) -> FloatArray:
         """Return the rescaled conductance ``(rho_1 + rho_2) G/2`` [mm] at increasing rescaled loads, (k,).

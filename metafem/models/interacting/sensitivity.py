@@ -86,7 +86,7 @@ def general_gradients(
     """Return the result of `area_gradients` by a general solver, without a positive definite matrix."""
     gradients = np.zeros_like(indentation)
     state = empty_state(indentation.shape[1])
-    influences, each = _influences(field, order), np.broadcast_to(weights, state.z.shape)
+    influences, each = influences_of(field, order), np.broadcast_to(weights, state.z.shape)
     for row, z in enumerate(indentation):
         state.z[:] = z
         count = respond(field, order, law, self_term, state)
@@ -94,7 +94,7 @@ def general_gradients(
             continue
         spread(order, law, state)
         closed = state.closed[:count]
-        hessian, by_load = _system(influences, self_term, state, closed, each[closed])
+        hessian, by_load = contact_system(influences, self_term, state, closed, each[closed])
         _, _, found, failed = dgesv(hessian, np.column_stack([by_load, np.ones(count)]), overwrite_a=True)
         if failed:
             raise np.linalg.LinAlgError("the contact system of an equilibrium is singular")
@@ -104,7 +104,7 @@ def general_gradients(
     return gradients
 
 
-def _influences(field: Coupling, order: int) -> FloatArray:
+def influences_of(field: Coupling, order: int) -> FloatArray:
     """Return displacements at i per unit load of j, and for order 3 Laplacians and slopes, (m, n, n)."""
     if order == 1:
         return np.asarray(field.influence[None])
@@ -112,7 +112,7 @@ def _influences(field: Coupling, order: int) -> FloatArray:
     return np.stack([field.influence, *(matrix.T for matrix in at)])
 
 
-def _system(
+def contact_system(
     influences: FloatArray, self_term: FloatArray, state: State, closed: IntArray, each: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return d2W/dp2 [1/mm] and dA0/dp [-] for the asperities in contact.

@@ -53,11 +53,10 @@ def tangential_stiffness(surface: Surface, model: Model | None = None, *, load: 
     array([1.404, 1.769])
     """
     solver, loads = given(surface, model, load)
-    radius = [_radii(solver, surface, value).sum() for value in loads]
-    return np.asarray(8.0 * shear_modulus(surface.material) * np.array(radius))
+    return np.asarray(8.0 * shear_modulus(surface.material) * contact_radii(solver, surface, loads).sum(axis=1))
 
 
-def _radii(model: Model, surface: Surface, rescaled_load: float) -> FloatArray:
-    """Return the contact radii (n,) [mm] at a rescaled load [mm^2]."""
-    area = model.curve(surface, np.array([rescaled_load])).checked().last.area
-    return np.asarray(np.sqrt(area / np.pi))
+def contact_radii(model: Model, surface: Surface, rescaled_load: FloatArray) -> FloatArray:
+    """Return the contact radii [mm] at rescaled loads (k,) [mm^2], (k, n)."""
+    areas = [model.curve(surface, np.array([load])).checked().last.area for load in rescaled_load.tolist()]
+    return np.sqrt(np.reshape(areas, (len(rescaled_load), surface.count)) / np.pi)

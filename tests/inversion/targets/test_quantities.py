@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.inversion.quantity import Measured, measured
+from metafem.inversion.quantities.quantity import Measured, measured
 
 LOADS = np.linspace(0.02, 0.3, 12)
 QUANTITIES = ("stiffness", "tangential_stiffness", "conductance")

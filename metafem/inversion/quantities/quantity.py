@@ -22,6 +22,7 @@ from metafem.contact import Contact
 from metafem.contact.by_profile import MixedCaps
 from metafem.contact.law import Values
 from metafem.errors import InvalidInput, refuse_if
+from metafem.inversion.quantities.model import QuantityModel
 from metafem.material import Material
 from metafem.models import Model
 from metafem.models.model import contact_of, with_contact
@@ -59,18 +60,11 @@ def words(of: Of) -> str:
 def measured(model: Model, of: Of, surface: Surface) -> Model:
     """Return the model whose areas are the quantity of a surface.
 
-    Raise InvalidInput if it is no sum over the asperities, or if these differ in friction.
+    Raise InvalidInput if the quantity is not known under the model, or if the asperities differ in friction.
     """
     if of == FRICTION:
         return model
     surface.refuse_coatings(f"a target of the {words(of)}")
-    refuse_if(
-        not getattr(model, "adds", False),
-        f"a target of the {words(of)} needs the model independent: under the model {model.name} the "
-        f"{words(of)} is no sum over the asperities, and it has no sensitivities; predict it for the "
-        "finished design",
-        key="model",
-    )
     law = contact_of(model)
     refuse_if(
         law.largest_order == 1 and of == "stiffness",
@@ -82,7 +76,16 @@ def measured(model: Model, of: Of, surface: Surface) -> Model:
         f"a target of the {words(of)} needs contacts without adhesion; those of {law!r} jump",
         key="model",
     )
-    return with_contact(model, Measured(law, of))
+    contact = Measured(law, of)
+    if getattr(model, "adds", False) or (of == "tangential_stiffness" and not model.couples):
+        return with_contact(model, contact)
+    refuse_if(
+        of == "conductance" and not hasattr(model, "conductance"),
+        f"the model {model.name} has no conductance; use independent, mean-field, half-space, layer, "
+        "automatic or resolved",
+        key="model",
+    )
+    return QuantityModel(model, contact, of, contact.for_material(surface.material).factor)
 
 
 def measure(law: Contact) -> tuple[float, float]:

@@ -1,0 +1,1 @@
+"""Targets of quantities other than friction: stiffness, tangential stiffness and conductance."""
