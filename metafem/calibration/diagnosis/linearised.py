@@ -6,14 +6,15 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-from scipy.special import ndtr
 
 from metafem._validate import FloatArray, IntArray
 from metafem.calibration.diagnosis.causes import Causes, Made
 from metafem.calibration.diagnosis.sensitivities import Response, law_changes, response, with_adhesion
 from metafem.calibration.measured_law.law import MeasuredLaw
+from metafem.contact import Contact
 from metafem.models import Model
 from metafem.models.model import contact_of
 from metafem.surface import Friction
@@ -21,19 +22,18 @@ from metafem.surface import Friction
 # Step of central differences, over the prior standard deviation of an error or of a load.
 STEP = 0.03
 
-# Mean and standard deviation of the smallest indentation at which a contact is detected, over (2b)^2/R with
-# the error b of the boundary. A contact of radius a has the indentation a^2/R. It is found open if the error
-# of its area exceeds its area, which has the probability N(-a/2b).
-SEEN, SEEN_SD = 0.5, math.sqrt(1.25)
-
-# Smallest ratio of the standard deviation of an area to the largest area.
-SMALLEST = 1e-12
+# A contact of radius a is found open if the error of its area exceeds its area, which has the probability
+# N(-a/2b) with the error b of the boundary. The smallest contact radius that is detected is therefore 0 in
+# half of the cases, and 2b times the absolute value of a standard normal number in the other half: positive
+# nodes of this number and their weights, which are exact for paraboloids.
+NORMAL, WEIGHT = (half[16:] for half in np.polynomial.hermite_e.hermegauss(32))
+WEIGHT /= math.sqrt(2.0 * math.pi)
 
 # Largest change of an unknown, in prior standard deviations, up to which earlier differences are reused.
 NEAR = 0.05
 
-# The indentation of an overlooked area is computed up to this contact radius, over the radius of the summit.
-# The contact radius of a spherical cap cannot reach the radius of the cap.
+# The indentation of an overlooked area is computed up to this contact radius, over R and over the largest
+# contact radius of the cap. The contact radius of a spherical cap cannot reach the radius of the cap.
 WIDEST = 0.9
 
 # Smallest computed area, over the measured area, at which the error of the area is computed. It corresponds
@@ -168,7 +168,7 @@ class Scene:
     ) -> Linear:
         """Return the residuals of all measured values and the gaps of open contacts."""
         law, causes = self.measured, self.causes
-        total, by_total = _total(found.area, derivative, covariance)
+        total, by_total = _total(found, derivative, covariance)
         row, site, area, boundary = self.closed
         parts: list[tuple[FloatArray, FloatArray, FloatArray]] = []
         for name in self.totals:
@@ -200,7 +200,7 @@ class Scene:
         causes, (row, site, _) = self.causes, self.opened
         rate = found.area_rate[row, site]
         gradient = derivative[row, site] / rate[:, None]
-        if "radius" in causes.sd:  # the area of an open contact is pi R d; remove its derivative by R
+        if "radius" in causes.sd:  # the area of an open contact is r(R) d; remove its derivative by R
             own = found.area_by_radius[row, site] / rate
             gradient[np.arange(len(rate)), causes.where["radius"].start + site] -= causes.sd["radius"] * own
         least, resolution, *smallest = self._smallest(made)
@@ -216,42 +216,51 @@ class Scene:
 
         The other two values are the derivatives of this indentation with respect to log E* and log sqrt(w).
 
-        If the boundary error b limits the detection, the indentation is SEEN (2 b)^2/R. If a larger area may
-        be overlooked, the result is the indentation of that area, and its error 2 a b/R follows from the
-        error b of the contact radius a.
+        If the boundary error b limits the detection, both are the mean and the standard deviation of the
+        indentation at the smallest detectable contact radius. If a larger area may be overlooked, the result
+        is the indentation of that area, and its error D'(a) b follows from the error b of the contact radius
+        a.
         """
         _, site, overlooked = self.opened
         boundary = float(np.median(self.closed[-1])) if len(self.closed[-1]) else 0.0
-        radius, material = self.causes.surface.radius[site], made.surface.material
-        least = (2.0 * boundary) ** 2 / radius
+        part = self.causes.surface.replaced(material=made.surface.material)
         contact = with_adhesion(contact_of(self.model), made.factor["adhesion_root"])
+        summits, law = contact.summits(part)[site], contact.bound(part)
+        cap = law.without_adhesion
+        most = np.minimum(WIDEST * part.radius[site], WIDEST * _widest(cap, summits))
         size = np.sqrt(overlooked / math.pi)
-        size = np.where(size > 2.0 * boundary, np.minimum(size, WIDEST * radius), 0.0)
+        size = np.where(size > 2.0 * boundary, np.minimum(size, most), 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
-            depth = contact.for_material(material).indentation(size, radius)
+            depth, slope = law.indentation(size, summits), cap.profile_slope(size, summits)
+        least = cap.indentation(np.minimum(2.0 * boundary * NORMAL[:, None], most), summits)
+        mean = WEIGHT @ least
         # an adhesive contact has at least the area at zero indentation
         wide = np.where((size > 0.0) & (depth > 0.0), size, 0.0)
         return (
-            np.where(size > 0.0, np.maximum(depth, 0.0), SEEN * least),
-            np.where(size > 0.0, 2.0 * size * boundary / radius, SEEN_SD * least),
-            *(indentation for indentation, _ in law_changes(contact, material, wide, radius)),
+            np.where(size > 0.0, np.maximum(depth, 0.0), mean),
+            np.where(size > 0.0, slope * boundary, np.sqrt(WEIGHT @ least**2 - mean**2)),
+            *(indentation for indentation, _ in law_changes(contact, part, wide, summits)),
         )
 
 
-def _total(area: FloatArray, derivative: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _widest(cap: Contact, summits: Any) -> FloatArray:
+    """Return the largest contact radii [mm] that a cap describes; infinite if there is no limit."""
+    most = cap.largest_indentation(summits)
+    limited = np.isfinite(most)
+    return np.where(limited, cap.contact_radius(np.where(limited, most, 0.0), summits), math.inf)
+
+
+def _total(
+    found: Response, derivative: FloatArray, covariance: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Return the mean total areas (k,) and their derivatives (k, p) if z has this covariance.
 
-    If an area is normally distributed with the mean A and the standard deviation s, the mean of its positive
-    part is ``A N(u) + s n(u)`` with u = A/s. The derivative of this mean is N(u), so it has no kink where a
-    contact opens.
+    The mean area is smooth where a contact opens.
     """
     rows = derivative.reshape(-1, derivative.shape[-1])
-    variance = np.einsum("mp,mp->m", rows @ covariance, rows).reshape(area.shape)
-    sd = np.sqrt(np.maximum(variance, 0.0))
-    u = area / np.maximum(sd, SMALLEST * np.abs(area).max())
-    closed = ndtr(u)
-    mean = area * closed + sd * np.exp(-0.5 * u**2) / math.sqrt(2.0 * math.pi)
-    return mean.sum(axis=1), (closed[:, None, :] @ derivative)[:, 0]
+    variance = np.einsum("mp,mp->m", rows @ covariance, rows).reshape(found.area.shape)
+    mean, rate = found.mean_areas(np.sqrt(np.maximum(variance, 0.0)) / found.area_rate)
+    return mean.sum(axis=1), ((rate / found.area_rate)[:, None, :] @ derivative)[:, 0]
 
 
 def _ratio(

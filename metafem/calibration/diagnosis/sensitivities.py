@@ -14,21 +14,33 @@ from metafem.calibration.diagnosis.causes import Made
 from metafem.contact import Contact
 from metafem.models import Model
 from metafem.models.independent import load_equation
-from metafem.models.model import PARABOLOID, contact_of, with_contact
-from metafem.surface import Material, Surface
+from metafem.models.model import contact_of, with_contact
+from metafem.surface import Surface
 
 # Relative step of E*, sqrt(w) and radii in central differences of a contact law. The relative error of a
 # central difference is about the square of the step.
 STEP = 1e-4
 FACTORS = (1.0 - STEP, 1.0 + STEP)
 
+# Indentation over R up to which the rate of the latent area of an open contact is averaged: 0.5 um for the
+# paper's radius, the error of a height. The area of a cap other than a paraboloid has no finite rate at the
+# first touch, or the rate 0.
+TOUCH = 1e-3
+
+# Mean areas are integrals over indentations up to FAR standard deviations from their means, by Gauss-Legendre
+# quadrature in the square root of the indentation, in which the areas of power caps are smooth at the first
+# touch.
+FAR = 6.0
+NODE, WEIGHT = np.polynomial.legendre.leggauss(32)
+
 
 @dataclass(frozen=True, eq=False)
 class Response:
     """State of the n contacts of a surface at k rescaled loads; arrays are (k, n) unless stated otherwise.
 
-    An open contact has the negative area ``pi R d``, where -d is its gap, so that the area is differentiable
-    where the contact closes. For independent contacts
+    An open contact has the negative area ``r d``, where -d is its gap and r the mean of dA/dd after the first
+    touch: pi R for spheres, for which the area is differentiable where the contact closes. For independent
+    contacts
 
         dA_i = A'_i (dh_i - sum_j s_j dh_j + dq / sum_j p'_j),   s_j = p'_j / sum_j p'_j
 
@@ -47,6 +59,29 @@ class Response:
     # fixed contact radii, (2, k, n)
     by_modulus: FloatArray
     by_adhesion: FloatArray
+    law: Contact
+    summits: Any  # (n,), as the law takes them
+
+    def mean_areas(self, sd: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the means (k, n) of uncertain areas, and their derivatives by the mean indentations.
+
+        sd: standard deviations of the indentations (k, n) [mm], which are normally distributed. The
+        derivative of the mean of A(d) is the mean of ``A(d) (d - mean)/sd^2``.
+        """
+        closed = self.area > 0.0
+        mean, rate = np.maximum(self.area, 0.0), np.where(closed, self.area_rate, 0.0)
+        row, column = np.nonzero(np.abs(self.indentation) < FAR * sd)
+        middle, width = self.indentation[row, column, None], sd[row, column, None]
+        low, high = (np.sqrt(np.maximum(middle + side * width, 0.0)) for side in (-FAR, FAR))
+        summits = np.broadcast_to(self.summits, self.area.shape)[row, column, None]
+        high = np.minimum(high, np.sqrt(self.law.largest_indentation(summits)))
+        root = 0.5 * (low + high + (high - low) * NODE)
+        away = (root**2 - middle) / width
+        density = np.exp(-0.5 * away**2) / (math.sqrt(2.0 * math.pi) * width)
+        part = self.law.area(self.law.contact_radius(root**2, summits)) * density
+        part = part * root * (high - low) * WEIGHT
+        mean[row, column], rate[row, column] = part.sum(axis=1), (part * away / width).sum(axis=1)
+        return mean, rate
 
     def by_height(self, change: FloatArray) -> FloatArray:
         """Return the derivatives of the areas (k, n) if an error changes the heights by `change` (n,)."""
@@ -85,29 +120,28 @@ def response(model: Model, part: Made, load: FloatArray) -> Response:
     """Return the contacts at rescaled loads (k,) in any order; the derivatives neglect interaction."""
     surface = part.surface
     contact = with_adhesion(contact_of(model), part.factor["adhesion_root"])
-    law = contact.bound(surface)
-    radius = surface.radius
+    law, radius = contact.bound(surface), contact.summits(surface)
+    touching = touching_rate(contact, surface)
     if model.couples:
         size, indentation, carried = _states(with_contact(model, contact), surface, load)
     else:
         order = np.argsort(load, kind="stable")
-        size, indentation = np.empty((2, len(load), len(radius)))
+        size, indentation = np.empty((2, len(load), surface.count))
         size[order], indentation[order] = load_equation(law).contacts(surface.height, radius, load[order])
         carried = _where_closed(law.load, size, radius)
     closed = size > 0.0
+    if model.couples:  # the indentation of a contact of the same area without neighbours
+        indentation = np.where(closed, _where_closed(law.indentation, size, radius), indentation)
     stiffness = _where_closed(law.stiffness, size, radius)
-    rate = np.where(closed, _where_closed(law.area_slope, size, radius), math.pi * radius)
-    area = np.where(closed, law.area(size), math.pi * radius * np.minimum(indentation, 0.0))
+    rate = np.where(closed, _where_closed(law.area_slope, size, radius), touching)
+    area = np.where(closed, law.area(size), touching * np.minimum(indentation, 0.0))
     # If indentation and load change by x and y at a fixed contact radius, then the load changes by
-    # ``y - p' x`` and the area by ``-A' x`` at a fixed indentation. The negative area of an open contact is
-    # pi R d.
-    latent = math.pi * indentation
-    if law == PARABOLOID:
-        load_by_radius, area_by_radius = carried / (2.0 * radius), latent
-    else:
-        low, high = (_depth_and_load(law, size, factor * radius) for factor in FACTORS)
-        x, y = (high - low) / (2.0 * STEP * radius)
-        load_by_radius, area_by_radius = y - stiffness * x, np.where(closed, -rate * x, latent)
+    # ``y - p' x`` and the area by ``-A' x`` at a fixed indentation.
+    scaled = [factor * surface.radius for factor in FACTORS]
+    x, y = _by_radius(contact, surface, size, scaled)
+    less, more = (touching_rate(contact, surface, each) for each in scaled)
+    latent = indentation * (more - less) / (2.0 * STEP * surface.radius)
+    load_by_radius, area_by_radius = y - stiffness * x, np.where(closed, -rate * x, latent)
     total = stiffness.sum(axis=1)
     return Response(
         area,
@@ -117,17 +151,33 @@ def response(model: Model, part: Made, load: FloatArray) -> Response:
         total,
         load_by_radius,
         area_by_radius,
-        *law_changes(contact, surface.material, size, radius),
+        *law_changes(contact, surface, size, radius),
+        law,
+        radius,
     )
 
 
+def touching_rate(contact: Contact, surface: Surface, radius: FloatArray | None = None) -> FloatArray:
+    """Return the mean of dA/dd [mm] of all asperities up to a small indentation, without adhesion.
+
+    radius: R of the asperities (n,) [mm]; default: the surface's.
+    """
+    law, summits = contact.without_adhesion.bound(surface), contact.summits(surface, radius)
+    depth = np.minimum(TOUCH * surface.radius, law.largest_indentation(summits))
+    return np.asarray(law.area(law.contact_radius(depth, summits)) / depth)
+
+
 def law_changes(
-    contact: Contact, material: Material, size: FloatArray, radius: FloatArray
+    contact: Contact, surface: Surface, size: FloatArray, radius: Any
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the derivatives of indentation and load, (2, ...), by log E*, and by log sqrt(w)."""
+    """Return the derivatives of indentation and load, (2, ...), by log E*, and by log sqrt(w).
+
+    radius: the summits of the asperities with the contact radii `size`, as the bound law takes them.
+    """
+    material = surface.material
     moduli = (replace(material, composite_modulus=f * material.composite_modulus) for f in FACTORS)
-    by_modulus = [contact.for_material(each) for each in moduli]
-    by_adhesion = [with_adhesion(contact, factor).for_material(material) for factor in FACTORS]
+    by_modulus = [contact.bound(surface.replaced(material=each)) for each in moduli]
+    by_adhesion = [with_adhesion(contact, factor).bound(surface) for factor in FACTORS]
     low, high = (_depth_and_load(law, size, radius) for law in by_modulus)
     less, more = (_depth_and_load(law, size, radius) for law in by_adhesion)
     # the derivatives are 0 for laws that do not depend on E* or w
@@ -142,12 +192,26 @@ def with_adhesion(contact: Contact, root: float) -> Contact:
     return cast("Contact", replace(adhesive, adhesion_energy=root**2 * adhesive.adhesion_energy))
 
 
-def _depth_and_load(law: Contact, size: FloatArray, radius: FloatArray) -> FloatArray:
+def _by_radius(contact: Contact, surface: Surface, size: FloatArray, scaled: list[FloatArray]) -> FloatArray:
+    """Return the derivatives of indentation and load by R at fixed contact radii, (2, k, n).
+
+    scaled: the radii times FACTORS, for laws that state no derivatives.
+    """
+    shaped = contact.without_adhesion.for_material(surface.material)
+    if "radius" in shaped.shape_parameters(surface.cap):
+        rates = shaped.shape_rates("radius", np.where(size > 0.0, size, STEP * surface.radius), surface)
+        return np.where(size > 0.0, (rates.indentation, rates.load), 0.0)
+    law = contact.bound(surface)
+    low, high = (_depth_and_load(law, size, contact.summits(surface, each)) for each in scaled)
+    return np.asarray((high - low) / (2.0 * STEP * surface.radius))
+
+
+def _depth_and_load(law: Contact, size: FloatArray, radius: Any) -> FloatArray:
     """Return indentation and load at contact radii, (2, ...); 0 where the contact is open."""
     return np.array([_where_closed(of, size, radius) for of in (law.indentation, law.load)])
 
 
-def _where_closed(value: Callable[..., Any], size: FloatArray, radius: FloatArray) -> FloatArray:
+def _where_closed(value: Callable[..., Any], size: FloatArray, radius: Any) -> FloatArray:
     """Return a quantity of a contact law at contact radii; 0 where the contact is open."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(size > 0.0, value(size, radius), 0.0)

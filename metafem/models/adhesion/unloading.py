@@ -28,6 +28,10 @@ LOCATED = 1e-7
 COARSE = 1e-3
 
 
+class _Unconnected(Exception):
+    """No branch connects two states."""
+
+
 class Unloading(Loading):
     """The unloading path of one surface, from its state under the largest load."""
 
@@ -77,7 +81,9 @@ class Unloading(Loading):
         while True:
             new = self._at_radius(state, i, state.a[i] * (1.0 - step))
             if new is not None and self._within(state, new, i):
-                break
+                end = new if new.holds or new.entering.size else self._end(state, new, i, goal)
+                if end is not None:
+                    break
             step *= 0.5
             if step < LEAST_STEP:
                 self._leave(state, goal)
@@ -85,16 +91,12 @@ class Unloading(Loading):
         if new.entering.size:
             self._enter_back(state, new, goal)
             return
-        end = new
-        if not new.holds:
-            value = _turning(i) if state.rate[i] * new.rate[i] < 0.0 else _holding
-            end = self._search(state, new, i, value, COARSE if goal.by_load else LOCATED)
-            if goal.by_load and end.stiffness > 0.0:  # the minimum of the load is closer to the end
-                end = self._search(end, new, i, value, LOCATED)
         if goal.by_load and state.stiffness > 0.0:
             if end.stiffness <= 0.0 or not new.holds:
                 rises = end.stiffness <= 0.0
                 lowest = self._search(state, end, i, lambda s: s.stiffness, LOCATED) if rises else end
+                if lowest is None:
+                    raise NotConverged("the adhesive contacts cannot be followed to the lowest load")
                 if lowest.load > goal.value:
                     if lowest.load < self.extreme:
                         self.extreme = lowest.load
@@ -115,6 +117,19 @@ class Unloading(Loading):
         if not new.holds and end is not new:
             self._leave(end, goal)
 
+    def _end(self, state: State, new: State, i: int, goal: Goal) -> State | None:
+        """Return the end of the branch before `new`, which is unstable; None if no branch connects them.
+
+        If two contacts near the ends of their branches shrink together, the contact that shrinks fastest may
+        change between the states. `new` then lies on a branch that the path does not reach: on the path, the
+        radius of contact i grows again.
+        """
+        value = _turning(i) if state.rate[i] * new.rate[i] < 0.0 else _holding
+        end = self._search(state, new, i, value, COARSE if goal.by_load else LOCATED)
+        if end is not None and goal.by_load and end.stiffness > 0.0:  # the lowest load is closer to the end
+            end = self._search(end, new, i, value, LOCATED)
+        return end
+
     def _within(self, state: State, new: State, i: int) -> bool:
         """Return whether no contact radius changes by more than twice the relative change of contact i."""
         change = np.abs(new.a / state.a - 1.0)
@@ -129,8 +144,11 @@ class Unloading(Loading):
 
     def _search(
         self, state: State, new: State, i: int, value: Callable[[State], float], part: float
-    ) -> State:
-        """Return the last state before `value` changes sign; part: tolerance over the radius of contact i."""
+    ) -> State | None:
+        """Return the last state before `value` changes sign, or None if the states are not connected.
+
+        part: tolerance over the radius of contact i.
+        """
         width = state.a[i] - new.a[i]
 
         def at(radius: float) -> State:
@@ -140,16 +158,19 @@ class Unloading(Loading):
                 # if the states are far apart, begin at the nearer one, then at the other
                 found = found or self._at_radius(start, i, radius)
             if found is None:
-                raise NotConverged("the adhesive contacts cannot be followed to the end of a branch")
+                raise _Unconnected
             return found
 
         near = part * float(state.a[i])
         ends = float(new.a[i]), float(state.a[i])
-        if (value(at(ends[0])) > 0.0) == (value(at(ends[1])) > 0.0):
-            return state
-        root = brentq(lambda radius: value(at(radius)), *ends, xtol=near, maxiter=MOST_SEARCHES)
-        before = root + 2.0 * near
-        return state if before >= state.a[i] else at(before)
+        try:
+            if (value(at(ends[0])) > 0.0) == (value(at(ends[1])) > 0.0):
+                return state
+            root = brentq(lambda radius: value(at(radius)), *ends, xtol=near, maxiter=MOST_SEARCHES)
+            before = root + 2.0 * near
+            return state if before >= state.a[i] else at(before)
+        except _Unconnected:
+            return None
 
     def _between(self, state: State, end: State, goal: Goal) -> State:
         """Return the state at a goal that lies between two states."""

@@ -37,6 +37,57 @@ def test_a_scaled_part_is_recognised_as_scaled():
     assert abs(found["height_scale"].mean - 0.05) < 3.0 * found["height_scale"].sd
 
 
+KINDS = {
+    "steep": mf.Power(4, 2.0),
+    "blunt": mf.Power(1.5),
+    "mixed": [[mf.Power(1.6), mf.Power(3, 2.0), mf.Sphere(), mf.Power(2.5)][i % 4] for i in range(PART.count)],
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_causes_are_found_whatever_the_caps(kind):
+    part = PART.replaced(cap=KINDS[kind])
+    made = part.replaced(height=1.04 * part.height).tilted(math.radians(0.08), 0.0)
+    truth = {"angle_x": math.radians(0.08), "height_scale": 0.04, "composite_modulus": 0.05, "friction": -0.03}
+    law = measured(
+        made, rng=np.random.default_rng(9), stiffer=1.05, friction=0.97, model=mf.Independent(mf.Elastic())
+    )
+    # the law of the caps is that of their profiles by default
+    found = explain(replace(law, material=part.material), part.replaced(block=None))
+    assert found.model == mf.Independent(mf.Elastic())
+    for name, value in truth.items():
+        assert abs(found[name].mean - value) < 3.0 * found[name].sd
+    assert found["angle_x"].sd < 0.2 * found["angle_x"].prior_sd
+    assert found.verdict.fits
+    assert not found.notes
+
+
+def test_one_asperity_of_mixed_caps_that_is_too_low_is_found():
+    part = PART.replaced(cap=KINDS["mixed"], block=None)
+    height = part.height.copy()
+    site = int(height.argmax())
+    height[site] -= 0.015
+    law = measured(
+        part.replaced(height=height), rng=np.random.default_rng(3), model=mf.Independent(mf.Elastic())
+    )
+    found = explain(law, part)
+    assert found.outliers.tolist() == [site]
+    assert abs(found.single["height"].mean[site] + 0.015) < 3.0 * found.single["height"].sd[site]
+
+
+def test_friction_over_load_alone_converges_where_areas_of_steep_caps_open():
+    # the area of such a cap has an infinite slope where it opens
+    part = PART.replaced(cap=KINDS["steep"], block=None)
+    elastic = mf.Independent(mf.Elastic())
+    for seed in range(4):
+        made = part.tilted(1e-3, -1e-3)
+        law = measured(made, rng=np.random.default_rng(seed), areas=False, model=elastic)
+        found = explain(law, part, COMMON)
+        assert not found.notes
+        for name, value in (("angle_x", 1e-3), ("angle_y", -1e-3)):
+            assert abs(found[name].mean - value) < 3.0 * found[name].sd
+
+
 def test_an_adhesive_part_is_explained_with_the_contact_law_of_its_design():
     adhesive = mf.Independent(contact=mf.JKR(9e-6))
     law = measured(PART.replaced(height=1.03 * PART.height), rng=np.random.default_rng(4), model=adhesive)

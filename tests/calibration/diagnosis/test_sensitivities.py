@@ -16,12 +16,19 @@ from tests.calibration.diagnosis.scenes import COMMON, NOTHING, design, measured
 PART = design((3, 3))
 
 
-def scene(model: mf.Model, priors: Priors, areas: bool = True) -> Scene:
+# Power caps have derivatives of the areas by the radius, profiles do not.
+MIXED = PART.replaced(
+    cap=[mf.Power(1.6), mf.Power(3, 2.0), mf.Sphere(), mf.Profile(lambda rho: rho**2.5, extent=0.5)] * 2
+    + [mf.Paraboloid()]
+)
+
+
+def scene(model: mf.Model, priors: Priors, areas: bool = True, part: mf.Surface = PART) -> Scene:
     """Return the part with its measured values without noise."""
-    law = measured(PART, areas=areas)
+    law = measured(part, areas=areas, model=None if part is PART else model)
     adhesive = contact_of(model).adhesive
-    causes = Causes.of(PART, law.load, law.load_sd, priors, True, adhesive)
-    return Scene(model, causes, law, PART.friction)
+    causes = Causes.of(part, law.load, law.load_sd, priors, True, adhesive)
+    return Scene(model, causes, law, part.friction)
 
 
 def exact(surface: mf.Surface) -> Made:
@@ -36,11 +43,14 @@ def computed(scene: Scene, z: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    "contact", [mf.Hertz(), mf.SphericalCap(), mf.JKR(9e-6), mf.KogutEtsion(0.8)], ids=repr
+    ("contact", "part"),
+    [(mf.Hertz(), PART), (mf.SphericalCap(), PART), (mf.JKR(9e-6), PART), (mf.KogutEtsion(0.8), PART)]
+    + [(mf.Elastic(), MIXED), (mf.JKR(9e-6, mf.Elastic()), MIXED)],
+    ids=["Hertz", "spheres", "JKR", "Kogut-Etsion", "mixed caps", "adhesive mixed caps"],
 )
 @pytest.mark.parametrize("areas", [True, False])
-def test_derivatives_of_independent_contacts_are_exact(contact, areas):
-    one = scene(mf.Independent(contact=contact), Priors(position_sd=5e-3), areas)
+def test_derivatives_of_independent_contacts_are_exact(contact, part, areas):
+    one = scene(mf.Independent(contact=contact), Priors(position_sd=5e-3), areas, part)
     z = 0.3 * np.random.default_rng(0).standard_normal(one.causes.size)
     at = one.linear(z, np.zeros((len(z), len(z))))
     gradient = np.concatenate([at.gradient * at.sd[:, None], at.indentation_gradient])

@@ -61,6 +61,26 @@ def test_one_among_many_stiff_contacts_jumps(unloading):
     assert len(jumps) == 5 + (not unloading)
 
 
+def test_two_contacts_that_break_together_are_followed():
+    """Asperities 10 and 36 reach the ends of their branches together; the first to break changes near them."""
+    height = 0.1 + 0.003 * np.random.default_rng(12).random(64)
+    found = []
+    for lower in (0.0, 1e-5, -1e-5):
+        height_of = height - np.where(np.arange(64) == 36, lower, 0.0)
+        surface = mf.Surface.square_lattice(height_of, radius=0.526, material=mf.Material(1.36))
+        coupling, regular = coupling_between(surface, mf.HalfSpace(), 3)
+        law = mf.JKR(ENERGY).for_material(surface.material)
+        asperities = Scene(law, surface.radius, surface.gap, coupling, regular)
+        found.append(follow(asperities, np.array([2.2e-3, 0.07]), True, True, 1.0))
+    # heights that differ by 10 nm separate the two breaks; afterwards all states are the same
+    assert [len(path.jumps) for path in found] == [1, 2, 2]
+    for path in found:
+        state = path.states[0]
+        assert set(range(64)) - set(state.closed.tolist()) == {10, 36}
+        assert state.stable
+        assert state.area == pytest.approx(found[0].states[0].area, rel=1e-11)
+
+
 @pytest.mark.parametrize("unloading", [False, True])
 def test_states_are_stable(unloading):
     """The second variation of the potential by contact radii and approach, order 1, is positive."""
