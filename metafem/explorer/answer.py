@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -9,11 +10,22 @@ from dataclasses import dataclass, field, replace
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput, MetafemError, refuse_if
 from metafem.explorer.session import State
+from metafem.explorer.text.names import on_page
 from metafem.files import Specification, parsed, section_forms
-from metafem.inversion import Design, OperatingPoints, SampledLaw
+from metafem.inversion import Design, LinearLaw, OperatingPoints, SampledLaw
+from metafem.inversion.feasibility import bounds_of
 from metafem.inversion.quantity import FRICTION
+from metafem.inversion.strategies.proportional import line_range
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import Wording
+from metafem.inversion.tools.kit import chosen
+from metafem.models.model import contact_of
+
+# Number of bisections for the steepest line, and the parts of the bound of its slope that are tried.
+BISECTIONS, SHARES = 30, (0.995, 0.985, 0.97, 0.94, 0.9)
+
+# The entry of a list behind its key, or nothing.
+ENTRY = re.compile(r"(?:\[(\d+)\](?:\[\d+\])*)?")
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +44,7 @@ class Answer:
     problems : mapping of str to str
         Error messages by key of the specification; the key "" is for the whole file.
     reasons : mapping of str to str
-        The same messages by key, without key and value, for fields of the page that already show both.
+        The same messages by key in the words of the page, without key and value, which the field shows.
     refusal : str
         Why no surface reaches the target; "" if a surface does.
     nearest : tuple of ndarray or None
@@ -70,8 +82,8 @@ class Answer:
 
     @property
     def refused(self) -> str:
-        """Why this state has no design, in words; "" if it has one."""
-        return self.refusal or "\n".join(self.problems.values())
+        """Why this state has no design, in the words of the page; "" if it has one."""
+        return self.refusal or on_page("\n".join(self.problems.values()))
 
 
 def answered(state: State, number: int, before: Answer | None = None, draft: bool = False) -> Answer:
@@ -94,11 +106,17 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
     except InvalidInput as error:
         problems, reasons = _problems(error)
     except Infeasible as error:
-        refusal = str(error) if specification is None else _in_units_of(state, specification, error)
+        refusal = on_page(str(error) if specification is None else _in_units_of(state, specification, error))
         undecided = draft and error.by_search
-        if specification is not None and error.nearest is not None:
+        if error.nearest is not None:
             nearest_target = error.nearest
-            nearest = _law_of(specification, error.nearest, draft)
+        if specification is not None and not draft:
+            largest = _largest_slope(specification)
+            if largest is not None:
+                nearest_target = largest
+                refusal += f". The largest over these loads is {largest.wording.slopes(largest.slope)}"
+        if specification is not None and nearest_target is not None:
+            nearest = _law_of(specification, nearest_target, draft)
     except MetafemError as error:
         problems[""], failed, undecided = str(error), True, draft
     elapsed = 1e3 * (time.perf_counter() - start)
@@ -156,11 +174,47 @@ def _known(key: str) -> str:
 
 
 def _reason(key: str, problems: Sequence[InvalidInput]) -> str:
-    """Return the problem of a key as a sentence without the name and value of the key."""
-    if len(problems) > 1 or "." not in key or key != problems[0].key:
-        return "\n".join(map(str, problems))
-    words = problems[0].must
+    """Return the problems of a key in the words of the page, without the name and value of its field."""
+    if "." not in key:
+        return on_page("\n".join(map(str, problems)))
+    return on_page("\n".join(_sentence(key, problem) for problem in problems))
+
+
+def _sentence(key: str, problem: InvalidInput) -> str:
+    """Return a problem as a sentence; without the key if its field shows it, and with the entry of a list."""
+    words, place = problem.must, ENTRY.fullmatch(problem.key.removeprefix(key))
+    if words.startswith("and ") or place is None:
+        return f"{problem}."
+    if place[1]:
+        value = "" if problem.value is None else f" = {problem.value}"
+        words = f"entry {int(place[1]) + 1}{value} {words}"
     return f"{words[:1].upper()}{words[1:]}."
+
+
+def _largest_slope(specification: Specification) -> LinearLaw | None:
+    """Return the steepest line over the loads of a refused line that is too steep, or None."""
+    target, template, contact = specification.target, specification.template, contact_of(specification.model)
+    if not isinstance(target, LinearLaw) or target.load_range is None:
+        return None
+    (first, last), bounds = target.load_range, bounds_of(*chosen(specification.tools, template), contact, 0.0)
+    low, high = 0.0, target.slope
+    for _ in range(BISECTIONS):
+        slope = 0.5 * (low + high)
+        if line_range(replace(target, slope=slope), bounds)[1] < last:
+            high = slope
+        else:
+            low = slope
+    for share in SHARES:
+        coefficient = float(f"{share * target.wording.coefficient(low):.3g}")
+        line = replace(target, slope=target.wording.slope(coefficient))
+        if line.slope >= target.slope or line_range(line, bounds)[0] > first:
+            return None
+        try:
+            replace(specification, target=line).design(draft=True)
+        except MetafemError:
+            continue
+        return line
+    return None
 
 
 def _law_of(

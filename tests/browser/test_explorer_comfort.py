@@ -40,7 +40,7 @@ def test_a_surface_that_cannot_be_made_is_told_beside_its_law_and_at_its_files(v
     page.locator(".bar .chip.part").wait_for()
     assert page.locator(".bar .chip").all_inner_texts()[1:] == ["no part can be made"]
     page.get_by_role("tab", name="Take it").click()
-    page.get_by_text("No part can be made: asperity ").last.wait_for()
+    page.get_by_text("No part can be made: the asperity at x = ").last.wait_for()
     enabled = {
         name: page.get_by_role("button", name=name).is_enabled()
         for name in ("mould.csv", "block.stl", "surface.zip", "heights.csv", "spec.toml")

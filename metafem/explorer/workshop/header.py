@@ -43,7 +43,7 @@ async def choose(page: Page, model: str) -> None:
     try:
         await page.make(lambda state: with_field(state.text, "model.kind", model))
     except InvalidInput as error:
-        ui.notify(str(error), type="warning")
+        page.say(str(error))
 
 
 async def begin(page: Page, name: str) -> None:

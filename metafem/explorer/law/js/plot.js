@@ -6,14 +6,22 @@ import { drawLegend } from "./legend.js";
 import { Picture } from "./picture.js";
 import { Refusal } from "./refusal.js";
 import { Requests } from "./requests.js";
+import { remember } from "metafem-workshop/remember.js";
 import { made } from "./svg.js";
 import { Tools } from "./tools.js";
 import { MARGIN, View } from "./view.js";
 
 // Pixels that a pointer may move during a click.
 const STILL = 4;
+// A point that is added so near to the achieved law [pixels] is on it.
+const SNAP = 8;
 // Two taps are one double tap within these milliseconds and pixels, the width of a finger.
 const TWICE = { time: 500, far: 40 };
+
+// What the browser keeps of a drag that the server did not take.
+const UNSENT = "metafem-unsent";
+// Milliseconds after which a page that is connected again is not loaded anew.
+const SAME = 1000;
 
 // Where a point is after the one that carries it has moved: by factors for along, across (y for a move in x) and up.
 const shifted = (x, y, by, [along, across, up]) => [x + along * by.x, y + across * by.x + up * by.y];
@@ -42,8 +50,26 @@ export class Plot {
     this.observer.observe(this.stage);
   }
 
+  // A drag that a lost connection ends is made when the server answers again, also on a page that was loaded anew.
+  lose() {
+    const place = this.hand.park();
+    if (!place) return;
+    remember(UNSENT, JSON.stringify(place), sessionStorage);
+    this.say("The server has not taken this move; it is made when the connection is back.", true);
+  }
+
+  resume() {
+    const place = sessionStorage.getItem(UNSENT);
+    sessionStorage.removeItem(UNSENT);
+    if (place) this.hand.put(JSON.parse(place));
+  }
+
   listen() {
     const { svg } = this;
+    queueMicrotask(() => { // the socket is made when all elements are mounted
+      window.socket.on("disconnect", () => this.lose());
+      window.socket.on("connect", () => { this.resuming = setTimeout(() => this.resume(), SAME); });
+    });
     svg.addEventListener("pointerdown", (event) => { this.pressed = this.pointOf(event); });
     svg.addEventListener("pointermove", (event) => {
       this.cursor.over = this.pointOf(event);
@@ -101,8 +127,9 @@ export class Plot {
 
   add(at) {
     if (!at || at.x <= MARGIN.left || at.y >= this.view.bottom) return;
-    this.changing = { count: this.hand.handles.length, at };
-    this.emit("add", { x: this.view.roundedX(this.view.atX(at.x)), y: this.view.roundedY(this.view.atY(at.y)) });
+    this.changing = { count: this.hand.handles.length, at, marked: this.data.marked };
+    const { view } = this;
+    this.emit("add", { x: view.roundedX(view.atX(at.x)), y: view.roundedY(view.atY(at.y)), near: (SNAP * view.y) / view.tall });
   }
 
   remove(id) {
@@ -121,7 +148,8 @@ export class Plot {
     const { handles } = hand;
     const next = more > 0 ? hand.nearest(changing.at) : handles[Math.min(changing.row, handles.length - 1)];
     hand.focus(next);
-    if (more > 0) this.say(`Added ${hand.words(next)}.`, false, next.id);
+    const curve = changing.marked && !this.data.marked ? " From five points on, the law is a curve that is approximated." : "";
+    if (more > 0) this.say(`Added ${hand.words(next)}.${curve}`, false, next.id);
     else this.say("Point removed.");
   }
 
@@ -157,6 +185,7 @@ export class Plot {
     this.drawLegend();
     this.paint();
     this.changed();
+    if (this.root.dataset.answered === "0") this.resume();
     this.root.dataset.answered = data.number;
   }
 
