@@ -13,16 +13,11 @@ from metafem.explorer.session import State
 from metafem.explorer.text.names import on_page
 from metafem.files import Specification, parsed, section_forms
 from metafem.inversion import Design, LinearLaw, OperatingPoints, SampledLaw
-from metafem.inversion.feasibility import bounds_of
 from metafem.inversion.quantity import FRICTION
-from metafem.inversion.strategies.proportional import line_range
+from metafem.inversion.strategies.proportional import steepest_line
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import Wording
-from metafem.inversion.tools.kit import chosen
 from metafem.models.model import contact_of
-
-# Number of bisections for the steepest line, and the parts of the bound of its slope that are tried.
-BISECTIONS, SHARES = 30, (0.995, 0.985, 0.97, 0.94, 0.9)
 
 # The entry of a list behind its key, or nothing.
 ENTRY = re.compile(r"(?:\[(\d+)\](?:\[\d+\])*)?")
@@ -108,13 +103,12 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
     except Infeasible as error:
         refusal = on_page(str(error) if specification is None else _in_units_of(state, specification, error))
         undecided = draft and error.by_search
-        if error.nearest is not None:
-            nearest_target = error.nearest
+        nearest_target = error.nearest
         if specification is not None and not draft:
-            largest = _largest_slope(specification)
-            if largest is not None:
-                nearest_target = largest
-                refusal += f". The largest over these loads is {largest.wording.slopes(largest.slope)}"
+            nearest_target = _steepest(specification) or error.nearest
+        if nearest_target is not error.nearest:
+            words = nearest_target.wording.slopes(nearest_target.slope)
+            refusal += f". The largest over these loads is {words}"
         if specification is not None and nearest_target is not None:
             nearest = _law_of(specification, nearest_target, draft)
     except MetafemError as error:
@@ -191,30 +185,12 @@ def _sentence(key: str, problem: InvalidInput) -> str:
     return f"{words[:1].upper()}{words[1:]}."
 
 
-def _largest_slope(specification: Specification) -> LinearLaw | None:
-    """Return the steepest line over the loads of a refused line that is too steep, or None."""
-    target, template, contact = specification.target, specification.template, contact_of(specification.model)
+def _steepest(specification: Specification) -> LinearLaw | None:
+    """Return the steepest line over the load range of a refused line that is too steep, otherwise None."""
+    target, limits, tools = specification.target, specification.limits, specification.tools
     if not isinstance(target, LinearLaw) or target.load_range is None:
         return None
-    (first, last), bounds = target.load_range, bounds_of(*chosen(specification.tools, template), contact, 0.0)
-    low, high = 0.0, target.slope
-    for _ in range(BISECTIONS):
-        slope = 0.5 * (low + high)
-        if line_range(replace(target, slope=slope), bounds)[1] < last:
-            high = slope
-        else:
-            low = slope
-    for share in SHARES:
-        coefficient = float(f"{share * target.wording.coefficient(low):.3g}")
-        line = replace(target, slope=target.wording.slope(coefficient))
-        if line.slope >= target.slope or line_range(line, bounds)[0] > first:
-            return None
-        try:
-            replace(specification, target=line).design(draft=True)
-        except MetafemError:
-            continue
-        return line
-    return None
+    return steepest_line(target, specification.template, limits, tools, contact_of(specification.model))
 
 
 def _law_of(

@@ -148,6 +148,13 @@ class Page:
         """Go back to the state before the current one."""
         await self.turns.take(nothing, lambda _: self._moved(self.session.undo))
 
+    def stop(self) -> None:
+        """End the computations of the page, and go back to the last state whose answer is shown."""
+        self.turns.asked += 1
+        while not self.state.designs_the_same(self.answer.state) and self.session.undo():
+            pass
+        self._ask(self.state, True)
+
     async def redo(self) -> None:
         """Go forward to the state that was undone last."""
         await self.turns.take(nothing, lambda _: self._moved(self.session.redo))

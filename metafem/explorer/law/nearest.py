@@ -14,6 +14,7 @@ from metafem.explorer.answer import Answer, answered
 from metafem.explorer.law.kinds import points
 from metafem.explorer.law.shown import Units
 from metafem.explorer.text.document import Document
+from metafem.explorer.text.handles import added
 from metafem.explorer.text.kinds import near_design
 from metafem.explorer.text.written import stated
 from metafem.files import Specification
@@ -68,6 +69,20 @@ def reachable(answer: Answer) -> str:
     if answer.design is None or answer.specification is None:
         raise InvalidInput("no law is known that can be designed")
     return near_design(Document(state.text), answer.specification, answer.design)
+
+
+def with_point(answer: Answer, load: float, friction: float, near: float) -> str:
+    """Return the text of an answer with one more point of the target at a rescaled load and friction [mm^2].
+
+    If the friction differs by at most `near` from that of the achieved law, the point is on it; if no surface
+    passes through all points then, they become a curve that is approximated.
+    """
+    text, specification = answer.state.text, answer.specification
+    free = added(text, specification, load, friction)
+    found = added(text, specification, load, friction, design=answer.design, near=near)
+    if found != free and answered(replace(answer.state, text=found), answer.number, draft=True).refused:
+        return Document(found).with_value("target.kind", "sampled")
+    return found
 
 
 def with_nearest(answer: Answer) -> str:

@@ -17,12 +17,12 @@ from metafem.explorer.law.beside import Beside
 from metafem.explorer.law.dropped import Measured, as_target, read_points
 from metafem.explorer.law.law_data import band_data, law_data
 from metafem.explorer.law.law_plot import LawPlot
-from metafem.explorer.law.nearest import reachable, with_nearest
+from metafem.explorer.law.nearest import reachable, with_nearest, with_point
 from metafem.explorer.law.reach import Reach
 from metafem.explorer.law.shown import Units
 from metafem.explorer.law.tools import block_data, tools_data
 from metafem.explorer.session import State
-from metafem.explorer.text.handles import added, moved, removed
+from metafem.explorer.text.handles import moved, removed
 from metafem.explorer.text.names import on_page
 from metafem.files import Specification
 from metafem.inversion import Design
@@ -146,11 +146,12 @@ class LawPanel:
         """Add a point; close to the achieved law it is on this law."""
         place, near = self._place(event), self._units().rescaled(0.0, float(event.get("near", 0.0)))[1]
 
-        def with_point(state: State) -> str:
-            text, specification, design = self._base(state)
-            return added(text, specification, *place, design=design, near=near)
+        def drawn(state: State) -> str:
+            _, specification, design = self._base(state)
+            answer = Answer(self.page.number, state, specification, design)
+            return with_point(answer, *place, near)
 
-        await self.page.make(with_point)
+        await self.page.make(drawn)
 
     @telling
     async def on_remove(self, event: Event) -> None:

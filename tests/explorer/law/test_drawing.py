@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from metafem.explorer.answer import answered
-from metafem.explorer.law.nearest import reachable
+from metafem.explorer.law.nearest import reachable, with_point
 from metafem.explorer.session import State
 from metafem.explorer.text.handles import added, handles, moved, removed
 from metafem.files import demo_text
@@ -39,13 +39,13 @@ class Drawing:
         return float(self.rng.uniform(0.01, 0.9)), float(self.rng.uniform(0.05, 6.0))
 
     def add(self):
-        text, specification, design = self.base
+        design = self.shown.design
         load, friction = self.place()
         if self.rng.random() < 0.6:
             law = design.law
             friction = float(np.interp(load, law.rescaled_load, law.rescaled_friction))
             friction *= 1.0 + self.rng.normal(0.0, 0.01)
-        self.commit(added(text, specification, load, friction, design=design, near=NEAR))
+        self.commit(with_point(self.shown, load, friction, NEAR))
 
     def drag(self, reach):
         """Drag a handle to a place at a relative distance, as the pointer and the plot do."""
@@ -110,11 +110,10 @@ def test_ten_points_on_the_achieved_law_are_never_refused():
     rng = np.random.default_rng(1)
     drawing = Drawing(demo_text("operating-points"), 1)
     for count in range(4, 14):
-        text, specification, design = drawing.base
+        design = drawing.shown.design
         load = float(rng.uniform(0.02, 0.7))
         friction = float(np.interp(load, design.law.rescaled_load, design.law.rescaled_friction))
         off = rng.uniform(-0.9, 0.9) * NEAR
-        drawing.commit(added(text, specification, load, friction + off, design=design, near=NEAR))
+        drawing.commit(with_point(drawing.shown, load, friction + off, NEAR))
         assert drawing.shown.current, (count, drawing.shown.refused)
-        kind = "sampled" if count >= 5 else "operating-points"
-        assert f'kind = "{kind}"' in drawing.states[-1]
+        assert count < 5 or 'kind = "sampled"' in drawing.states[-1]

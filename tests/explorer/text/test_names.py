@@ -14,7 +14,7 @@ from metafem.files import demo_text, section_forms
 TEXTS = [demo_text(name) for name in ("operating-points", "linear", "bilinear")]
 
 # A key of a specification, its index, or quotation marks and brackets of its notation.
-CODE = re.compile(r"[a-z]_[a-z]|\b[a-z]+\.[a-z]|\[[a-z0-9]|for example (\"|'|\[)")
+CODE = re.compile(r"[a-z]{2,}_[a-z]|\b[a-z]+\.[a-z]|\[[a-z0-9]|for example (\"|'|\[)")
 
 WRONG = ("-1", "12 12", ".8", "abc", "1e9 mm", "100 um", "0 mm", "5 N", "0.1, 0.2", "[", "300 um; 2 um")
 

@@ -18,6 +18,8 @@ const SNAP = 8;
 // Two taps are one double tap within these milliseconds and pixels, the width of a finger.
 const TWICE = { time: 500, far: 40 };
 
+// What the line below the plot says at the first visit.
+const [HINT, WELCOME] = ["metafem-hint", "Drag the points of the target law: the heights follow. The tab “Take it” has the mould table. Help lists gestures and keys."];
 // What the browser keeps of a drag that the server did not take.
 const UNSENT = "metafem-unsent";
 // Milliseconds after which a page that is connected again is not loaded anew.
@@ -46,6 +48,8 @@ export class Plot {
     for (const button of root.querySelectorAll(".law-use")) button.addEventListener("click", () => this.use());
     find("law-drop").addEventListener("click", () => this.remove(this.pointed));
     this.listen();
+    if (!localStorage.getItem(HINT)) this.say(WELCOME);
+    remember(HINT, "seen");
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.stage);
   }
@@ -148,7 +152,7 @@ export class Plot {
     const { handles } = hand;
     const next = more > 0 ? hand.nearest(changing.at) : handles[Math.min(changing.row, handles.length - 1)];
     hand.focus(next);
-    const curve = changing.marked && !this.data.marked ? " From five points on, the law is a curve that is approximated." : "";
+    const curve = changing.marked && !this.data.marked ? " The law is now a curve that is approximated." : "";
     if (more > 0) this.say(`Added ${hand.words(next)}.${curve}`, false, next.id);
     else this.say("Point removed.");
   }
@@ -177,7 +181,7 @@ export class Plot {
     if (!unknown || !this.hand.held) this.hand.take(handles);
     this.carry();
     if (ended) this.hand.tell(ended); // a slope is known with its answer
-    else if (!this.hand.held && this.said !== data.state) this.point(this.hand.focused); // what was said belongs to an earlier text
+    else if (!this.hand.held && this.said !== undefined && this.said !== data.state) this.point(this.hand.focused); // what was said belongs to an earlier text
     if (this.hand.held) this.offer = data.refusal !== "" && data.nearest !== null;
     if (!this.hand.held) this.fit();
     this.cursor.x = data.cursor;
@@ -261,12 +265,11 @@ export class Plot {
     }
   }
 
-  // The reason of a refusal stands near the point that is held, else where it covers none.
   drawRefusal() {
-    const { data, view, hand } = this;
+    const { data, hand } = this;
     // after a drag the target is back, and the last offer stays
     for (const button of this.root.querySelectorAll(".law-use")) if (data.refusal && data.offer) button.textContent = data.offer;
-    const shown = this.refusal.draw(view, data, hand);
+    const shown = this.refusal.draw(data, Boolean(hand.held));
     if (shown && !hand.held) this.live.querySelector(".law-use").hidden = true; // the box has it
   }
 
