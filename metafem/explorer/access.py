@@ -59,7 +59,7 @@ class Guard:
     def allowed(self, scope: Scope) -> bool:
         """Return whether a request has the token and comes from a page of this server or from no page."""
         headers = {name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]}
-        host, token = headers.get("host", ""), scope["path"].split("/")[1]
+        host, token = headers.get("host", ""), scope["path"].partition("/")[2].partition("/")[0]
         own = host in self.hosts and headers.get("origin", f"http://{host}") == f"http://{host}"
         return own and compare_digest(token.encode(), self.token.encode())
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -9,11 +10,17 @@ from dataclasses import dataclass, field, replace
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput, MetafemError, refuse_if
 from metafem.explorer.session import State
+from metafem.explorer.text.names import on_page
 from metafem.files import Specification, parsed, section_forms
-from metafem.inversion import Design, OperatingPoints, SampledLaw
+from metafem.inversion import Design, LinearLaw, OperatingPoints, SampledLaw
 from metafem.inversion.quantities.quantity import FRICTION
+from metafem.inversion.strategies.proportional import steepest_line
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import Wording
+from metafem.models.model import contact_of
+
+# The entry of a list behind its key, or nothing.
+ENTRY = re.compile(r"(?:\[(\d+)\](?:\[\d+\])*)?")
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +39,7 @@ class Answer:
     problems : mapping of str to str
         Error messages by key of the specification; the key "" is for the whole file.
     reasons : mapping of str to str
-        The same messages by key, without key and value, for fields of the page that already show both.
+        The same messages by key in the words of the page, without key and value, which the field shows.
     refusal : str
         Why no surface reaches the target; "" if a surface does.
     nearest : tuple of ndarray or None
@@ -70,8 +77,8 @@ class Answer:
 
     @property
     def refused(self) -> str:
-        """Why this state has no design, in words; "" if it has one."""
-        return self.refusal or "\n".join(self.problems.values())
+        """Why this state has no design, in the words of the page; "" if it has one."""
+        return self.refusal or on_page("\n".join(self.problems.values()))
 
 
 def answered(state: State, number: int, before: Answer | None = None, draft: bool = False) -> Answer:
@@ -94,11 +101,16 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
     except InvalidInput as error:
         problems, reasons = _problems(error)
     except Infeasible as error:
-        refusal = str(error) if specification is None else _in_units_of(state, specification, error)
+        refusal = on_page(str(error) if specification is None else _in_units_of(state, specification, error))
         undecided = draft and error.by_search
-        if specification is not None and error.nearest is not None:
-            nearest_target = error.nearest
-            nearest = _law_of(specification, error.nearest, draft)
+        nearest_target = error.nearest
+        if specification is not None and not draft:
+            nearest_target = _steepest(specification) or error.nearest
+        if nearest_target is not error.nearest:
+            words = nearest_target.wording.slopes(nearest_target.slope)
+            refusal += f". The largest over these loads is {words}"
+        if specification is not None and nearest_target is not None:
+            nearest = _law_of(specification, nearest_target, draft)
     except MetafemError as error:
         problems[""], failed, undecided = str(error), True, draft
     elapsed = 1e3 * (time.perf_counter() - start)
@@ -156,11 +168,29 @@ def _known(key: str) -> str:
 
 
 def _reason(key: str, problems: Sequence[InvalidInput]) -> str:
-    """Return the problem of a key as a sentence without the name and value of the key."""
-    if len(problems) > 1 or "." not in key or key != problems[0].key:
-        return "\n".join(map(str, problems))
-    words = problems[0].must
+    """Return the problems of a key in the words of the page, without the name and value of its field."""
+    if "." not in key:
+        return on_page("\n".join(map(str, problems)))
+    return on_page("\n".join(_sentence(key, problem) for problem in problems))
+
+
+def _sentence(key: str, problem: InvalidInput) -> str:
+    """Return a problem as a sentence; without the key if its field shows it, and with the entry of a list."""
+    words, place = problem.must, ENTRY.fullmatch(problem.key.removeprefix(key))
+    if words.startswith("and ") or place is None:
+        return f"{problem}."
+    if place[1]:
+        value = "" if problem.value is None else f" = {problem.value}"
+        words = f"entry {int(place[1]) + 1}{value} {words}"
     return f"{words[:1].upper()}{words[1:]}."
+
+
+def _steepest(specification: Specification) -> LinearLaw | None:
+    """Return the steepest line over the load range of a refused line that is too steep, otherwise None."""
+    target, limits, tools = specification.target, specification.limits, specification.tools
+    if not isinstance(target, LinearLaw) or target.load_range is None:
+        return None
+    return steepest_line(target, specification.template, limits, tools, contact_of(specification.model))
 
 
 def _law_of(

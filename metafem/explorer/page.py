@@ -24,8 +24,10 @@ from metafem.explorer.newest import PATIENCE, PATIENCE_WITH_DRAFTS, Newest, all_
 from metafem.explorer.session import Session, State
 from metafem.explorer.surface.panel import surface_panel
 from metafem.explorer.take.panel import take_panel
+from metafem.explorer.text.document import as_own
 from metafem.explorer.text.kinds import with_kind
 from metafem.explorer.text.link import from_link, restored
+from metafem.explorer.text.names import on_page
 from metafem.explorer.turns import Turns
 from metafem.explorer.workshop.editor import editor_panel
 from metafem.explorer.workshop.header import header_panel
@@ -54,6 +56,7 @@ class Page:
         self.listeners: list[Callable[[Answer], Listener]] = []
         self.late_listeners: list[Listener] = []
         self.tab_listeners: list[Callable[[str], None]] = []
+        self.messages: list[ui.notification] = []
         self.warning_listeners: list[Callable[[Mapping[str, list[str]]], None]] = []
         self.newest: Newest[Request, tuple[Answer, list[Listener]]] = Newest(
             self._work, self._show, self._failed, patience=patience, better=whole_of
@@ -110,7 +113,7 @@ class Page:
         If `released`, the text becomes a step of the history. Otherwise the user is still dragging and the
         answer is a draft. If no newer edit follows soon, the answer of the full search replaces the draft.
         """
-        return self._ask(replace(self.state, text=text), released)
+        return self._ask(replace(self.state, text=as_own(text)), released)
 
     def change(self, **members: Any) -> int:
         """Answer the state with some members replaced; return the number of the request."""
@@ -145,6 +148,13 @@ class Page:
         """Go back to the state before the current one."""
         await self.turns.take(nothing, lambda _: self._moved(self.session.undo))
 
+    def stop(self) -> None:
+        """End the computations of the page, and go back to the last state whose answer is shown."""
+        self.turns.asked += 1
+        while not self.state.designs_the_same(self.answer.state) and self.session.undo():
+            pass
+        self._ask(self.state, True)
+
     async def redo(self) -> None:
         """Go forward to the state that was undone last."""
         await self.turns.take(nothing, lambda _: self._moved(self.session.redo))
@@ -174,6 +184,8 @@ class Page:
 
     def _show(self, found: tuple[Answer, list[Listener]]) -> None:
         self.answer, listeners = found
+        if self.answer.current:
+            self._forget_messages()
         self._tell(listeners, self.answer)
 
     def _failed(self, request: Request, error: Exception) -> None:
@@ -184,28 +196,36 @@ class Page:
 
     def not_shown(self, request: object, error: Exception) -> None:
         """Show an error that prevented a part of the page from showing an answer."""
-        self._say_failure(in_words(error))
+        self.say(in_words(error))
 
     def _tell(self, listeners: Iterable[Callable[[Told], None]], value: Told) -> None:
         """Call listeners with a value, and show the errors that they raised."""
         failures = all_told(listeners, value)
         if failures:
-            self._say_failure(failures)
+            self.say(failures)
 
     def wrong(self, error: Exception) -> None:
         """Show a program error that an event handler or a timer raised; the error is already logged."""
-        self._say_failure(in_words(error))
+        self.say(in_words(error))
 
-    def _say_failure(self, words: str) -> None:
+    def say(self, words: str) -> None:
+        """Show a message over the page, until it is closed or a later answer has a design."""
         with self.client:
-            ui.notify(words, type="negative", multi_line=True, close_button="Close", timeout=0)
+            self.messages.append(
+                ui.notification(on_page(words), multi_line=True, close_button="Close", timeout=None)
+            )
+
+    def _forget_messages(self) -> None:
+        for message in self.messages:
+            message.dismiss()
+        self.messages.clear()
 
     async def open_link(self, link: str) -> None:
         """Show the state in a link as a new step of the history."""
         try:
             await self.turns.take(partial(from_link, link), lambda state: self._ask(state, True))
         except InvalidInput as error:
-            ui.notify(str(error), type="warning")
+            self.say(str(error))
 
     async def _restored(self, kept: Any) -> None:
         """Show the state from the history in the browser or from the address, otherwise the first state."""
@@ -214,7 +234,7 @@ class Page:
     def _begin(self, found: tuple[Session, str]) -> None:
         self.session, problem = found
         if problem:
-            ui.notify(problem, type="warning")
+            self.say(problem)
         self._ask(self.state, True)
 
 

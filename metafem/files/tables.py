@@ -26,6 +26,16 @@ OWN = {"mm": "mm", "um": "mm", "mm2": "mm^2", "N": "N", "mN": "N", "MPa": "MPa"}
 SEMICOLONS = "if commas are decimal, separate the columns by semicolons"
 
 
+# A column title with its unit in brackets, such as "Load [mN]", and further names of quantities in such
+# titles.
+LABEL = re.compile(r"(.*?)\s*[\[(]\s*([^\s\[\]()]+)\s*[\])]")
+ALIASES = {
+    "normal_load": "load", "normal_force": "load", "p": "load", "friction": "friction_force",
+    "tangential_force": "friction_force", "f": "friction_force", "contact_area": "area", "load_p": "load",
+    "friction_force_f": "friction_force",
+}  # fmt: skip
+
+
 # Index of a column, and the size of its unit in the package's unit.
 Column = tuple[int, Fraction]
 
@@ -171,6 +181,10 @@ class Columns:
         """Return a column's name and the size of its unit in the package's unit; None if it is not read."""
         if title in self.plain:
             return title, Fraction(1)
+        if label := LABEL.fullmatch(title):
+            name = re.sub(r"\W+", "_", label[1].lower())
+            name = name if self.declared(name) in self.units else ALIASES.get(name, name)
+            title = f"{name}_{label[2]}" if self.declared(name) in self.units else title
         column = f"{table.name}: column {printable(title, 40)}"
         known = self.declared(title) in self.units
         refuse_if(known, f"{column} needs a unit in its name; write {self.title(title)}")

@@ -40,7 +40,7 @@ def test_a_surface_that_cannot_be_made_is_told_beside_its_law_and_at_its_files(v
     page.locator(".bar .chip.part").wait_for()
     assert page.locator(".bar .chip").all_inner_texts()[1:] == ["no part can be made"]
     page.get_by_role("tab", name="Take it").click()
-    page.get_by_text("No part can be made: asperity ").last.wait_for()
+    page.get_by_text("No part can be made: the asperity at x = ").last.wait_for()
     enabled = {
         name: page.get_by_role("button", name=name).is_enabled()
         for name in ("mould.csv", "block.stl", "surface.zip", "heights.csv", "spec.toml")
@@ -66,14 +66,16 @@ def test_starting_over_is_one_step_that_undo_takes_back(visit):
 
 
 def test_plots_stay_where_they_are_when_the_hint_goes(visit):
+    hint = visit.page.locator(".law-live span", has_text="Drag the points of the target law")
+    hint.wait_for()
     parts = visit.page.locator(".explorer > section").all()
     places = [part.bounding_box() for part in parts]
     visit.drag(visit.handles()[0], 10, -10)
-    visit.page.locator(".hint.closed").wait_for(state="attached")
+    hint.wait_for(state="hidden")
     assert [part.bounding_box() for part in parts] == places
     visit.page.reload()
     visit.settled()
-    assert not visit.page.locator(".hint").count()
+    assert not hint.count()
 
 
 # Middles of the points that the box with the reason of a refusal covers.

@@ -1,6 +1,7 @@
 """The explorer's server: stopped while its page is open, started again, and asked by others."""
 
 import signal
+import socket
 import urllib.error
 import urllib.request
 
@@ -46,6 +47,35 @@ def test_a_page_outlives_its_server(browser):
             assert visit.text == demo_text("operating-points")
             assert second.said == ""
         assert second.process.returncode == 143
+
+
+def test_a_drag_that_a_stopped_server_did_not_take_is_made_by_the_next_one(browser):
+    with served() as first, visited(browser, first) as visit:
+        port = first.origin.rpartition(":")[2].strip("/")
+        x, y = visit.middle("point-1")
+        visit.page.mouse.move(x, y)
+        visit.page.mouse.down()
+        visit.page.mouse.move(x + 12, y - 15, steps=3)
+        first.process.send_signal(signal.SIGINT)
+        first.process.wait(PATIENCE)
+        visit.page.get_by_text("it is made when the connection is back").wait_for(timeout=1e3 * PATIENCE)
+        assert visit.middle("point-1") == pytest.approx((x, y), abs=1)
+        visit.page.mouse.up()
+        assert visit.text == demo_text("operating-points")
+        with served(None, "--port", port):
+            visit.page.wait_for_event("load", timeout=1e3 * PATIENCE)
+            visit.settled()
+            visit.settled(visit.asked)
+            assert visit.middle("point-1") == pytest.approx((x + 12, y - 15), abs=2)
+            assert "1.68" not in visit.text
+
+
+def test_a_request_without_a_path_is_refused(server):
+    host, port = server.origin.removeprefix("http://").strip("/").split(":")
+    with socket.create_connection((host, int(port)), PATIENCE) as asked:
+        asked.sendall(f"OPTIONS * HTTP/1.1\r\nHost: {host}:{port}\r\nConnection: close\r\n\r\n".encode())
+        assert asked.recv(100).startswith(b"HTTP/1.1 403")
+    assert server.said == ""
 
 
 def test_others_are_refused(server):

@@ -45,6 +45,7 @@ def test_the_page_has_the_name_of_this_machine_too():
     ("path", "headers"),
     [
         ("/", {}),
+        ("*", {}),  # OPTIONS * has no path
         ("/c0ffe/", {}),
         ("/other/c0ffee", {}),
         (f"/{TOKEN}/", {"origin": "https://example.org"}),

@@ -163,7 +163,7 @@ def element_checks(design: Design, tolerances: Tolerances | None) -> Found:
 
 
 def _needs_block(design: Design) -> str:
-    return "" if design.surface.block else "It needs the section [block]: width, length and thickness."
+    return "" if design.surface.block else "It needs “Block” with its width, length and thickness."
 
 
 def _needs_profile(design: Design) -> str:

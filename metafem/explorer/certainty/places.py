@@ -5,6 +5,7 @@ from __future__ import annotations
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
 from metafem.explorer.certainty.figures import Figure, figures
+from metafem.explorer.text.names import on_page
 from metafem.files import planned
 from metafem.notes import Note
 from metafem.report import all_notes
@@ -51,7 +52,7 @@ def part_problem(answer: Answer) -> str:
     try:
         planned(design.surface, design.template, specification.part)
     except InvalidInput as error:
-        return f"no part can be made: {error}"
+        return on_page(f"no part can be made: {error}")
     return ""
 
 
@@ -72,7 +73,7 @@ def warnings_by_place(answer: Answer) -> dict[str, list[str]]:
     places = part_warnings(answer)
     warnings = [(figure.places, _text(figure)) for figure in figures(answer) if figure.warns]
     warnings += [
-        (_places(str(note)), str(note))
+        (_places(str(note)), on_page(str(note)))
         for note in remarks(answer)
         if note.warns and not str(note).startswith(SHOWN_AS_FIGURES)
     ]
@@ -84,7 +85,7 @@ def warnings_by_place(answer: Answer) -> dict[str, list[str]]:
 
 def _text(figure: Figure) -> str:
     bound = f" ({figure.bound})" if figure.bound else ""
-    return f"{figure.name}: {figure.value}{bound}. {figure.sentence}"
+    return on_page(f"{figure.name}: {figure.value}{bound}. {figure.sentence}")
 
 
 def _places(text: str) -> tuple[str, ...]:

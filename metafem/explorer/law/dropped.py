@@ -106,7 +106,8 @@ def read_points(name: str, text: str, material: Material, friction: Friction | N
         raise InvalidInput(f"{name} is not a table: it holds null characters")
     with listening(lambda step, done: None, remarks.append):
         first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
-        found = _rescaled(name, text) if RESCALED in first else _measured(name, text, material, friction)
+        rescaled = RESCALED in _plain(first)
+        found = _rescaled(name, text) if rescaled else _measured(name, text, material, friction)
     if len(found.load) > MOST:
         raise InvalidInput(f"{name} has {len(found.load):,} points; at most {MOST:,} are shown")
     return replace(found, remarks=tuple(remarks))
@@ -157,6 +158,11 @@ def _offer(text: str) -> str:
     return f" Do you mean {' and '.join(offers)}? Change the first line of the file." if offers else ""
 
 
+def _plain(header: str) -> str:
+    """Return the first line of a table with labels such as "Load SD [mN]" as column names."""
+    return header.lower().replace(" ", "_")
+
+
 def _rescaled(name: str, text: str) -> Points:
     columns = columns_of(name, text.encode("utf-8"), TARGET)
     return Points(name, columns[RESCALED], columns["rescaled_friction"])
@@ -169,7 +175,7 @@ def _measured(name: str, text: str, material: Material, friction: Friction | Non
         )
     except InvalidInput as error:
         raise InvalidInput(f"{error}.{_offer(text)}") from None
-    header = next(line for line in text.splitlines() if line.strip() and not line.startswith("#"))
+    header = _plain(next(line for line in text.splitlines() if line.strip() and not line.startswith("#")))
     stated = ("load_sd" in header, "friction_force_sd" in header or "area_sd" in header)
     known = np.isfinite(law.rescaled_friction)
     sds = (law.rescaled_load_sd, law.rescaled_friction_sd)

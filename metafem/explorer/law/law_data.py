@@ -74,7 +74,14 @@ def band_data(band: Band, units: Units) -> dict[str, Any]:
 
 def _handle(handle: Handle, units: Units) -> dict[str, Any]:
     x, y = numbers([units.load * handle.load, units.friction * handle.friction], EDITED)
-    return {"id": handle.id, "x": x, "y": y, "moves": handle.moves, "label": handle.label}
+    return {
+        "id": handle.id,
+        "x": x,
+        "y": y,
+        "moves": handle.moves,
+        "label": handle.label,
+        "carried": handle.carried,
+    }
 
 
 def _follows(follows: Follows, units: Units) -> dict[str, Any]:

@@ -8,9 +8,9 @@ export default {
       <div class="law-stage">
         <svg class="law-svg" role="group" aria-label="Target law and achieved law. Points can be dragged, or moved with the arrow keys; the key a adds one, Delete removes one."></svg>
         <output class="law-readout" aria-hidden="true"></output>
-        <div class="law-refusal" hidden><button type="button" class="law-away"></button><span></span><div class="law-nearest" hidden><i></i>nearest law that can be designed</div><button type="button" class="law-use">Use the nearest law</button></div>
       </div>
-      <ul class="law-legend" aria-label="Legend"></ul>
+      <div class="law-dock"><ul class="law-legend" aria-label="Legend"></ul>
+        <div class="law-refusal" hidden><button type="button" class="law-away"></button><span></span><button type="button" class="law-use">Use the nearest law</button><span class="law-nearest" hidden><i></i>nearest law that can be designed</span></div></div>
       <div class="law-live"><span aria-live="polite"></span><button type="button" class="law-drop" hidden title="Remove this point (Delete)">Remove the point</button><button type="button" class="law-use" hidden>Use the nearest law</button></div>
     </div>`,
   mounted() { this.plot = new Plot(this.$el, (name, data) => this.$emit(name, data)); },

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
-from metafem.explorer.answer import Answer
+from metafem.explorer.answer import Answer, answered
 from metafem.explorer.law.kinds import points
 from metafem.explorer.law.shown import Units
 from metafem.explorer.text.document import Document
+from metafem.explorer.text.handles import added
+from metafem.explorer.text.kinds import near_design
 from metafem.explorer.text.written import stated
 from metafem.files import Specification
-from metafem.inversion import OperatingPoints, SampledLaw, Target
+from metafem.inversion import LinearLaw, OperatingPoints, SampledLaw, Target
+
+# Largest number of nearest laws, each of the refusal of the one before, that are tried.
+MOST_STEPS = 3
 
 # Relative resolution of the values, and their significant digits. Both are finer than 1e-6, the relative
 # distance of the nearest law from its bound.
@@ -28,6 +34,8 @@ def offer(answer: Answer) -> str:
     if nearest is None or answer.specification is None:
         return ""
     target = answer.specification.target
+    if isinstance(nearest, LinearLaw) and nearest.load_range == getattr(target, "load_range", None):
+        return f"Use {nearest.wording.slopes(nearest.slope)}"
     if not isinstance(nearest, OperatingPoints) or not isinstance(target, OperatingPoints):
         return "Use the nearest law"
     kept, count = len(nearest.rescaled_load), len(target.rescaled_load)
@@ -42,6 +50,39 @@ def _numbered(numbers: list[int]) -> str:
     """Return the numbers of points in words, such as ``points 1 and 2``."""
     *first, last = map(str, numbers)
     return f"points {', '.join(first)} and {last}" if first else f"point {last}"
+
+
+def reachable(answer: Answer) -> str:
+    """Return the text of a refused answer with a target near it that can be designed.
+
+    It is the nearest law of the refusal if one is known, otherwise a target close to the law of the last
+    design.
+    """
+    found, state = answer, answer.state
+    for _ in range(MOST_STEPS):
+        if found.nearest_target is None:
+            break
+        text = with_nearest(found)
+        found = answered(replace(state, text=text), answer.number, answer, draft=True)
+        if not found.refused or (found.undecided and found.nearest_target is None):
+            return text
+    if answer.design is None or answer.specification is None:
+        raise InvalidInput("no law is known that can be designed")
+    return near_design(Document(state.text), answer.specification, answer.design)
+
+
+def with_point(answer: Answer, load: float, friction: float, near: float) -> str:
+    """Return the text of an answer with one more point of the target at a rescaled load and friction [mm^2].
+
+    If the friction differs by at most `near` from that of the achieved law, the point is on it; if no surface
+    passes through all points then, they become a curve that is approximated.
+    """
+    text, specification = answer.state.text, answer.specification
+    free = added(text, specification, load, friction)
+    found = added(text, specification, load, friction, design=answer.design, near=near)
+    if found != free and answered(replace(answer.state, text=found), answer.number, draft=True).refused:
+        return Document(found).with_value("target.kind", "sampled")
+    return found
 
 
 def with_nearest(answer: Answer) -> str:

@@ -17,12 +17,13 @@ from metafem.explorer.law.beside import Beside
 from metafem.explorer.law.dropped import Measured, as_target, read_points
 from metafem.explorer.law.law_data import band_data, law_data
 from metafem.explorer.law.law_plot import LawPlot
-from metafem.explorer.law.nearest import with_nearest
+from metafem.explorer.law.nearest import reachable, with_nearest, with_point
 from metafem.explorer.law.reach import Reach
 from metafem.explorer.law.shown import Units
 from metafem.explorer.law.tools import block_data, tools_data
 from metafem.explorer.session import State
-from metafem.explorer.text.handles import added, moved, removed
+from metafem.explorer.text.handles import moved, removed
+from metafem.explorer.text.names import on_page
 from metafem.files import Specification
 from metafem.inversion import Design
 
@@ -50,7 +51,7 @@ def telling(
         try:
             await handler(panel, event)
         except InvalidInput as error:
-            panel.plot.say(str(error), wrong=True)
+            panel.plot.say(on_page(str(error)), wrong=True)
 
     return handle
 
@@ -83,6 +84,7 @@ class LawPanel:
         # text, specification and design of the current state: every step of a drag starts from them
         self.base: tuple[str, Specification, Design | None] | None = None
         self.refused: Answer | None = None
+        self.stuck = False  # whether the state from which a drag starts is refused
         page.listen_prepared(self.prepared, self.show)
         page.listen_late(self.beside.put)
 
@@ -109,6 +111,7 @@ class LawPanel:
         specification, text = answer.specification, answer.state.text
         if specification is not None and text == self.page.state.text:
             self.base = text, specification, answer.design
+            self.stuck = answer.refusal != "" and not answer.undecided
         if answer.nearest_target is not None:
             self.refused = answer
         if "band" in data:
@@ -125,21 +128,30 @@ class LawPanel:
         number, id, place = int(event["number"]), event["id"], self._place(event)
 
         def dragged(state: State) -> str:
-            return state.text if event.get("back") else moved(*self._base(state), id, *place)
+            if not event.get("back"):
+                return moved(*self._base(state), id, *place)
+            answer = self.page.answer
+            return reachable(answer) if self.stuck and answer.refusal else state.text
 
         try:
             request = await self.page.make(dragged, released=bool(event["released"]))
         except InvalidInput as error:
-            self.plot.refuse(number, str(error))
+            self.plot.refuse(number, on_page(str(error)))
             return
         if request is not None:
             self.requests[request] = number
 
     @telling
     async def on_add(self, event: Event) -> None:
-        """Add a point."""
-        place = self._place(event)
-        await self.page.make(lambda state: added(*self._base(state)[:2], *place))
+        """Add a point; close to the achieved law it is on this law."""
+        place, near = self._place(event), self._units().rescaled(0.0, float(event.get("near", 0.0)))[1]
+
+        def drawn(state: State) -> str:
+            _, specification, design = self._base(state)
+            answer = Answer(self.page.number, state, specification, design)
+            return with_point(answer, *place, near)
+
+        await self.page.make(drawn)
 
     @telling
     async def on_remove(self, event: Event) -> None:

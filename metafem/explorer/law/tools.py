@@ -11,8 +11,8 @@ from metafem.explorer.text.kinds import kind_names
 from metafem.inversion import Design
 
 # Why the axes cannot be in newtons, and why the law under the block model cannot be computed.
-NO_FORCES = "Newtons need the section [friction] with shear_strength and area_ratio in the specification."
-NO_BLOCK = "The block needs the section [block] with width, length and thickness in the specification."
+NO_FORCES = "Newtons need “Friction” with its shear strength and area ratio in the workshop."
+NO_BLOCK = "The block model needs “Block” with its width, length and thickness in the workshop."
 
 
 def tools_data(answer: Answer) -> dict[str, Any]:

@@ -71,7 +71,7 @@ class Views:
         try:
             await self.page.make(change)
         except InvalidInput as error:
-            ui.notify(str(error), type="warning")
+            self.page.say(str(error))
 
     def _colour(self, given: Any) -> None:
         self.sensitive = given == "sensitivity"

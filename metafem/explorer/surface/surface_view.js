@@ -23,8 +23,7 @@ export default {
                   @click="open(name)">{{ label }}</button>
         </div>
       </div>
-      <p class="small line" role="status">{{ old && line ? "Last surface that was found. " : "" }}{{ line }} {{ note }}</p>
-      <p v-if="message" class="small warn">{{ message }}</p>
+      <div class="small line" role="status"><p v-if="message" class="wrong">{{ message }}</p><p v-if="line && !(message && old)">{{ line }} {{ note }}</p></div>
       <div class="box fill" ref="map" v-show="tab === 'map'" @keydown.esc="close">
         <div v-if="tip" class="tip" :style="tip.style"><div v-for="each in tip.lines">{{ each }}</div></div>
         <div v-if="menu" class="menu" role="dialog" :aria-label="title" :style="menu" ref="menu">

@@ -15,7 +15,7 @@ NO_DESIGN = (
 NO_PART = "The tables of the design and the specification can be downloaded."
 # Short reasons shown beside a file. For the first two, a message above the files gives the full reason.
 NEEDS_DESIGN, NEEDS_PART = "needs a surface", "needs a part that can be made"
-NO_BLOCK = "needs the section [block] with width, length and thickness"
+NO_BLOCK = "needs “Block” with its width, length and thickness"
 
 
 def hindrance(name: str, answer: Answer, problem: str = "") -> str:
@@ -34,7 +34,7 @@ def hindrance(name: str, answer: Answer, problem: str = "") -> str:
     if specification.template.block is None:
         return NO_BLOCK
     if kind != "svg" and kind not in specification.part.formats:
-        return f'needs "{kind}" in part.formats'
+        return f"needs “{kind}” among the “formats” of “Part files”"
     return ""
 
 

@@ -118,7 +118,7 @@ class Making:
         if content is None:
             self.say(
                 f"{name} is not a file of this specification, which has {', '.join(self.files)}. Solids need "
-                "the section [block], and their formats are those of part.formats."
+                "“Block” in the workshop, and their formats are those of “Part files”."
             )
             return
         with self.label:

@@ -10,7 +10,7 @@ from typing import Any
 
 from metafem.errors import InvalidInput
 from metafem.explorer.text.order import form_of, key_order
-from metafem.files import toml_table
+from metafem.files import DEMOS, demo_text, toml_table
 
 # A line feed without a carriage return.
 BARE_LINE_FEED = re.compile(r"(?<!\r)\n")
@@ -150,6 +150,16 @@ class Document:
             return text if _same(toml_table(text), wanted) else None
         except InvalidInput:
             return None
+
+
+def as_own(text: str) -> str:
+    """Return the text; without the comment that describes a demo's law if the target is another one."""
+    for name in DEMOS:
+        demo = demo_text(name)
+        head = demo[: demo.index("\n", demo.index("# Edit any value")) + 1]
+        if text.startswith(head) and toml_table(text).get("target") != toml_table(demo)["target"]:
+            return text.removeprefix(head)
+    return text
 
 
 def _set_plain(table: dict[str, Any], parts: list[str], value: Any) -> None:

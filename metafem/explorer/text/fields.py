@@ -14,10 +14,13 @@ from metafem.files import KeyForm, SectionForm, toml_table
 # A decimal number without a digit before or after the point; TOML does not accept this form.
 SHORT_NUMBER = re.compile(r"[+-]?(\d+\.|\.\d+)")
 
-# Separators of the entries of a list. Lists of integers (rows and columns) also accept a cross, or an x that
-# is not part of a word.
+# A number with a decimal comma. A comma before three digits can also separate thousands, except after a zero.
+DECIMAL_COMMA = re.compile(r"(?<![\w.^,])([+-]?(?:0+,\d+|\d+,(?!\d{3}(?!\d))\d+))(?![\d,])")
+
+# Separators of the entries of a list. Lists of integers (rows and columns) also accept spaces, a cross, or
+# an x that is not part of a word.
 SEPARATORS = re.compile(r"[,;\n]")
-CROSS = re.compile(r"[,;\n×]|(?<![^\W\d])[xX](?![^\W\d])")
+CROSS = re.compile(r"[,;\s×]|(?<![^\W\d])[xX](?![^\W\d])")
 
 # Brackets around a group of entries, such as a pair.
 GROUPS = re.compile(r"\[[^\[\]]*\]")
@@ -26,7 +29,8 @@ GROUPS = re.compile(r"\[[^\[\]]*\]")
 def with_field(text: str, key: str, typed: str) -> str:
     """Return the text with the value that the user typed for a key; an empty value removes the key.
 
-    An invalid value is also written as typed, so that the reader of the specification reports the error. If
+    Decimal commas become points; in a list, only where semicolons separate the entries. An invalid value is
+    also written as typed, so that the reader of the specification reports the error. If
     the key belongs to one of several choices, the keys of the other choices are removed. If the key is a
     kind, the keys that the new kind does not have are removed.
 
@@ -58,6 +62,9 @@ def with_field(text: str, key: str, typed: str) -> str:
         if found.choice is not None and other.choice not in (None, found.choice)
     ]
     present = [other for other in others if document.value(f"{section}.{other}") is not None]
+    several = found.listed or (found.several and ", " in typed)
+    if found.value != "text" and (not several or ";" in typed):
+        typed = DECIMAL_COMMA.sub(lambda number: number[1].replace(",", "."), typed)
     return document.with_values(
         {key: typed_value(found, typed), **{f"{section}.{other}": None for other in present}}
     )

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from metafem.errors import InvalidInput
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.lines import LineHandles
@@ -18,6 +20,9 @@ __all__ = ["Handle", "added", "crowd", "drawn", "handles", "moved", "removed"]
 
 # Relative resolution of a dragged value: one pixel of a plot that is a thousand pixels wide.
 RESOLUTION = 1e-3
+
+# Relative resolution of a new point on the law of the last design; with fewer digits no surface may reach it.
+SNAPPED = 1e-6
 
 # Largest number of points that have handles. With more points, the marks would overlap on the plot, and
 # moving a single point would make a spike in the law.
@@ -119,8 +124,12 @@ def added(
     load: float,
     friction: float,
     resolution: float = RESOLUTION,
+    design: Design | None = None,
+    near: float = 0.0,
 ) -> str:
     """Return the text with one more point of the target at a rescaled load and friction [mm^2].
+
+    If its friction differs by at most `near` from that of the law of `design`, the point is on this law.
 
     Raises
     ------
@@ -128,7 +137,10 @@ def added(
         If the target does not consist of points, or for values that are negative or not finite.
     """
     _refuse_negative(load, friction)
-    marks = _marks(text, specification, None)
+    marks = _marks(text, specification, design)
+    achieved = marks.scene.achieved(np.array([load])) if near > 0.0 and load > 0.0 else None
+    if achieved is not None and abs(achieved[0] - friction) <= near:
+        friction, resolution = float(achieved[0]), SNAPPED
     return marks.scene.written(marks.added(load, friction, resolution))
 
 

@@ -91,24 +91,28 @@ def with_kind(state: State, design: Design | None, kind: str) -> str:
     try:
         specification = specification_of(state)
         if design is not None:
-            return _near(document, specification, design, kind)
+            return near_design(document, specification, design, kind)
     except MetafemError:
         pass  # the text has problems
     return document.with_kind("target", kind)
 
 
-def _near(
+def near_design(
     document: Document,
     specification: Specification,
     design: Design,
-    kind: str,
+    kind: str = "",
     resolution: float = RESOLUTION,
 ) -> str:
-    """Return the text with a target of another kind that is close to the law of a design."""
+    """Return the text with a target of a kind, default: its own, that is close to the law of a design."""
+    kind = kind or str(document.value("target.kind"))
     scene, tables = Scene(document, specification, design), _tables(document, specification)
     wording, template, first = scene.target.wording, specification.template, ""
     law, low, high = _present(design)
+    coefficient = kind == "linear" and wording.per_slope is not None
     for numbers in ATTEMPTS[kind](law, low, high):
+        if coefficient:  # a friction coefficient is F/P at these loads
+            numbers = {**numbers, "load_range": [low, high]}
         if "rescaled_friction" in numbers:
             numbers = _with_bends(numbers, law, scene.target)
         found = document.with_kind("target", kind, _written(numbers, scene, wording, resolution))

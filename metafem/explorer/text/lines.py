@@ -54,7 +54,8 @@ class LineHandles(Marks):
         for i, line in enumerate(self.lines):
             words = scene.target.wording.slopes(line.slope)
             label = f"{words}, branch {i + 1}" if several else words
-            found.append(Handle(f"slope-{i}", line.load, line.friction, "y", label))
+            carried = words.replace("friction coefficient", "μ =").replace("slope ", "slope = ")
+            found.append(Handle(f"slope-{i}", line.load, line.friction, "y", label, carried))
         for id, load, label in self.path:
             found.append(Handle(id, load, self._friction(load), "x", label))
         return tuple(found)

@@ -31,6 +31,8 @@ class Handle:
         Directions in which the handle moves: "xy", "x" or "y".
     label : str
         The parameter that the handle changes, in words.
+    carried : str
+        What is written beside the handle, such as its friction coefficient; "" for nothing.
     """
 
     id: str
@@ -38,6 +40,7 @@ class Handle:
     friction: float
     moves: str
     label: str
+    carried: str = ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,6 +15,9 @@ from metafem.explorer.text.written import ALL_DIGITS, between
 # Relative resolution of values that are copied from a table.
 EXACT = 10.0 ** (1 - ALL_DIGITS)
 
+# From this number of points on, points that are drawn become a curve that is approximated.
+CURVE = 5
+
 # Optional lists with an entry for each point.
 OPTIONAL = ("weight", "relative_error")
 
@@ -47,8 +50,10 @@ class PointHandles(Marks):
         return self._placed(i, (i - 1, i + 1), values, (load, friction), resolution)
 
     def added(self, load: float, friction: float, resolution: float) -> dict[str, Any]:
-        """Return the keys of the target with one more point."""
+        """Return the keys of the target with one more point; operating points can become a sampled curve."""
         values, loads = self._listed(), self.points[0]
+        if self.scene.kind == "operating-points" and len(loads) + 1 >= CURVE:
+            values["kind"] = "sampled"
         i = sum(other <= load for other in loads)
         near = min(i, len(loads) - 1)
         for name, entries in values.items():

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
+from metafem.errors import MetafemError
 from metafem.explorer.text import fields
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.kinds import restated
 from metafem.explorer.text.order import form_of
 from metafem.files import KeyForm, Specification
+from metafem.inversion import achievable_load_range
+
+# Distance of a load range from the ends of the reached loads, relative to them, for rounding.
+EDGE = 0.01
 
 # Number of the choice of target keys that are forces or friction coefficients.
 FORCES = 1
@@ -17,7 +22,9 @@ FORCES = 1
 def with_choice(text: str, section: str, choice: int, specification: Specification | None = None) -> str:
     """Return the text with the keys of another choice of a section.
 
-    If `specification` is given, a target keeps its law. All other new keys have the examples of the manual.
+    If `specification` is given, a target keeps its law; a friction coefficient without a load range is then
+    F/P over the widest range of loads in which independent asperities reach it. All other new keys have the
+    examples of the manual.
 
     Examples
     --------
@@ -32,6 +39,8 @@ def with_choice(text: str, section: str, choice: int, specification: Specificati
     same: dict[str, Any] = {}
     if section == "target" and specification is not None:
         same = restated(document, specification, newtons=choice == FORCES)
+        if choice == FORCES and "slope" in given and "load_range" not in given:
+            values["target.load_range"] = _reached_loads(specification)
     for key in _keys(document, section):
         if key.choice == choice and key.name not in given:
             values[f"{section}.{key.name}"] = same.get(key.name, key.example)
@@ -41,6 +50,17 @@ def with_choice(text: str, section: str, choice: int, specification: Specificati
         exponents = values.get("tools.exponent_range", given.get("exponent_range"))
         values["lattice.radius"] = None if exponents is None else _radius(document)
     return document.with_values(values)
+
+
+def _reached_loads(specification: Specification) -> list[str] | None:
+    """Return the loads between which a line through the origin is reached, or None."""
+    template, limits, tools = specification.template, specification.limits, specification.tools
+    try:
+        ends = achievable_load_range(specification.target, template, limits, tools)
+    except MetafemError:
+        return None
+    modulus = template.material.composite_modulus
+    return [f"{modulus * end:.3g} N" for end in (ends[0] * (1.0 + EDGE), ends[1] * (1.0 - EDGE))]
 
 
 def with_section(text: str, section: str) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from nicegui import ui
 from nicegui.element import Element
 
 from metafem.errors import InvalidInput
@@ -73,7 +72,7 @@ async def load(page: Page, files: list[dict[str, Any]]) -> None:
             lambda state: page.change(text=state.text, tables=state.tables),
         )
     except InvalidInput as error:
-        ui.notify(str(error), type="warning", multi_line=True, close_button="Close", timeout=12000)
+        page.say(str(error))
 
 
 def editor_panel(page: Page) -> None:

@@ -155,9 +155,9 @@ export default {
       this.use(field, field.names.filter((each) => chosen.includes(each) !== (each === name)).join(", "));
     },
     remedy(field) {  // a number without a unit, with the one of the value before or of the example
-      const given = this.values[field.key] ?? "";
+      const given = (this.values[field.key] ?? "").trim();
       const unit = this.units[field.key] ?? UNIT.exec(field.example.split(",")[0])?.[0];
-      return field.units.length && unit && /^[+-]?\d+(\.\d+)?$/.test(given.trim()) ? `${given.trim()} ${unit}` : "";
+      return field.units.length && unit && /^[+-]?(\d+\.?\d*|\.\d+)$/.test(given) ? `${Number(given)} ${unit}` : "";
     },
     use(field, text) {
       if (text.length > LONGEST) {

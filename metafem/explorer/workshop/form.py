@@ -9,53 +9,19 @@ from metafem.errors import InvalidInput
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.fields import shown
 from metafem.explorer.text.kinds import kind_names
+from metafem.explorer.text.names import label_of, title_of
 from metafem.files import KeyForm, SectionForm, section_forms
 
-# Columns of the form: the sections of each column with their titles, most frequently used sections first.
-COLUMNS: tuple[dict[str, str], ...] = (
-    {"target": "Target law", "part": "Part files"},
-    {"lattice": "Sites and radius", "tools": "Choice of tools", "sites": "Given heights, empty sites",
-     "block": "Block"},
-    {"limits": "Heights", "robust": "Design for these errors", "layout": "Layout"},
-    {"model": "Model", "contact": "Contact law", "contact.cap": "Cap under adhesion",
-     "material": "Material", "friction": "Friction", "checks": "Checks"},
-)  # fmt: skip
+# Columns of the form: the sections of each column, most frequently used sections first.
+COLUMNS = (
+    ("target", "part"),
+    ("lattice", "tools", "sites", "block"),
+    ("limits", "robust", "layout"),
+    ("model", "contact", "contact.cap", "material", "friction", "checks"),
+)
 
 # Sections that are always open.
 COMMON = ("target", "lattice", "limits", "model", "contact", "contact.cap")
-
-# Labels of keys whose names do not explain themselves.
-LABELS = {
-    "lattice.shape": "rows, columns",
-    "lattice.radius": "radius of curvature",
-    "limits.max_height": "largest height",
-    "limits.min_height": "smallest height",
-    "limits.height_sd": "error when made (SD)",
-    "model.kind": "model",
-    "material.composite_modulus": "composite modulus E*",
-    "material.poisson_ratio": "Poisson's ratio ν",
-    "friction.shear_strength": "shear strength σ",
-    "friction.area_ratio": "area ratio B",
-    "tools.radii": "radii of the tools",
-    "tools.caps": "their caps",
-    "tools.shear_strengths": "their shear strengths σ",
-    "tools.radius_range": "any radius within",
-    "tools.step": "step of these radii",
-    "tools.exponent_range": "any exponent within",
-    "tools.exponent_step": "step of these exponents",
-    "tools.mixed": "mixed tools",
-    "robust.height_sd": "error of heights (SD)",
-    "robust.angle": "largest tilt",
-    "robust.radius_sd": "error of radii (SD)",
-    "robust.position_sd": "error of positions (SD)",
-    "layout.seed": "random seed",
-    "layout.follow_law": "against interaction",
-    "layout.tilt": "against a tilt of",
-    "layout.tilt_weight": "weight of the tilt",
-    "sites.empty": "empty sites",
-    "sites.pinned": "sites with given heights",
-    "sites.heights": "their heights",
-}
 
 # Further explanations of keys, for readers who do not know the terms of the short meaning.
 FURTHER = {
@@ -82,20 +48,17 @@ def form() -> list[list[dict[str, Any]]]:
     """Return the columns of the form with their sections and fields, which the browser needs only once."""
     forms = {each.name: each for each in section_forms()}
     known = [name for column in COLUMNS for name in column]
-    rest = {name: name.rpartition(".")[2].capitalize() for name in forms if name not in known}
-    columns = [*COLUMNS[:-1], {**COLUMNS[-1], **rest}]
-    return [
-        [_section(forms[name], title) for name, title in column.items() if name in forms]
-        for column in columns
-    ]
+    rest = [name for name in forms if name not in known]
+    columns = [*COLUMNS[:-1], (*COLUMNS[-1], *rest)]
+    return [[_section(forms[name]) for name in column if name in forms] for column in columns]
 
 
-def _section(section: SectionForm, title: str) -> dict[str, Any]:
+def _section(section: SectionForm) -> dict[str, Any]:
     name = section.name
     bare = not section.kinds and not any(key.needed for keys in section.keys.values() for key in keys)
     return {
         "name": name,
-        "title": title,
+        "title": title_of(name),
         "meaning": section.meaning,
         "optional": section.optional,
         "inner": _inner(name),
@@ -125,7 +88,7 @@ def _field(section: str, key: KeyForm) -> dict[str, Any]:
     name = f"{section}.{key.name}"
     return {
         "key": name,
-        "label": LABELS.get(name, key.name.replace("_", " ")),
+        "label": label_of(name),
         "meaning": key.meaning,
         "further": FURTHER.get(name, ""),
         "example": shown(key.example),

@@ -5,7 +5,7 @@ import { remember } from "metafem-workshop/remember.js";
 
 const THEMES = { light: "Light", auto: "Auto", dark: "Dark" };
 const CALM = 700;  // milliseconds without a new status, after which screen readers are told
-const [THEME, HINT] = ["metafem-theme", "metafem-hint"];
+const THEME = "metafem-theme";
 const MAC = navigator.platform.startsWith("Mac");
 const CTRL = MAC ? "⌘" : "Ctrl+";
 const HELP = [
@@ -48,13 +48,16 @@ export default {
       <a class="skip act" href="#law" @click.prevent="skip">Skip to the law</a>
       <h1>metafem</h1>
       <p class="title" :title="title">{{ title }}</p>
-      <span v-if="lost" class="chip lost-chip" title="What is shown is the last answer. It can be changed again as soon as metafem explore runs.">no server: changes must wait</span>
-      <span v-else :class="['chip', kind]" :title="meaning">{{ status }}<span v-if="measure" class="measure">({{ measure }})</span></span>
-      <span v-if="part && !lost" class="chip warn part" :title="part">no part can be made</span>
+      <span class="status">
+        <span v-if="lost" class="chip lost-chip" title="What is shown is the last answer. It can be changed again as soon as metafem explore runs.">no server: changes must wait</span>
+        <span v-else :class="['chip', kind]" :title="meaning">{{ status }}<span v-if="measure" class="measure"> ({{ measure }})</span></span>
+        <span v-if="part && !lost" class="chip warn part" :title="part">no part can be made</span>
+        <button :class="['act', 'stop', { idle: !late || lost }]" title="Stop this computation, and return to what is shown" @click="$emit('stop')">Stop</button>
+      </span>
       <span class="unseen" role="status">{{ announced }}</span>
       <span class="tools">
         <label class="row"><span>Model</span>
-          <select class="text" aria-label="Model" :disabled="lost" :value="model" @change="$emit('model', $event.target.value)">
+          <select :class="['text', { pending: model !== solved }]" aria-label="Model" :disabled="lost" :value="model" :title="model === solved ? '' : 'Being computed; what is shown is the law under ' + solved" @change="pick($event.target.value)">
             <option v-if="!models.includes(model)" :value="model">{{ model }}</option>
             <option v-for="each in models" :key="each" :value="each">{{ each }}</option>
           </select>
@@ -72,8 +75,6 @@ export default {
         </span>
         <button class="act" title="Mouse, touch and keys (?)" @click="help">Help</button>
       </span>
-      <p v-if="hint" :class="['hint', 'info', { closed }]"><span>Drag the points of the target law: the heights follow. The tab “Take it” has the mould table. Help lists gestures and keys.</span>
-        <button class="act icon" aria-label="Close the hint" @click="close">✕</button></p>
       <dialog ref="dialog" aria-labelledby="help-title" @click="outside">
         <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>
         <table class="figure-table" v-for="[part, rows] in topics" :key="part"><caption>{{ part }}</caption>
@@ -84,8 +85,8 @@ export default {
   props: { models: Array, first: String, demos: Array },
   data() {
     return {
-      title: "", status: "designing …", kind: "", measure: "", meaning: "", part: "", announced: "", model: this.first, undo: false, redo: false,
-      theme: localStorage.getItem(THEME) ?? "auto", hint: !localStorage.getItem(HINT), closed: false, lost: false, themes: THEMES, topics: HELP,
+      title: "", status: "designing …", kind: "", measure: "", meaning: "", part: "", announced: "", model: this.first, solved: this.first, late: false, undo: false, redo: false,
+      theme: localStorage.getItem(THEME) ?? "auto", lost: false, themes: THEMES, topics: HELP,
     };
   },
   mounted() {
@@ -111,12 +112,10 @@ export default {
     },
   },
   methods: {
-    show(data) {
-      Object.assign(this, data);
-      if (!("undo" in data)) return;
-      if (this.undo && this.begun) this.close(); // the hand has found the points
-      else if (this.undo) this.hint = false; // a page that was loaded again, on which no hand rests yet
-      this.begun = true;
+    show(data) { Object.assign(this, data); },
+    pick(model) {  // what was chosen is shown while it is computed
+      this.model = model;
+      this.$emit("model", model);
     },
     choose(theme) {
       this.theme = theme;
@@ -157,10 +156,6 @@ export default {
     begin(event) {
       if (event.target.value) this.$emit("begin", event.target.value);
       event.target.value = "";
-    },
-    close() {  // its space stays until the page is loaded again: the plots would move under the hand
-      this.closed = true;
-      remember(HINT, "seen");
     },
     skip() {  // not by the fragment of the address, which holds the state
       document.querySelector(".explorer > .law")?.focus();

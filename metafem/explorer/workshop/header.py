@@ -29,7 +29,7 @@ SEARCH = "The search for heights begins from several surfaces and improves each 
 
 
 class Header(Element, component="header.js", esm={"metafem-workshop": "js"}):
-    """Shows the data of `header_data`; emits ``model``, ``undo``, ``redo``, ``begin`` and ``load``."""
+    """Shows the data of `header_data`; emits ``model``, ``stop``, ``undo``, ``redo``, ``begin``, ``load``."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -43,7 +43,7 @@ async def choose(page: Page, model: str) -> None:
     try:
         await page.make(lambda state: with_field(state.text, "model.kind", model))
     except InvalidInput as error:
-        ui.notify(str(error), type="warning")
+        page.say(str(error))
 
 
 async def begin(page: Page, name: str) -> None:
@@ -64,12 +64,21 @@ def header_panel(page: Page) -> Header:
     header.on("redo", page.redo)
     header.on("begin", lambda event: begin(page, event.args))
     header.on("load", lambda event: load(page, event.args["files"]))
-    header.on("model", lambda event: choose(page, event.args))
+    header.on("model", lambda event: chosen(event.args))
+    header.on("stop", page.stop)
     shown: dict[str, object] = {}
+
+    async def chosen(model: str) -> None:
+        shown["model"] = model  # the browser shows it already
+        await choose(page, model)
+        if page.state.designs_the_same(page.answer.state):
+            show(page.answer, header_data(page.answer))
 
     def show(answer: Answer, found: dict[str, Any]) -> None:
         at, last = page.session.at, len(page.session.states) - 1
-        data = {**found, "undo": at > 0, "redo": at < last}
+        data = {**found, "undo": at > 0, "redo": at < last, "late": False}
+        if not answer.state.designs_the_same(page.state):
+            data.pop("model", None)  # another one has been chosen
         changed = {name: value for name, value in data.items() if name not in shown or shown[name] != value}
         if changed:
             shown.update(changed)
@@ -82,7 +91,13 @@ def header_panel(page: Page) -> Header:
             step = page.newest.step
             design = f"designing: {step} …" if step else "designing …"
             words = "changing the specification …" if late[0] else design
-            data = {"status": words, "kind": "", "measure": "", "meaning": SEARCH if step else ""}
+            data = {
+                "status": words,
+                "kind": "",
+                "measure": "",
+                "meaning": SEARCH if step else "",
+                "late": True,
+            }
             for name in data:
                 shown.pop(name, None)
             header.run_method("show", data)

@@ -31,7 +31,7 @@ def header_data(answer: Answer) -> dict[str, Any]:
         data |= _misfit(answer.design)
     model = _model(answer.state.text)
     if model is not None:
-        data["model"] = model
+        data |= {"model": model, "solved": model}
     if answer.specification is not None:
         data["title"] = answer.specification.target.title
     return data

@@ -12,6 +12,7 @@ from metafem.explorer.answer import Answer, specification_of
 from metafem.explorer.following import Follower
 from metafem.explorer.session import State
 from metafem.explorer.text.fields import with_field
+from metafem.explorer.text.names import on_page
 from metafem.explorer.workshop.changes import with_choice, with_section, without_section
 from metafem.explorer.workshop.form import contents, form
 
@@ -72,7 +73,7 @@ class Workshop:
         try:
             await self.follower.change(change)
         except InvalidInput as error:
-            self.fields.run_method("refuse", {"key": key, "words": str(error)})
+            self.fields.run_method("refuse", {"key": key, "words": on_page(str(error))})
 
     def _warned(self, places: Mapping[str, list[str]]) -> None:
         """Show the warnings for single fields."""

@@ -24,7 +24,7 @@ def test_a_summit_at_the_base_plane_is_told_at_the_surface_and_at_the_files():
         answer, design=replace(answer.design, surface=answer.design.surface.replaced(height=height))
     )
     words = part_problem(answer)
-    assert words.startswith("no part can be made: asperity 7 at (")
+    assert words.startswith("no part can be made: the asperity at x = 5.25 mm, y = -5.25 mm has")
     assert "has the height 0 mm; a cap of radius 0.526 mm needs a height above 0" in words
     places = warnings_by_place(answer)
     assert words in places["surface"]

@@ -125,3 +125,24 @@ def test_columns_that_are_not_known_are_named_as_they_would_be_read():
         "contact area (mm²)": "area_mm²",
     }
     assert better_titles(["load_N", "friction_force_mN", "temperature", ""]) == {}
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "Load [mN],Friction force [mN],Friction force SD [mN]",
+        "Normal force (mN),Friction (mN),Friction force sd (mN)",
+        "P [mN];F [mN];friction_force_sd_mN",
+    ],
+)
+def test_labels_with_their_unit_are_column_names(header):
+    text = f"{header}\n200,260,1\n100,120,2\n"
+    found = read_points("m.csv", text.replace(",", ";") if ";" in header else text, *PAIR)
+    np.testing.assert_allclose(found.load, np.array([0.1, 0.2]) / 1.36)
+    np.testing.assert_allclose(found.friction_sd, np.array([0.002, 0.001]) / (0.37 * 0.85))
+    assert found.remarks == ()
+
+
+def test_labels_of_rescaled_columns_are_read():
+    found = read_points("m.csv", "Rescaled load [mm²],Rescaled friction [mm^2]\n0.1,0.5\n0.2,1\n", *PAIR)
+    assert found.friction.tolist() == [0.5, 1.0]

@@ -46,10 +46,10 @@ def test_tables_of_the_design_can_be_taken_where_no_part_can_be_made(answer):
 def test_solids_need_a_block_and_their_format():
     bare = answered(State(without_section(without_section(TEXT, "part"), "block")), 2)
     assert hindered(bare) == ["block.stl", "mould.stl", "mould.svg"]
-    assert "[block]" in hindrance("block.stl", bare)
+    assert "“Block”" in hindrance("block.stl", bare)
     other = answered(State(TEXT + 'formats = ["3mf"]\n'), 3)
     assert hindered(other) == ["block.stl", "mould.stl"]
-    assert hindrance("mould.stl", other) == 'needs "stl" in part.formats'
+    assert hindrance("mould.stl", other) == "needs “stl” among the “formats” of “Part files”"
 
 
 def test_nothing_can_be_taken_without_a_surface():

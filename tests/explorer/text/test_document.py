@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import metafem as mf
-from metafem.explorer.text.document import Document
+from metafem.explorer.text.document import Document, as_own
 from metafem.files import demo_text, parsed, section_forms
 from metafem.files.specification.models import DEMOS
 
@@ -177,3 +177,13 @@ def test_a_text_that_is_not_toml_cannot_be_edited():
 def test_a_value_within_what_is_no_section_is_refused(text):
     with pytest.raises(mf.InvalidInput, match="limits is not a section in the text; write \\[limits\\]"):
         Document(text).with_value("limits.max_height", "1 um")
+
+
+def test_an_own_law_loses_the_comment_about_the_law_of_the_demo():
+    text = demo_text("operating-points")
+    assert as_own(text) == text
+    assert as_own(text.replace('"270 um"', '"280 um"')).startswith("# A friction law through three")
+    own = as_own(text.replace('"4.12 mm^2"', '"4.1 mm^2"'))
+    assert own.startswith("# Every kind of law")
+    assert "Fig. 3" not in own
+    assert "[part]" in own

@@ -55,7 +55,7 @@ def test_every_key_takes_its_example(text):
         ("limits.max_height", "120", 'limits.max_height = "120" needs a unit; write for example "120 um"'),
         ("limits.max_height", "120 kg", 'has the unit "kg", which does not measure in mm'),
         ("limits.max_height", "", 'is missing; write for example max_height = "120 um"'),
-        ("lattice.pitch", "1,5 mm", "write decimals with a point"),
+        ("lattice.pitch", "1,500 mm", "write decimals with a point"),  # or one and a half thousand
         ("lattice.shape", "8", "write for example shape = [8, 8]"),
         ("lattice.shape", "8 x y", "must be a whole number"),
         ("lattice.shape", "six x 8", "'six'"),
@@ -148,3 +148,20 @@ def assert_kept_or_named(text, data, typed):
         return
     for found in problems(new):
         assert found.split(".")[0] == key.split(".")[0] or found == ""
+
+
+@pytest.mark.parametrize(
+    ("key", "typed", "value"),
+    [
+        ("lattice.pitch", "1,5 mm", "1.5 mm"),
+        ("lattice.pitch", "0,525 mm", "0.525 mm"),
+        ("lattice.radius", ",5 mm", ",5 mm"),
+        ("material.poisson_ratio", "0,45", 0.45),
+        ("lattice.shape", "12 12", [12, 12]),
+        ("lattice.shape", "8 x 12", [8, 12]),
+        ("target.crossover_loads", "0,05 mm^2; 0,2 mm^2", ["0.05 mm^2", "0.2 mm^2"]),
+        ("target.crossover_loads", "0.05 mm^2,0.2 mm^2", ["0.05 mm^2", "0.2 mm^2"]),
+    ],
+)
+def test_decimal_commas_and_spaces_between_whole_numbers_are_read(key, typed, value):
+    assert Document(with_field(MULTILINEAR, key, typed)).value(key) == value

@@ -25,7 +25,7 @@ TEXT = demo_text("operating-points")
         ("lattice.shape", "6, 10", [6, 10]),
         ("lattice.shape", "8 x 12", [8, 12]),
         ("friction.area_ratio", "0.9", 0.9),
-        ("friction.area_ratio", "0,9", "0,9"),
+        ("friction.area_ratio", "0,9", 0.9),
         ("layout.follow_law", "true", True),
         ("sites.empty", "3, 17", [3, 17]),
         ("model.kind", "layer", "layer"),
@@ -139,10 +139,10 @@ def test_every_key_has_a_field():
 @pytest.mark.parametrize(
     ("key", "given", "words"),
     [
-        ("lattice.pitch", "2", 'Needs a unit; write for example "1.5 mm".'),
+        ("lattice.pitch", "2", "Needs a unit; write for example 1.5 mm."),
         ("limits.max_height", "-1 um", "Must be greater than 0 um."),
-        ("friction.area_ratio", "0,9", "Must be a number, without quotes and unit"),
-        ("lattice.shape", "8, a b", "lattice.shape[1] = "),
+        ("friction.area_ratio", "0.9 mm", "Must be a number without a unit"),
+        ("lattice.shape", "8, a", "Entry 2 = 'a' must be"),
         ("target.kind", "linar", 'Is unknown; did you mean linear? (known: '),
     ],
 )  # fmt: skip

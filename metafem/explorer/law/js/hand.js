@@ -30,7 +30,8 @@ export class Hand {
     }
     if (this.held) this.finish(this.held);
     const start = { x: handle.x, y: handle.y };
-    this.held = { id, by, start, place: start, good: null, refused: false, moved, let: false, final: null };
+    const stuck = Boolean(this.plot.data?.refusal); // a drag that ends refused takes the nearest law
+    this.held = { id, by, start, place: start, good: null, refused: false, stuck, moved, let: false, final: null };
   }
 
   get current() { return this.handles.find((each) => each.id === this.held?.id); }
@@ -59,6 +60,23 @@ export class Hand {
     else if (this.plot.requests.idle) this.finish(this.held);
   }
 
+  // A place that the server did not take, because the connection was lost; the point returns to its start.
+  park() {
+    const { held } = this;
+    if (!held?.moved) return null;
+    Object.assign(this.current ?? {}, held.start);
+    this.drop();
+    return { id: held.id, ...held.place };
+  }
+
+  // Moves a handle as a drag that ends there.
+  put({ id, x, y }) {
+    this.hold(id, "put");
+    if (!this.held) return;
+    this.move(x, y);
+    this.letGo();
+  }
+
   drop() {
     this.held = null;
     this.plot.paint();
@@ -82,6 +100,7 @@ export class Hand {
     if (!handle) return;
     const where = held.good ? "to the last place that a surface reaches" : "to where it was";
     if (!held.refused) { this.plot.point(handle); return; }
+    if (held.stuck && !held.good) { this.plot.say(`Refused there. The law is the nearest one that can be designed: ${this.words(handle)}.`); return; }
     // the box with the reason goes with the last key, so it is said here
     const reason = held.by === "keys" ? ` ${held.reason}` : "";
     this.plot.say(`Refused. The point is back ${where}: ${this.words(handle)}.${reason}`, true);
@@ -131,6 +150,8 @@ export class Hand {
     for (const handle of this.handles) {
       const node = this.nodes.get(handle.id) ?? this.make(handle);
       const wrong = refused && handle.id === this.held?.id;
+      const carried = node.querySelector("text");
+      if (carried.textContent !== handle.carried) carried.textContent = handle.carried;
       set(node, {
         class: `handle moves-${handle.moves}${wrong ? " refused" : ""}${this.inactive ? " inactive" : ""}`,
         "aria-disabled": this.inactive,
@@ -158,6 +179,7 @@ export class Hand {
     const node = made("g", { "data-id": handle.id, tabindex: 0, role: "slider" }, this.group);
     made("circle", { class: "touch", r: TOUCH }, node);
     made("circle", { class: "mark", r: MARK }, node);
+    made("text", { class: "carried", x: 12, y: 20 }, node);
     if (handle.moves !== "xy") made("path", { class: "way", d: handle.moves === "x" ? "M-13 0H13" : "M0 -13V13" }, node);
     node.addEventListener("pointerdown", (event) => this.grab(event));
     node.addEventListener("focus", () => this.plot.point(this.focused));

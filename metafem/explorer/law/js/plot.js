@@ -6,14 +6,24 @@ import { drawLegend } from "./legend.js";
 import { Picture } from "./picture.js";
 import { Refusal } from "./refusal.js";
 import { Requests } from "./requests.js";
+import { remember } from "metafem-workshop/remember.js";
 import { made } from "./svg.js";
 import { Tools } from "./tools.js";
 import { MARGIN, View } from "./view.js";
 
 // Pixels that a pointer may move during a click.
 const STILL = 4;
+// A point that is added so near to the achieved law [pixels] is on it.
+const SNAP = 8;
 // Two taps are one double tap within these milliseconds and pixels, the width of a finger.
 const TWICE = { time: 500, far: 40 };
+
+// What the line below the plot says at the first visit.
+const [HINT, WELCOME] = ["metafem-hint", "Drag the points of the target law: the heights follow. The tab “Take it” has the mould table. Help lists gestures and keys."];
+// What the browser keeps of a drag that the server did not take.
+const UNSENT = "metafem-unsent";
+// Milliseconds after which a page that is connected again is not loaded anew.
+const SAME = 1000;
 
 // Where a point is after the one that carries it has moved: by factors for along, across (y for a move in x) and up.
 const shifted = (x, y, by, [along, across, up]) => [x + along * by.x, y + across * by.x + up * by.y];
@@ -38,12 +48,32 @@ export class Plot {
     for (const button of root.querySelectorAll(".law-use")) button.addEventListener("click", () => this.use());
     find("law-drop").addEventListener("click", () => this.remove(this.pointed));
     this.listen();
+    if (!localStorage.getItem(HINT)) this.say(WELCOME);
+    remember(HINT, "seen");
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.stage);
   }
 
+  // A drag that a lost connection ends is made when the server answers again, also on a page that was loaded anew.
+  lose() {
+    const place = this.hand.park();
+    if (!place) return;
+    remember(UNSENT, JSON.stringify(place), sessionStorage);
+    this.say("The server has not taken this move; it is made when the connection is back.", true);
+  }
+
+  resume() {
+    const place = sessionStorage.getItem(UNSENT);
+    sessionStorage.removeItem(UNSENT);
+    if (place) this.hand.put(JSON.parse(place));
+  }
+
   listen() {
     const { svg } = this;
+    queueMicrotask(() => { // the socket is made when all elements are mounted
+      window.socket.on("disconnect", () => this.lose());
+      window.socket.on("connect", () => { this.resuming = setTimeout(() => this.resume(), SAME); });
+    });
     svg.addEventListener("pointerdown", (event) => { this.pressed = this.pointOf(event); });
     svg.addEventListener("pointermove", (event) => {
       this.cursor.over = this.pointOf(event);
@@ -101,8 +131,9 @@ export class Plot {
 
   add(at) {
     if (!at || at.x <= MARGIN.left || at.y >= this.view.bottom) return;
-    this.changing = { count: this.hand.handles.length, at };
-    this.emit("add", { x: this.view.roundedX(this.view.atX(at.x)), y: this.view.roundedY(this.view.atY(at.y)) });
+    this.changing = { count: this.hand.handles.length, at, marked: this.data.marked };
+    const { view } = this;
+    this.emit("add", { x: view.roundedX(view.atX(at.x)), y: view.roundedY(view.atY(at.y)), near: (SNAP * view.y) / view.tall });
   }
 
   remove(id) {
@@ -121,7 +152,8 @@ export class Plot {
     const { handles } = hand;
     const next = more > 0 ? hand.nearest(changing.at) : handles[Math.min(changing.row, handles.length - 1)];
     hand.focus(next);
-    if (more > 0) this.say(`Added ${hand.words(next)}.`, false, next.id);
+    const curve = changing.marked && !this.data.marked ? " The law is now a curve that is approximated." : "";
+    if (more > 0) this.say(`Added ${hand.words(next)}.${curve}`, false, next.id);
     else this.say("Point removed.");
   }
 
@@ -149,7 +181,7 @@ export class Plot {
     if (!unknown || !this.hand.held) this.hand.take(handles);
     this.carry();
     if (ended) this.hand.tell(ended); // a slope is known with its answer
-    else if (!this.hand.held && this.said !== data.state) this.point(this.hand.focused); // what was said belongs to an earlier text
+    else if (!this.hand.held && this.said !== undefined && this.said !== data.state) this.point(this.hand.focused); // what was said belongs to an earlier text
     if (this.hand.held) this.offer = data.refusal !== "" && data.nearest !== null;
     if (!this.hand.held) this.fit();
     this.cursor.x = data.cursor;
@@ -157,6 +189,7 @@ export class Plot {
     this.drawLegend();
     this.paint();
     this.changed();
+    if (this.root.dataset.answered === "0") this.resume();
     this.root.dataset.answered = data.number;
   }
 
@@ -232,12 +265,11 @@ export class Plot {
     }
   }
 
-  // The reason of a refusal stands near the point that is held, else where it covers none.
   drawRefusal() {
-    const { data, view, hand } = this;
+    const { data, hand } = this;
     // after a drag the target is back, and the last offer stays
     for (const button of this.root.querySelectorAll(".law-use")) if (data.refusal && data.offer) button.textContent = data.offer;
-    const shown = this.refusal.draw(view, data, hand);
+    const shown = this.refusal.draw(data, Boolean(hand.held));
     if (shown && !hand.held) this.live.querySelector(".law-use").hidden = true; // the box has it
   }
 

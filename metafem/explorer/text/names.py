@@ -1,0 +1,128 @@
+"""The names that the page gives to sections and keys of a specification, also in messages."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import cache
+
+from metafem.files import section_forms
+
+# Titles of sections.
+TITLES: Mapping[str, str] = {
+    "target": "Target law", "part": "Part files", "lattice": "Sites and radius", "tools": "Choice of tools",
+    "sites": "Given heights, empty sites", "block": "Block", "limits": "Heights",
+    "robust": "Design for these errors", "layout": "Layout", "model": "Model", "contact": "Contact law",
+    "contact.cap": "Cap under adhesion", "material": "Material", "friction": "Friction", "checks": "Checks",
+}  # fmt: skip
+
+# Labels of keys whose names do not explain themselves.
+LABELS: Mapping[str, str] = {
+    "lattice.shape": "rows, columns",
+    "lattice.radius": "radius of curvature",
+    "limits.max_height": "largest height",
+    "limits.min_height": "smallest height",
+    "limits.height_sd": "error when made (SD)",
+    "model.kind": "model",
+    "material.composite_modulus": "composite modulus E*",
+    "material.poisson_ratio": "Poisson's ratio ν",
+    "friction.shear_strength": "shear strength σ",
+    "friction.area_ratio": "area ratio B",
+    "tools.radii": "radii of the tools",
+    "tools.caps": "their caps",
+    "tools.shear_strengths": "their shear strengths σ",
+    "tools.radius_range": "any radius within",
+    "tools.step": "step of these radii",
+    "tools.exponent_range": "any exponent within",
+    "tools.exponent_step": "step of these exponents",
+    "tools.mixed": "mixed tools",
+    "robust.height_sd": "error of heights (SD)",
+    "robust.angle": "largest tilt",
+    "robust.radius_sd": "error of radii (SD)",
+    "robust.position_sd": "error of positions (SD)",
+    "layout.seed": "random seed",
+    "layout.follow_law": "against interaction",
+    "layout.tilt": "against a tilt of",
+    "layout.tilt_weight": "weight of the tilt",
+    "sites.empty": "empty sites",
+    "sites.pinned": "sites with given heights",
+    "sites.heights": "their heights",
+}
+
+# A name in a message: a section in brackets, or a key with its section or with an underscore, and its entry.
+NAME = re.compile(r"\[([a-z]+(?:\.[a-z]+)?)\]|\b((?:[a-z]+\.){0,2}[a-z_]+)(?:\[(\d+)\])?(?![\w(])")
+
+# The place of an asperity, a list, and the example at the end of a message, in the notation of a file.
+PLACE = re.compile(r"\basperity \d+ at \(([^,()]+), ([^()]+)\) mm")
+LIST = re.compile(r"(?<= = )\[[^=\n]*\]|\[[^\[\]\n]*,[^\[\]\n]*\]")
+EXAMPLE = re.compile(r"(write for example )(?:\w+ = )?(.+)$", re.MULTILINE)
+
+# Words about the notation of a specification, and those of a field.
+NOTATION = {
+    ", without quotes and unit": " without a unit",
+    ", without quotes": "",
+    " in square brackets": ", separated by commas",
+    " on a line of its own": "",
+}
+
+
+def title_of(section: str) -> str:
+    """Return the title of a section."""
+    return TITLES.get(section) or section.rpartition(".")[2].capitalize()
+
+
+def label_of(key: str) -> str:
+    """Return the label of the field of a key.
+
+    Examples
+    --------
+    >>> label_of("limits.max_height"), label_of("lattice.pitch")
+    ('largest height', 'pitch')
+    """
+    return LABELS.get(key) or key.rpartition(".")[2].replace("_", " ")
+
+
+def on_page(message: str) -> str:
+    """Return a message with the page's names of sections and keys, without the notation of a specification.
+
+    Examples
+    --------
+    >>> on_page("asperity 3 at (1, 2) mm is too high; lower max_height or omit [block]")
+    'the asperity at x = 1 mm, y = 2 mm is too high; lower “largest height” or omit “Block”'
+    >>> on_page('lattice.shape[0] is missing; write for example shape = [8, 8]')
+    '“rows, columns”, entry 1 is missing; write for example 8, 8'
+    """
+    message = PLACE.sub(r"the asperity at x = \1 mm, y = \2 mm", message)
+    for notation, words in NOTATION.items():
+        message = message.replace(notation, words)
+    message = LIST.sub(lambda found: _plain(found[0]), message)
+    message = EXAMPLE.sub(lambda found: found[1] + _plain(found[2]), message)
+    return NAME.sub(_named, message)
+
+
+def _plain(value: str) -> str:
+    """Return a value as a field shows it, without brackets and quotes."""
+    return re.sub(r"[\[\]\"']", "", value)
+
+
+def _named(found: re.Match[str]) -> str:
+    section, name, entry = found.groups()
+    known = _known()
+    if section is not None:
+        return f"“{title_of(section)}”" if section in known else found[0]
+    if name not in known or not (entry or re.search(r"[._]", name)):
+        return found[0]
+    return f"“{known[name]}”" + (f", entry {int(entry) + 1}" if entry else "")
+
+
+@cache
+def _known() -> Mapping[str, str]:
+    """Return the page's name of each section, of each key with its section, and of each key alone."""
+    found: dict[str, str] = {}
+    for form in section_forms():
+        found[form.name] = title_of(form.name)
+        for name in dict.fromkeys(key.name for keys in form.keys.values() for key in keys):
+            label = label_of(f"{form.name}.{name}")
+            found[f"{form.name}.{name}"] = label
+            found.setdefault(name, label)
+    return {**found, "height_sd": label_of("limits.height_sd")}

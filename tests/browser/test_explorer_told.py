@@ -1,0 +1,140 @@
+"""Messages of the page: in its own words, readable, and gone when they are settled."""
+
+import pytest
+
+pytestmark = pytest.mark.slow
+
+# Contrast of the text of an element with its background, both opaque.
+CONTRAST = """node => {
+  const light = colour => {
+    const [r, g, b] = colour.match(/[\\d.]+/g).map(Number)
+      .map(part => part / 255).map(part => part <= 0.03928 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4);
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  };
+  const { color, backgroundColor } = getComputedStyle(node);
+  const [low, high] = [light(color), light(backgroundColor)].sort((a, b) => a - b);
+  return (high + 0.05) / (low + 0.05);
+}"""
+
+
+@pytest.mark.parametrize("theme", ["Light", "Dark"])
+def test_a_message_can_be_read_and_goes_with_the_next_success(visit, theme):
+    page = visit.page
+    page.get_by_role("button", name=theme, exact=True).click()
+    page.evaluate("() => { location.hash = 'm1.damaged'; }")
+    message = page.locator(".q-notification")
+    message.wait_for()
+    assert message.evaluate(CONTRAST) > 4.5
+    visit.entered("limits.max_height", "271 um")
+    message.wait_for(state="detached")
+
+
+def test_numbers_as_people_write_them_are_taken(visit):
+    visit.entered("lattice.pitch", "1,6 mm")
+    field = visit.page.locator('[data-key="lattice.pitch"]')
+    assert field.input_value() == "1.6 mm"
+    visit.entered("limits.height_step", ".8")
+    before = visit.asked
+    visit.page.get_by_role("button", name="Use 0.8 um").click()
+    visit.settled(before)
+    assert visit.page.locator('[data-key="limits.height_step"]').input_value() == "0.8 um"
+
+
+# Collects the shifts of the layout, each with its value and the elements that moved.
+SHIFTS = """() => {
+  window.shifts = [];
+  const name = node => (node?.nodeType === 3 ? node.parentElement : node);
+  new PerformanceObserver(list => {
+    for (const entry of list.getEntries()) {
+      const moved = entry.sources.map(({ node, previousRect: a, currentRect: b }) =>
+        `${name(node)?.outerHTML.slice(0, 80)}: ${a.x},${a.y} to ${b.x},${b.y}`);
+      shifts.push([entry.value, ...moved]);
+    }
+  }).observe({ type: 'layout-shift' });
+}"""
+
+
+@pytest.mark.parametrize("width", [1400, 1000, 390])
+def test_nothing_moves_under_the_hand(visit, width):
+    page = visit.page
+    page.set_viewport_size({"width": width, "height": 900})
+    page.locator("[data-beside]").wait_for()
+    page.evaluate(SHIFTS)
+    done = []
+
+    def still(what):
+        page.wait_for_timeout(700)
+        done.append(what)
+        assert page.evaluate("() => shifts") == [], what
+
+    x, y = visit.middle("point-1")
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 10, y - 10, steps=3)
+    still("drag")
+    page.mouse.move(x, y - 60, steps=4)
+    page.locator(".handle.refused").wait_for()
+    still("refusal under the hand")
+    before = visit.asked
+    page.mouse.up()
+    visit.settled(before)
+    still("release")
+    before = visit.asked
+    page.evaluate("() => document.querySelector('.load-knob').focus({ preventScroll: true })")
+    page.keyboard.press("Shift+ArrowLeft")
+    visit.settled(before)
+    still("load")
+    for model in ("layer", "independent"):
+        before = visit.asked
+        page.get_by_label("Model", exact=True).select_option(model)
+        visit.settled(before)
+        still(model)
+    before = visit.asked
+    page.evaluate("probe.typed", ["limits.max_height", "20 um"])
+    visit.settled(before)
+    page.locator(".law-refusal span").first.wait_for()
+    still("refused state")
+
+
+def test_a_model_that_is_computed_is_shown_as_chosen_and_can_be_stopped(visit):
+    page, text = visit.page, visit.text
+    model, stop = page.get_by_label("Model", exact=True), page.get_by_role("button", name="Stop", exact=True)
+    assert not stop.is_visible()
+    model.select_option("resolved")
+    stop.wait_for()
+    assert model.input_value() == "resolved"
+    assert page.locator("select.pending").count() == 1
+    before = visit.asked
+    page.wait_for_timeout(1000)
+    assert model.input_value() == "resolved"
+    stop.click()
+    visit.settled(before)
+    stop.wait_for(state="hidden")
+    assert model.input_value() == "independent"
+    assert page.locator("select.pending").count() == 0
+    assert visit.text == text
+
+
+def test_a_drawn_law_is_never_stuck(visit):
+    page, said = visit.page, []
+    curve = "() => getElement(document.querySelector('.law-plot')).plot"
+    for share in (0.2, 0.35, 0.62, 0.75, 0.9):
+        x, y = page.evaluate(
+            f"""share => {{
+              const {{ data, view, svg }} = ({curve})(), i = Math.round(share * (data.achieved.x.length - 1));
+              const box = svg.getBoundingClientRect();
+              return [box.x + view.px(data.achieved.x[i]), box.y + view.py(data.achieved.y[i]) + 3];
+            }}""",
+            share,
+        )
+        before = visit.asked
+        page.mouse.dblclick(x, y)
+        visit.settled(before)
+        assert page.evaluate(f"() => ({curve})().data.refusal") == ""
+        said.append(page.locator(".law-live span").inner_text())
+    assert len(visit.handles()) == 8
+    assert sum("now a curve that is approximated" in words for words in said) == 1
+    visit.entered("limits.max_height", "60 um")
+    page.locator(".law-refusal span").first.wait_for()
+    visit.drag("point-7", 2, -6)
+    page.wait_for_function(f"() => ({curve})().data.refusal === ''")
