@@ -158,8 +158,8 @@ def design(
     the largest height. They remain unchanged if the prescribed heights raise the misfit by less than about a
     tenth, except for operating points. A note states the misfits with and without the prescribed heights.
 
-    If tools have a `shear_strength`, the search also chooses the coating of each asperity, and the surface has
-    a `Friction` with one sigma for each. The target is rescaled by the sigma B of the template, as
+    If tools have a `shear_strength`, the search also chooses the coating of each asperity, and the surface
+    has a `Friction` with one sigma for each. The target is rescaled by the sigma B of the template, as
     ``from_forces(..., template.friction)`` does, whichever tools there are and whichever are used:
     ``F/(sigma B) = sum w_i A_i`` with the weights ``w_i = sigma_i/sigma`` of the tools. The rescaled friction
     of the design has the same scale, and its friction forces are ``sum sigma_i B A_i``. Coated tools need a
