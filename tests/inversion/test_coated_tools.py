@@ -109,6 +109,7 @@ def test_forces_are_sums_over_the_tools_of_the_asperities():
     assert [tool.cap for (tool,) in made] == [found.surface.cap.one(i) for i in range(found.surface.count)]
     counts = [sum(tool == one for (one,) in made) for tool in KIT]
     assert found.parameters["tool_counts"].tolist() == counts
+    assert "one more asperity" not in repr(found)
     for load in (0.05, 0.2):
         state = mf.equilibrium(found.surface, ELASTIC, load=load)
         law = mf.friction_law(found.surface, ELASTIC, load=[load])
