@@ -125,11 +125,12 @@ def empty_sites_words(design: Design) -> str:
     """Return the reason why some sites are empty although the law meets the target.
 
     Without adhesion, the area of one contact is a concave function of its load, so an additional contact
-    increases A0 at a fixed load.
+    increases A0 at a fixed load. If the asperities differ in friction, it may lower the friction force.
     """
     filled = design.surface.count + sum(height is None for height in design.pinned.values())
     unknown = design.status is DesignStatus.MISSED or contact_of(design.law.model).adhesive
-    if filled == design.template.count or unknown:
+    coated = float(np.ptp(design.surface.friction_weights)) > 0.0
+    if filled == design.template.count or unknown or coated:
         return ""
     return "; one more asperity in contact would exceed the target"
 

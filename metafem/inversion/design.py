@@ -97,8 +97,8 @@ def design(
         one cap; their law is that of the single radius ``R = (<R>/<sqrt R>)^2``. The tools are found for
         independent asperities; under another model only the heights are refined. Several radii or caps reach
         local exponents of a law below 2/3, larger slopes, and laws that saturate. If not all caps are spheres
-        or paraboloids, the default contact law is `Elastic()`. Default: the common radius and cap of the
-        template.
+        or paraboloids, the default contact law is `Elastic()`. A tool may have a `shear_strength`, with the
+        area ratio of the template; see Notes. Default: the common radius and cap of the template.
     common_radius : bool
         Whether all asperities are made by the same tool, the one with the smallest misfit. All tools of a
         list are tried, up to 13 radii of a range, and 7 exponents. The trials use neither `layout` nor
@@ -159,6 +159,13 @@ def design(
     the largest height. They remain unchanged if the prescribed heights raise the misfit by less than about a
     tenth, except for operating points. A note states the misfits with and without the prescribed heights.
 
+    If tools have a `shear_strength`, the search also chooses the coating of each asperity, and the surface
+    has a `Friction` with one sigma for each. The target is rescaled by the sigma B of the template, as
+    ``from_forces(..., template.friction)`` does, whichever tools there are and whichever are used:
+    ``F/(sigma B) = sum w_i A_i`` with the weights ``w_i = sigma_i/sigma`` of the tools. The rescaled friction
+    of the design has the same scale, and its friction forces are ``sum sigma_i B A_i``. Coated tools need a
+    target of the friction and contacts without adhesion; `layout` is not supported.
+
     Examples
     --------
     >>> import metafem as mf
@@ -175,6 +182,13 @@ def design(
     >>> target, limits = mf.PowerLaw(0.64, (0.1, 0.2)), mf.Limits(0.27)
     >>> mf.design(target, template, limits=limits, tools=[0.2, 0.8]).parameters["used_radii"]
     array([0.2, 0.8])
+
+    A slope below that of one radius needs a weaker coating.
+
+    >>> coated = template.replaced(friction=mf.Friction(0.4, 0.85))
+    >>> tools = [mf.Tool(0.526), mf.Tool(0.526, shear_strength=0.1)]
+    >>> mf.design(mf.LinearLaw(2.0), coated, tools=tools).parameters["tool_counts"]
+    array([ 0, 64])
 
     The heights have errors of 3 um, and the plane is tilted by up to 0.05 degrees about each axis.
 

@@ -153,7 +153,7 @@ def trade_off(
     shares = check.array("weights", weights, shape=(None,))
     check.refuse_entries("weights", shares, ~((shares > 0.0) & (shares < 1.0)), "must be between 0 and 1")
     problems = [Problem.checked(target, template, model, limits, tools=tools) for target in (first, second)]
-    words = "must have caps of one shape for two targets"
+    words = "must have caps of one shape and one friction for two targets"
     refuse_if(not isinstance(problems[0].tools, Radii), words, key="tools")
     refuse_if(
         problems[0].model.couples,

@@ -64,7 +64,7 @@ def _draw_difference(design: Design, ax: Axes) -> None:
 def _draw_reach(design: Design, ax: Axes) -> None:
     """Draw the region of laws that independent asperities can reach, if the target is a curve."""
     target = design.target_law
-    coated = design.law.friction_area is not None
+    coated = np.ndim(design.template.friction_weights) > 0  # the bounds are those of one friction
     if design.density is not None or few(target) or coated or design.target.of != "friction":
         return
     bounds = np.linspace(0.0, float(target.load[-1]), 200)[1:]

@@ -172,3 +172,21 @@ def test_onset_slides_at_the_own_strength_of_each_contact():
     assert found.friction_force == pytest.approx([0.2 * each, 0.5 * each], rel=1e-12)
     law = mf.friction_law(surface, load=[0.1])
     assert found.friction_force[-1] == pytest.approx(law.friction_force[0], rel=1e-12)
+
+
+def test_a_reference_scales_the_rescaled_friction_and_not_the_forces():
+    surface = mf.Surface.square_lattice(0.1, (1, 3), radius=0.5, material=mf.Material(1.36))
+    for sigma in ([0.1, 0.2, 0.4], 0.2, [0.2, 0.2, 0.2]):
+        laws = [
+            mf.friction_law(surface.replaced(friction=mf.Friction(sigma, 0.5, reference)), load=[0.1, 0.2])
+            for reference in (None, 0.05, 0.1, 0.7)
+        ]
+        for law, reference in zip(laws[1:], (0.05, 0.1, 0.7), strict=True):
+            np.testing.assert_allclose(law.friction_force, laws[0].friction_force, rtol=1e-14)
+            np.testing.assert_allclose(law.rescaled_friction * reference, law.friction_force, rtol=1e-14)
+
+
+def test_a_reference_that_is_the_common_stress_is_left_out():
+    friction = mf.Friction([0.4, 0.4], 0.5, 0.2)
+    assert friction.of(2) == mf.Friction(0.4, 0.5)
+    assert mf.Friction(0.4, 0.5, 0.3).of(2) == mf.Friction([0.4, 0.4], 0.5, 0.3)

@@ -135,9 +135,9 @@ class ToolsSection(Section):
     def _listed(self) -> tuple[Tool | float, ...]:
         """Return the radii of the tools [mm], or tools if they have caps or coatings of their own."""
         radii = self.radii or []
-        for name in ("caps", "shear_strengths"):
+        for name, what in (("caps", "caps"), ("shear_strengths", "shear strengths")):
             given = getattr(self, name)
-            words = f"has {len(given or ())} values for {len(radii)} radii; give one for each"
+            words = f"has {len(given or ())} {what} for {len(radii)} radii; give one for each"
             refuse_if(given is not None and len(given) != len(radii), words, key=name)
         if self.caps is None and self.shear_strengths is None:
             return tuple(radii)

@@ -130,25 +130,32 @@ COATED = 'radii = ["0.3 mm", "0.5 mm"]\nshear_strengths = ["0.1 MPa", "500 kPa"]
     ],
 )
 def test_tools_have_shear_strengths(keys, caps):
-    text = LINEAR.replace('radius = "526 um"', "").replace("[contact]", "[contact]\nkind = 'elastic'")
-    text += "" if "[contact]" in text else "\n[contact]\nkind = 'elastic'\n"
+    text = LINEAR.replace('radius = "526 um"', "") + "\n[contact]\nkind = 'elastic'\n"
     expected = tuple(map(mf.Tool, (0.3, 0.5), caps, (0.1, 0.5)))
     assert parsed(f"{text}\n[tools]\n{COATED}{keys}").tools == expected
 
 
 @pytest.mark.parametrize(
-    ("keys", "change", "words"),
+    ("keys", "removed", "words"),
     [
-        ('radii = ["0.3 mm"]\n', ("", ""), "tools.shear_strengths has 2 values for 1 radii; give one for each"),
-        ('radius_range = ["0.3 mm", "0.5 mm"]\n', ("", ""), "tools.shear_strengths needs tools.radii: one"),
-        ('radii = ["0.3 mm", "0.5 mm"]\n', ("[friction]", "[friction_]"), "needs a section [friction], which"),
+        (
+            'radii = ["0.3 mm"]',
+            "",
+            "tools.shear_strengths has 2 shear strengths for 1 radii; give one for each",
+        ),
+        ('radius_range = ["0.3 mm", "0.5 mm"]', "", "tools.shear_strengths needs tools.radii: one shear st"),
+        (COATED, "friction", "tools.shear_strengths needs a section [friction], which states area_ratio"),
+        (COATED.replace("500", "-1"), "", "tools.shear_strengths[1] = -0.001 MPa must be greater than 0"),
     ],
 )
-def test_shear_strengths_that_do_not_suit_are_refused(keys, change, words):
+def test_shear_strengths_that_do_not_suit_are_refused(keys, removed, words):
     text = LINEAR.replace('radius = "526 um"', "")
-    text = text[: text.index("[friction]")] if change[0] and "[friction]" in text else text
-    problem = wrong(f'{text}\n[tools]\n{keys}shear_strengths = ["0.1 MPa", "0.5 MPa"]\n')
-    assert words in str(problem)
+    if removed:
+        start = text.index(f"[{removed}]")
+        text = text[:start] + text[text.index("[", start + 1) :]
+    strengths = "" if "shear_strengths" in keys else 'shear_strengths = ["0.1 MPa", "0.5 MPa"]'
+    problems = problems_of(f"{text}\n[tools]\n{keys}\n{strengths}\n")
+    assert words in str(problems[0])
 
 
 def test_tools_have_no_step():

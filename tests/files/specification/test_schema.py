@@ -82,6 +82,7 @@ def test_every_key_is_described_with_its_example_and_default():
 # Keys of the manual that exclude others, and a table that is not there.
 COMMON = {
     *("load", "friction_force", "friction_coefficient", "friction_coefficients", "file", "radius", "caps"),
+    "shear_strengths",  # which adhesive laws exclude
 }
 EXPONENTS = {"exponent_range", "exponent_step", "coefficient"}
 FIRST = {
@@ -90,7 +91,7 @@ FIRST = {
 }
 SECOND = {
     *("young_modulus", "rescaled_load", "rescaled_friction", "lowest", "highest", "slope", "slopes", "file"),
-    *("radius", "radii", "caps", *EXPONENTS),
+    *("radius", "radii", "caps", "shear_strengths", *EXPONENTS),
 }
 THIRD = FIRST - {"radius"} | {"radii", "caps"}
 
