@@ -168,7 +168,8 @@ def trade_off(
     if any(problem.model.couples for problem in problems):
         kind = _BothOnSites
     both: Any = kind(problems, [target.curve() for target in (first, second)], generator)
-    starts, found = both.alone(), []
+    starts = both.alone()
+    found: list[Any] = []
     for weight in each("weight", shares.tolist()):
         found.append(both.nearest(weight, [*found[::-1], *starts]))
     every = [*found, *starts]

@@ -10,7 +10,7 @@ import metafem as mf
 from metafem._kernels.coupling import empty_state, respond, spread
 from metafem.models.contact_tables import tables
 from metafem.models.interacting.influence import coupling_between
-from metafem.models.interacting.sensitivity import influences_of, contact_system
+from metafem.models.interacting.sensitivity import contact_system, influences_of
 
 # Rescaled loads [mm^2], thickness of the layer [mm], and side of the cells of resolved contacts [mm].
 LOADS, THICKNESS, CELL = np.array([0.1, 0.3]), 7.2, 0.005

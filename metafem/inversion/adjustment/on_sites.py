@@ -45,8 +45,10 @@ class OnSites:
         some = np.flatnonzero(self.space.exists(height))
         return replace(self.whole.taken(some), sites=some).with_heights(height[some])
 
-    def sensitivity(self, model: Sensitive, load: FloatArray, height: FloatArray) -> tuple[Sensitivity, IntArray]:
-        """Return the sensitivity of heights on all sites (n,) [mm] at loads (k,), and the sites of its columns.
+    def sensitivity(
+        self, model: Sensitive, load: FloatArray, height: FloatArray
+    ) -> tuple[Sensitivity, IntArray]:
+        """Return the sensitivity of heights on all sites (n,) [mm], and the sites of its columns.
 
         Absent asperities are far below the plane, so that the influences of all sites are computed only once.
         If the model uses the positions of open asperities, they are left out.

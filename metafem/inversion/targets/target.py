@@ -11,8 +11,8 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.caps import Cap
 from metafem.errors import InvalidInput
-from metafem.inversion.quantities import quantity
 from metafem.inversion.candidate import Branch, Candidate, Parameter
+from metafem.inversion.quantities import quantity
 from metafem.inversion.quantities.quantity import Of
 from metafem.inversion.search.nearest_law import LawSearch
 from metafem.inversion.search.target_law import TargetLaw
