@@ -14,14 +14,19 @@ from metafem import drawing
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value, percent
 from metafem.errors import refuse_if
+from metafem.inversion.adjustment.first_heights import first_heights
+from metafem.inversion.adjustment.on_sites import OnSites
+from metafem.inversion.adjustment.refinement import refined
+from metafem.inversion.candidate import Candidate
 from metafem.inversion.limits import Limits
 from metafem.inversion.problem import Problem
 from metafem.inversion.quantities.quantity import words
 from metafem.inversion.search.asperities import OfRadii
-from metafem.inversion.search.levenberg_marquardt import search
+from metafem.inversion.search.levenberg_marquardt import descend, search
 from metafem.inversion.search.nearest_law import GOAL, LawSearch, residual_of_heights
 from metafem.inversion.search.spaces import Heights, LateResidual, Residual
 from metafem.inversion.search.target_law import TargetLaw
+from metafem.inversion.strategies import tools as strategy
 from metafem.inversion.targets.target import LEVEL_FRACTIONS, Target
 from metafem.inversion.tools.kit import Given
 from metafem.inversion.tools.radii import Radii
@@ -117,7 +122,9 @@ def trade_off(
     template : Surface
         As in `design`.
     model : Model, optional
-        Model of independent asperities; default: `Independent()`.
+        Model under which both targets are met; default: `Independent()`. Under a model with interaction, the
+        heights on the sites of the template are searched, with the sensitivities of its `gradient_model`;
+        the misfits are those under the model itself. The radii are then those found for one target alone.
     limits : Limits, optional
         Range of the heights, as in `design`. `height_step` is not used.
     rng : int or numpy Generator
@@ -134,7 +141,7 @@ def trade_off(
     Raises
     ------
     InvalidInput
-        For arguments outside their range, pinned heights, or a model with interaction.
+        For arguments outside their range, pinned heights, or quantities that are not known under the model.
 
     Examples
     --------
@@ -155,23 +162,21 @@ def trade_off(
     problems = [Problem.checked(target, template, model, limits, tools=tools) for target in (first, second)]
     words = "must have caps of one shape and one friction for two targets"
     refuse_if(not isinstance(problems[0].tools, Radii), words, key="tools")
-    refuse_if(
-        problems[0].model.couples,
-        f"the trade-off of two targets needs the model independent, not {problems[0].model.name}",
-        key="model",
-    )
     refuse_if(bool(problems[0].pins.rows.size), "limits.pinned cannot be used with two targets", key="limits")
     generator = check.generator(rng)
-    both = _Both(problems, [target.curve() for target in (first, second)], generator)
+    kind: type[_Both] | type[_BothOnSites] = _Both
+    if any(problem.model.couples for problem in problems):
+        kind = _BothOnSites
+    both: Any = kind(problems, [target.curve() for target in (first, second)], generator)
     starts = both.alone()
-    found: list[Pair] = []
+    found: list[Any] = []
     for weight in each("weight", shares.tolist()):
         found.append(both.nearest(weight, [*found[::-1], *starts]))
     every = [*found, *starts]
-    misfits = np.array([both.misfits(pair) for pair in every])
+    misfits = np.array([both.misfits(one) for one in every])
     kept = _undominated(misfits)
     sites = generator.permutation(template.count).astype(np.int64)
-    surfaces = tuple(_surface(problems[0], every[i], sites) for i in kept)
+    surfaces = tuple(both.surface(every[i], sites) for i in kept)
     return TradeOff((first, second), surfaces, misfits[kept])
 
 
@@ -221,6 +226,60 @@ class _Both:
         height, radius = space.split(found)
         return height - height.max(), radius
 
+    def surface(self, pair: Pair, sites: IntArray) -> Surface:
+        """Return the surface of heights relative to the tallest and radii, on the first of some sites."""
+        height, radius = pair
+        template, limits = self.problems[0].template, self.problems[0].limits
+        used = sites[: len(height)]
+        raised = np.maximum(limits.top + height, limits.foot)
+        return template.replaced(position=template.position[used], height=raised, radius=radius)
+
+
+@dataclass(frozen=True)
+class _BothOnSites:
+    """The problems of two targets under a model with interaction, and their laws."""
+
+    problems: list[Problem]
+    laws: list[TargetLaw]
+    rng: np.random.Generator
+
+    def alone(self) -> list[Candidate]:
+        """Return heights on sites that are near one target each, and have one target under the model."""
+        found = []
+        for problem in self.problems:
+            if problem.first_under_model:
+                candidate = first_heights(problem, self.rng)
+            else:
+                sites = self.rng.permutation(problem.count)
+                candidate = strategy.candidate(problem, self.rng)
+                candidate = candidate.placed(sites[: len(candidate.height)], problem.limits.foot)
+            found.append(refined(problem, candidate, self.rng))
+        return found
+
+    def misfits(self, candidate: Candidate) -> tuple[float, ...]:
+        """Return the misfit of a candidate for each target under the model [-]."""
+        surface = self.surface(candidate)
+        laws = zip(self.problems, self.laws, strict=True)
+        return tuple(law.misfit(one.model.curve(surface, law.load).rescaled_friction) for one, law in laws)
+
+    def nearest(self, weight: float, starts: list[Candidate]) -> Candidate:
+        """Return heights on sites with the least weighted sum of squares that was found."""
+        shares = np.array([weight, 1.0 - weight])
+        start = min(starts, key=lambda one: float(shares @ np.square(self.misfits(one))))
+        every, given = OnSites.of(self.problems[0], start), (self.laws, (weight, 1.0 - weight))
+        pairs = list(zip([problem.model for problem in self.problems], self.laws, strict=True))
+        residual = _weighted([every.residual(model.gradient_model, law) for model, law in pairs], *given)
+        goal = GOAL / 10.0
+        found = search(residual, [every.whole.height], every.space, goal, CHANGES, self.rng).unknowns
+        if any(model.gradient_model != model for model, _ in pairs):
+            residual = _weighted([every.residual_of_model(*pair) for pair in pairs], *given)
+            found = descend(residual, found, every.space, goal).unknowns
+        return every.candidate(found)
+
+    def surface(self, candidate: Candidate, sites: IntArray | None = None) -> Surface:
+        """Return the surface of a candidate."""
+        return candidate.surface(self.problems[0].template)
+
 
 def _weighted(parts: list[Residual], laws: list[TargetLaw], shares: tuple[float, float]) -> Residual:
     """Return the residual whose mean square is the weighted sum of the mean squares of two residuals."""
@@ -246,12 +305,3 @@ def _undominated(misfits: FloatArray) -> list[int]:
         if not kept or misfits[i, 1] < misfits[kept[-1], 1]:
             kept.append(i)
     return kept
-
-
-def _surface(problem: Problem, pair: Pair, sites: IntArray) -> Surface:
-    """Return the surface of heights relative to the tallest and radii, on sites of the template."""
-    height, radius = pair
-    template, limits = problem.template, problem.limits
-    used = sites[: len(height)]
-    raised = np.maximum(limits.top + height, limits.foot)
-    return template.replaced(position=template.position[used], height=raised, radius=radius)

@@ -216,7 +216,7 @@ class Problem:
 
     @property
     def first_under_model(self) -> bool:
-        """Whether already the first heights are found under the model, whose quantity is not that of the sum."""
+        """Whether the first heights are found under the model: for a quantity that is no sum over contacts."""
         return self.model.couples and self.target.of != FRICTION
 
     @property

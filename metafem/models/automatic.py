@@ -7,6 +7,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import ClassVar
 
+import numpy as np
+
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact import Contact
@@ -142,6 +144,19 @@ class Automatic(WithoutGradients):
             reason = f"the estimated error of A0(P) by order 3 is {error:.1e}"
         curve = self._resolved(surface, *controlled(load, approach), self.substrate, error, reason)
         return curve.with_notes((*curve.notes, *unused))
+
+    def conductance(self, surface: Surface, load: FloatArray, share: float = 1.0) -> FloatArray:
+        """Return the rescaled conductance ``(rho_1 + rho_2) G/2`` [mm] at increasing rescaled loads, (k,).
+
+        It is that of the model chosen at each load, and of order 1 where independent asperities are chosen:
+        their conductance would ignore the neighbours. share: as in `Interacting.conductance`.
+        """
+        found = np.zeros(len(load))
+        for k in np.flatnonzero(load > 0.0):
+            chosen = self.curve(surface, load[k : k + 1]).last.model
+            solver = chosen if chosen.couples else self._point_loads
+            found[k] = solver.conductance(surface, load[k : k + 1], share)[0]
+        return found
 
     def _unchecked(self, error: ModelError) -> Note:
         """Return a note on the order used, and its estimated error, if the contacts cannot be resolved."""

@@ -9,8 +9,8 @@ TEMPLATE = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.
 RANGE = (0.05, 0.2)
 
 
-def both_of(surface):
-    law = mf.friction_law(surface, load=np.linspace(0.05, 0.3, 10))
+def both_of(surface, model=None):
+    law = mf.friction_law(surface, model, load=np.linspace(0.05, 0.3, 10))
     friction = mf.SampledLaw(law.rescaled_load, law.area)
     return friction, mf.SampledLaw(law.rescaled_load, law.rescaled_stiffness, of="stiffness")
 
@@ -25,6 +25,19 @@ def test_two_laws_of_one_surface_are_met_together(seed):
         found.targets, found.misfits[found.best], ("area", "rescaled_stiffness"), strict=True
     ):
         law = mf.friction_law(found.surfaces[found.best], load=1.36 * target.rescaled_load)
+        difference = getattr(law, name) / target.rescaled_friction - 1.0
+        assert np.sqrt(np.mean(difference**2)) == pytest.approx(misfit, rel=1e-6)
+
+
+@pytest.mark.parametrize("model", [mf.Interacting(1), mf.Interacting(), mf.MeanField()])
+def test_two_laws_of_one_surface_are_met_together_under_interaction(model):
+    surface = TEMPLATE.replaced(height=0.12 * np.random.default_rng(1).beta(2.0, 2.0, 64))
+    found = mf.trade_off(*both_of(surface, model), TEMPLATE, model, weights=[0.5])
+    assert found.misfits[found.best].max() < 2e-3
+    for target, misfit, name in zip(
+        found.targets, found.misfits[found.best], ("area", "rescaled_stiffness"), strict=True
+    ):
+        law = mf.friction_law(found.surfaces[found.best], model, load=1.36 * target.rescaled_load)
         difference = getattr(law, name) / target.rescaled_friction - 1.0
         assert np.sqrt(np.mean(difference**2)) == pytest.approx(misfit, rel=1e-6)
 
@@ -55,9 +68,7 @@ def test_refusals():
     friction, stiffness = both_of(TEMPLATE)
     with pytest.raises(mf.InvalidInput, match="weights"):
         mf.trade_off(friction, stiffness, TEMPLATE, weights=[0.0])
-    with pytest.raises(mf.InvalidInput, match="independent"):
-        mf.trade_off(friction, stiffness, TEMPLATE, mf.Interacting())
-    with pytest.raises(mf.InvalidInput, match="needs the model independent"):
-        mf.trade_off(friction, friction, TEMPLATE, mf.Interacting())
+    with pytest.raises(mf.InvalidInput, match="without adhesion"):
+        mf.trade_off(friction, stiffness, TEMPLATE, mf.Interacting(contact=mf.JKR(9e-6)))
     with pytest.raises(mf.InvalidInput, match="pinned"):
         mf.trade_off(friction, stiffness, TEMPLATE, limits=mf.Limits(0.12, pinned={0: 0.1}))

@@ -31,7 +31,12 @@ def corrected(problem: Problem, candidate: Candidate, rng: np.random.Generator) 
     """
     kit, model, law = problem.tools, problem.model.gradient_model, candidate.target_law
     ranged = isinstance(kit, Kit) and kit.range is not None
-    if not (ranged and problem.model.couples) or problem.first_under_model or candidate.density is not None or candidate.stepped:
+    if (
+        not (ranged and problem.model.couples)
+        or problem.first_under_model
+        or candidate.density is not None
+        or candidate.stepped
+    ):
         return candidate
     assert isinstance(kit, Kit)
     best, least = candidate, np.inf

@@ -1,7 +1,7 @@
 """First heights for the stiffness or another quantity of interacting asperities.
 
-Interaction lowers the stiffness and the conductance by up to a half, so that heights of independent asperities
-with the target as their law are far from it. The compliance 1/Q of a quantity is nearly the sum of that of
+Interaction lowers the stiffness and the conductance by up to a half. Heights of independent asperities with
+the target as their law are therefore far from it. The compliance 1/Q of a quantity is nearly the sum of that of
 independent asperities, 1/q, and that of the block, c(P) = 1/Q - 1/q, which changes little with the heights;
 under a mean field it is a constant. Independent asperities are therefore inverted for the law 1/(1/Q - c) of
 a target Q, with c of the last heights. A search under the model follows.
@@ -22,13 +22,19 @@ from metafem.inversion.search.levenberg_marquardt import DEFAULTS, NEAR, search
 from metafem.inversion.strategies import tools
 from metafem.inversion.targets.laws import SampledLaw
 from metafem.models import Independent
+from metafem.models.model import contact_of
+from metafem.notes import information
 from metafem.progress import each
 
 # Number of inversions for independent asperities on the same sites, about 0.1 s each, and their restarts.
 ROUNDS, RESTARTS = 3, 2
 
-# Number of random changes on the same sites, about 0.05 s each, and maximum number of choices of sites.
-CHANGES, PLACEMENTS = 10, 10
+# Number of random changes on the same sites, about 0.05 s each.
+CHANGES = 10
+
+# Number of choices of sites for each restart of a refinement, in addition to the first. With several tools
+# there is only the first.
+PLACEMENTS = 3
 
 # Lowest compliance of independent asperities, relative to that of the target.
 STIFFEST = 0.1
@@ -46,7 +52,8 @@ def first_heights(problem: Problem, rng: np.random.Generator) -> Candidate:
     template, limits, best = problem.template, problem.limits, None
     spread = rng.permutation(np.linspace(limits.foot, limits.top, problem.count))
     start = Candidate(spread, template.radius, {}, problem.target.curve(), sites=np.arange(problem.count))
-    for _ in each("choice of sites", range(PLACEMENTS), at_most=True):
+    more = PLACEMENTS * problem.effort.refined_restarts if problem.tools.single else 0
+    for _ in each("choice of sites", range(1 + more), at_most=True):
         sites = problem.pins.placed(rng.permutation(problem.pins.template.count))
         found = _searched(problem, _nearest(problem, start, sites, rng), rng)
         best = found if best is None or found[0] < best[0] else best
@@ -54,7 +61,10 @@ def first_heights(problem: Problem, rng: np.random.Generator) -> Candidate:
             break
         start = best[1]
     assert best is not None
-    candidate = best[1]
+    candidate, near = best[1], problem.model.gradient_model
+    if near != problem.model:
+        note = information(f"the first heights were found under the model {near.name}, which has gradients")
+        candidate = replace(candidate, notes=(*candidate.notes, note))
     if not problem.target.exact:
         return candidate
     return replace(candidate, lowest_level=float(candidate.height.min()))
@@ -66,7 +76,7 @@ def _nearest(problem: Problem, start: Candidate, sites: IntArray, rng: np.random
     start: heights that have about the compliance of the block.
     """
     law, found, candidate = start.target_law, [], start
-    alone = replace(problem, model=Independent(problem.model.contact))
+    alone = replace(problem, model=Independent(contact_of(problem.model)))
     area = _area(problem, start)
     for _ in range(ROUNDS):
         wanted = law.law(area)

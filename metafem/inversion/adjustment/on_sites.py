@@ -14,7 +14,7 @@ from metafem.inversion.problem import Problem
 from metafem.inversion.search.asperities import beyond
 from metafem.inversion.search.spaces import Bounded, LateResidual, Residual
 from metafem.inversion.search.target_law import TargetLaw
-from metafem.models import Sensitivity
+from metafem.models import Model, Sensitivity
 from metafem.models.model import Sensitive
 from metafem.surface import Surface
 
@@ -45,8 +45,10 @@ class OnSites:
         some = np.flatnonzero(self.space.exists(height))
         return replace(self.whole.taken(some), sites=some).with_heights(height[some])
 
-    def sensitivity(self, model: Sensitive, load: FloatArray, height: FloatArray) -> tuple[Sensitivity, IntArray]:
-        """Return the sensitivity of heights on all sites (n,) [mm] at loads (k,), and the sites of its columns.
+    def sensitivity(
+        self, model: Sensitive, load: FloatArray, height: FloatArray
+    ) -> tuple[Sensitivity, IntArray]:
+        """Return the sensitivity of heights on all sites (n,) [mm], and the sites of its columns.
 
         Absent asperities are far below the plane, so that the influences of all sites are computed only once.
         If the model uses the positions of open asperities, they are left out.
@@ -72,6 +74,18 @@ class OnSites:
                 return rates
 
             return law.late_residual(found.curve.rescaled_friction, gradient)
+
+        return residual
+
+    def residual_of_model(self, model: Model, law: TargetLaw) -> Residual:
+        """Return the residual of a model without sensitivities, with those of its `gradient_model`."""
+        near = self.residual(model.gradient_model, law)
+
+        def residual(height: FloatArray) -> LateResidual:
+            some = np.flatnonzero(self.space.exists(height))
+            surface = self._surface.only(some, height=height[some])
+            area = model.curve(surface, law.load).rescaled_friction
+            return law.late_residual(area, lambda: near(height)[1]())
 
         return residual
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Literal, cast
+from typing import Any, ClassVar, cast
 
 from metafem._validate import FloatArray
 from metafem.contact import Contact
@@ -29,7 +29,7 @@ class QuantityModel:
 
     model: Model
     contact: Contact
-    of: Literal["stiffness", "tangential_stiffness", "conductance"]
+    of: str
     factor: float
 
     @property
@@ -44,7 +44,7 @@ class QuantityModel:
 
     @property
     def ignores_open(self) -> bool:
-        """Whether the quantity does not depend on open asperities; the mean field is that of their positions."""
+        """Whether the positions of open asperities have no effect; the nominal area of a mean field uses them."""
         return self.model.couples
 
     @property
@@ -78,7 +78,9 @@ class QuantityModel:
             of = "contact_radius" if self.of == "tangential_stiffness" else self.of
             found = model.quantity_sensitivity(surface, load, of, height)
             factor = self.factor if self.of == "tangential_stiffness" else 1.0
-            curve = replace(found.curve, area=factor * found.curve.area, compute_last=lambda: found.curve.last)
+            curve = replace(
+                found.curve, area=factor * found.curve.area, compute_last=lambda: found.curve.last
+            )
             return Sensitivity(curve, lambda: factor * found.gradient, found.indentation)
         alone = Independent(self.contact).sensitivity(surface, load, height)
         ratio = 1.0 / (1.0 + model.compliance(surface) * alone.curve.area)

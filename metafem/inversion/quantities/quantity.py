@@ -1,10 +1,11 @@
-"""Quantities that a target may prescribe, as sums over independent asperities.
+"""Quantities that a target may prescribe in place of the area.
 
 The inversion reads the area of a law alone. A target of another quantity is therefore inverted for contacts
 whose load is that of the model and whose "area" is the quantity of one contact: the stiffness ``2 a``, the
 rescaled conductance ``2 a`` or the tangential stiffness ``4 (1 - nu)/(2 - nu) a``, all in mm and divided by
 E* or by 2/(rho_1 + rho_2). The strategies, bounds and searches are then those for friction. The friction of
-coated caps is such a quantity, too: ``w pi a^2`` with the weight w of the coating.
+coated caps is such a quantity, too: ``w pi a^2`` with the weight w of the coating. Under a mean field and
+with interaction the quantity is no sum over the contacts; there it is that of a `QuantityModel`.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from metafem.material import Material
 from metafem.models import Model
 from metafem.models.model import contact_of, with_contact
 from metafem.prediction.quantities.tangential import shear_modulus
+from metafem.substrate import Radial
 from metafem.surface import Surface
 
 Of = Literal["friction", "stiffness", "tangential_stiffness", "conductance"]
@@ -83,6 +85,13 @@ def measured(model: Model, of: Of, surface: Surface) -> Model:
         of == "conductance" and not hasattr(model, "conductance"),
         f"the model {model.name} has no conductance; use independent, mean-field, half-space, layer, "
         "automatic or resolved",
+        key="model",
+    )
+    substrate = model.reference.substrate
+    refuse_if(
+        of == "conductance" and not isinstance(substrate, Radial),
+        f"a target of the conductance needs metafem.HalfSpace() or metafem.BondedLayer(); "
+        f"{type(substrate).__name__} has no conduction",
         key="model",
     )
     return QuantityModel(model, contact, of, contact.for_material(surface.material).factor)

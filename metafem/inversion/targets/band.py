@@ -44,8 +44,8 @@ class Band(Value, Target):
         Ends of F/(sigma B) [mm^2] at these loads, positive, each `lowest` below its `highest`.
     of : str
         Quantity of the target: "friction" (default), "stiffness" k/E*, "tangential_stiffness" k_t/E* or
-        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). Quantities other than
-        friction need the model `Independent`.
+        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). On a layer the
+        plane is then an ideal conductor.
 
     Raises
     ------

@@ -48,8 +48,8 @@ class OperatingPoints(Value, Target):
         F_i/(sigma B) [mm^2], positive and increasing.
     of : str
         Quantity of the target: "friction" (default), "stiffness" k/E*, "tangential_stiffness" k_t/E* or
-        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). Quantities other than
-        friction need the model `Independent`.
+        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). On a layer the
+        plane is then an ideal conductor.
 
     Raises
     ------
@@ -131,8 +131,8 @@ class SampledLaw(Value, Target):
         are exact.
     of : str
         Quantity of the target: "friction" (default), "stiffness" k/E*, "tangential_stiffness" k_t/E* or
-        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). Quantities other than
-        friction need the model `Independent`.
+        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). On a layer the
+        plane is then an ideal conductor.
 
     Raises
     ------
@@ -260,8 +260,8 @@ class PowerLaw(Target):
         C [mm^(2 - 2 beta)], positive; default: free.
     of : str
         Quantity of the target: "friction" (default), "stiffness" k/E*, "tangential_stiffness" k_t/E* or
-        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). Quantities other than
-        friction need the model `Independent`.
+        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). On a layer the
+        plane is then an ideal conductor.
 
     Raises
     ------

@@ -47,8 +47,8 @@ class MultilinearLaw(Target):
         Start of the first and end of the last branch, P/E* [mm^2].
     of : str
         Quantity of the target: "friction" (default), "stiffness" k/E*, "tangential_stiffness" k_t/E* or
-        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). Quantities other than
-        friction need the model `Independent`.
+        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). On a layer the
+        plane is then an ideal conductor.
 
     Examples
     --------

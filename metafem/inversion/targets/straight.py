@@ -102,8 +102,8 @@ class LinearLaw(StraightLaw):
         exponential density whose law has this slope at large loads and its own intercept.
     of : str
         Quantity of the target: "friction" (default), "stiffness" k/E*, "tangential_stiffness" k_t/E* or
-        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). Quantities other than
-        friction need the model `Independent`.
+        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). On a layer the
+        plane is then an ideal conductor.
 
     Examples
     --------
@@ -193,8 +193,8 @@ class BilinearLaw(StraightLaw):
         these slopes at large loads.
     of : str
         Quantity of the target: "friction" (default), "stiffness" k/E*, "tangential_stiffness" k_t/E* or
-        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). Quantities other than
-        friction need the model `Independent`.
+        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). On a layer the
+        plane is then an ideal conductor.
 
     Examples
     --------

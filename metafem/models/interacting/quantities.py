@@ -66,7 +66,9 @@ def quantity_sensitivity(
     def gradient() -> FloatArray:
         total = np.zeros((len(load), len(height)))
         # change of the compliance of each cap by its height, per load
-        softer = pedestal_influence(height, bound.surface.radius)[1] if bound.pedestal else np.zeros(len(height))
+        softer = (
+            pedestal_influence(height, bound.surface.radius)[1] if bound.pedestal else np.zeros(len(height))
+        )
         for k, state in enumerate(contacts.states):
             closed = np.flatnonzero(state.footprint)
             square, wider = state.footprint[closed], state.by_load[closed]
@@ -98,7 +100,11 @@ class _Contacts:
         """The influences, those for the derivatives, and the regular self terms with the pedestals."""
         bound = self.bound
         field, regular = coupling_between(bound.surface, bound.substrate, bound.order)
-        return field, influences_of(field, bound.order), regular + bound.pedestals(self.height, bound.surface.radius)
+        return (
+            field,
+            influences_of(field, bound.order),
+            regular + bound.pedestals(self.height, bound.surface.radius),
+        )
 
     @cached_property
     def states(self) -> list[State]:

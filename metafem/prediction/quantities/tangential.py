@@ -53,7 +53,9 @@ def tangential_stiffness(surface: Surface, model: Model | None = None, *, load: 
     array([1.404, 1.769])
     """
     solver, loads = given(surface, model, load)
-    return np.asarray(8.0 * shear_modulus(surface.material) * contact_radii(solver, surface, loads).sum(axis=1))
+    return np.asarray(
+        8.0 * shear_modulus(surface.material) * contact_radii(solver, surface, loads).sum(axis=1)
+    )
 
 
 def contact_radii(model: Model, surface: Surface, rescaled_load: FloatArray) -> FloatArray:

@@ -102,14 +102,16 @@ def test_quantities_cannot_exceed_their_bounds():
 
 def test_refusals():
     law = mf.SampledLaw(LOADS, 5.0 + LOADS, of="stiffness")
-    for model in (mf.Interacting(), mf.MeanField(), mf.BoundaryElements(0.01)):
-        with pytest.raises(mf.InvalidInput, match="needs the model independent"):
-            mf.design(law, template(), model)
     with pytest.raises(mf.InvalidInput, match="needs elastic contacts"):
         mf.design(law, template(), mf.Independent(mf.KogutEtsion(10.0)))
     conductance = mf.SampledLaw(LOADS, 5.0 + LOADS, of="conductance")
     with pytest.raises(mf.InvalidInput, match="without adhesion"):
         mf.design(conductance, template(), mf.Independent(mf.JKR(9e-6)))
+    with pytest.raises(mf.InvalidInput, match="without adhesion"):
+        mf.design(law, template(), mf.Interacting(contact=mf.JKR(9e-6)))
+    block = mf.Interacting(substrate=mf.fe.Block3D())
+    with pytest.raises(mf.InvalidInput, match="Block3D has no conduction"):
+        mf.design(conductance, template(block=mf.Block(20.0, 20.0, 7.2)), block)
     with pytest.raises(mf.InvalidInput, match="is not a quantity"):
         mf.SampledLaw(LOADS, LOADS, of="heat")
     with pytest.raises(mf.InvalidInput, match="load_range"):

@@ -94,11 +94,32 @@ def test_no_contact_has_no_conductance(irregular):
         assert mf.conductance(irregular, model, load=[0.0], resistivity=1.0).conductance[0] == 0.0
 
 
+class Curves:
+    """A model of a user that has no conductance."""
+
+    name = "curves"
+
+    def curve(self, surface, load=None, *, approach=None):
+        return mf.Independent().curve(surface, load, approach=approach)
+
+
+def test_the_automatic_model_has_the_conductance_of_the_chosen_one(irregular):
+    found, expected = (
+        mf.conductance(irregular, model, load=[0.0, 0.1], resistivity=1.0).conductance
+        for model in (mf.Automatic(1e-2), mf.Interacting(1))
+    )
+    assert mf.equilibrium(irregular, mf.Automatic(1e-2), load=0.1).model in (
+        mf.Independent(),
+        mf.Interacting(1),
+    )
+    assert (found == expected).all()
+
+
 def test_refusals(irregular):
     with pytest.raises(mf.InvalidInput, match="both 0"):
         mf.conductance(irregular, load=[0.1], resistivity=0.0)
     with pytest.raises(mf.InvalidInput, match="has no conductance"):
-        mf.conductance(irregular, mf.Automatic(), load=[0.1], resistivity=1.0)
+        mf.conductance(irregular, Curves(), load=[0.1], resistivity=1.0)
     with pytest.raises(mf.InvalidInput, match="at least 0 N"):
         mf.conductance(irregular, load=[-0.1], resistivity=1.0)
 
