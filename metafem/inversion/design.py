@@ -93,10 +93,10 @@ def design(
         For operating points and other laws over a range of loads, heights and tools are searched together.
         Linear and bilinear laws without a load range, whose heights follow a density, can mix two radii of
         one cap; their law is that of the single radius ``R = (<R>/<sqrt R>)^2``. The tools are found for
-        independent asperities; under another model only the heights are refined. Several radii or caps reach
-        local exponents of a law below 2/3, larger slopes, and laws that saturate. If not all caps are spheres
-        or paraboloids, the default contact law is `Elastic()`. Default: the common radius and cap of the
-        template.
+        independent asperities; under another model only the heights and the exponents of a range are refined.
+        Several radii or caps reach local exponents of a law below 2/3, larger slopes, and laws that saturate.
+        If not all caps are spheres or paraboloids, the default contact law is `Elastic()`. Default: the
+        common radius and cap of the template.
     common_radius : bool
         Whether all asperities are made by the same tool, the one with the smallest misfit. All tools of a
         list are tried, up to 13 radii of a range, and 7 exponents. The trials use neither `layout` nor
