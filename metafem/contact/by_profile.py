@@ -109,6 +109,15 @@ def law_of(cap: Cap) -> Contact:
     return LAWS[type(cap)](cap)
 
 
+def usual_law(surface: Surface) -> Contact:
+    """Return Hertz's law if all summits have a finite curvature; otherwise, the law of the caps' profiles."""
+    try:
+        surface.cap.summit_radius(surface.radius)
+    except InvalidInput:
+        return Elastic()
+    return PARABOLOID
+
+
 def _with_parameters(cap: Cap) -> Any:
     """Return the elastic law of one kind of cap with derivatives by all its parameters."""
     return PowerCap(cap.exponent, cap.coefficient) if isinstance(cap, Power) else law_of(cap)

@@ -12,11 +12,10 @@ from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem.caps import Power
 from metafem.errors import Infeasible, refuse_if
-from metafem.inversion.adjustment.exponents import corrected
+from metafem.inversion.adjustment.exponents import adjusted
 from metafem.inversion.adjustment.first_heights import first_heights
 from metafem.inversion.adjustment.height_steps import rounded_to_steps
 from metafem.inversion.adjustment.pinned import with_pinned
-from metafem.inversion.adjustment.refinement import refined
 from metafem.inversion.adjustment.robustness import compared, made_robust
 from metafem.inversion.assessment import EXACT, assess
 from metafem.inversion.candidate import Parameter
@@ -95,10 +94,11 @@ def design(
         For operating points and other laws over a range of loads, heights and tools are searched together.
         Linear and bilinear laws without a load range, whose heights follow a density, can mix two radii of
         one cap; their law is that of the single radius ``R = (<R>/<sqrt R>)^2``. The tools are found for
-        independent asperities; under another model only the heights are refined. Several radii or caps reach
-        local exponents of a law below 2/3, larger slopes, and laws that saturate. If not all caps are spheres
-        or paraboloids, the default contact law is `Elastic()`. A tool may have a `shear_strength`, with the
-        area ratio of the template; see Notes. Default: the common radius and cap of the template.
+        independent asperities; under another model only the heights and the exponents of a range are refined.
+        Several radii or caps reach local exponents of a law below 2/3, larger slopes, and laws that saturate.
+        If not all caps are spheres or paraboloids, the default contact law is `Elastic()`. A tool may have a
+        `shear_strength`, with the area ratio of the template; see Notes. Default: the common radius and cap of
+        the template.
     common_radius : bool
         Whether all asperities are made by the same tool, the one with the smallest misfit. All tools of a
         list are tried, up to 13 radii of a range, and 7 exponents. The trials use neither `layout` nor
@@ -223,8 +223,7 @@ def design(
                 candidate = strategy.candidate(problem, generator)
                 candidate = candidate.placed(permutation[: len(candidate.height)], problem.limits.foot)
         candidate = arranged(problem, candidate, generator)
-        candidate = corrected(problem, candidate, generator)
-        candidate = problem.target.judged(problem, refined(problem, candidate, generator))
+        candidate = problem.target.judged(problem, adjusted(problem, candidate, generator))
     plain = rounded_to_steps(problem, candidate)
     if problem.pins.rows.size:
         plain, candidate = with_pinned(problem, plain, candidate, generator)

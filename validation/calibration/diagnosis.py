@@ -27,12 +27,16 @@ SLOW = True
 # 2,000 of both.
 PARTS, FORCE_PARTS = 1000, 200
 
+# Parts whose caps differ, and the caps of neighbouring asperities.
+CAP_PARTS = 100
+CAPS = mf.Power(1.6), mf.Power(3.0, 2.0), mf.Sphere(), mf.Power(2.5)
+
 # The loads of Fig. 4 [N], and the noise of the paper.
 LOADS, NOISE = np.linspace(0.03, 0.6, 20), MeasurementErrors()
 
 # Errors of the whole part and of the calibration; single asperities are as designed.
 COMMON = Priors(height_sd=0.0, radius_sd=0.0)
-ALONE = mf.Independent()
+ALONE, BY_PROFILE = mf.Independent(), mf.Independent(mf.Elastic())
 
 NOMINAL = known_input("nominal 68 % of the intervals, for parts whose errors are drawn from the priors")
 MADE = known_input("errors of the synthetic part")
@@ -41,6 +45,7 @@ IDENTICAL = known_input(
     "identity: E*, σB and the height scale are three factors of one curve F = σB A0(P/E*)"
 )
 FOUND = f"mean of {PARTS} synthetic parts, measured with the area of each contact"
+MIXED = f"nominal 68 % within three standard errors of {CAP_PARTS} parts whose caps differ"
 ALONE_FOUND = f"{FORCE_PARTS} synthetic parts, measured by friction over load alone"
 
 
@@ -53,18 +58,22 @@ class Trial(NamedTuple):
 
 
 @cache
-def design() -> mf.Surface:
-    """Return 64 exponential heights at random sites of the paper's lattice, as those of Fig. 4."""
+def design(mixed: bool = False) -> mf.Surface:
+    """Return 64 exponential heights at random sites of the paper's lattice, as those of Fig. 4.
+
+    mixed: whether the caps differ; otherwise they are spheres.
+    """
     quantile = (np.arange(64) + 0.5) / 64.0
     heights = 0.05 - 0.0357 * np.log1p(-quantile * -math.expm1(-0.27 / 0.0357))
-    return template("fig4_red").replaced(height=np.random.default_rng(0).permutation(heights))
+    found = template("fig4_red").replaced(height=np.random.default_rng(0).permutation(heights))
+    return found.replaced(cap=CAPS * 16) if mixed else found
 
 
-def part(rng: np.random.Generator) -> tuple[FloatArray, mf.Surface, float]:
+def part(rng: np.random.Generator, mixed: bool) -> tuple[FloatArray, mf.Surface, float]:
     """Return drawn errors, the made surface and its factor of sigma B."""
     sd = [COMMON.angle_sd, COMMON.angle_sd, COMMON.height_scale_sd, COMMON.composite_modulus_sd]
     errors = np.array([*sd, COMMON.friction_sd]) * rng.standard_normal(5)
-    surface = design()
+    surface = design(mixed)
     material = mf.Material((1.0 + errors[3]) * surface.material.composite_modulus)
     made = surface.replaced(height=(1.0 + errors[2]) * surface.height, material=material)
     return errors, made.tilted(errors[0], errors[1]), 1.0 + errors[4]
@@ -73,9 +82,11 @@ def part(rng: np.random.Generator) -> tuple[FloatArray, mf.Surface, float]:
 def measured(surface: mf.Surface, friction: float, rng: np.random.Generator, areas: bool) -> MeasuredLaw:
     """Return the law of a part as measured with the paper's noise."""
     nominal = design()
-    curve = ALONE.curve(surface, LOADS / surface.material.composite_modulus)
+    model = ALONE if surface.cap == mf.Sphere() else BY_PROFILE
+    curve = model.curve(surface, LOADS / surface.material.composite_modulus)
     indentation = curve.approach[:, None] - (surface.height.max() - surface.height)
-    area = math.pi * surface.radius * np.maximum(indentation, 0.0)
+    contact, summits = model.contact.bound(surface), model.contact.summits(surface)
+    area = contact.area(contact.contact_radius(indentation, summits))
     force = friction * nominal.friction.shear_strength * nominal.friction.area_ratio * area.sum(axis=1)
     load = LOADS + NOISE.of_load(LOADS) * rng.standard_normal(LOADS.shape)
     force += NOISE.of_friction_force(force) * rng.standard_normal(LOADS.shape)
@@ -86,13 +97,14 @@ def measured(surface: mf.Surface, friction: float, rng: np.random.Generator, are
 
 
 @cache
-def trials(count: int, areas: bool) -> Trial:
+def trials(count: int, areas: bool, mixed: bool = False) -> Trial:
     """Return the errors of drawn parts, and what was found, (count, 5) each."""
     found = []
     for seed in range(count):
         rng = np.random.default_rng((seed, int(areas)))
-        errors, surface, friction = part(rng)
-        causes = explain(measured(surface, friction, rng, areas), design(), COMMON, model=ALONE).causes
+        errors, surface, friction = part(rng, mixed)
+        law, model = measured(surface, friction, rng, areas), BY_PROFILE if mixed else ALONE
+        causes = explain(law, design(mixed), COMMON, model=model).causes
         found.append((errors, [one.mean for one in causes], [one.sd for one in causes]))
     return Trial(*map(np.array, zip(*found, strict=True)))
 
@@ -110,14 +122,14 @@ def claim() -> Claim:
     are tilted, scaled and made of another E* and σB, all drawn from the priors, and measured at 20 loads with
     the paper's noise; the true errors are therefore known. With the area of each contact all are found, with
     right intervals. From friction over load alone only one combination of E*, σB and the height scale can be
-    found, and the result says so.
+    found, and the result says so. The same holds for parts whose caps differ.
     """
     figures = {
         "coverage of the intervals": Picture(_coverages),
         "errors of a tilted part with a hole": Picture(_posteriors),
         "heights of that part": Picture(_heights),
     }
-    rows = [*_coverage(), *_forces_alone(), *_recognised(), *_interaction()]
+    rows = [*_coverage(), *_other_caps(), *_forces_alone(), *_recognised(), *_interaction()]
     return Claim("What explains a measured law", rows, figures)
 
 
@@ -130,6 +142,12 @@ def _coverage() -> Iterator[Row]:
         yield near(what, shares[i], 0.68, 0.04, NOMINAL)
         yield below(f"{name}: bias over its standard deviation", abs(float(bias[i])), 0.2, TRUTH)
         yield reported(f"{name}: standard deviation found over that expected", float(left[i]), FOUND)
+
+
+def _other_caps() -> Iterator[Row]:
+    for name, share in zip(NAMES, covered(trials(CAP_PARTS, True, True)).tolist(), strict=True):
+        what = f"{name}: 68 % intervals that contain the truth, {CAP_PARTS} parts whose caps differ"
+        yield near(what, share, 0.68, 0.14, known_input(MIXED))
 
 
 def _forces_alone() -> Iterator[Row]:

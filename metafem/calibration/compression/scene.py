@@ -165,7 +165,8 @@ class Sample:
         refuse_if(ratio not in (None, own), other)
         refuse_if(
             isinstance(surface.cap, Caps),
-            "must be one cap for all asperities, because one law is fitted to all contacts",
+            "must be one cap for all asperities, because one law is fitted to all contacts: fit the contacts "
+            "of each cap separately, each with a sample of its own",
             key="surface.cap",
             value=repr(surface.cap),
         )

@@ -20,8 +20,9 @@ from metafem.calibration.diagnosis.shares import shares, unresolved
 from metafem.calibration.diagnosis.update import NEARLY, Posterior, update
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.verdict import judged
-from metafem.contact import Contact, Elastic, Hertz
-from metafem.errors import InvalidInput, refuse_if
+from metafem.contact import Contact
+from metafem.contact.by_profile import usual_law
+from metafem.errors import refuse_if
 from metafem.inversion import Design
 from metafem.models import Independent, Interacting, Model
 from metafem.models.model import checked_model, contact_of, with_contact
@@ -121,7 +122,7 @@ def explain(
     refuse_if(forces and friction is None, without)
     _refuse_contacts(measured, surface.count)
     surface = surface.replaced(material=measured.material)
-    usual = contact_of(design.law.model) if isinstance(design, Design) else _usual_contact(surface)
+    usual = contact_of(design.law.model) if isinstance(design, Design) else usual_law(surface)
     tried = _models(model, surface, usual)
     adhesive = contact_of(tried[0]).adhesive
     causes = Causes.of(surface, measured.load, measured.load_sd, expected, forces, adhesive)
@@ -144,15 +145,6 @@ def _refuse_contacts(measured: MeasuredLaw, count: int) -> None:
     )
     uncertain = "must be greater than 0, since the contact is closed"
     check.refuse_entries("asperity_area_sd", sd, (area > 0.0) & (sd <= 0.0), uncertain)
-
-
-def _usual_contact(surface: Surface) -> Contact:
-    """Return Hertz's law if the summits have a curvature; otherwise, the law of the caps' own profiles."""
-    try:
-        surface.cap.summit_radius(surface.radius)
-    except InvalidInput:
-        return Elastic()
-    return Hertz()
 
 
 def _models(model: Model | None, surface: Surface, contact: Contact) -> list[Model]:

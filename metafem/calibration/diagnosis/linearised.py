@@ -250,9 +250,7 @@ def _widest(cap: Contact, summits: Any) -> FloatArray:
     return np.where(limited, cap.contact_radius(np.where(limited, most, 0.0), summits), math.inf)
 
 
-def _total(
-    found: Response, derivative: FloatArray, covariance: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _total(found: Response, derivative: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the mean total areas (k,) and their derivatives (k, p) if z has this covariance.
 
     The mean area is smooth where a contact opens.

@@ -123,12 +123,11 @@ def response(model: Model, part: Made, load: FloatArray) -> Response:
     law, radius = contact.bound(surface), contact.summits(surface)
     touching = touching_rate(contact, surface)
     if model.couples:
-        size, indentation, carried = _states(with_contact(model, contact), surface, load)
+        size, indentation = _states(with_contact(model, contact), surface, load)
     else:
         order = np.argsort(load, kind="stable")
         size, indentation = np.empty((2, len(load), surface.count))
         size[order], indentation[order] = load_equation(law).contacts(surface.height, radius, load[order])
-        carried = _where_closed(law.load, size, radius)
     closed = size > 0.0
     if model.couples:  # the indentation of a contact of the same area without neighbours
         indentation = np.where(closed, _where_closed(law.indentation, size, radius), indentation)
@@ -217,10 +216,10 @@ def _where_closed(value: Callable[..., Any], size: FloatArray, radius: Any) -> F
         return np.where(size > 0.0, value(size, radius), 0.0)
 
 
-def _states(model: Model, surface: Surface, load: FloatArray) -> tuple[FloatArray, ...]:
-    """Return the contact radii, indentations and rescaled loads of the contacts, (k, n) each."""
-    size, indentation, carried = np.empty((3, len(load), surface.count))
+def _states(model: Model, surface: Surface, load: FloatArray) -> FloatArray:
+    """Return the contact radii and indentations of the contacts, (2, k, n)."""
+    size, indentation = found = np.empty((2, len(load), surface.count))
     for k, value in enumerate(load):
         state = model.curve(surface, np.array([value])).checked().last
-        size[k], indentation[k], carried[k] = np.sqrt(state.area / math.pi), state.indentation, state.load
-    return size, indentation, carried
+        size[k], indentation[k] = np.sqrt(state.area / math.pi), state.indentation
+    return found

@@ -21,10 +21,12 @@ from metafem.calibration.joint import checked_covariance, propagated
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.sheared.proportional import proportional
 from metafem.calibration.verdict import Verdict, judged
+from metafem.contact.by_profile import usual_law
 from metafem.drawing import calibration
 from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Friction
 from metafem.models import Independent, Model
+from metafem.models.model import contact_of
 from metafem.prediction import equilibrium, friction_law
 from metafem.surface import Surface
 
@@ -71,7 +73,8 @@ def shear_strength(
     load_min : float
         Smallest load that is used [N].
     model : Model, optional
-        Model of the contact area; default: `Independent()`.
+        Model of the contact area; default: independent asperities with the contact law `Hertz`, or `Elastic`
+        if a summit has no finite curvature.
     covariance : array_like, (p, p), optional
         Covariance of the `parameters`, in mm, MPa and 1; default: no errors.
     parameters : sequence of str
@@ -103,7 +106,7 @@ def shear_strength(
     check.instance("law", law, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
     check.instance("surface", surface, Surface, "a metafem.Surface")
     least = check.number("load_min", load_min, above=0.0)
-    solver = Independent() if model is None else model
+    solver = Independent(contact=usual_law(surface)) if model is None else model
     names, known = _covariance(covariance, parameters)
     if law.friction_force is None or law.friction_force_sd is None:
         raise InvalidInput("law has no friction forces; sigma needs them")
@@ -197,7 +200,8 @@ def _refuse_open(surface: Surface, model: Model, load: float) -> None:
     """Raise InvalidInput if an asperity is open; the message states a sufficient load."""
     opened = int((equilibrium(surface, model, load=load).asperity_area <= 0.0).sum())
     if opened:
-        least = equilibrium(surface, Independent(), approach=float(np.ptp(surface.height))).load
+        alone = Independent(contact=contact_of(model))
+        least = equilibrium(surface, alone, approach=float(np.ptp(surface.height))).load
         unit = 10.0 ** (math.floor(math.log10(least)) - 2)  # unit of the third digit
         raise InvalidInput(
             f"is too small: {opened} of {surface.count} asperities are not in contact at this load; all are "

@@ -196,7 +196,8 @@ def measured_surface(
     design = design_surface
     refuse_if(
         design.cap != SPHERE,
-        f"must be {SPHERE!r}: spheres are fitted to the map",
+        f"must be {SPHERE!r}: spheres are fitted to the map. Measure summits of other caps by other means, "
+        "and set their heights by surface.replaced(height=...)",
         key="design_surface.cap",
         value=repr(design.cap),
     )

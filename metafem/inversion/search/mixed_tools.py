@@ -79,15 +79,22 @@ class ToolSearch:
 
     def around(self, height: FloatArray, surface: Surface) -> tuple[FloatArray, Cap]:
         """Return heights [mm] and caps (n,) of a range of exponents after a descent from a surface's."""
-        caps = (surface.cap.one(i) for i in range(surface.count))
-        start = self.space.joined(height - height.max(), np.array([_exponent(cap) for cap in caps]))
-        given = self.space.project(start), self.space, self.goal
-        found = descend(self._residual, *given, options=self.problem.options)
-        height, exponent = self.space.split(found.unknowns)
-        if self._has_steps:
-            best = self._one_by_one(height, exponent)
-            height, exponent = best.unknowns, best.shape
-        return height, self._made(exponent)[1]
+        given = self.unknowns(height, surface), self.space, self.goal
+        found = descend(self.residual, *given, options=self.problem.options)
+        if not self._has_steps:
+            return self.made(found.unknowns)
+        best = self._one_by_one(*self.space.split(found.unknowns))
+        return best.unknowns, self._made(best.shape)[1]
+
+    def unknowns(self, height: FloatArray, surface: Surface) -> FloatArray:
+        """Return the unknowns (2n,) for heights (n,) [mm] and the exponents of a surface's caps."""
+        exponents = np.array([_exponent(surface.cap.one(i)) for i in range(surface.count)])
+        return self.space.project(self.space.joined(height - height.max(), exponents))
+
+    def made(self, unknowns: FloatArray) -> tuple[FloatArray, Cap]:
+        """Return the heights [mm] and caps (n,) for unknowns (2n,)."""
+        height, shape = self.space.split(unknowns)
+        return height, self._made(shape)[1]
 
     @property
     def _has_steps(self) -> bool:
@@ -116,14 +123,15 @@ class ToolSearch:
         return float(model.curve_of(np.zeros(1), middle, load).approach[0])
 
     @cached_property
-    def _residual(self) -> Residual:
+    def residual(self) -> Residual:
+        """Residual of independent asperities as a function of the unknowns."""
         return self.space.residual(self.problem.independent, self.law)
 
     def _of_heights(self, shape: FloatArray) -> Residual:
         """Return the residual as a function of the heights of asperities with given shapes (n,)."""
 
         def residual(height: FloatArray) -> LateResidual:
-            r, jacobian = self._residual(self.space.joined(height, shape))
+            r, jacobian = self.residual(self.space.joined(height, shape))
             return r, lambda: jacobian()[:, : len(height)]
 
         return residual
@@ -134,7 +142,7 @@ class ToolSearch:
         options = self.problem.options
         for start in self._starts():
             found.append(
-                descend(self._residual, self.space.project(start), self.space, self.goal, options=options)
+                descend(self.residual, self.space.project(start), self.space, self.goal, options=options)
             )
             if found[-1].misfit <= NEAR * self.goal:
                 break
@@ -142,7 +150,7 @@ class ToolSearch:
         best = found[0]
         for one in found[: max(1, round(BEST * self.problem.effort.mixtures))]:
             given = self.goal, self.restarts, self.rng, options
-            changed = search(self._residual, [one.unknowns], self.space, *given)
+            changed = search(self.residual, [one.unknowns], self.space, *given)
             best = changed if changed.misfit < best.misfit else best
             if best.misfit <= self.goal:
                 break
@@ -168,7 +176,7 @@ class ToolSearch:
             yield self._joined(-np.linspace(0.0, deep, count), np.zeros(count, dtype=np.int64))
 
     def _misfit(self, unknowns: FloatArray) -> float:
-        r, _ = self._residual(unknowns)
+        r, _ = self.residual(unknowns)
         return float(np.sqrt(r @ r / len(r)))
 
     def _joined(self, height: FloatArray, which: IntArray) -> FloatArray:
@@ -224,7 +232,7 @@ class ToolSearch:
         """Return the residual with derivatives with respect to the free unknowns only, (2n,)."""
 
         def residual(unknowns: FloatArray) -> LateResidual:
-            r, jacobian = self._residual(unknowns)
+            r, jacobian = self.residual(unknowns)
             return r, lambda: np.where(free, jacobian(), 0.0)
 
         return residual

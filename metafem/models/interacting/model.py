@@ -150,7 +150,8 @@ class Interacting:
             )
         refuse_if(
             self.pedestal and surface.cap != SPHERE,
-            f"cannot be True with cap = {surface.cap!r}: the compliance of a cap is known for {SPHERE!r}",
+            f"cannot be True with cap = {surface.cap!r}: the compliance of a cap is known for {SPHERE!r}; "
+            "use pedestal=False",
             key="pedestal",
         )
         law = self.contact.bound(surface)

@@ -29,6 +29,21 @@ def load_of(a, cap=None, energy=ENERGY, modulus=MODULUS):
     return modulus * rescaled - np.sqrt(8.0 * math.pi * energy * modulus * a**3)
 
 
+@pytest.mark.parametrize(
+    "cap",
+    [mf.Power(3.0), mf.Power(4.0, 2.0), mf.Paraboloid(), mf.Profile(lambda rho: rho**3, extent=0.6)],
+    ids=["power 3", "power 4", "paraboloid", "profile"],
+)
+def test_caps_of_a_sample_give_modulus_and_adhesion(cap):
+    place = [[0.0, 0.0], [70.0, 0.0], [0.0, 70.0]]
+    surface = mf.Surface(place, [0.3] * 3, RADIUS, mf.Material(1.0), cap=cap)
+    elastic = mf.Elastic()
+    sample = Sample(3, model=mf.Independent(elastic), surface=surface)
+    found = fit_compression(3 * load_of(A, elastic.bound(surface)), 3 * AREA, RADIUS, sample)
+    assert found.composite_modulus == pytest.approx(MODULUS, rel=1e-9)
+    assert found.adhesion_energy == pytest.approx(ENERGY, rel=1e-9)
+
+
 def of_cap(cap, contacts=1):
     return Sample(contacts, model=mf.Independent(contact=cap))
 

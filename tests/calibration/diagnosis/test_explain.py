@@ -40,7 +40,9 @@ def test_a_scaled_part_is_recognised_as_scaled():
 KINDS = {
     "steep": mf.Power(4, 2.0),
     "blunt": mf.Power(1.5),
-    "mixed": [[mf.Power(1.6), mf.Power(3, 2.0), mf.Sphere(), mf.Power(2.5)][i % 4] for i in range(PART.count)],
+    "mixed": [
+        [mf.Power(1.6), mf.Power(3, 2.0), mf.Sphere(), mf.Power(2.5)][i % 4] for i in range(PART.count)
+    ],
 }
 
 
@@ -48,7 +50,12 @@ KINDS = {
 def test_the_causes_are_found_whatever_the_caps(kind):
     part = PART.replaced(cap=KINDS[kind])
     made = part.replaced(height=1.04 * part.height).tilted(math.radians(0.08), 0.0)
-    truth = {"angle_x": math.radians(0.08), "height_scale": 0.04, "composite_modulus": 0.05, "friction": -0.03}
+    truth = {
+        "angle_x": math.radians(0.08),
+        "height_scale": 0.04,
+        "composite_modulus": 0.05,
+        "friction": -0.03,
+    }
     law = measured(
         made, rng=np.random.default_rng(9), stiffer=1.05, friction=0.97, model=mf.Independent(mf.Elastic())
     )

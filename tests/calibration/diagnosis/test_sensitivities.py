@@ -16,11 +16,9 @@ from tests.calibration.diagnosis.scenes import COMMON, NOTHING, design, measured
 PART = design((3, 3))
 
 
-# Power caps have derivatives of the areas by the radius, profiles do not.
-MIXED = PART.replaced(
-    cap=[mf.Power(1.6), mf.Power(3, 2.0), mf.Sphere(), mf.Profile(lambda rho: rho**2.5, extent=0.5)] * 2
-    + [mf.Paraboloid()]
-)
+# The areas of profiles do not depend on the radius.
+FOUR = mf.Power(1.6), mf.Power(3, 2.0), mf.Sphere(), mf.Profile(lambda rho: rho**2.5, extent=0.5)
+MIXED = PART.replaced(cap=[*FOUR, *FOUR, mf.Paraboloid()])
 
 
 def scene(model: mf.Model, priors: Priors, areas: bool = True, part: mf.Surface = PART) -> Scene:
@@ -44,8 +42,14 @@ def computed(scene: Scene, z: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize(
     ("contact", "part"),
-    [(mf.Hertz(), PART), (mf.SphericalCap(), PART), (mf.JKR(9e-6), PART), (mf.KogutEtsion(0.8), PART)]
-    + [(mf.Elastic(), MIXED), (mf.JKR(9e-6, mf.Elastic()), MIXED)],
+    [
+        (mf.Hertz(), PART),
+        (mf.SphericalCap(), PART),
+        (mf.JKR(9e-6), PART),
+        (mf.KogutEtsion(0.8), PART),
+        (mf.Elastic(), MIXED),
+        (mf.JKR(9e-6, mf.Elastic()), MIXED),
+    ],
     ids=["Hertz", "spheres", "JKR", "Kogut-Etsion", "mixed caps", "adhesive mixed caps"],
 )
 @pytest.mark.parametrize("areas", [True, False])

@@ -38,6 +38,17 @@ def test_the_law_of_the_model_gives_its_strength(model):
     assert found.friction == mf.Friction(found.shear_strength, 0.85)
 
 
+@pytest.mark.parametrize("given", [None, mf.Independent(mf.Elastic())])
+def test_caps_that_differ_give_their_strength(given):
+    caps = [mf.Power(3), mf.Sphere(), mf.Power(1.5, 0.3)] * 3
+    surface = SURFACE.replaced(cap=caps)
+    exact = mf.friction_law(surface, mf.Independent(mf.Elastic()), load=[0.2, 0.3, 0.4])
+    found = shear_strength(measured(exact), surface, 0.2, model=given)
+    assert found.shear_strength == pytest.approx(0.37, rel=1e-12)
+    with pytest.raises(InvalidInput, match=r"load_min = 0\.001 .* all are from 0\.\d+ on"):
+        shear_strength(measured(exact), surface, 0.001, model=given)
+
+
 def test_errors_of_the_modulus_and_the_ratio_are_passed_on(law):
     given = np.array([[0.04**2, 0.3 * 0.04 * 0.01], [0.3 * 0.04 * 0.01, 0.01**2]])
     exact = measured(law)

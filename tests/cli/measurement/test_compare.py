@@ -153,7 +153,7 @@ def test_a_calibration_gives_the_material_pair_with_its_errors(run, measured):
 def write_contacts(design, made):
     """Write the table of the contacts of a made surface at two loads."""
     load, surface = np.array([0.2, 0.8]), design.surface
-    area = np.array([mf.equilibrium(made, load=each).asperity_area for each in load])
+    area = np.array([mf.equilibrium(made, design.law.model, load=each).asperity_area for each in load])
     friction = surface.friction
     force = friction.shear_strength * friction.area_ratio * area.sum(axis=1)
     table = ContactTable(
@@ -190,6 +190,27 @@ def test_a_tilt_is_explained_and_stored(run, tilted):
     assert "single heights" not in text
     assert "It is explained by tilt (" in text
     assert text.rstrip().endswith("wrote linear/explained.nc")
+
+
+def test_a_tilt_of_a_part_with_caps_of_two_tools_is_explained(run):
+    """The contacts follow the profiles of the caps, as in the design."""
+    friction, height = mf.Friction(0.404, 0.85), np.full(16, 0.2)
+    template = mf.Surface.square_lattice(
+        height, (4, 4), radius=0.526, material=mf.Material(1.36), friction=friction
+    )
+    tools = [mf.Tool(0.526), mf.Tool(0.526, mf.Power(4, 2.0))]
+    known = template.replaced(cap=[tool.cap for tool in tools] * 8, height=np.linspace(0.1, 0.2, 16))
+    load, model = np.linspace(0.05, 0.5, 20), mf.Independent(mf.Elastic())
+    target = mf.SampledLaw(load, model.curve(known, load).area)
+    design = mf.design(target, template, model, mf.Limits(0.2), tools=tools)
+    assert len({design.surface.cap.one(i) for i in range(design.surface.count)}) == 2
+    mf.save(design, "caps")
+    write_contacts(design, design.surface.tilted(math.radians(0.1), 0.0))
+    result = run("compare", "caps", "contacts.csv", "--explain", "--json")
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.stdout)["explanation"]["data"]
+    assert found["group"]["values"][0] == "tilt"
+    assert math.degrees(found["mean"]["values"][0]) == pytest.approx(0.1, abs=0.02)
 
 
 def test_a_stopped_explanation_leaves_no_file(run, tilted, monkeypatch):

@@ -62,7 +62,7 @@ def test_one_among_many_stiff_contacts_jumps(unloading):
 
 
 def test_two_contacts_that_break_together_are_followed():
-    """Asperities 10 and 36 reach the ends of their branches together; the first to break changes near them."""
+    """Asperities 10 and 36 reach the ends of their branches together; near the ends, their order changes."""
     height = 0.1 + 0.003 * np.random.default_rng(12).random(64)
     found = []
     for lower in (0.0, 1e-5, -1e-5):
