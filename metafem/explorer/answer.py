@@ -12,7 +12,7 @@ from metafem.errors import Infeasible, InvalidInput, MetafemError, refuse_if
 from metafem.explorer.session import State
 from metafem.explorer.text.names import on_page
 from metafem.files import Specification, parsed, section_forms
-from metafem.inversion import Design, LinearLaw, OperatingPoints, SampledLaw
+from metafem.inversion import Design, OperatingPoints, SampledLaw
 from metafem.inversion.quantities.quantity import FRICTION
 from metafem.inversion.strategies.proportional import steepest_line
 from metafem.inversion.targets.target import Target
@@ -105,10 +105,12 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
         undecided = draft and error.by_search
         nearest_target = error.nearest
         if specification is not None and not draft:
-            nearest_target = _steepest(specification) or error.nearest
+            target, limits, tools = specification.target, specification.limits, specification.tools
+            template, contact = specification.template, contact_of(specification.model)
+            nearest_target = steepest_line(target, template, limits, tools, contact) or error.nearest
         if nearest_target is not error.nearest:
-            words = nearest_target.wording.slopes(nearest_target.slope)
-            refusal += f". The largest over these loads is {words}"
+            largest = nearest_target.wording.slopes(nearest_target.slope)
+            refusal += f". The largest over these loads is {largest}"
         if specification is not None and nearest_target is not None:
             nearest = _law_of(specification, nearest_target, draft)
     except MetafemError as error:
@@ -183,14 +185,6 @@ def _sentence(key: str, problem: InvalidInput) -> str:
         value = "" if problem.value is None else f" = {problem.value}"
         words = f"entry {int(place[1]) + 1}{value} {words}"
     return f"{words[:1].upper()}{words[1:]}."
-
-
-def _steepest(specification: Specification) -> LinearLaw | None:
-    """Return the steepest line over the load range of a refused line that is too steep, otherwise None."""
-    target, limits, tools = specification.target, specification.limits, specification.tools
-    if not isinstance(target, LinearLaw) or target.load_range is None:
-        return None
-    return steepest_line(target, specification.template, limits, tools, contact_of(specification.model))
 
 
 def _law_of(

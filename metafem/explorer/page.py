@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Awaitable, Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -185,7 +185,9 @@ class Page:
     def _show(self, found: tuple[Answer, list[Listener]]) -> None:
         self.answer, listeners = found
         if self.answer.current:
-            self._forget_messages()
+            for message in self.messages:
+                message.dismiss()
+            self.messages.clear()
         self._tell(listeners, self.answer)
 
     def _failed(self, request: Request, error: Exception) -> None:
@@ -208,6 +210,13 @@ class Page:
         """Show a program error that an event handler or a timer raised; the error is already logged."""
         self.say(in_words(error))
 
+    async def told(self, change: Awaitable[object]) -> None:
+        """Make a change, or show why it is impossible."""
+        try:
+            await change
+        except InvalidInput as error:
+            self.say(str(error))
+
     def say(self, words: str) -> None:
         """Show a message over the page, until it is closed or a later answer has a design."""
         with self.client:
@@ -215,17 +224,9 @@ class Page:
                 ui.notification(on_page(words), multi_line=True, close_button="Close", timeout=None)
             )
 
-    def _forget_messages(self) -> None:
-        for message in self.messages:
-            message.dismiss()
-        self.messages.clear()
-
     async def open_link(self, link: str) -> None:
         """Show the state in a link as a new step of the history."""
-        try:
-            await self.turns.take(partial(from_link, link), lambda state: self._ask(state, True))
-        except InvalidInput as error:
-            self.say(str(error))
+        await self.told(self.turns.take(partial(from_link, link), lambda state: self._ask(state, True)))
 
     async def _restored(self, kept: Any) -> None:
         """Show the state from the history in the browser or from the address, otherwise the first state."""

@@ -127,14 +127,15 @@ def test_a_drawn_law_is_never_stuck(visit):
             }}""",
             share,
         )
-        before = visit.asked
+        count = len(visit.handles())
         page.mouse.dblclick(x, y)
-        visit.settled(before)
+        page.wait_for_function("count => document.querySelectorAll('.handle').length > count", arg=count)
+        visit.at_rest()
         assert page.evaluate(f"() => ({curve})().data.refusal") == ""
         said.append(page.locator(".law-live span").inner_text())
     assert len(visit.handles()) == 8
     assert sum("now a curve that is approximated" in words for words in said) == 1
-    visit.entered("limits.max_height", "60 um")
+    visit.entered("limits.max_height", "20 um")
     page.locator(".law-refusal span").first.wait_for()
     visit.drag("point-7", 2, -6)
     page.wait_for_function(f"() => ({curve})().data.refusal === ''")

@@ -19,7 +19,7 @@ from metafem.explorer.law.shown import EDITED, Units, numbers
 from metafem.explorer.text.document import Document
 from metafem.files.measurement.laws import COLUMNS, read_measured_law
 from metafem.files.samples import TARGET, columns_of
-from metafem.files.tables import table_of
+from metafem.files.tables import ALIASES, table_of
 from metafem.inversion import Design
 from metafem.progress import listening
 from metafem.surface import Friction, Material
@@ -30,14 +30,9 @@ MOST = 2000
 # Column that only the table of a target law has; a table of a measured law does not have it.
 RESCALED = "rescaled_load"
 
-# Column names that people often use, each with the matching column title of a measured law and its unit.
-KNOWN = {
-    "load": "load_N", "normal_load": "load_N", "normal_force": "load_N", "p": "load_N",
-    "friction_force": "friction_force_N", "friction": "friction_force_N", "f": "friction_force_N",
-    "tangential_force": "friction_force_N", "friction_sd": "friction_force_sd_N",
-    "area": "area_mm2", "contact_area": "area_mm2",
-    "load_sd": "load_sd_N", "friction_force_sd": "friction_force_sd_N", "area_sd": "area_sd_mm2",
-}  # fmt: skip
+# Column names that people often use, each with the matching column title and its unit.
+KNOWN = {name: TARGET.title(name) for name in TARGET.units}
+KNOWN |= {name: TARGET.title(known) for name, known in ALIASES.items()}
 
 # Title of a column: a name, and optionally a unit after it, with or without brackets.
 TITLE = re.compile(r"\s*(.*?)(?:[\s_]*[\[(]\s*(\S+?)\s*[\])]|[\s_]+([mkuµ]?N|[mcuµ]?m(?:\^?2|²)))?\s*")
@@ -106,7 +101,7 @@ def read_points(name: str, text: str, material: Material, friction: Friction | N
         raise InvalidInput(f"{name} is not a table: it holds null characters")
     with listening(lambda step, done: None, remarks.append):
         first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
-        rescaled = RESCALED in _plain(first)
+        rescaled = RESCALED in first.lower().replace(" ", "_")
         found = _rescaled(name, text) if rescaled else _measured(name, text, material, friction)
     if len(found.load) > MOST:
         raise InvalidInput(f"{name} has {len(found.load):,} points; at most {MOST:,} are shown")
@@ -158,11 +153,6 @@ def _offer(text: str) -> str:
     return f" Do you mean {' and '.join(offers)}? Change the first line of the file." if offers else ""
 
 
-def _plain(header: str) -> str:
-    """Return the first line of a table with labels such as "Load SD [mN]" as column names."""
-    return header.lower().replace(" ", "_")
-
-
 def _rescaled(name: str, text: str) -> Points:
     columns = columns_of(name, text.encode("utf-8"), TARGET)
     return Points(name, columns[RESCALED], columns["rescaled_friction"])
@@ -175,7 +165,8 @@ def _measured(name: str, text: str, material: Material, friction: Friction | Non
         )
     except InvalidInput as error:
         raise InvalidInput(f"{error}.{_offer(text)}") from None
-    header = _plain(next(line for line in text.splitlines() if line.strip() and not line.startswith("#")))
+    header = next(line for line in text.splitlines() if line.strip() and not line.startswith("#"))
+    header = header.lower().replace(" ", "_")
     stated = ("load_sd" in header, "friction_force_sd" in header or "area_sd" in header)
     known = np.isfinite(law.rescaled_friction)
     sds = (law.rescaled_load_sd, law.rescaled_friction_sd)

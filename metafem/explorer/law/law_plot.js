@@ -10,7 +10,7 @@ export default {
         <output class="law-readout" aria-hidden="true"></output>
       </div>
       <div class="law-dock"><ul class="law-legend" aria-label="Legend"></ul>
-        <div class="law-refusal" hidden><button type="button" class="law-away"></button><span></span><button type="button" class="law-use">Use the nearest law</button><span class="law-nearest" hidden><i></i>nearest law that can be designed</span></div></div>
+        <div class="law-refusal" hidden><button type="button" class="law-away"></button><em class="law-nearest" hidden><i></i>nearest law that can be designed</em><span></span><button type="button" class="law-use">Use the nearest law</button></div></div>
       <div class="law-live"><span aria-live="polite"></span><button type="button" class="law-drop" hidden title="Remove this point (Delete)">Remove the point</button><button type="button" class="law-use" hidden>Use the nearest law</button></div>
     </div>`,
   mounted() { this.plot = new Plot(this.$el, (name, data) => this.$emit(name, data)); },

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Awaitable, Callable, Coroutine
+from collections.abc import Callable, Coroutine
 from dataclasses import replace
-from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -41,40 +40,13 @@ def law_panel(page: Page) -> None:
     LawPanel(page)
 
 
-def telling(
-    handler: Callable[[LawPanel, Event], Awaitable[None]],
-) -> Callable[[LawPanel, Event], Coroutine[Any, Any, None]]:
-    """Return an event handler that shows each InvalidInput error of `handler` below the plot."""
-
-    @wraps(handler)
-    async def handle(panel: LawPanel, event: Event) -> None:
-        try:
-            await handler(panel, event)
-        except InvalidInput as error:
-            panel.plot.say(on_page(str(error)), wrong=True)
-
-    return handle
-
-
 class LawPanel:
     """The plot of one page."""
 
     def __init__(self, page: Page) -> None:
         self.page = page
-        events = (
-            "drag",
-            "add",
-            "remove",
-            "cursor",
-            "nearest",
-            "kind",
-            "axes",
-            "model",
-            "block",
-            "dropped",
-            "measured",
-        )
-        self.plot = LawPlot(**{name: getattr(self, f"on_{name}") for name in events})
+        handlers = [name for name in dir(type(self)) if name.startswith("on_")]
+        self.plot = LawPlot(**{name[3:]: self.told(getattr(self, name)) for name in handlers})
         self.reach = Reach()
         self.band_shown: Any = None
         self.measured = Measured()
@@ -87,6 +59,18 @@ class LawPanel:
         self.stuck = False  # whether the state from which a drag starts is refused
         page.listen_prepared(self.prepared, self.show)
         page.listen_late(self.beside.put)
+
+    def told(self, handler: Callable[[Event], Any]) -> Callable[[Event], Coroutine[Any, Any, None]]:
+        """Return an event handler that shows each InvalidInput error of `handler` below the plot."""
+
+        async def handle(event: Event) -> None:
+            try:
+                if (waiting := handler(event)) is not None:
+                    await waiting
+            except InvalidInput as error:
+                self.plot.say(on_page(str(error)), wrong=True)
+
+        return handle
 
     def prepared(self, answer: Answer) -> dict[str, Any]:
         """Return the data of an answer that the plot draws."""
@@ -141,19 +125,16 @@ class LawPanel:
         if request is not None:
             self.requests[request] = number
 
-    @telling
     async def on_add(self, event: Event) -> None:
         """Add a point; close to the achieved law it is on this law."""
         place, near = self._place(event), self._units().rescaled(0.0, float(event.get("near", 0.0)))[1]
 
         def drawn(state: State) -> str:
             _, specification, design = self._base(state)
-            answer = Answer(self.page.number, state, specification, design)
-            return with_point(answer, *place, near)
+            return with_point(Answer(self.page.number, state, specification, design), *place, near)
 
         await self.page.make(drawn)
 
-    @telling
     async def on_remove(self, event: Event) -> None:
         """Remove a point."""
         await self.page.make(lambda state: removed(*self._base(state)[:2], event["id"]))
@@ -165,14 +146,12 @@ class LawPanel:
         if math.isfinite(load) and load > 0.0:
             self.page.look(load=load)
 
-    @telling
     async def on_nearest(self, event: Event) -> None:
         """Set the nearest law of the last refusal as the target."""
         refused = self.refused
         if refused is not None:
             await self.page.make(lambda state: with_nearest(refused))
 
-    @telling
     async def on_kind(self, event: Event) -> None:
         """Change the kind of the target."""
         await self.page.choose_kind(event["kind"])
@@ -186,7 +165,6 @@ class LawPanel:
         rest = tuple(name for name in self.page.state.models if name != event["name"])
         self.page.look(models=(*rest, str(event["name"])) if event["on"] else rest)
 
-    @telling
     async def on_block(self, event: Event) -> None:
         """Start the computation of the law under the block model, or stop it and hide its law."""
         design = self.page.answer.design
@@ -195,7 +173,6 @@ class LawPanel:
         else:
             self.beside.block.stop()
 
-    @telling
     async def on_dropped(self, event: Event) -> None:
         """Show the points of a table."""
         design = self.page.answer.design
@@ -208,7 +185,6 @@ class LawPanel:
         told = [f"{len(found.load)} points of {name} are shown.", *[left] * bool(left), *found.remarks]
         self.plot.say(" ".join(told))
 
-    @telling
     async def on_measured(self, event: Event) -> None:
         """Use the measured points as the target, or remove them."""
         answer, points = self.page.answer, self.measured.points

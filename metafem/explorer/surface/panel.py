@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
-from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
 from metafem.explorer.newest import Newest
 from metafem.explorer.session import State
@@ -68,10 +67,7 @@ class Views:
         def change(state: State) -> str:
             return edited(state.text, self.page.answer.design, given)
 
-        try:
-            await self.page.make(change)
-        except InvalidInput as error:
-            self.page.say(str(error))
+        await self.page.told(self.page.make(change))
 
     def _colour(self, given: Any) -> None:
         self.sensitive = given == "sensitivity"

@@ -18,7 +18,7 @@ from metafem.explorer.text.marks import Scene
 from metafem.explorer.text.order import form_of
 from metafem.explorer.text.written import rounded
 from metafem.files import Specification, parsed
-from metafem.inversion import Design, Target
+from metafem.inversion import Design, Limits, Target
 from metafem.inversion.targets.wording import RESCALED, Wording
 from metafem.models import Independent
 from metafem.models.model import contact_of
@@ -108,7 +108,7 @@ def near_design(
     kind = kind or str(document.value("target.kind"))
     scene, tables = Scene(document, specification, design), _tables(document, specification)
     wording, template, first = scene.target.wording, specification.template, ""
-    law, low, high = _present(design)
+    law, low, high = _present(design, specification.limits)
     coefficient = kind == "linear" and wording.per_slope is not None
     for numbers in ATTEMPTS[kind](law, low, high):
         if coefficient:  # a friction coefficient is F/P at these loads
@@ -142,12 +142,18 @@ def restated(document: Document, specification: Specification, newtons: bool) ->
     return _written(numbers, scene, wording, RESTATED)
 
 
-def _present(design: Design) -> tuple[Callable[[FloatArray], FloatArray], float, float]:
-    """Return the law of a design as a function, and the smallest and largest load of its target [mm^2]."""
-    law, ends = design.law, design.target_law.load[[0, -1]]
-    low, high = (float(end) for end in ends)
+def _present(design: Design, limits: Limits) -> tuple[Callable[[FloatArray], FloatArray], float, float]:
+    """Return the law of a design as a function, and the smallest and largest load of its target [mm^2].
+
+    Heights above the limits are scaled down; friction is proportional to the heights, and load to their
+    power 3/2.
+    """
+    law = design.law
+    scale = min(1.0, limits.max_height / (float(design.surface.height.max()) - limits.offset))
+    low, high = (scale**1.5 * float(end) for end in design.target_law.load[[0, -1]])
+    loads, frictions = scale**1.5 * law.rescaled_load, scale * law.rescaled_friction
     return (
-        lambda load: np.asarray(np.interp(load, law.rescaled_load, law.rescaled_friction)),
+        lambda load: np.asarray(np.interp(load, loads, frictions)),
         low if low < high else START * high,
         high,
     )

@@ -8,12 +8,11 @@ from functools import cache
 
 from metafem.files import section_forms
 
-# Titles of sections.
+# Titles of sections whose names do not explain themselves.
 TITLES: Mapping[str, str] = {
     "target": "Target law", "part": "Part files", "lattice": "Sites and radius", "tools": "Choice of tools",
-    "sites": "Given heights, empty sites", "block": "Block", "limits": "Heights",
-    "robust": "Design for these errors", "layout": "Layout", "model": "Model", "contact": "Contact law",
-    "contact.cap": "Cap under adhesion", "material": "Material", "friction": "Friction", "checks": "Checks",
+    "sites": "Given heights, empty sites", "limits": "Heights", "robust": "Design for these errors",
+    "contact": "Contact law", "contact.cap": "Cap under adhesion",
 }  # fmt: skip
 
 # Labels of keys whose names do not explain themselves.

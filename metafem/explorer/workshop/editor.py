@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui.element import Element
 
-from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
 from metafem.explorer.following import Follower
 from metafem.explorer.workshop.loading import Given, loaded
@@ -66,13 +65,12 @@ def _contents(answer: Answer) -> dict[str, Any]:
 async def load(page: Page, files: list[dict[str, Any]]) -> None:
     """Show the specification in loaded files, or a message why they cannot be used."""
     given = [Given(**each) for each in files]
-    try:
-        await page.turns.take(
+    await page.told(
+        page.turns.take(
             lambda: loaded(page.state, given),
             lambda state: page.change(text=state.text, tables=state.tables),
         )
-    except InvalidInput as error:
-        page.say(str(error))
+    )
 
 
 def editor_panel(page: Page) -> None:

@@ -50,7 +50,7 @@ export default {
       <p class="title" :title="title">{{ title }}</p>
       <span class="status">
         <span v-if="lost" class="chip lost-chip" title="What is shown is the last answer. It can be changed again as soon as metafem explore runs.">no server: changes must wait</span>
-        <span v-else :class="['chip', kind]" :title="meaning">{{ status }}<span v-if="measure" class="measure"> ({{ measure }})</span></span>
+        <span v-else :class="['chip', kind]" :title="meaning">{{ status }}<span v-if="measure" :key="status" class="measure"> ({{ measure }})</span></span>
         <span v-if="part && !lost" class="chip warn part" :title="part">no part can be made</span>
         <button :class="['act', 'stop', { idle: !late || lost }]" title="Stop this computation, and return to what is shown" @click="$emit('stop')">Stop</button>
       </span>

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 from nicegui.element import Element
 
-from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
 from metafem.explorer.session import State
 from metafem.explorer.text.fields import with_field
@@ -38,14 +37,6 @@ class Header(Element, component="header.js", esm={"metafem-workshop": "js"}):
         self._props["demos"] = list(DEMOS)
 
 
-async def choose(page: Page, model: str) -> None:
-    """Change the model of the design."""
-    try:
-        await page.make(lambda state: with_field(state.text, "model.kind", model))
-    except InvalidInput as error:
-        page.say(str(error))
-
-
 async def begin(page: Page, name: str) -> None:
     """Start again from a demo, or from the first state of the page ("first"), as one step of the history."""
     if name == "first":
@@ -64,13 +55,14 @@ def header_panel(page: Page) -> Header:
     header.on("redo", page.redo)
     header.on("begin", lambda event: begin(page, event.args))
     header.on("load", lambda event: load(page, event.args["files"]))
-    header.on("model", lambda event: chosen(event.args))
+    header.on("model", lambda event: choose(event.args))
     header.on("stop", page.stop)
     shown: dict[str, object] = {}
 
-    async def chosen(model: str) -> None:
+    async def choose(model: str) -> None:
+        """Change the model of the design."""
         shown["model"] = model  # the browser shows it already
-        await choose(page, model)
+        await page.told(page.make(lambda state: with_field(state.text, "model.kind", model)))
         if page.state.designs_the_same(page.answer.state):
             show(page.answer, header_data(page.answer))
 

@@ -162,17 +162,21 @@ def _narrowed(whole: Any, centre: float, problem: Problem) -> tuple[float, Strai
 
 
 def steepest_line(
-    target: LinearLaw,
+    target: Any,
     template: Surface,
     limits: Limits,
     tools: Given | None = None,
     contact: Contact = PARABOLOID,
 ) -> LinearLaw | None:
-    """Return the steepest line over the load range of a line that is too steep; None if none was found.
+    """Return the steepest line over the load range of a line that is too steep.
+
+    None is returned if none was found, and for targets other than one line over a load range.
 
     Its slope, or its friction coefficient, has three digits. Trial designs of independent asperities start
     close to the bound of slopes. The arguments are those of `achievable_load_range`.
     """
+    if len(target.lines) != 1 or target.load_range is None:
+        return None
     problem = Problem.checked(
         target, template, Independent(contact=checked_contact(contact)), limits, tools=tools
     )

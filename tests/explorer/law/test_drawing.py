@@ -7,6 +7,7 @@ from metafem.explorer.answer import answered
 from metafem.explorer.law.nearest import reachable, with_point
 from metafem.explorer.session import State
 from metafem.explorer.text.handles import added, handles, moved, removed
+from metafem.explorer.text.kinds import with_kind
 from metafem.files import demo_text
 
 SEQUENCES, STEPS = 200, 5
@@ -104,6 +105,16 @@ def test_a_refused_law_is_left_by_a_drag():
         assert drawing.shown.refusal
         drawing.drag(0.2)
         assert drawing.shown.current
+
+
+@pytest.mark.parametrize("kind", ["operating-points", "sampled", "bilinear", "multilinear", "power"])
+def test_a_law_that_lower_limits_refuse_is_left_by_a_drag(kind):
+    first = answered(State(demo_text("operating-points")), 0)
+    drawing = Drawing(with_kind(first.state, first.design, kind), 2)
+    drawing.commit(drawing.states[-1].replace('"270 um"', '"40 um"'))
+    assert drawing.shown.refusal
+    drawing.drag(0.2)
+    assert drawing.shown.current, drawing.shown.refused
 
 
 def test_ten_points_on_the_achieved_law_are_never_refused():

@@ -144,14 +144,15 @@ export class Hand {
     for (const [id, node] of this.nodes) {
       if (kept.has(id)) continue;
       lost ||= node === document.activeElement;
+      node.carried.remove();
       node.remove();
       this.nodes.delete(id);
     }
     for (const handle of this.handles) {
       const node = this.nodes.get(handle.id) ?? this.make(handle);
       const wrong = refused && handle.id === this.held?.id;
-      const carried = node.querySelector("text");
-      if (carried.textContent !== handle.carried) carried.textContent = handle.carried;
+      if (node.carried.textContent !== handle.carried) node.carried.textContent = handle.carried;
+      set(node.carried, { x: view.px(handle.x) + 12, y: view.py(handle.y) + 20 });
       set(node, {
         class: `handle moves-${handle.moves}${wrong ? " refused" : ""}${this.inactive ? " inactive" : ""}`,
         "aria-disabled": this.inactive,
@@ -179,7 +180,7 @@ export class Hand {
     const node = made("g", { "data-id": handle.id, tabindex: 0, role: "slider" }, this.group);
     made("circle", { class: "touch", r: TOUCH }, node);
     made("circle", { class: "mark", r: MARK }, node);
-    made("text", { class: "carried", x: 12, y: 20 }, node);
+    node.carried = made("text", { class: "carried" }, this.group);
     if (handle.moves !== "xy") made("path", { class: "way", d: handle.moves === "x" ? "M-13 0H13" : "M0 -13V13" }, node);
     node.addEventListener("pointerdown", (event) => this.grab(event));
     node.addEventListener("focus", () => this.plot.point(this.focused));
