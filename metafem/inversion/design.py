@@ -97,8 +97,8 @@ def design(
         independent asperities; under another model only the heights and the exponents of a range are refined.
         Several radii or caps reach local exponents of a law below 2/3, larger slopes, and laws that saturate.
         If not all caps are spheres or paraboloids, the default contact law is `Elastic()`. A tool may have a
-        `shear_strength`, with the area ratio of the template; see Notes. Default: the common radius and cap of
-        the template.
+        `shear_strength`, with the area ratio of the template; see Notes. Default: the common radius and cap
+        of the template.
     common_radius : bool
         Whether all asperities are made by the same tool, the one with the smallest misfit. All tools of a
         list are tried, up to 13 radii of a range, and 7 exponents. The trials use neither `layout` nor

@@ -34,9 +34,9 @@ CORRECTIONS = 4
 def adjusted(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
     """Return the candidate refined under the model, together with the exponents if they are of a range.
 
-    Candidates of other tools, of a height density, of other quantities and on height steps are refined by their
-    heights only. If corrected exponents and refined heights do not meet the target, a search for both under the model follows,
-    unless the exponents have steps or the contacts adhere.
+    Candidates of other tools, of a height density, of other quantities and on height steps are refined by
+    their heights only. If corrected exponents and refined heights do not meet the target, a search for both
+    under the model follows, unless the exponents have steps or the contacts adhere.
     """
     kit = problem.tools
     ranged = isinstance(kit, Kit) and kit.range is not None
