@@ -44,8 +44,8 @@ WEIGHTS = (0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99)
 # guesses as well.
 CHANGES = 10
 
-# The same number for heights on the sites of a template, under a model with interaction. With 10, the worst of
-# five pairs of laws of random surfaces is met to .6 %.
+# The same number for heights on the sites of a template, under a model with interaction. The worst of five
+# pairs of laws of random surfaces is met to .12 %; with 10 changes, to .6 %.
 SITE_CHANGES = 40
 
 # Heights and radii, (n,) each [mm].
