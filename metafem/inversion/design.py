@@ -71,10 +71,11 @@ def design(
         used only for the default of `limits`, and its radii only if `radii` is not given.
     model : Model, optional
         Model under which the law must meet the target; default: ``Independent()``. For a model with
-        interaction, heights are first found for independent asperities with the contact law of the model.
-        The Levenberg–Marquardt method with exact sensitivities then refines them. Bounds use the same
-        contact law. For adhesive asperities no bound is used, and heights that follow a density are those
-        without adhesion.
+        interaction, heights are first found for independent asperities with the contact law of the model. The
+        Levenberg–Marquardt method with exact sensitivities then refines them. Bounds use the same contact
+        law. For a target of the stiffness or the conductance, the compliance of the block is subtracted
+        first, and the sites are searched together with the heights. For adhesive asperities no bound is used,
+        and heights that follow a density are those without adhesion.
     limits : Limits, optional
         Manufacturing limits; default: heights up to the tallest of the template. With a `height_step` all
         heights are on its levels. A note and the parameter ``step_loss`` [-] then state the increase of

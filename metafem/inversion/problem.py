@@ -216,7 +216,7 @@ class Problem:
 
     @property
     def first_under_model(self) -> bool:
-        """Whether the first heights are found under the model: for a quantity that is no sum over contacts."""
+        """Whether the first heights are found under the model, as for a quantity that is no sum."""
         return self.model.couples and self.target.of != FRICTION
 
     @property

@@ -44,7 +44,7 @@ class QuantityModel:
 
     @property
     def ignores_open(self) -> bool:
-        """Whether the positions of open asperities have no effect; the nominal area of a mean field uses them."""
+        """Whether the positions of open asperities have no effect; a mean field uses them."""
         return self.model.couples
 
     @property

@@ -10,8 +10,8 @@ matrix of `discs`. Both matrices have the compliances 1/(2 a) of the contacts on
 
     w_i = -y.(dH/dp_i) y = y_i^2/(2 a_i^2) da_i/dp_i.
 
-This is exact for order 1. For order 3 the changes of the other terms of the matrices are left out; they are a
-few percent of w (measured).
+This is exact for order 1. For order 3 the changes of the other terms of the matrices are left out. The
+error is 1e-4 of the largest derivative for paraboloids, and 5e-3 for power caps of n = 4 (measured).
 """
 
 from __future__ import annotations

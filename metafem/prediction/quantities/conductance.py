@@ -86,7 +86,7 @@ def conductance(
     surface : Surface
     model : Model, optional
         Model of the contacts; default: `Independent()`. Interacting models need the substrate `HalfSpace` or
-        `BondedLayer`.
+        `BondedLayer`. `Automatic` has the conductance of the model that it chooses.
     load : array_like, (k,)
         Normal loads P [N], at least 0; they are sorted.
     resistivity : float
