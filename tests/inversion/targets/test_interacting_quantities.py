@@ -103,10 +103,16 @@ def test_models_without_gradients_use_those_of_another():
 
 @pytest.mark.slow
 def test_resolved_contacts_meet_a_stiffness():
-    surface, loads, model = known(), LOADS[[5, 8, 11]], mf.BoundaryElements(0.02)
+    """The stiffness of cells in contact jumps when a cell opens or closes, here by up to 1 %."""
+    surface, loads, model = nine(), np.array([0.02, 0.05]), mf.BoundaryElements(0.02)
     wanted = model.curve(surface, loads).stiffness
-    design = mf.design(mf.SampledLaw(loads, wanted, of="stiffness"), template(), model)
-    assert design.misfit <= FOUND
+    target = mf.SampledLaw(loads, wanted, of="stiffness")
+    assert mf.design(target, surface.replaced(height=np.full(9, 0.12)), model).misfit <= 1e-2
+
+
+def nine():
+    height = 0.06 + 0.06 * np.random.default_rng(0).random(9)
+    return mf.Surface.square_lattice(height, (3, 3), radius=0.526, material=mf.Material(1.36))
 
 
 def test_other_kinds_of_targets_and_options():
