@@ -39,7 +39,7 @@ def test_values_are_typed_refused_where_they_stand_and_undone(visit):
     field = visit.entered("limits.max_height", "310")
     wrong = page.locator("#field-limits-max_height-wrong")
     wrong.wait_for()
-    assert wrong.inner_text().startswith('Needs a unit; write for example "')
+    assert wrong.inner_text().startswith("Needs a unit; write for example 120 um.")
     assert (field.input_value(), field.get_attribute("aria-invalid")) == ("310", "true")
     before = visit.asked
     page.get_by_role("button", name="Use 310 um").click()

@@ -13,7 +13,10 @@ export default {
         <div class="law-refusal" hidden><button type="button" class="law-away"></button><em class="law-nearest" hidden><i></i>nearest law that can be designed</em><span></span><button type="button" class="law-use">Use the nearest law</button></div></div>
       <div class="law-live"><span aria-live="polite"></span><button type="button" class="law-drop" hidden title="Remove this point (Delete)">Remove the point</button><button type="button" class="law-use" hidden>Use the nearest law</button></div>
     </div>`,
-  mounted() { this.plot = new Plot(this.$el, (name, data) => this.$emit(name, data)); },
+  mounted() {
+    this.plot = new Plot(this.$el, (name, data) => this.$emit(name, data));
+    this.$nextTick(() => this.plot.connect()); // the socket is made when all elements are mounted
+  },
   unmounted() { this.plot.close(); },
   methods: {
     draw(data) { this.plot.draw(data); },

@@ -54,9 +54,10 @@ def with_choice(text: str, section: str, choice: int, specification: Specificati
 
 def _reached_loads(specification: Specification) -> list[str] | None:
     """Return the loads between which a line through the origin is reached, or None."""
+    target: Any = specification.target
     template, limits, tools = specification.template, specification.limits, specification.tools
     try:
-        ends = achievable_load_range(specification.target, template, limits, tools)
+        ends = achievable_load_range(target, template, limits, tools)
     except MetafemError:
         return None
     modulus = template.material.composite_modulus

@@ -57,7 +57,7 @@ export default {
       <span class="unseen" role="status">{{ announced }}</span>
       <span class="tools">
         <label class="row"><span>Model</span>
-          <select :class="['text', { pending: model !== solved }]" aria-label="Model" :disabled="lost" :value="model" :title="model === solved ? '' : 'Being computed; what is shown is the law under ' + solved" @change="pick($event.target.value)">
+          <select :class="['text', { pending: model !== solved }]" aria-label="Model" :disabled="lost" :value="model" :title="model === solved ? '' : 'Being computed; what is shown is the law under ' + solved" @change="model = $event.target.value; $emit('model', model)">
             <option v-if="!models.includes(model)" :value="model">{{ model }}</option>
             <option v-for="each in models" :key="each" :value="each">{{ each }}</option>
           </select>
@@ -113,10 +113,6 @@ export default {
   },
   methods: {
     show(data) { Object.assign(this, data); },
-    pick(model) {  // what was chosen is shown while it is computed
-      this.model = model;
-      this.$emit("model", model);
-    },
     choose(theme) {
       this.theme = theme;
       remember(THEME, theme);

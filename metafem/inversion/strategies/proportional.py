@@ -177,18 +177,19 @@ def steepest_line(
     """
     if len(target.lines) != 1 or target.load_range is None:
         return None
+    first, last = target.load_range
     problem = Problem.checked(
         target, template, Independent(contact=checked_contact(contact)), limits, tools=tools
     )
     low, high = 0.0, target.slope
     for _ in range(SLOPE_BISECTIONS):
         slope = 0.5 * (low + high)
-        steep = line_range(replace(target, slope=slope), problem.bounds)[1] < target.load_range[1]
+        steep = line_range(replace(target, slope=slope), problem.bounds)[1] < last
         low, high = (low, slope) if steep else (slope, high)
     for share in SHARES:
         value = float(f"{share * target.wording.coefficient(low):.3g}")
-        line = replace(target, slope=target.wording.slope(value))
-        if line.slope >= target.slope or line_range(line, problem.bounds)[0] > target.load_range[0]:
+        line: LinearLaw = replace(target, slope=target.wording.slope(value))
+        if line.slope >= target.slope or line_range(line, problem.bounds)[0] > first:
             return None
         tried = replace(problem, target=line, effort=replace(problem.effort, mixtures=MIXTURES))
         found = strategy.candidate(tried, np.random.default_rng(0), problem.effort.range_restarts)

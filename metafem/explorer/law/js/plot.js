@@ -63,17 +63,19 @@ export class Plot {
   }
 
   resume() {
+    if (!window.socket.connected) return; // a server that ends can be connected for a moment
     const place = sessionStorage.getItem(UNSENT);
     sessionStorage.removeItem(UNSENT);
     if (place) this.hand.put(JSON.parse(place));
   }
 
+  connect() {
+    window.socket.on("disconnect", () => this.lose());
+    window.socket.on("connect", () => setTimeout(() => this.resume(), SAME));
+  }
+
   listen() {
     const { svg } = this;
-    queueMicrotask(() => { // the socket is made when all elements are mounted
-      window.socket.on("disconnect", () => this.lose());
-      window.socket.on("connect", () => { this.resuming = setTimeout(() => this.resume(), SAME); });
-    });
     svg.addEventListener("pointerdown", (event) => { this.pressed = this.pointOf(event); });
     svg.addEventListener("pointermove", (event) => {
       this.cursor.over = this.pointOf(event);
