@@ -12,10 +12,11 @@ from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem.caps import Power
 from metafem.errors import Infeasible, refuse_if
-from metafem.inversion.adjustment.exponents import adjusted
+from metafem.inversion.adjustment.exponents import adjusted, free_exponents
 from metafem.inversion.adjustment.first_heights import first_heights
 from metafem.inversion.adjustment.height_steps import rounded_to_steps
 from metafem.inversion.adjustment.pinned import with_pinned
+from metafem.inversion.adjustment.refinement import refined
 from metafem.inversion.adjustment.robustness import compared, made_robust
 from metafem.inversion.assessment import EXACT, assess
 from metafem.inversion.candidate import Parameter
@@ -221,10 +222,12 @@ def design(
                 candidate = first_heights(problem, generator)
             else:
                 permutation = problem.pins.placed(generator.permutation(template.count))
-                candidate = strategy.candidate(problem, generator)
+                several = isinstance(problem.tools, Kit)
+                candidate = (strategy if several else problem.target).candidate(problem, generator)
                 candidate = candidate.placed(permutation[: len(candidate.height)], problem.limits.foot)
         candidate = arranged(problem, candidate, generator)
-        candidate = problem.target.judged(problem, adjusted(problem, candidate, generator))
+        refine = adjusted if free_exponents(problem, candidate) else refined
+        candidate = problem.target.judged(problem, refine(problem, candidate, generator))
     plain = rounded_to_steps(problem, candidate)
     if problem.pins.rows.size:
         plain, candidate = with_pinned(problem, plain, candidate, generator)

@@ -319,5 +319,5 @@ def test_a_range_of_exponents_needs_contacts_without_adhesion():
 
 def test_two_targets_need_caps_of_one_shape():
     friction = mf.PowerLaw(0.9, (0.1, 0.4))
-    with pytest.raises(mf.InvalidInput, match="must have caps of one shape for two targets"):
+    with pytest.raises(mf.InvalidInput, match="must have caps of one shape and one friction for two targets"):
         mf.trade_off(friction, friction, LATTICE, limits=LIMITS, tools=KIT)

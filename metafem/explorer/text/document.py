@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from metafem.errors import InvalidInput
-from metafem.explorer.text.order import form_of, key_order
+from metafem.explorer.text.names import form_of, key_order
 from metafem.files import DEMOS, demo_text, toml_table
 
 # A line feed without a carriage return.

@@ -9,7 +9,7 @@ import tomlkit
 from tomlkit.container import Container
 from tomlkit.items import Array, Item, String, Table
 
-from metafem.explorer.text.order import key_order, section_order
+from metafem.explorer.text.names import key_order, section_order
 
 # A comma without a space after it, which tomlkit writes when it adds an entry; and a character that does not
 # occur in a list of integers. In lists with such characters no space is added, because their strings or

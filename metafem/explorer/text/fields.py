@@ -8,7 +8,7 @@ from typing import Any
 
 from metafem.errors import InvalidInput
 from metafem.explorer.text.document import Document
-from metafem.explorer.text.order import form_of
+from metafem.explorer.text.names import form_of
 from metafem.files import KeyForm, SectionForm, toml_table
 
 # A decimal number without a digit before or after the point; TOML does not accept this form.

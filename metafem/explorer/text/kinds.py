@@ -15,7 +15,7 @@ from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.handles import RESOLUTION
 from metafem.explorer.text.marks import Scene
-from metafem.explorer.text.order import form_of
+from metafem.explorer.text.names import form_of
 from metafem.explorer.text.written import rounded
 from metafem.files import Specification, parsed
 from metafem.inversion import Design, Limits, Target

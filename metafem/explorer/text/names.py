@@ -1,4 +1,4 @@
-"""The names that the page gives to sections and keys of a specification, also in messages."""
+"""Names and order of sections and keys: those of a specification, and what the page calls them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from functools import cache
 
-from metafem.files import section_forms
+from metafem.files import SectionForm, section_forms
 
 # Titles of sections whose names do not explain themselves.
 TITLES: Mapping[str, str] = {
@@ -125,3 +125,34 @@ def _known() -> Mapping[str, str]:
             found[f"{form.name}.{name}"] = label
             found.setdefault(name, label)
     return {**found, "height_sd": label_of("limits.height_sd")}
+
+
+def form_of(section: str) -> SectionForm | None:
+    """Return the form of a section such as ``limits`` or ``contact.cap``; None for an unknown section.
+
+    Examples
+    --------
+    >>> form_of("limits").optional
+    False
+    """
+    return next((form for form in section_forms() if form.name == section), None)
+
+
+def section_order() -> tuple[str, ...]:
+    """Return the names of the top-level sections in the order of the manual."""
+    return tuple(form.name for form in section_forms() if "." not in form.name)
+
+
+def key_order(section: str, kind: object = "") -> tuple[str, ...]:
+    """Return the keys of a section of a given kind in the order of the manual; none if either is unknown.
+
+    Examples
+    --------
+    >>> key_order("contact", "kogut-etsion")
+    ('kind', 'hardness')
+    """
+    form = form_of(section)
+    if form is None:
+        return ()
+    names = tuple(key.name for key in form.keys.get(str(kind) if form.kinds else "", ()))
+    return ("kind", *names) if form.kinds else names

@@ -8,7 +8,7 @@ from metafem.errors import MetafemError
 from metafem.explorer.text import fields
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.kinds import restated
-from metafem.explorer.text.order import form_of
+from metafem.explorer.text.names import form_of
 from metafem.files import KeyForm, Specification
 from metafem.inversion import achievable_load_range
 

@@ -31,18 +31,23 @@ from metafem.progress import doing
 CORRECTIONS = 4
 
 
-def adjusted(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
-    """Return the candidate refined under the model, together with the exponents if they are of a range.
+def free_exponents(problem: Problem, candidate: Candidate) -> bool:
+    """Return whether exponents of a range are adjusted with the heights under a model with interaction.
 
-    Candidates of other tools, of a height density, of other quantities and on height steps are refined by
-    their heights only. If corrected exponents and refined heights do not meet the target, a search for both
-    under the model follows, unless the exponents have steps or the contacts adhere.
+    Those of a height density, on height steps and of targets other than friction do not change.
+    """
+    ranged = isinstance(problem.tools, Kit) and problem.tools.range is not None
+    fixed = problem.first_under_model or candidate.density is not None or candidate.stepped
+    return ranged and problem.model.couples and not fixed
+
+
+def adjusted(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
+    """Return the candidate refined under the model together with its exponents, which are of a range.
+
+    If corrected exponents and refined heights do not meet the target, a search for both under the model
+    follows, unless the exponents have steps or the contacts adhere.
     """
     kit = problem.tools
-    ranged = isinstance(kit, Kit) and kit.range is not None
-    unchanged = problem.first_under_model or candidate.density is not None or candidate.stepped
-    if not (ranged and problem.model.couples) or unchanged:
-        return refined(problem, candidate, rng)
     assert isinstance(kit, Kit)
     assert kit.range is not None
     with doing("correcting the exponents for interaction"):

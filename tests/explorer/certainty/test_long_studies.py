@@ -65,7 +65,7 @@ def test_resolved_contacts_are_those_of_the_model(design):
 @pytest.mark.parametrize(
     ("name", "changes", "words"),
     [
-        ("block", {"block": None}, r"needs the section \[block\]"),
+        ("block", {"block": None}, "needs “Block” with its width, length and thickness"),
         ("draws", {"height": [0.1] * 3}, "All summits have one height"),
         ("misalignment", {"height": [0.1] * 3}, "All summits have one height"),
     ],
