@@ -64,7 +64,9 @@ def reachable(answer: Answer) -> str:
             break
         text = with_nearest(found)
         found = answered(replace(state, text=text), answer.number, answer, draft=True)
-        if not found.refused or (found.undecided and found.nearest_target is None):
+        if found.undecided:  # only the whole search decides
+            found = answered(replace(state, text=text), answer.number, answer)
+        if not found.refused:
             return text
     if answer.design is None or answer.specification is None:
         raise InvalidInput("no law is known that can be designed")
