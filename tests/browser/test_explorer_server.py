@@ -64,8 +64,8 @@ def test_a_drag_that_a_stopped_server_did_not_take_is_made_by_the_next_one(brows
         assert visit.text == demo_text("operating-points")
         with served(None, "--port", port):
             visit.page.wait_for_event("load", timeout=1e3 * PATIENCE)
+            visit.page.wait_for_function("() => probe.history().at === 1", timeout=1e3 * PATIENCE)
             visit.settled()
-            visit.settled(visit.asked)
             assert visit.middle("point-1") == pytest.approx((x + 12, y - 15), abs=2)
             assert "1.68" not in visit.text
 
