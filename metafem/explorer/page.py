@@ -18,7 +18,6 @@ from metafem.explorer.answer import Answer, answered
 from metafem.explorer.browser import Browser
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.panel import certainty_panel, place_warnings
-from metafem.explorer.divider import Divider
 from metafem.explorer.law.panel import law_panel
 from metafem.explorer.newest import PATIENCE, PATIENCE_WITH_DRAFTS, Newest, all_told, in_words, prepared
 from metafem.explorer.session import Session, State
@@ -275,8 +274,7 @@ def build(first: State) -> Page:
         with _part("surface", "Surface"):
             surface_panel(page)
             place_warnings(page, "surface")
-        Divider()
-        with _part("below", "Workshop and results"):
+        with _part("inspector", "Inspector"):
             _tabs(page)
     return page
 
@@ -294,7 +292,7 @@ def _tabs(page: Page) -> None:
         "Take it": take_panel,
     }
     with ui.tabs().props(
-        'dense no-caps align=left outside-arrows mobile-arrows aria-label="Workshop and results"'
+        'dense no-caps align=left outside-arrows mobile-arrows aria-label="Inspector"'
     ) as tabs:
         for name in panels:
             ui.tab(name)

@@ -102,7 +102,7 @@ def test_the_reason_of_a_refusal_covers_no_point_and_can_be_put_away(visit):
         page.locator(".law-refusal span").wait_for()
 
 
-def test_warnings_open_over_the_map_and_the_line_above_the_workshop_moves(visit):
+def test_warnings_open_over_the_map(visit):
     page = visit.page
     visit.entered("limits.height_sd", "30 um")
     warnings = page.locator("section.surface .place-warnings summary")
@@ -113,21 +113,6 @@ def test_warnings_open_over_the_map_and_the_line_above_the_workshop_moves(visit)
     assert page.locator("section.surface .box").first.bounding_box() == size
     page.keyboard.press("Escape")
     page.locator("section.surface .over").wait_for(state="hidden")
-    below, line = page.locator(".below"), page.get_by_role("separator", name="Height of the workshop")
-    first = below.bounding_box()["height"]
-    place = line.bounding_box()
-    page.mouse.move(place["x"] + 100, place["y"] + 6)
-    page.mouse.down()
-    page.mouse.move(place["x"] + 100, place["y"] - 74, steps=4)
-    page.mouse.up()
-    assert below.bounding_box()["height"] == pytest.approx(first + 80, abs=2)
-    line.press("ArrowDown")
-    line.press("Shift+ArrowDown")
-    kept = below.bounding_box()["height"]
-    assert kept == pytest.approx(first - 16, abs=2)
-    page.reload()
-    visit.settled()
-    assert below.bounding_box()["height"] == pytest.approx(kept, abs=2)
 
 
 def test_the_field_in_use_stays_where_it_is_when_warnings_come(visit):

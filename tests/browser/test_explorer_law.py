@@ -111,7 +111,7 @@ def test_the_nearest_law_is_taken_and_every_kind_can_be_dragged(visit):
     page = visit.page
     for kind in ("linear", "bilinear", "power", "multilinear", "sampled", "operating-points"):
         before = visit.asked
-        page.locator(".law-kind").select_option(kind)
+        page.locator('[data-key="target.kind"]').select_option(kind)
         visit.settled(before)
         visit.drag(visit.handles()[-1], 8, -6)
         answer = answered(State(visit.text), 1)
@@ -140,7 +140,7 @@ def test_the_target_line_follows_the_hand_before_the_answer(visit):
         ("sampled", {"point-3": (4, -15)}),
     ):
         before = visit.asked
-        page.locator(".law-kind").select_option(kind)
+        page.locator('[data-key="target.kind"]').select_option(kind)
         visit.settled(before)
         for id, by in moves.items():
             before = visit.asked

@@ -91,7 +91,6 @@ def every_handler(visit):
     visit.drag("point-1", 8, -12)
     made(pressed, "point-1", "a")
     made(pressed, "point-2", "Delete")
-    made(page.locator(".law-kind").select_option, "linear")
     made(page.locator('[data-key="target.kind"]').select_option, "bilinear")
     made(typed, "limits.max_height", "300 um")
     made(page.keyboard.press, "Control+z")
@@ -100,7 +99,7 @@ def every_handler(visit):
     made(page.get_by_role("button", name="Use as target").click)
     made(page.get_by_role("button", name="Remove", exact=True).first.click)
     link = visit.page.url
-    made(page.locator('[data-key="model.kind"]').select_option, "layer")
+    made(page.get_by_label("Model", exact=True).select_option, "layer")
     made(page.evaluate, "link => { location.hash = new URL(link).hash; }", link)
     page.get_by_role("tab", name="How sure").click()
     page.locator(".certainty .figure-table").first.wait_for()

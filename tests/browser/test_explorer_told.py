@@ -72,7 +72,7 @@ def test_nothing_moves_under_the_hand(visit, width):
     page.mouse.down()
     page.mouse.move(x + 10, y - 10, steps=3)
     still("drag")
-    page.mouse.move(x, y - 60, steps=4)
+    page.mouse.move(x, y - 0.2 * page.locator(".law-svg").bounding_box()["height"], steps=4)
     page.locator(".handle.refused").wait_for()
     still("refusal under the hand")
     before = visit.asked

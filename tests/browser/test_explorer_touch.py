@@ -23,9 +23,9 @@ SHAPE = """least => {
     const box = (each.closest('label') ?? each).getBoundingClientRect();
     return each.checkVisibility() && Math.min(box.width, box.height) < least;
   });
-  const below = document.querySelector('.below'), end = below.getBoundingClientRect().bottom;
+  const inspector = document.querySelector('.inspector'), end = inspector.getBoundingClientRect().bottom;
   const cut = each => each.checkVisibility() && each.getBoundingClientRect().bottom > end;
-  const parts = [...below.querySelectorAll('.q-tab-panel *:not(.unseen, .cm-scroller, .cm-scroller *)')];
+  const parts = [...inspector.querySelectorAll('.q-tab-panel *:not(.unseen, .cm-scroller, .cm-scroller *)')];
   return {
     small: small.map(each => each.outerHTML), wide: document.documentElement.scrollWidth - innerWidth,
     cut: parts.filter(cut).map(each => each.outerHTML),
@@ -147,7 +147,7 @@ def test_nothing_is_too_small_too_faint_or_cut_off(hand, colours):
         page.get_by_role("tab", name=tab).tap()
         page.wait_for_function("() => document.querySelectorAll('.q-tab-panel').length === 1")
         page.locator(
-            {"Specification": ".cm-line", "How sure": ".sure-figures tr"}.get(tab, ".below")
+            {"Specification": ".cm-line", "How sure": ".sure-figures tr"}.get(tab, ".inspector")
         ).first.wait_for()
         assert page.evaluate(SHAPE, SMALL) == {"small": [], "wide": 0, "cut": []}, tab
         assert page.evaluate(FAINT, [TEXT, DRAWN]) == [], tab

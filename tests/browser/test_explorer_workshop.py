@@ -103,6 +103,7 @@ def test_the_text_and_the_fields_follow_each_other(visit, tmp_path):
     before = visit.asked
     text.get_by_text("[limits]").click()
     page.keyboard.press("End")
+    page.keyboard.press("End")  # the line is wrapped
     page.keyboard.type("\nheight_step = 6")
     visit.settled(before)
     page.get_by_role("button", name="Line ").wait_for()
@@ -143,7 +144,7 @@ SHAPE = """() => {
   const named = each => each.ariaLabel || each.labels?.length || each.innerText.trim() || each.title;
   return {
     wide: page.scrollWidth - innerWidth, high: page.scrollHeight - innerHeight,
-    order: ['law', 'surface', 'below'].map(top), dark: document.body.classList.contains('body--dark'),
+    order: ['law', 'surface', 'inspector'].map(top), dark: document.body.classList.contains('body--dark'),
     unnamed: controls.filter(each => each.checkVisibility() && !named(each)).map(each => each.outerHTML),
   };
 }"""
@@ -165,6 +166,20 @@ def test_the_page_fits_wide_and_narrow_windows_light_and_dark(visit):
             page.get_by_role("tab", name=tab).click()
             shape = page.evaluate(SHAPE)
             assert (shape["wide"], shape["order"], shape["unnamed"]) == (0, sorted(shape["order"]), [])
+
+
+def test_law_and_surface_are_large(visit):
+    visit.page.set_viewport_size({"width": 1400, "height": 900})
+    visit.page.wait_for_function(
+        "() => document.querySelector('.law-svg').getBoundingClientRect().width < 620"
+    )
+    box = {
+        part: visit.page.locator(part).bounding_box()
+        for part in (".law-svg", ".law", ".surface", ".inspector")
+    }
+    assert box[".law-svg"]["height"] >= 480
+    assert box[".law"]["width"] + box[".surface"]["width"] >= 0.7 * 1400
+    assert box[".inspector"]["y"] == box[".law"]["y"]
 
 
 def test_keys_lead_through_the_head_of_the_page(visit):

@@ -14,8 +14,8 @@ from metafem.explorer.text.shape import Follows, Shift
 from metafem.inversion import OperatingPoints
 
 # Labels of the shaded band. Its bounds are proven for independent asperities.
-INDEPENDENT = "reach at each load by itself"
-COUPLED = "reach of independent asperities at each load by itself"
+INDEPENDENT = "possible at one load"
+COUPLED = "possible at one load for independent asperities"
 
 # Text after the refusal of a draft if no bound proves the refusal.
 SEARCHED = "A longer search follows."

@@ -152,10 +152,6 @@ class LawPanel:
         if refused is not None:
             await self.page.make(lambda state: with_nearest(refused))
 
-    async def on_kind(self, event: Event) -> None:
-        """Change the kind of the target."""
-        await self.page.choose_kind(event["kind"])
-
     def on_axes(self, event: Event) -> None:
         """Show newtons or rescaled values."""
         self.page.look(newtons=bool(event["newtons"]))

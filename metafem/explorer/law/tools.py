@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from metafem.explorer.answer import Answer
-from metafem.explorer.law.kinds import kind_of
 from metafem.explorer.law.others import QUICK, SLOW, Block, own_name
-from metafem.explorer.text.kinds import kind_names
 from metafem.inversion import Design
 
 # Why the axes cannot be in newtons, and why the law under the block model cannot be computed.
@@ -16,7 +14,7 @@ NO_BLOCK = "The block model needs “Block” with its width, length and thickne
 
 
 def tools_data(answer: Answer) -> dict[str, Any]:
-    """Return the available target kinds, axes and models, and the current choices.
+    """Return the available axes and models, and the current choices.
 
     ``block`` says whether the law under the block model is available, see `block_data`.
     """
@@ -24,8 +22,6 @@ def tools_data(answer: Answer) -> dict[str, Any]:
     template = None if design is None else design.template
     own = "" if design is None else own_name(design)
     return {
-        "kind": kind_of(answer.state.text),
-        "kinds": [[kind, words] for kind, words in kind_names().items()],
         "newtons": answer.state.newtons,
         "no_forces": NO_FORCES if template is None or template.friction is None else "",
         "models": [{"name": name, "on": name in answer.state.models} for name in QUICK if name != own],

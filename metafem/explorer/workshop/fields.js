@@ -13,11 +13,10 @@ export default {
       <p v-if="broken" class="warn">The text of the specification cannot be read, so its fields are locked: {{ broken }}
         <button type="button" class="act" @click="edit">Edit the text</button></p>
       <p v-for="each in loose" :key="each" class="warn">{{ each }}</p>
-      <div class="parts"><div v-for="(column, number) in columns" :key="number" class="column">
-        <component :is="part.common ? 'section' : 'details'" v-for="part in column.filter(visible)" :key="part.name" class="part"
-                   :data-section="part.name" :open="part.common || opened[part.name] || null" @toggle="opened[part.name] = $event.target.open">
-          <component :is="part.common ? 'div' : 'summary'" class="title"><h3>{{ part.title }}</h3>
-            <span v-if="!part.common" class="quiet small brief">{{ brief(part) }}</span></component>
+      <div class="parts">
+        <details v-for="part in parts.filter(visible)" :key="part.name" class="part" :data-section="part.name"
+                 :open="opened[part.name] ?? part.common" @toggle="opened[part.name] = $event.target.open">
+          <summary class="title"><h3>{{ part.title }}</h3><span v-if="!(opened[part.name] ?? part.common)" class="quiet small brief">{{ brief(part) }}</span></summary>
           <p v-if="problems[part.name]" class="wrong" role="alert">{{ problems[part.name] }}</p>
           <p v-if="!has(part)" class="quiet small">{{ capital(part.meaning) }}.</p>
           <div v-if="kinded(part)" class="field">
@@ -58,8 +57,8 @@ export default {
             </div></div></template>
           <button v-if="part.optional && !kinded(part) && (!part.always || (!part.common && present.includes(part.name)))" type="button" class="act" :disabled="!!broken" :aria-label="(has(part) ? 'Remove ' : 'Add ') + part.title"
                   @click="$emit(has(part) ? 'without' : 'with', { section: part.name })">{{ has(part) ? "Remove" : "Add" }}</button>
-        </component>
-      </div></div>
+        </details>
+      </div>
       <p class="told small" aria-hidden="true">{{ telling }}</p>
     </form>`,
   props: { columns: Array },
@@ -67,7 +66,7 @@ export default {
     return { values: {}, present: [], problems: {}, warnings: {}, refused: {}, drafts: {}, opened: {}, broken: "", told: "", busy: true, units: {} };
   },
   computed: {
-    parts() { return this.columns.flat(); },
+    parts() { return this.columns.flat().filter(({ name }) => name !== "model"); }, // it is in the head of the page
     loose() {  // what belongs to none of the fields that are shown
       const places = this.parts.filter(this.visible).flatMap((part) => [part.name, `${part.name}.kind`, ...(this.has(part) ? this.fields(part).map((field) => field.key) : [])]);
       return this.broken ? [] : Object.entries(this.problems).filter(([key]) => !places.includes(key)).map(([, words]) => words);
@@ -78,6 +77,8 @@ export default {
       return field ? this.help(field) : "Each value is used with Enter or on leaving its field. Arrow keys up and down change numbers.";
     },
   },
+  mounted() { document.addEventListener("focusin", this.reveal); },
+  unmounted() { document.removeEventListener("focusin", this.reveal); },
   beforeUpdate() { this.place = this.seen(); },
   updated() {  // words that come and go leave the field in use where it is
     const { scroller, node, top } = this.place ?? {};
@@ -107,6 +108,12 @@ export default {
       tab?.click();
       tab?.focus(); // this button is gone
     },
+    // A handle of the law that is in use shows the fields of the target.
+    reveal(event) {
+      if (!event.target.closest?.(".handle")) return;
+      this.opened.target = true;
+      this.$el.closest(".q-panel").scrollTop = 0; // the target is the first section; the page itself stays
+    },
     refuse({ key, words }) { this.refused[key] = words; },
     id(key) { return `field-${key.replaceAll(".", "-")}`; },
     capital(words) { return words.charAt(0).toUpperCase() + words.slice(1); },
@@ -127,7 +134,8 @@ export default {
     },
     fields(part) {
       const choice = this.choice(part);
-      return this.keys(part).filter((field) => (field.key !== "lattice.radius" || field.key in this.values || !this.present.includes("tools") || "tools.exponent_range" in this.values) && (field.choice === null || field.choice === choice || field.key in this.values));
+      const radius = "lattice.radius" in this.values || !this.present.includes("tools") || "tools.exponent_range" in this.values;
+      return this.keys(part).filter(({ key, choice: of }) => (key !== "lattice.radius" || radius) && (of === null || of === choice || key in this.values));
     },
     brief(part) {  // what a closed section holds
       if (!this.present.includes(part.name)) return "not used";

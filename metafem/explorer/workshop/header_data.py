@@ -12,7 +12,7 @@ from metafem.inversion.assessment import misfit_text
 
 # Words for each status, and its kind: "good", "warn" or "" for neither.
 STATUS = {
-    DesignStatus.EXACT: ("meets the target", "good"),
+    DesignStatus.EXACT: ("meets the target exactly", "good"),
     DesignStatus.REACHED: ("meets the target", "good"),
     DesignStatus.WITHIN_ERRORS: ("meets the target", "good"),
     DesignStatus.REFINED: ("meets the target", "good"),
@@ -46,7 +46,12 @@ def _status(answer: Answer) -> tuple[str, str]:
     if answer.refusal or answer.design is None:
         return "refused: no surface reaches the target", "warn"
     words, kind = STATUS[answer.design.status]
-    return f"{words}, misfit {misfit_text(answer.design.misfit)}", kind
+    return words if _exact(answer.design) else f"{words}, misfit {misfit_text(answer.design.misfit)}", kind
+
+
+def _exact(design: Design) -> bool:
+    """Return whether the status alone says all about the misfit."""
+    return design.status is DesignStatus.EXACT
 
 
 def _misfit(design: Design) -> dict[str, str]:
@@ -55,7 +60,7 @@ def _misfit(design: Design) -> dict[str, str]:
     measure, meaning = design.misfit_meaning.partition(" from ")[0], design.misfit_meaning
     status = f"{design.status.value[:1].upper()}{design.status.value[1:]}"
     return {
-        "measure": f"{measure}, good up to {bound}",
+        "measure": "" if _exact(design) else f"{measure}, good up to {bound}",
         "meaning": f"{status}. The misfit is the {meaning}; up to {bound} is good.",
     }
 

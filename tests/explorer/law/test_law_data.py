@@ -112,7 +112,7 @@ def test_adhesion_has_no_proven_reach():
 
 def test_the_reach_is_told_as_that_of_independent_asperities_where_they_interact(answer):
     text = TEXT.replace('kind = "independent"', 'kind = "half-space"')
-    assert law_data(answer)["reach"] == "reach at each load by itself"
+    assert law_data(answer)["reach"] == "possible at one load"
     assert "independent asperities" in law_data(answered(State(text), 1))["reach"]
 
 

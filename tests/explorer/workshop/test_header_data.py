@@ -36,3 +36,8 @@ def test_the_model_is_shown_also_where_the_text_has_problems():
     text = TEXT.replace('kind = "independent"', 'kind = "layered"')
     assert header_data(answered(State(text), 1))["model"] == "layered"
     assert "model" not in header_data(answered(State("[model"), 1))
+
+
+def test_an_exact_design_is_called_exact():
+    data = header_data(answered(State(demo_text("operating-points")), 1))
+    assert (data["status"], data["measure"]) == ("meets the target exactly", "")

@@ -290,7 +290,6 @@ export class Plot {
     const removable = id.startsWith("point") && this.hand.handles.length > 1 && !this.hand.inactive;
     this.live.querySelector(".law-drop").hidden = !removable;
     this.live.classList.toggle("wrong", wrong);
-    if (wrong && this.data) this.tools.kind.value = this.data.tools.kind; // a choice that was refused
     this.live.querySelector(".law-use").hidden = !(wrong && this.offer);
   }
 

@@ -1,4 +1,4 @@
-// The choices above the plot: kind of target, axes, further models, measured points.
+// The choices above the plot: axes, further models, measured points.
 
 function made(name, members = {}, ...children) {
   const node = Object.assign(document.createElement(name), members);
@@ -9,8 +9,6 @@ function made(name, members = {}, ...children) {
 export class Tools {
   constructor(root, emit, files, say) {
     this.emit = emit;
-    this.kind = made("select", { className: "text law-kind" });
-    this.kind.addEventListener("change", () => emit("kind", { kind: this.kind.value }));
     this.axes = made("span", { className: "choice law-axes", role: "group", ariaLabel: "Axes" });
     for (const [newtons, words] of [[false, "mm²"], [true, "N"]]) {
       const button = made("button", { type: "button", textContent: words, title: newtons ? "Load P and friction F in newtons" : "Load P/E* and friction F/(σB), rescaled" });
@@ -31,8 +29,7 @@ export class Tools {
     document.addEventListener("pointerdown", this.outside);
     const choose = made("button", { type: "button", className: "act law-choose", textContent: "Measured points…", title: "Show a CSV table of a measured law; it can also be dropped onto the plot. Its first line names the columns with their units: load_N,friction_force_N or load_mN,area_mm2, optionally with load_sd_N and friction_force_sd_N." });
     choose.addEventListener("click", () => files.choose());
-    const label = made("label", { className: "law-target" }, "Target ", this.kind);
-    root.append(made("h2", { textContent: "Law" }), label, this.axes, this.models, choose);
+    root.append(made("h2", { textContent: "Law" }), this.axes, this.models, choose);
     this.block = made("button", { type: "button", className: "act law-block" });
     this.block.addEventListener("click", () => {
       if (this.missing) say(this.missing, true);
@@ -53,13 +50,10 @@ export class Tools {
       this.text = text;
       this.drawChoices(data);
     }
-    this.kind.value = data.kind; // also where another change came meanwhile
     this.drawBlock(data.block);
   }
 
   drawChoices(data) {
-    const kinds = data.kinds.some(([kind]) => kind === data.kind) ? data.kinds : [[data.kind, data.kind || "…"], ...data.kinds];
-    this.kind.replaceChildren(...kinds.map(([kind, words]) => made("option", { value: kind, textContent: words })));
     this.noForces = data.no_forces;
     [...this.axes.children].forEach((button, i) => {
       button.ariaPressed = String(Boolean(data.newtons && !data.no_forces) === (i === 1));
