@@ -180,6 +180,12 @@ def test_law_and_surface_are_large(visit):
     assert box[".law-svg"]["height"] >= 480
     assert box[".law"]["width"] + box[".surface"]["width"] >= 0.7 * 1400
     assert box[".inspector"]["y"] == box[".law"]["y"]
+    visit.page.get_by_role("tab", name="How sure").click()
+    row = visit.page.locator(".sure-figures tbody tr").first
+    row.wait_for()
+    assert row.bounding_box()["width"] > 0.8 * box[".inspector"]["width"]
+    tops = {each.bounding_box()["y"] for each in visit.page.locator(".inspector [role=tab]").all()}
+    assert len(tops) == 1
 
 
 def test_keys_lead_through_the_head_of_the_page(visit):
