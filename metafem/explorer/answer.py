@@ -88,7 +88,7 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
     target, the answer is undecided: the full search may still find a design.
     """
     start = time.perf_counter()
-    if before is not None and before.current and _serves(before, state, draft):
+    if before is not None and _serves(before, state, draft):
         elapsed = 1e3 * (time.perf_counter() - start)
         return replace(before, number=number, state=state, milliseconds=elapsed)
     specification, design = None, None if before is None else before.design
@@ -145,8 +145,11 @@ def _in_units_of(state: State, specification: Specification, error: Infeasible) 
 
 
 def _serves(before: Answer, state: State, draft: bool) -> bool:
-    """Return whether the design of an earlier answer is also the design of this state."""
-    return before.state.designs_the_same(state) and (draft or not before.draft)
+    """Return whether an earlier answer, with another number, is also the answer to this state."""
+    same = (
+        before.state.designs_the_same(state) if before.current else before.refused and before.state == state
+    )
+    return bool(same) and (draft or not before.draft)
 
 
 def _problems(error: InvalidInput) -> tuple[dict[str, str], dict[str, str]]:

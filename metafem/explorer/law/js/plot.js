@@ -5,7 +5,6 @@ import { Hand } from "./hand.js";
 import { drawLegend } from "./legend.js";
 import { Picture } from "./picture.js";
 import { Refusal } from "./refusal.js";
-import { Requests } from "./requests.js";
 import { remember } from "metafem-workshop/remember.js";
 import { made } from "./svg.js";
 import { Tools } from "./tools.js";
@@ -33,6 +32,8 @@ export class Plot {
   data = null;
   band = null;
   beside = { tolerance: null, others: [] };
+  sent = 0; // number of the last request of a drag
+  answered = 0; // number of the newest one that is answered
 
   constructor(root, emit) {
     const find = (name) => root.querySelector(`.${name}`);
@@ -40,7 +41,6 @@ export class Plot {
     [this.stage, this.svg, this.legend, this.live] = [find("law-stage"), find("law-svg"), find("law-legend"), find("law-live")];
     this.refusal = new Refusal(find("law-refusal"), () => this.paint());
     this.picture = new Picture(this.svg);
-    this.requests = new Requests((request) => emit("drag", request));
     this.hand = new Hand(this, made("g", {}, this.svg));
     this.cursor = new Cursor(this, made("g", {}, this.svg), find("law-readout")); // after the points in the order of Tab
     this.files = new Files(root, emit, (words, wrong) => this.say(words, wrong));
@@ -164,6 +164,23 @@ export class Plot {
     this.emit("nearest", {});
   }
 
+  // Sends what a drag asks for; returns its number. A browser tells one move of a pointer in a frame, and the server
+  // skips what it has not begun.
+  send(request) {
+    this.sent += 1;
+    this.emit("drag", { ...request, number: this.sent });
+    return this.sent;
+  }
+
+  // Whether the last request is answered.
+  get idle() { return this.answered === this.sent; }
+
+  // Takes an answer to the requests up to a number. An undecided one is followed by another one to the same requests.
+  take(number, { refusal, handles, undecided }) {
+    if (!undecided) this.answered = number;
+    return this.hand.answered(number, refusal, handles);
+  }
+
   // Draws an answer. An answer without a band has the one of the answer before.
   draw(data) {
     this.band = data.band === undefined ? this.band : data.band;
@@ -176,8 +193,7 @@ export class Plot {
     this.data = { ...data, ...this.beside, wanted, marked, band: this.band, handles };
     const shown = (name) => this.beside.others.some((each) => each.name.startsWith(`${name},`));
     this.data.pending = data.achieved ? data.tools.models.filter(({ name, on }) => on && !shown(name)).map(({ name }) => name) : [];
-    const asked = data.request === null ? undefined : this.requests.answered(data.request, data.undecided);
-    const ended = this.hand.answered(data.request ?? -1, asked, data.refusal);
+    const ended = data.request < this.answered ? null : this.take(data.request, data);
     // a problem may be one of a step that is held; else a move would change a text that is not understood
     this.hand.inactive = unknown && !this.hand.held;
     if (!unknown || !this.hand.held) this.hand.take(handles);
@@ -209,8 +225,7 @@ export class Plot {
 
   // Takes the refusal of a request that changed nothing.
   refuse(number, words) {
-    const asked = this.requests.answered(number);
-    this.hand.answered(number, asked, words);
+    this.take(number, { refusal: words, handles: null, undecided: false });
     this.say(words, true);
     this.paint();
   }
@@ -303,7 +318,6 @@ export class Plot {
 
   close() {
     this.observer.disconnect();
-    this.requests.close();
     this.tools.forget();
   }
 }
