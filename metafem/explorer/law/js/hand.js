@@ -48,8 +48,8 @@ export class Hand {
     Object.assign(this.held, { place, moved: true });
     this.plot.carry();
     this.plot.point(handle);
-    const number = this.plot.send({ id: handle.id, ...place, released: false });
-    this.held.first ??= number;
+    this.held.first ??= this.plot.sent + 1;
+    this.plot.move({ id: handle.id, ...place, released: false });
     this.plot.paint();
   }
 

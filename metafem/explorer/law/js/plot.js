@@ -32,8 +32,11 @@ export class Plot {
   data = null;
   band = null;
   beside = { tolerance: null, others: [] };
-  sent = 0; // number of the last request of a drag
-  answered = 0; // number of the newest one that is answered
+  // Numbers of the last request of a drag, of the newest one with an answer, and of the newest one with a decided answer.
+  sent = 0;
+  received = 0;
+  answered = 0;
+  unsent = null; // the move that waits behind the request under way
 
   constructor(root, emit) {
     const find = (name) => root.querySelector(`.${name}`);
@@ -56,6 +59,8 @@ export class Plot {
 
   // A drag that a lost connection ends is made when the server answers again, also on a page that was loaded anew.
   lose() {
+    this.received = this.answered = this.sent; // no answer comes
+    this.unsent = null;
     const place = this.hand.park();
     if (!place) return;
     remember(UNSENT, JSON.stringify(place), sessionStorage);
@@ -164,21 +169,30 @@ export class Plot {
     this.emit("nearest", {});
   }
 
-  // Sends what a drag asks for; returns its number. A browser tells one move of a pointer in a frame, and the server
-  // skips what it has not begun.
+  // Sends a move; while a request is under way, the newest move waits.
+  move(request) {
+    this.unsent = request;
+    if (this.received === this.sent) this.send(request);
+  }
+
+  // Sends a request of a drag; returns its number.
   send(request) {
+    this.unsent = null;
     this.sent += 1;
     this.emit("drag", { ...request, number: this.sent });
     return this.sent;
   }
 
-  // Whether the last request is answered.
-  get idle() { return this.answered === this.sent; }
+  // Whether the last place that was asked for is decided.
+  get idle() { return this.answered === this.sent && !this.unsent; }
 
   // Takes an answer to the requests up to a number. An undecided one is followed by another one to the same requests.
   take(number, { refusal, handles, undecided }) {
+    this.received = number;
     if (!undecided) this.answered = number;
-    return this.hand.answered(number, refusal, handles);
+    const ended = this.hand.answered(number, refusal, handles);
+    if (this.unsent && this.received === this.sent) this.send(this.unsent);
+    return ended;
   }
 
   // Draws an answer. An answer without a band has the one of the answer before.
@@ -193,7 +207,7 @@ export class Plot {
     this.data = { ...data, ...this.beside, wanted, marked, band: this.band, handles };
     const shown = (name) => this.beside.others.some((each) => each.name.startsWith(`${name},`));
     this.data.pending = data.achieved ? data.tools.models.filter(({ name, on }) => on && !shown(name)).map(({ name }) => name) : [];
-    const ended = data.request < this.answered ? null : this.take(data.request, data);
+    const ended = data.request < this.received ? null : this.take(data.request, data);
     // a problem may be one of a step that is held; else a move would change a text that is not understood
     this.hand.inactive = unknown && !this.hand.held;
     if (!unknown || !this.hand.held) this.hand.take(handles);
