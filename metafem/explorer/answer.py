@@ -99,34 +99,39 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
     """
     if before is not None and _serves(before, state, draft):
         return replace(before, number=number, state=state)
-    specification, design = None, None if before is None else before.design
-    problems: dict[str, str] = {}
-    reasons: dict[str, str] = {}
-    refusal, nearest, nearest_target, failed, undecided = "", None, None, False, False
+    answer = Answer(number, state, None, before.design if before else None, draft=draft)
     try:
         specification = specification_of(state)
-        design = specification.design(_drafted(specification) if draft else None, draft=draft)
+        answer = replace(answer, specification=specification)
+        return replace(
+            answer, design=specification.design(_drafted(specification) if draft else None, draft=draft)
+        )
     except InvalidInput as error:
         problems, reasons = _problems(error)
+        return replace(answer, problems=problems, reasons=reasons)
     except Infeasible as error:
-        refusal = on_page(str(error) if specification is None else _in_units_of(state, specification, error))
-        undecided = draft and error.by_search
-        nearest_target = error.nearest
-        if specification is not None and not draft:
-            target, limits, tools = specification.target, specification.limits, specification.tools
-            template, contact = specification.template, contact_of(specification.model)
-            nearest_target = steepest_line(target, template, limits, tools, contact) or error.nearest
-        if nearest_target is not error.nearest:
-            largest = nearest_target.wording.slopes(nearest_target.slope)
-            refusal += f". The largest over these loads is {largest}"
-        if specification is not None and nearest_target is not None:
-            nearest = _law_of(specification, nearest_target, draft)
+        return _refused(answer, error)
     except MetafemError as error:
-        problems[""], failed, undecided = str(error), True, draft
-    return Answer(
-        number, state, specification, design, problems, refusal, nearest, nearest_target, draft, failed,
-        undecided, reasons,
-    )  # fmt: skip
+        return replace(answer, problems={"": str(error)}, failed=True, undecided=draft)
+
+
+def _refused(answer: Answer, error: Infeasible) -> Answer:
+    """Return an answer with the reason why no surface reaches the target, and the nearest law."""
+    given, draft = answer.specification, answer.draft
+    answer = replace(answer, undecided=draft and error.by_search, nearest_target=error.nearest)
+    if given is None:
+        return replace(answer, refusal=on_page(str(error)))
+    refusal = on_page(_in_units_of(answer.state, given, error))
+    steepest = None
+    if not draft:
+        contact = contact_of(given.model)
+        steepest = steepest_line(given.target, given.template, given.limits, given.tools, contact)
+    if steepest is not None:
+        answer = replace(answer, nearest_target=steepest)
+        refusal += f". The largest over these loads is {steepest.wording.slopes(steepest.slope)}"
+    target = answer.nearest_target
+    nearest = None if target is None else _law_of(given, target, draft)
+    return replace(answer, refusal=refusal, nearest=nearest)
 
 
 def specification_of(state: State) -> Specification:

@@ -70,7 +70,9 @@ class Page:
         self.queue: Queue[Request, tuple[Answer, list[Show]]] = Queue(
             self._work, self._show, self._failed, patience=patience, better=whole_of
         )
-        self.browser = Browser(self._restored, self.open_link)
+        self.browser = Browser()
+        self.browser.on("stored", lambda event: self._restored(event.args))
+        self.browser.on("linked", lambda event: self.open_link(event.args))
         self.tasks = Tasks()
         self.client = ui.context.client
         self.client.on_delete(self.tasks.stop_all)
@@ -152,21 +154,13 @@ class Page:
                 self._ask(number, self.state, False)
             raise
 
-    async def step(
-        self, change: Callable[[State], State], *, draft: bool = False, replaceable: bool = False
-    ) -> int | None:
-        """Answer the state that `change(state)` returns, as a step of the history; arguments of `change`."""
-        return await self.change(
-            lambda session: session.after(change(session.state)), draft=draft, replaceable=replaceable
-        )
+    async def step(self, change: Callable[[State], State], **how: bool) -> int | None:
+        """Answer the state that `change(state)` returns, as a step of the history; `how` as in `change`."""
+        return await self.change(lambda session: session.after(change(session.state)), **how)
 
-    async def make(
-        self, change: Callable[[State], str], *, draft: bool = False, replaceable: bool = False
-    ) -> int | None:
-        """Answer the state with the text that `change(state)` returns; arguments of `change`."""
-        return await self.step(
-            lambda state: replace(state, text=as_own(change(state))), draft=draft, replaceable=replaceable
-        )
+    async def make(self, change: Callable[[State], str], **how: bool) -> int | None:
+        """Answer the state with the text that `change(state)` returns; `how` as in `change`."""
+        return await self.step(lambda state: replace(state, text=as_own(change(state))), **how)
 
     async def alter(self, **members: Any) -> int | None:
         """Answer the state with some members replaced; return the number of the change."""
@@ -227,18 +221,14 @@ class Page:
         failed = Answer(number, state, None, self.answer.design, {"": in_words(error)}, failed=True)
         self._show(self._prepared(failed))
 
-    def not_shown(self, request: object, error: Exception) -> None:
-        """Show an error that prevented a part of the page from showing an answer."""
+    def wrong(self, error: Exception) -> None:
+        """Show a program error that an event handler or a timer raised; the error is already logged."""
         self.say(in_words(error))
 
     def _tell(self, shows: Iterable[Show]) -> None:
         """Call functions, and show the errors that they raised."""
         if failures := all_told(shows):
             self.say(failures)
-
-    def wrong(self, error: Exception) -> None:
-        """Show a program error that an event handler or a timer raised; the error is already logged."""
-        self.say(in_words(error))
 
     async def told(self, change: Awaitable[object]) -> None:
         """Make a change, or show why it is impossible."""

@@ -30,7 +30,7 @@ class Views:
         self.page = page
         self.view = SurfaceView()
         self.contacts: Queue[Answer, dict[str, Any]] = Queue(
-            self._contacts, self.view.contact, page.not_shown
+            self._contacts, self.view.contact, lambda _, error: page.wrong(error)
         )
         self.template: Surface | None = None
         self.shown: tuple[Design | None, str] = (None, "")
