@@ -3,6 +3,10 @@
 const KEY = "metafem";
 const entry = (number) => `${KEY}.${number}`;
 
+// A history is sent to the server in parts of so many characters: NiceGUI drops messages of a megabyte, and the escapes
+// of a text can double its length.
+const PART = 400_000;
+
 function place() {
   try {
     return JSON.parse(sessionStorage.getItem(KEY)) ?? {};
@@ -48,7 +52,7 @@ export default {
     <div ref="full" role="status" class="lost" hidden></div>
   </div>`,
   mounted() {
-    this.$emit("stored", { ...restored(), link: location.hash.slice(1) });
+    this.tell("stored", { ...restored(), link: location.hash.slice(1) });
     addEventListener("hashchange", this.linked);
     this.$nextTick(() => { // the socket is made when all elements are mounted
       window.socket.on("disconnect", () => { this.$refs.lost.hidden = false; });
@@ -61,7 +65,17 @@ export default {
   methods: {
     // Another link was pasted into the address.
     linked() {
-      this.$emit("linked", location.hash.slice(1));
+      this.tell("linked", location.hash.slice(1));
+    },
+    // Sends a value to the server in parts, which can arrive in another order.
+    tell(name, value) {
+      const code = (character) => `\\u${character.charCodeAt(0).toString(16).padStart(4, "0")}`;
+      const text = JSON.stringify(value).replace(/[^ -~]/g, code); // plain, so that a part has as many bytes as characters
+      const count = Math.ceil(text.length / PART);
+      this.told = (this.told ?? 0) + 1;
+      for (let i = 0; i < count; i++) {
+        this.$emit("part", { name, number: this.told, i, count, text: text.slice(i * PART, (i + 1) * PART) });
+      }
     },
     // The number of the last change; tests wait until the pictures show its answer.
     asks(number) { this.$el.dataset.asked = number; },

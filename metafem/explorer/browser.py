@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
+import json
+from collections.abc import Awaitable, Callable
 from typing import Any
 
 from nicegui.element import Element
@@ -14,8 +17,25 @@ class Browser(Element, component="browser.js"):
     """Element that reads the stored history and the address when the page opens, and stores each later state.
 
     The fragment of the address is a link to the current state. The element also shows a message while the
-    connection to the server is lost. It emits ``stored`` with the history, and ``linked`` with another link.
+    connection to the server is lost.
     """
+
+    def __init__(
+        self, restored: Callable[[Any], Awaitable[None]], linked: Callable[[str], Awaitable[None]]
+    ) -> None:
+        super().__init__()
+        self.parts: dict[int, dict[int, str]] = {}
+        self.told: dict[str, Callable[[Any], Awaitable[None]]] = {"stored": restored, "linked": linked}
+        self.on("part", lambda event: self._part(event.args))
+
+    async def _part(self, part: dict[str, Any]) -> None:
+        """Collect the parts of a message, which can arrive in any order; handle the complete message."""
+        parts = self.parts.setdefault(part["number"], {})
+        parts[part["i"]] = part["text"]
+        if len(parts) == part["count"]:
+            del self.parts[part["number"]]
+            text = "".join(parts[i] for i in range(len(parts)))
+            await self.told[part["name"]](await asyncio.to_thread(json.loads, text))
 
     def asks(self, number: int) -> None:
         """Tell the browser the number of the last change, to which the pictures are not yet the answer."""

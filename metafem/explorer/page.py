@@ -70,9 +70,7 @@ class Page:
         self.queue: Queue[Request, tuple[Answer, list[Show]]] = Queue(
             self._work, self._show, self._failed, patience=patience, better=whole_of
         )
-        self.browser = Browser()
-        self.browser.on("stored", lambda event: self._restored(event.args))
-        self.browser.on("linked", lambda event: self.open_link(event.args))
+        self.browser = Browser(self._restored, self.open_link)
         self.tasks = Tasks()
         self.client = ui.context.client
         self.client.on_delete(self.tasks.stop_all)
@@ -147,7 +145,7 @@ class Page:
             self.browser.asks(number)
         try:
             return await self.queue.change(make, use, replaceable=draft or replaceable)
-        except InvalidInput:
+        except Exception:
             if draft:
                 self.again()
             else:

@@ -20,9 +20,6 @@ POLLED = 0.01
 # Exit code of uvicorn if it cannot listen at the port.
 STARTUP_FAILURE = 3
 
-# Largest message from the browser [bytes]: that of uvicorn. It sends its history, of at most 5 MB, in one.
-LARGEST_MESSAGE = 16 * 2**20
-
 # Number of messages that are sent again after a lost connection. A step of a drag sends two of about 20 kB.
 HISTORY = 100
 
@@ -31,7 +28,7 @@ def serve(first: State, port: int | None, show: bool) -> None:
     """Serve pages that begin with a state, until Ctrl-C."""
     token, port = token_and_port(port)
     address = f"http://{HOST}:{port}/{token}/"
-    from nicegui import app, background_tasks, core, ui
+    from nicegui import app, background_tasks, ui
     from nicegui.server import Server
 
     from metafem.explorer.answer import answered
@@ -51,7 +48,6 @@ def serve(first: State, port: int | None, show: bool) -> None:
         # design once to load the compiled kernels while the browser loads the page
         await asyncio.to_thread(answered, first, 0)
 
-    core.sio.eio.max_http_buffer_size = LARGEST_MESSAGE
     app.add_middleware(Guard, token=token, port=port)
     app.on_startup(lambda: background_tasks.create(announce()))
     app.on_startup(lambda: background_tasks.create(warm_up()))
