@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, MutableMapping
 from secrets import compare_digest
-from typing import Any
 
-# An ASGI application and its parts.
-Scope = MutableMapping[str, Any]
-Receive = Callable[[], Awaitable[Any]]
-Send = Callable[[Any], Awaitable[None]]
-Application = Callable[[Scope, Receive, Send], Awaitable[None]]
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.responses import PlainTextResponse
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.websockets import WebSocketClose
 
 REFUSED = "This page needs the token in the address that `metafem explore` printed. Open that address."
 
 # Headers of every answer: the browser sends no other page the address, which contains the token, and no other
 # page may show this page in a frame.
-HEADERS = ((b"referrer-policy", b"no-referrer"), (b"x-frame-options", b"DENY"))
+HEADERS = {"referrer-policy": "no-referrer", "x-frame-options": "DENY"}
+
+POLICY_VIOLATION = 1008  # RFC 6455
 
 
 class Guard:
@@ -27,7 +26,7 @@ class Guard:
     address (DNS rebinding).
     """
 
-    def __init__(self, app: Application, token: str, port: int) -> None:
+    def __init__(self, app: ASGIApp, token: str, port: int) -> None:
         self.app, self.token = app, token
         self.hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
 
@@ -37,14 +36,16 @@ class Guard:
             await self.app(scope, receive, send)
         elif self.allowed(scope):
             await self._answer({**scope, "root_path": f"/{self.token}"}, receive, _with_headers(send))
+        elif scope["type"] == "http":
+            await PlainTextResponse(REFUSED, 403)(scope, receive, send)
         else:
-            await _refuse(scope, receive, send)
+            await WebSocketClose(POLICY_VIOLATION)(scope, receive, send)
 
     async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request to the application; ignore its error if the client has already disconnected."""
         left = False
 
-        async def heard() -> Any:
+        async def heard() -> Message:
             nonlocal left
             message = await receive()
             left = left or message["type"] == "http.disconnect"
@@ -58,27 +59,16 @@ class Guard:
 
     def allowed(self, scope: Scope) -> bool:
         """Return whether a request has the token and comes from a page of this server or from no page."""
-        headers = {name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]}
+        headers = Headers(scope=scope)
         host, token = headers.get("host", ""), scope["path"].partition("/")[2].partition("/")[0]
         own = host in self.hosts and headers.get("origin", f"http://{host}") == f"http://{host}"
         return own and compare_digest(token.encode(), self.token.encode())
 
 
 def _with_headers(send: Send) -> Send:
-    async def sending(message: Any) -> None:
+    async def sending(message: Message) -> None:
         if message["type"] == "http.response.start":
-            message = {**message, "headers": [*message.get("headers", ()), *HEADERS]}
+            MutableHeaders(scope=message).update(HEADERS)
         await send(message)
 
     return sending
-
-
-async def _refuse(scope: Scope, receive: Receive, send: Send) -> None:
-    if scope["type"] == "websocket":
-        await receive()
-        await send({"type": "websocket.close", "code": 1008})  # RFC 6455: policy violation
-        return
-    body = REFUSED.encode()
-    head = [(b"content-type", b"text/plain; charset=utf-8"), (b"content-length", str(len(body)).encode())]
-    await send({"type": "http.response.start", "status": 403, "headers": head})
-    await send({"type": "http.response.body", "body": body})

@@ -77,10 +77,10 @@ export default {
         this.$emit("part", { name, number: this.told, i, count, text: text.slice(i * PART, (i + 1) * PART) });
       }
     },
-    // Whether a change is computed; tests wait until none is.
-    wait(busy) { this.$el.dataset.busy = busy; },
+    // The number of the last change; tests wait until the pictures show its answer.
+    asks(number) { this.$el.dataset.asked = number; },
     // Keeps the state that is shown, of the number `at`; the history holds those from `first` to before `end`.
-    keep({ first, end, at, state, link, asked }) {
+    keep({ first, end, at, state, link }) {
       for (const old of numbers()) if (old < first || old >= end) sessionStorage.removeItem(entry(old));
       const why = store(entry(at), state, at) || store(KEY, JSON.stringify({ first, end, at }), at);
       if (why) console.info(`The history of this page cannot be kept by the browser: ${why}`);
@@ -93,7 +93,6 @@ export default {
       } catch {
         // some browsers allow so many changes of the address in a time; the next step changes it again
       }
-      this.$el.dataset.asked = asked; // tests wait until the pictures show this answer
     },
   },
 };

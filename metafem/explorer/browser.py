@@ -7,12 +7,10 @@ import json
 from collections.abc import Awaitable, Callable
 from typing import Any
 
-from nicegui import background_tasks
 from nicegui.element import Element
 
 from metafem.explorer.session import Session
 from metafem.explorer.text.link import link_of
-from metafem.explorer.turns import Turns
 
 
 class Browser(Element, component="browser.js"):
@@ -26,7 +24,6 @@ class Browser(Element, component="browser.js"):
         self, restored: Callable[[Any], Awaitable[None]], linked: Callable[[str], Awaitable[None]]
     ) -> None:
         super().__init__()
-        self.turns = Turns()
         self.parts: dict[int, dict[int, str]] = {}
         self.told: dict[str, Callable[[Any], Awaitable[None]]] = {"stored": restored, "linked": linked}
         self.on("part", lambda event: self._part(event.args))
@@ -40,19 +37,17 @@ class Browser(Element, component="browser.js"):
             text = "".join(parts[i] for i in range(len(parts)))
             await self.told[part["name"]](await asyncio.to_thread(json.loads, text))
 
-    def keep(self, session: Session, asked: int) -> None:
-        """Store in the browser the current state, its position in the history, and its request number."""
-        state, first, at = session.state, session.first, session.at
-        place = {"first": first, "end": first + len(session.states), "at": first + at, "asked": asked}
+    def asks(self, number: int) -> None:
+        """Tell the browser the number of the last change, to which the pictures are not yet the answer."""
+        self.run_method("asks", number)
 
-        def kept() -> dict[str, Any]:
-            return {**place, "state": state.to_json(), "link": link_of(state)}
+    def keep(self, record: dict[str, Any]) -> None:
+        """Store in the browser a record of the current state."""
+        self.run_method("keep", record)
 
-        background_tasks.create(self.turns.take(kept, self._keep))
 
-    def busy(self, busy: bool) -> None:
-        """Tell the browser whether a change is being computed."""
-        self.run_method("wait", busy)
-
-    def _keep(self, kept: dict[str, Any]) -> None:
-        self.run_method("keep", kept)
+def record_of(session: Session) -> dict[str, Any]:
+    """Return the current state of a history with its link, and its number among those of the history."""
+    state, first = session.state, session.first
+    place = {"first": first, "end": first + len(session.states), "at": first + session.at}
+    return {**place, "state": state.to_json(), "link": link_of(state)}

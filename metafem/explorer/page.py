@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import asyncio
 import math
+import time
 from collections.abc import Awaitable, Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from nicegui import ui
 from nicegui.element import Element
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, answered
-from metafem.explorer.browser import Browser
+from metafem.explorer.browser import Browser, record_of
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.panel import certainty_panel, place_warnings
 from metafem.explorer.law.panel import law_panel
-from metafem.explorer.newest import PATIENCE, PATIENCE_WITH_DRAFTS, Newest, all_told, in_words, prepared
+from metafem.explorer.queue import LOG, PATIENCE, Queue, in_words
 from metafem.explorer.session import Session, State
 from metafem.explorer.surface.panel import surface_panel
 from metafem.explorer.take.panel import take_panel
@@ -27,21 +28,30 @@ from metafem.explorer.text.document import as_own
 from metafem.explorer.text.kinds import with_kind
 from metafem.explorer.text.link import from_link, restored
 from metafem.explorer.text.names import on_page
-from metafem.explorer.turns import Turns
 from metafem.explorer.workshop.editor import editor_panel
 from metafem.explorer.workshop.header import header_panel
 from metafem.explorer.workshop.panel import workshop_panel
 
 Result = TypeVar("Result")
-Told = TypeVar("Told")
 
-Listener = Callable[[Answer], None]
+# What shows an answer, with the data that were prepared for it.
+Show = Callable[[], None]
 
-# Number of the request, state to answer, and whether a draft is enough.
-Request = tuple[int, State, bool]
+# Time after which a draft is dropped if a newer draft waits [s]. A drag requests drafts faster than a large
+# surface can be designed. With a shorter time, nothing would be shown until the pointer rests; with a longer
+# time, a pointer at rest would wait too long for the newest draft.
+PATIENCE_WITH_DRAFTS = 5.0
 
 # Style sheets of the page, and of its header and fields.
 STYLES = ("page.css", "workshop/workshop.css")
+
+
+class Request(NamedTuple):
+    """A state to answer, the number of the change that made it, and whether a draft is enough."""
+
+    number: int
+    state: State
+    draft: bool
 
 
 class Page:
@@ -49,19 +59,17 @@ class Page:
 
     def __init__(self, first: State) -> None:
         self.first = first
-        self.session = Session(first)
+        self.session = Session((first,))
         self.answer = Answer(0, first)
-        self.number = 0
-        self.listeners: list[Callable[[Answer], Listener]] = []
-        self.late_listeners: list[Listener] = []
-        self.tab_listeners: list[Callable[[str], None]] = []
+        self.number = 0  # of the last request
+        self.tabs: ui.tabs
+        self.panels: list[Callable[[Answer], Show]] = []
+        self.warned: list[Callable[[Mapping[str, list[str]]], None]] = []
         self.messages: list[ui.notification] = []
-        self.warning_listeners: list[Callable[[Mapping[str, list[str]]], None]] = []
-        self.newest: Newest[Request, tuple[Answer, list[Listener]]] = Newest(
+        self.queue: Queue[Request, tuple[Answer, list[Show]]] = Queue(
             self._work, self._show, self._failed, patience=patience, better=whole_of
         )
         self.browser = Browser(self._restored, self.open_link)
-        self.turns = Turns(self.browser.busy)
         self.tasks = Tasks()
         self.client = ui.context.client
         self.client.on_delete(self.tasks.stop_all)
@@ -72,122 +80,137 @@ class Page:
         """The state that is shown."""
         return self.session.state
 
-    def listen(self, callback: Listener) -> None:
+    def listen(self, show: Callable[[Answer], None]) -> None:
         """Call a function with every new answer."""
-        self.listeners.append(lambda answer: callback)
+        self.panels.append(lambda answer: partial(show, answer))
 
     def listen_prepared(
-        self, prepare: Callable[[Answer], Result], show: Callable[[Answer, Result], None]
+        self, prepare: Callable[[Answer], Result], show: Callable[[Answer, Result], None], pace: float = 0.0
     ) -> None:
-        """Call `show` with every new answer and the data that `prepare` computes from it in a thread."""
-        self.listeners.append(partial(prepared, prepare, show))
+        """Call `show` with every new answer and the data that `prepare` computes from it in a thread.
 
-    def listen_late(self, callback: Callable[[Answer], None]) -> None:
-        """Call a function with the current answer when its tolerance band from random draws is known."""
-        self.late_listeners.append(callback)
+        Of the drafts that arrive within `pace` seconds, only the first is shown. A full answer follows.
+        """
+        due = 0.0
 
-    def listen_tab(self, callback: Callable[[str], None]) -> None:
-        """Call a function with the name of each tab that the user opens."""
-        self.tab_listeners.append(callback)
+        def prepared(answer: Answer) -> Show:
+            nonlocal due
+            if answer.draft and time.monotonic() < due:
+                return nothing
+            due = time.monotonic() + pace
+            try:
+                return partial(show, answer, prepare(answer))
+            except Exception as error:
+                return partial(_fail, error)
 
-    def complete(self) -> None:
-        """Show the results that arrived after the current answer was shown."""
-        self._tell(self.late_listeners, self.answer)
-
-    def open_tab(self, name: str) -> None:
-        """Tell the panels that a tab was opened."""
-        self._tell(self.tab_listeners, name)
+        self.panels.append(prepared)
 
     def listen_warnings(self, callback: Callable[[Mapping[str, list[str]]], None]) -> None:
         """Call a function with the warnings of an answer, by part of the page, when they are known."""
-        self.warning_listeners.append(callback)
+        self.warned.append(callback)
 
     def warn(self, places: Mapping[str, list[str]]) -> None:
         """Show the warnings of the current answer."""
-        self._tell(self.warning_listeners, places)
+        self._tell(partial(callback, places) for callback in self.warned)
 
-    def edit(self, text: str, *, released: bool = True) -> int:
-        """Answer a new text of the specification; return the number of the request.
+    def again(self) -> None:
+        """Show the current answer once more, because what a panel shows with it has changed."""
+        if not self.queue.running:  # otherwise a newer answer follows
+            self.queue.put(Request(self.number, self.answer.state, self.answer.draft))
 
-        If `released`, the text becomes a step of the history. Otherwise the user is still dragging and the
-        answer is a draft. If no newer edit follows soon, the answer of the full search replaces the draft.
+    async def change(
+        self, change: Callable[[Session], Session], *, draft: bool = False, replaceable: bool = False
+    ) -> int | None:
+        """Make a change of the history in a thread, after all earlier changes, and answer its state.
+
+        Return the number of the change. If `draft`, the user is still dragging: the answer is a draft, and
+        the history stays as it is. If no newer change follows soon, the answer of the full search replaces
+        the draft. A draft, or a replaceable change, is dropped and None returned if a newer change waits.
         """
-        return self._ask(replace(self.state, text=as_own(text)), released)
+        number = self.queue.asked + 1
 
-    def change(self, **members: Any) -> int:
-        """Answer the state with some members replaced; return the number of the request."""
-        return self._ask(replace(self.state, **members), True)
+        def make() -> tuple[Session, dict[str, Any]]:
+            session = change(self.session)
+            return session, {} if draft else record_of(session)
 
-    def look(self, **members: Any) -> int:
-        """Answer the state with new display settings, without a step of the history; return the number."""
-        self.session.replace(replace(self.state, **members))
-        return self._ask(self.state, True)
+        def use(number: int, made: tuple[Session, dict[str, Any]]) -> None:
+            session, record = made
+            if not draft:
+                self.session = session
+                self.browser.keep(record)
+            self._ask(number, session.state, draft)
 
-    async def make(self, change: Callable[..., str], *given: Any, released: bool = True) -> int | None:
-        """Answer the text that `change(state, *given)` returns in a thread, after all earlier changes.
+        if not draft:
+            self.browser.asks(number)
+        try:
+            return await self.queue.change(make, use, replaceable=draft or replaceable)
+        except Exception:
+            if draft:
+                self.again()
+            else:
+                self._ask(number, self.state, False)
+            raise
 
-        Returns the number of the request, or None for a draft that a newer change replaced.
-        """
-        return await self.turns.take(
-            lambda: change(self.state, *given), partial(self.edit, released=released), draft=not released
-        )
+    async def step(self, change: Callable[[State], State], **how: bool) -> int | None:
+        """Answer the state that `change(state)` returns, as a step of the history; `how` as in `change`."""
+        return await self.change(lambda session: session.after(change(session.state)), **how)
+
+    async def make(self, change: Callable[[State], str], **how: bool) -> int | None:
+        """Answer the state with the text that `change(state)` returns; `how` as in `change`."""
+        return await self.step(lambda state: replace(state, text=as_own(change(state))), **how)
+
+    async def alter(self, **members: Any) -> int | None:
+        """Answer the state with some members replaced; return the number of the change."""
+        return await self.step(lambda state: replace(state, **members))
 
     async def choose_kind(self, kind: str) -> int | None:
-        """Answer a target of another kind that is close to the current law; return the number of the request.
+        """Answer a target of another kind that is close to the current law; return the number of the change.
 
         Returns None, and changes nothing, if another change is requested meanwhile.
         """
-        return await self.turns.aside(lambda: with_kind(self.state, self.answer.design, kind), self.edit)
-
-    async def alter(self, **members: Any) -> int | None:
-        """Answer the state with some members replaced, after earlier changes; return the number."""
-        return await self.turns.take(nothing, lambda _: self.change(**members))
+        return await self.make(lambda state: with_kind(state, self.answer.design, kind), replaceable=True)
 
     async def undo(self) -> None:
         """Go back to the state before the current one."""
-        await self.turns.take(nothing, lambda _: self._moved(self.session.undo))
-
-    def stop(self) -> None:
-        """End the computations of the page, and go back to the last state whose answer is shown."""
-        self.turns.asked += 1
-        while not self.state.designs_the_same(self.answer.state) and self.session.undo():
-            pass
-        self._ask(self.state, True)
+        await self.change(lambda session: session.moved(-1))
 
     async def redo(self) -> None:
         """Go forward to the state that was undone last."""
-        await self.turns.take(nothing, lambda _: self._moved(self.session.redo))
+        await self.change(lambda session: session.moved(1))
+
+    async def stop(self) -> None:
+        """End the computations of the page, and go back to the last state whose answer is shown."""
+        shown = self.answer.state
+
+        def back(session: Session) -> Session:
+            while session.at and not session.state.designs_the_same(shown):
+                session = session.moved(-1)
+            return session
+
+        await self.change(back)
 
     async def in_thread(self, function: Callable[..., Result], *given: Any) -> Result:
         """Call a function in a thread, outside the event loop; return its value."""
         return await asyncio.to_thread(function, *given)
 
-    def _moved(self, move: Callable[[], bool]) -> None:
-        if move():
-            self._ask(self.state, True)
+    def _ask(self, number: int, state: State, draft: bool) -> None:
+        self.number = number
+        self.queue.put(Request(number, state, draft))
 
-    def _ask(self, state: State, released: bool) -> int:
-        self.number += 1
-        if released:
-            self.session.commit(state)
-            self.browser.keep(self.session, self.number)
-        self.newest.put((self.number, state, not released))
-        return self.number
-
-    def _work(self, request: Request) -> tuple[Answer, list[Listener]]:
+    def _work(self, request: Request) -> tuple[Answer, list[Show]]:
         number, state, draft = request
         return self._prepared(answered(state, number, self.answer, draft))
 
-    def _prepared(self, answer: Answer) -> tuple[Answer, list[Listener]]:
-        return answer, [listener(answer) for listener in self.listeners]
+    def _prepared(self, answer: Answer) -> tuple[Answer, list[Show]]:
+        return answer, [panel(answer) for panel in self.panels]
 
-    def _show(self, found: tuple[Answer, list[Listener]]) -> None:
-        self.answer, listeners = found
+    def _show(self, found: tuple[Answer, list[Show]]) -> None:
+        self.answer, shows = found
         if self.answer.current:
             for message in self.messages:
                 message.dismiss()
             self.messages.clear()
-        self._tell(listeners, self.answer)
+        self._tell(shows)
 
     def _failed(self, request: Request, error: Exception) -> None:
         """Show a program error together with the last surface that was found."""
@@ -195,19 +218,14 @@ class Page:
         failed = Answer(number, state, None, self.answer.design, {"": in_words(error)}, failed=True)
         self._show(self._prepared(failed))
 
-    def not_shown(self, request: object, error: Exception) -> None:
-        """Show an error that prevented a part of the page from showing an answer."""
-        self.say(in_words(error))
-
-    def _tell(self, listeners: Iterable[Callable[[Told], None]], value: Told) -> None:
-        """Call listeners with a value, and show the errors that they raised."""
-        failures = all_told(listeners, value)
-        if failures:
-            self.say(failures)
-
     def wrong(self, error: Exception) -> None:
         """Show a program error that an event handler or a timer raised; the error is already logged."""
         self.say(in_words(error))
+
+    def _tell(self, shows: Iterable[Show]) -> None:
+        """Call functions, and show the errors that they raised."""
+        if failures := all_told(shows):
+            self.say(failures)
 
     async def told(self, change: Awaitable[object]) -> None:
         """Make a change, or show why it is impossible."""
@@ -225,21 +243,43 @@ class Page:
 
     async def open_link(self, link: str) -> None:
         """Show the state in a link as a new step of the history."""
-        await self.told(self.turns.take(partial(from_link, link), lambda state: self._ask(state, True)))
+        await self.told(self.step(lambda state: from_link(link)))
 
     async def _restored(self, kept: Any) -> None:
         """Show the state from the history in the browser or from the address, otherwise the first state."""
-        await self.turns.take(partial(restored, kept, self.session), self._begin)
+        problem = ""
 
-    def _begin(self, found: tuple[Session, str]) -> None:
-        self.session, problem = found
+        def begun(session: Session) -> Session:
+            nonlocal problem
+            session, problem = restored(kept, session)
+            return session
+
+        await self.change(begun)
         if problem:
             self.say(problem)
-        self._ask(self.state, True)
 
 
 def nothing() -> None:
-    """Compute nothing, for changes that need no computation."""
+    """Show nothing."""
+
+
+def _fail(error: Exception) -> None:
+    raise error
+
+
+def all_told(shows: Iterable[Show]) -> str:
+    """Call functions; return the errors of those that failed in words, "" if none failed.
+
+    An error is logged, and the remaining functions are still called.
+    """
+    failures: list[str] = []
+    for show in shows:
+        try:
+            show()
+        except Exception as error:
+            LOG.exception("a part of the page was not shown")
+            failures.append(in_words(error))
+    return " ".join(failures)
 
 
 def patience(running: Request, waiting: Request) -> float:
@@ -248,17 +288,16 @@ def patience(running: Request, waiting: Request) -> float:
     A full search ends at once when a draft for another state waits, because the drag has gone on. It is
     finished when the waiting request is for the same state, because the handle was released there.
     """
-    if running[2]:
-        return PATIENCE_WITH_DRAFTS if waiting[2] else PATIENCE
-    if running[1].designs_the_same(waiting[1]):
+    if running.draft:
+        return PATIENCE_WITH_DRAFTS if waiting.draft else PATIENCE
+    if running.state.designs_the_same(waiting.state):
         return math.inf
-    return 0.0 if waiting[2] else PATIENCE
+    return 0.0 if waiting.draft else PATIENCE
 
 
 def whole_of(request: Request) -> Request | None:
     """Return the request for the full search that follows a draft when the pointer rests; otherwise None."""
-    number, state, draft = request
-    return (number, state, False) if draft else None
+    return request._replace(draft=False) if request.draft else None
 
 
 def build(first: State) -> Page:
@@ -296,7 +335,7 @@ def _tabs(page: Page) -> None:
     ) as tabs:
         for name in panels:
             ui.tab(name)
-    tabs.on_value_change(lambda event: page.open_tab(event.value))
+    page.tabs = tabs
     with ui.tab_panels(tabs, value="Workshop", animated=False).props("keep-alive").classes("panels"):
         for name, make in panels.items():
             with ui.tab_panel(name):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
 from metafem.errors import InvalidInput
@@ -46,6 +46,10 @@ class State:
         """Return whether another state has the same specification and tables, and so the same design."""
         return self.text == other.text and self.tables == other.tables
 
+    def as_shown_in(self, other: State) -> State:
+        """Return the state with the display settings of another state, which undo ignores."""
+        return replace(self, newtons=other.newtons, models=other.models, load=other.load)
+
     def to_json(self) -> str:
         """Return the state as JSON."""
         return json.dumps(asdict(self))
@@ -77,46 +81,38 @@ def _names(given: Any) -> tuple[Any, ...]:
     return tuple(given) if isinstance(given, (list, tuple)) else (given,)
 
 
+@dataclass(frozen=True)
 class Session:
     """The history of a page: its states in order, and the index `at` of the current state.
 
     States are numbered from the start of the history; `first` is the number of the oldest state in the list.
     """
 
-    def __init__(self, *states: State, at: int = 0, first: int = 0) -> None:
-        self.states, self.at, self.first = list(states), at, first
+    states: tuple[State, ...]
+    at: int = 0
+    first: int = 0
 
     @property
     def state(self) -> State:
         """The state that is shown."""
         return self.states[self.at]
 
-    def commit(self, state: State) -> None:
-        """Add a state after the current state, and drop the states that were undone."""
-        if state == self.state:
-            return
-        states = [*self.states[: self.at + 1], state]
-        self.first += max(0, len(states) - MOST_STATES)
-        self.states = states[-MOST_STATES:]
-        self.at = len(self.states) - 1
+    def after(self, state: State) -> Session:
+        """Return the history with a further state after the current state, and without undone states.
 
-    def replace(self, state: State) -> None:
-        """Replace the current state by a state that differs only in members that undo ignores."""
-        self.states[self.at] = state
+        A state that differs from the current one only in its display settings replaces it.
+        """
+        if state.as_shown_in(self.state) == self.state:
+            return replace(self, states=(*self.states[: self.at], state, *self.states[self.at + 1 :]))
+        states = (*self.states[: self.at + 1], state)
+        first = self.first + max(0, len(states) - MOST_STATES)
+        states = states[-MOST_STATES:]
+        return Session(states, len(states) - 1, first)
 
-    def undo(self) -> bool:
-        """Go back to the previous state; return whether there is a previous state."""
-        return self._move(-1)
-
-    def redo(self) -> bool:
-        """Go forward to the state that was undone last; return whether there is such a state."""
-        return self._move(1)
-
-    def _move(self, step: int) -> bool:
-        if not 0 <= self.at + step < len(self.states):
-            return False
-        self.at += step
-        return True
+    def moved(self, steps: int) -> Session:
+        """Return the history at the state so many steps later; the same history without such a state."""
+        at = self.at + steps
+        return replace(self, at=at) if 0 <= at < len(self.states) else self
 
     @classmethod
     def restored(cls, record: Any) -> Session | None:
@@ -124,8 +120,9 @@ class Session:
         if not isinstance(record, dict) or not record.get("states"):
             return None
         states, first, at = record["states"], record.get("first"), record.get("at")
+        damaged = InvalidInput("the history that the browser kept is damaged; the page begins anew")
         if not (isinstance(states, list) and isinstance(first, int) and isinstance(at, int)):
-            raise InvalidInput("the history that the browser kept is damaged; the page begins anew")
+            raise damaged
         if not 0 <= at - first < len(states) <= MOST_STATES:
-            raise InvalidInput("the history that the browser kept is damaged; the page begins anew")
-        return cls(*(State.from_json(str(state)) for state in states), at=at - first, first=first)
+            raise damaged
+        return cls(tuple(State.from_json(str(state)) for state in states), at - first, first)

@@ -11,6 +11,7 @@ from metafem.explorer.answer import answered
 from metafem.explorer.law.law_data import SEARCHED, law_data
 from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
+from metafem.explorer.workshop.header_data import header_data
 from metafem.files import Specification, demo_text, parsed
 
 TEXT = demo_text("operating-points")
@@ -134,6 +135,28 @@ def areas(*values):
 def points(load, friction):
     """Return a target of operating points."""
     return {"kind": "operating-points", "rescaled_load": areas(*load), "rescaled_friction": areas(*friction)}
+
+
+@pytest.mark.parametrize(
+    ("rows", "model", "drafted"),
+    [
+        (8, "layer", "layer"),
+        (8, "resolved", "half-space"),
+        (8, "mean-field", "mean-field"),
+        (12, "layer", "independent"),
+        (12, "resolved", "independent"),
+        (12, "independent", "independent"),
+    ],
+)
+def test_a_draft_of_many_asperities_or_under_a_slow_model_is_simplified(rows, model, drafted):
+    text = TEXT.replace('kind = "independent"', f'kind = "{model}"').replace("[8, 8]", f"[{rows}, {rows}]")
+    state = State(text.replace('pitch = "1.5 mm"', 'pitch = "1.2 mm"'))
+    draft = answered(state, 1, draft=True)
+    assert draft.current
+    assert draft.design.law.model.name == drafted
+    assert draft.simplified == (model != drafted)
+    assert law_data(draft)["model"] == (f"{drafted}, draft" if draft.simplified else model)
+    assert header_data(draft)["status"].startswith("draft under") == draft.simplified
 
 
 @pytest.mark.parametrize("case", WITHOUT_LEVELS)

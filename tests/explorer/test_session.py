@@ -38,28 +38,35 @@ def test_a_damaged_state_is_refused(text):
 
 @given(st.lists(st.sampled_from(["undo", "redo", "a", "b", "c"]), max_size=30))
 def test_the_history_is_that_of_an_editor(steps):
-    session, done, undone = Session(FIRST), [FIRST], []
+    session, done, undone = Session((FIRST,)), [FIRST], []
     for step in steps:
         if step == "undo":
-            assert session.undo() == (len(done) > 1)
+            session = session.moved(-1)
             if len(done) > 1:
                 undone.append(done.pop())
         elif step == "redo":
-            assert session.redo() == bool(undone)
+            session = session.moved(1)
             if undone:
                 done.append(undone.pop())
         elif step != done[-1].text:
-            session.commit(replace(FIRST, text=step))
+            session = session.after(replace(FIRST, text=step))
             done, undone = [*done, replace(FIRST, text=step)], []
         assert session.state == done[-1]
     assert restored(session).states == session.states
     assert restored(session).state == session.state
 
 
+def test_display_settings_are_no_step_of_the_history():
+    session = Session((FIRST,)).after(replace(FIRST, text="b")).moved(-1)
+    shown = replace(FIRST, newtons=False, load=0.3, models=())
+    assert session.after(shown) == Session((shown, replace(FIRST, text="b")))
+    assert len(session.after(replace(shown, measured="0.1,0.2")).states) == 2
+
+
 def test_the_oldest_states_are_dropped():
-    session = Session(FIRST)
+    session = Session((FIRST,))
     for number in range(MOST_STATES + 5):
-        session.commit(replace(FIRST, text=str(number)))
+        session = session.after(replace(FIRST, text=str(number)))
     assert len(session.states) == MOST_STATES
     assert session.first == 6
     assert restored(session).state == session.state

@@ -23,7 +23,7 @@ from typing import Any
 
 from metafem.errors import MetafemError
 from metafem.explorer.certainty.worker import DONE, STEP, main
-from metafem.explorer.newest import in_words
+from metafem.explorer.queue import in_words
 
 # Program errors are written to the terminal with their traceback.
 LOG = logging.getLogger(__name__)

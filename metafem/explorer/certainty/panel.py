@@ -99,7 +99,7 @@ class Certainty:
         self.studies.on("start", lambda event: self._start(event.args))
         self.studies.on("stop", lambda event: self._stop(event.args))
         page.listen(self._answered)
-        page.listen_tab(self._turned)
+        page.tabs.on_value_change(lambda event: self._turned(event.value))
         self.client.on_delete(self._left)
 
     def _answered(self, answer: Answer) -> None:
@@ -150,8 +150,7 @@ class Certainty:
             return
         await self.page.in_thread(band.draw, answer, wanted)
         if band.drawn_of(answer) is not None and wanted():
-            self.page.complete()
-            await self._figures()
+            self.page.again()
 
     async def _start(self, name: Any) -> None:
         answer = self.page.answer

@@ -12,7 +12,7 @@ from metafem.explorer.law.law_data import band_data
 from metafem.explorer.law.others import QUICK, Block, Other, other_law, own_name
 from metafem.explorer.law.shown import Units
 from metafem.explorer.law.tools import block_data
-from metafem.explorer.newest import Newest, in_words
+from metafem.explorer.queue import Queue, in_words
 from metafem.inversion import Design
 
 # An answer, its tolerance band, a description of the band, and the laws under further models.
@@ -24,7 +24,7 @@ class Beside:
 
     def __init__(self, tasks: Tasks, draw: Callable[[dict[str, Any]], None]) -> None:
         self.draw = draw
-        self.newest: Newest[Answer, More] = Newest(self._computed, self._show, self._failed)
+        self.newest: Queue[Answer, More] = Queue(self._computed, self._show, self._failed)
         self.block = Block(tasks, self._renew)
         self.design: Design | None = None
         self.laws: dict[str, Other] = {}

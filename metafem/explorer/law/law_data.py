@@ -50,7 +50,7 @@ def law_data(answer: Answer) -> dict[str, Any]:
     if answer.design is not None:
         law = answer.design.law
         data["achieved"] = own.curve(law.rescaled_load, law.rescaled_friction)
-        data["model"] = law.model.name
+        data["model"] = f"{law.model.name}, draft" if answer.simplified else law.model.name
         data["reach"] = COUPLED if law.model.couples else INDEPENDENT
     if answer.nearest is not None:
         data["nearest"] = units.curve(*answer.nearest) | {"marked": data["marked"]}

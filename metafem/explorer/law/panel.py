@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Coroutine
+from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -51,22 +51,21 @@ class LawPanel:
         self.band_shown: Any = None
         self.measured = Measured()
         self.beside = Beside(page.tasks, self.plot.more)
-        # request number of the plot for each request number of the page
+        # number of the plot for each change of the page by a drag, and for the newest one that is answered
         self.requests: dict[int, int] = {}
+        self.request = 0
         # text, specification and design of the current state: every step of a drag starts from them
         self.base: tuple[str, Specification, Design | None] | None = None
         self.refused: Answer | None = None
         self.stuck = False  # whether the state from which a drag starts is refused
         page.listen_prepared(self.prepared, self.show)
-        page.listen_late(self.beside.put)
 
-    def told(self, handler: Callable[[Event], Any]) -> Callable[[Event], Coroutine[Any, Any, None]]:
+    def told(self, handler: Callable[[Event], Awaitable[None]]) -> Callable[[Event], Awaitable[None]]:
         """Return an event handler that shows each InvalidInput error of `handler` below the plot."""
 
         async def handle(event: Event) -> None:
             try:
-                if (waiting := handler(event)) is not None:
-                    await waiting
+                await handler(event)
             except InvalidInput as error:
                 self.plot.say(on_page(str(error)), wrong=True)
 
@@ -87,11 +86,8 @@ class LawPanel:
 
     def show(self, answer: Answer, data: dict[str, Any]) -> None:
         """Draw an answer."""
-        of_plot = [number for number in self.requests if number <= answer.number]
-        request = max((self.requests[number] for number in of_plot), default=None)
-        if not answer.undecided:  # otherwise the full search answers the same request
-            for number in of_plot:
-                del self.requests[number]
+        for number in [each for each in self.requests if each <= answer.number]:
+            self.request = self.requests.pop(number)
         specification, text = answer.specification, answer.state.text
         if specification is not None and text == self.page.state.text:
             self.base = text, specification, answer.design
@@ -102,7 +98,7 @@ class LawPanel:
             self.band_shown = self.reach.key, Units.of(answer, answer.state.newtons)
         tools = data["tools"]
         tools["block"] = block_data(self.beside.block, answer.design) if tools["block"] else None
-        self.plot.draw(data | {"request": request})
+        self.plot.draw(data | {"request": self.request})
         if self.measured.problem:
             self.plot.say(self.measured.problem, wrong=True)
         self.beside.put(answer)
@@ -117,13 +113,11 @@ class LawPanel:
             answer = self.page.answer
             return reachable(answer) if self.stuck and answer.refusal else state.text
 
+        self.requests[self.page.queue.asked + 1] = number
         try:
-            request = await self.page.make(dragged, released=bool(event["released"]))
+            await self.page.make(dragged, draft=not event["released"])
         except InvalidInput as error:
             self.plot.refuse(number, on_page(str(error)))
-            return
-        if request is not None:
-            self.requests[request] = number
 
     async def on_add(self, event: Event) -> None:
         """Add a point; close to the achieved law it is on this law."""
@@ -139,12 +133,12 @@ class LawPanel:
         """Remove a point."""
         await self.page.make(lambda state: removed(*self._base(state)[:2], event["id"]))
 
-    def on_cursor(self, event: Event) -> None:
+    async def on_cursor(self, event: Event) -> None:
         """Show the contacts at another load."""
         units = Units.of_design(self.page.answer, self.page.state.newtons)
         load, _ = units.rescaled(float(event["x"]), 0.0)
         if math.isfinite(load) and load > 0.0:
-            self.page.look(load=load)
+            await self.page.alter(load=load)
 
     async def on_nearest(self, event: Event) -> None:
         """Set the nearest law of the last refusal as the target."""
@@ -152,14 +146,14 @@ class LawPanel:
         if refused is not None:
             await self.page.make(lambda state: with_nearest(refused))
 
-    def on_axes(self, event: Event) -> None:
+    async def on_axes(self, event: Event) -> None:
         """Show newtons or rescaled values."""
-        self.page.look(newtons=bool(event["newtons"]))
+        await self.page.alter(newtons=bool(event["newtons"]))
 
-    def on_model(self, event: Event) -> None:
+    async def on_model(self, event: Event) -> None:
         """Show or hide the law under another model."""
         rest = tuple(name for name in self.page.state.models if name != event["name"])
-        self.page.look(models=(*rest, str(event["name"])) if event["on"] else rest)
+        await self.page.alter(models=(*rest, str(event["name"])) if event["on"] else rest)
 
     async def on_block(self, event: Event) -> None:
         """Start the computation of the law under the block model, or stop it and hide its law."""

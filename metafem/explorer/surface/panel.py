@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 
 from metafem.explorer.answer import Answer
-from metafem.explorer.newest import Newest
+from metafem.explorer.queue import Queue
 from metafem.explorer.session import State
 from metafem.explorer.surface.contact_data import contact_data
 from metafem.explorer.surface.edits import edited
@@ -29,8 +29,8 @@ class Views:
     def __init__(self, page: Page) -> None:
         self.page = page
         self.view = SurfaceView()
-        self.contacts: Newest[Answer, dict[str, Any]] = Newest(
-            self._contacts, self.view.contact, page.not_shown
+        self.contacts: Queue[Answer, dict[str, Any]] = Queue(
+            self._contacts, self.view.contact, lambda _, error: page.wrong(error)
         )
         self.template: Surface | None = None
         self.shown: tuple[Design | None, str] = (None, "")

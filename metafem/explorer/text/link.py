@@ -110,7 +110,7 @@ def restored(kept: Any, first: Session) -> tuple[Session, str]:
     try:
         link = kept.get("link") if isinstance(kept, dict) else ""
         if link and link != link_of(session.state):
-            session.commit(from_link(link))
+            session = session.after(from_link(link))
     except InvalidInput as error:
         problems.append(str(error))
     return session, "; ".join(problems)

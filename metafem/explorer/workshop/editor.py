@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 from nicegui.element import Element
 
 from metafem.explorer.answer import Answer
-from metafem.explorer.following import Follower
 from metafem.explorer.workshop.loading import Given, loaded
 from metafem.explorer.workshop.places import placed
 from metafem.files import DEMOS, demo_text
@@ -33,7 +32,8 @@ class Specification:
     def __init__(self, page: Page) -> None:
         self.page, self.editor = page, Editor()
         self.open = False
-        self.follower = Follower(page, PACE, _contents, self._show, lambda: self.open)
+        self.asked = 0  # number of the last change by the editor
+        page.listen_prepared(self._contents, self._show, PACE)
         self.editor.on("opened", self._opened)
         self.editor.on("closed", self._closed)
         self.editor.on("changed", lambda event: self._changed(**event.args))
@@ -42,35 +42,34 @@ class Specification:
 
     def _opened(self) -> None:
         self.open = True
-        self.follower.put(self.page.answer)
+        self.page.again()
 
     def _closed(self) -> None:
         self.open = False
 
     async def _changed(self, text: str) -> None:
         if text != self.page.state.text:
-            await self.follower.change(self.page.alter(text=text))
+            self.asked = self.page.queue.asked + 1
+            await self.page.alter(text=text)
 
-    def _show(self, found: dict[str, Any]) -> None:
-        self.editor.run_method("show", found)
+    def _contents(self, answer: Answer) -> dict[str, Any]:
+        """Return the text of an answer, its problems with their lines, and the names of its tables."""
+        if not self.open:
+            return {}
+        state = answer.state
+        problems = placed(state.text, answer.problems, answer.refusal)
+        return {"text": state.text, "problems": problems, "tables": list(state.tables)}
 
-
-def _contents(answer: Answer) -> dict[str, Any]:
-    """Return the text of an answer, its problems with their lines, and the names of its tables."""
-    state = answer.state
-    problems = placed(state.text, answer.problems, answer.refusal)
-    return {"text": state.text, "problems": problems, "tables": list(state.tables)}
+    def _show(self, answer: Answer, found: dict[str, Any]) -> None:
+        """Show an answer, unless the browser already shows a newer text."""
+        if found and answer.number >= self.asked:
+            self.editor.run_method("show", found)
 
 
 async def load(page: Page, files: list[dict[str, Any]]) -> None:
     """Show the specification in loaded files, or a message why they cannot be used."""
     given = [Given(**each) for each in files]
-    await page.told(
-        page.turns.take(
-            lambda: loaded(page.state, given),
-            lambda state: page.change(text=state.text, tables=state.tables),
-        )
-    )
+    await page.told(page.step(lambda state: loaded(state, given)))
 
 
 def editor_panel(page: Page) -> None:

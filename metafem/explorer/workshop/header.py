@@ -63,8 +63,6 @@ def header_panel(page: Page) -> Header:
         """Change the model of the design."""
         shown["model"] = model  # the browser shows it already
         await page.told(page.make(lambda state: with_field(state.text, "model.kind", model)))
-        if page.state.designs_the_same(page.answer.state):
-            show(page.answer, header_data(page.answer))
 
     def show(answer: Answer, found: dict[str, Any]) -> None:
         at, last = page.session.at, len(page.session.states) - 1
@@ -78,11 +76,13 @@ def header_panel(page: Page) -> Header:
 
     def wait() -> None:
         """Show that a design, or a change of the specification, takes longer than `LATE`."""
-        late = (page.turns.asked if page.turns.under_way else 0, max(0, page.number - page.answer.number))
+        queue = page.queue
+        change = queue.asked if queue.asked > queue.made else 0
+        late = change, max(0, page.number - page.answer.number)
         if any(late) and late == waited.get("for"):
-            step = page.newest.step
+            step = queue.step
             design = f"designing: {step} …" if step else "designing …"
-            words = "changing the specification …" if late[0] else design
+            words = "changing the specification …" if change else design
             data = {
                 "status": words,
                 "kind": "",
@@ -93,8 +93,6 @@ def header_panel(page: Page) -> Header:
             for name in data:
                 shown.pop(name, None)
             header.run_method("show", data)
-        elif not any(late) and shown and "status" not in shown:  # the change was refused
-            show(page.answer, header_data(page.answer))
         waited["for"] = late
 
     def warn(places: Mapping[str, list[str]]) -> None:

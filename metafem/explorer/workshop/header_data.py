@@ -46,6 +46,8 @@ def _status(answer: Answer) -> tuple[str, str]:
     if answer.refusal or answer.design is None:
         return "refused: no surface reaches the target", "warn"
     words, kind = STATUS[answer.design.status]
+    if answer.simplified:
+        words, kind = f"draft under {answer.design.law.model.name}", ""
     return words if _exact(answer.design) else f"{words}, misfit {misfit_text(answer.design.misfit)}", kind
 
 

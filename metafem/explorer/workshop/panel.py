@@ -9,7 +9,6 @@ from nicegui.element import Element
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, specification_of
-from metafem.explorer.following import Follower
 from metafem.explorer.session import State
 from metafem.explorer.text.fields import with_field
 from metafem.explorer.text.names import on_page
@@ -44,7 +43,8 @@ class Workshop:
         on("choice", lambda event: self._choice(event.args["section"], event.args["choice"]))
         on("with", lambda event: self._change(event.args["section"], with_section))
         on("without", lambda event: self._change(event.args["section"], without_section))
-        self.follower = Follower(page, PACE, _contents, self._show)
+        self.asked = 0  # number of the last change by the fields
+        page.listen_prepared(_contents, self._follow, PACE)
         page.listen_warnings(self._warned)
 
     async def _typed(self, key: str, text: str, released: bool) -> None:
@@ -61,19 +61,26 @@ class Workshop:
 
     async def _choice(self, section: str, choice: int) -> None:
         """Change which choice of keys a section uses."""
-        await self._made(section, self.page.make(_given_by, section, choice))
+        await self._made(section, self.page.make(lambda state: _given_by(state, section, choice)))
 
     async def _change(self, key: str, change: Callable[..., str], *given: Any, released: bool = True) -> None:
-        make = self.page.make(lambda state: change(state.text, key, *given), released=released)
+        make = self.page.make(lambda state: change(state.text, key, *given), draft=not released)
         await self._made(key, make)
 
     async def _made(self, key: str, change: Coroutine[Any, Any, int | None]) -> None:
         """Make a change, or show at its field why the change is impossible."""
-        self.shown.pop("values", None)  # the browser shows the typed text, which the answer may not contain
+        shown = self.shown.pop("values", None)  # the browser shows the typed text, which may not be used
+        self.asked = self.page.queue.asked + 1
         try:
-            await self.follower.change(change)
+            await change
         except InvalidInput as error:
+            self.shown.setdefault("values", shown)
             self.fields.run_method("refuse", {"key": key, "words": on_page(str(error))})
+
+    def _follow(self, answer: Answer, found: dict[str, Any]) -> None:
+        """Show the fields of an answer, unless the browser already shows a newer change of the fields."""
+        if answer.number >= self.asked:
+            self._show(found)
 
     def _warned(self, places: Mapping[str, list[str]]) -> None:
         """Show the warnings for single fields."""

@@ -103,17 +103,17 @@ def test_a_link_that_would_fill_the_memory_is_refused(monkeypatch):
 
 
 def test_a_page_begins_with_its_history_and_what_the_address_holds():
-    states = [State("a"), State("b")]
+    states = (State("a"), State("b"))
     kept = {"first": 0, "at": 1, "states": [state.to_json() for state in states], "link": link_of(states[1])}
-    first = Session(State("first"))
+    first = Session((State("first"),))
     session, problem = restored(kept, first)
     assert (session.states, session.at, problem) == (states, 1, "")
     session, problem = restored({**kept, "link": link_of(State("c"))}, first)
-    assert (session.states, session.at, problem) == ([*states, State("c")], 2, "")
+    assert (session.states, session.at, problem) == ((*states, State("c")), 2, "")
     session, problem = restored({**kept, "link": "1.eJyr"}, first)
     assert (session.states, session.at) == (states, 1)
     assert "cut off or damaged" in problem
     session, problem = restored({**kept, "at": 7}, first)
-    assert (session, session.state) == (first, states[1])  # that of the address
+    assert session == first.after(states[1])  # that of the address
     assert "the history that the browser kept is damaged" in problem
     assert restored({}, first) == restored(None, first) == (first, "")

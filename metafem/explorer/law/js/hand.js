@@ -37,7 +37,7 @@ export class Hand {
   get current() { return this.handles.find((each) => each.id === this.held?.id); }
 
   move(x, y) {
-    const { view, requests } = this.plot;
+    const { view } = this.plot;
     const handle = this.current;
     if (handle.moves !== "y") handle.x = Math.max(view.roundedX(view.x / view.wide), view.roundedX(x));
     if (handle.moves !== "x") handle.y = Math.max(view.roundedY(view.y / view.tall), view.roundedY(y));
@@ -48,7 +48,8 @@ export class Hand {
     Object.assign(this.held, { place, moved: true });
     this.plot.carry();
     this.plot.point(handle);
-    requests.put({ id: handle.id, ...place, released: false });
+    this.held.first ??= this.plot.sent + 1;
+    this.plot.move({ id: handle.id, ...place, released: false });
     this.plot.paint();
   }
 
@@ -57,7 +58,7 @@ export class Hand {
     if (!this.held) return;
     this.held.let = true;
     if (!this.held.moved) this.drop();
-    else if (this.plot.requests.idle) this.finish(this.held);
+    else if (this.plot.idle) this.finish(this.held);
   }
 
   // A place that the server did not take, because the connection was lost; the point returns to its start.
@@ -86,7 +87,7 @@ export class Hand {
     if (held.final !== null || !held.moved) return;
     const place = held.refused ? held.good ?? held.start : held.place;
     const back = held.refused && !held.good; // to the text as it was
-    held.final = this.plot.requests.now({ id: held.id, ...place, released: true, back });
+    held.final = this.plot.send({ id: held.id, ...place, released: true, back });
     const handle = this.handles.find((each) => each.id === held.id);
     if (handle) Object.assign(handle, place);
     this.plot.carry();
@@ -106,8 +107,8 @@ export class Hand {
     this.plot.say(`Refused. The point is back ${where}: ${this.words(handle)}.${reason}`, true);
   }
 
-  // Takes an answer: `asked` is the request that it belongs to, if any. Returns the drag that it ends, or null.
-  answered(request, asked, refusal) {
+  // Takes an answer to the requests up to a number. Returns the drag that it ends, or null.
+  answered(request, refusal, handles) {
     const held = this.held;
     if (!held) return null;
     if (held.final !== null) {
@@ -115,12 +116,12 @@ export class Hand {
       this.held = null;
       return held;
     }
-    if (asked && asked.id === held.id) {
-      held.refused = refusal !== "";
-      held.reason = refusal;
-      if (!held.refused) held.good = { x: asked.x, y: asked.y };
+    if (request >= held.first) {
+      Object.assign(held, { refused: refusal !== "", reason: refusal });
+      const there = handles?.find((each) => each.id === held.id);
+      if (!held.refused && there) held.good = { x: there.x, y: there.y };
     }
-    if (held.let && this.plot.requests.idle) this.finish(held);
+    if (held.let && this.plot.idle) this.finish(held);
     return null;
   }
 

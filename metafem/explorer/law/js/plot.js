@@ -5,7 +5,6 @@ import { Hand } from "./hand.js";
 import { drawLegend } from "./legend.js";
 import { Picture } from "./picture.js";
 import { Refusal } from "./refusal.js";
-import { Requests } from "./requests.js";
 import { remember } from "metafem-workshop/remember.js";
 import { made } from "./svg.js";
 import { Tools } from "./tools.js";
@@ -33,6 +32,11 @@ export class Plot {
   data = null;
   band = null;
   beside = { tolerance: null, others: [] };
+  // Numbers of the last request of a drag, of the newest one with an answer, and of the newest one with a decided answer.
+  sent = 0;
+  received = 0;
+  answered = 0;
+  unsent = null; // the move that waits behind the request under way
 
   constructor(root, emit) {
     const find = (name) => root.querySelector(`.${name}`);
@@ -40,7 +44,6 @@ export class Plot {
     [this.stage, this.svg, this.legend, this.live] = [find("law-stage"), find("law-svg"), find("law-legend"), find("law-live")];
     this.refusal = new Refusal(find("law-refusal"), () => this.paint());
     this.picture = new Picture(this.svg);
-    this.requests = new Requests((request) => emit("drag", request));
     this.hand = new Hand(this, made("g", {}, this.svg));
     this.cursor = new Cursor(this, made("g", {}, this.svg), find("law-readout")); // after the points in the order of Tab
     this.files = new Files(root, emit, (words, wrong) => this.say(words, wrong));
@@ -56,6 +59,8 @@ export class Plot {
 
   // A drag that a lost connection ends is made when the server answers again, also on a page that was loaded anew.
   lose() {
+    this.received = this.answered = this.sent; // no answer comes
+    this.unsent = null;
     const place = this.hand.park();
     if (!place) return;
     remember(UNSENT, JSON.stringify(place), sessionStorage);
@@ -164,6 +169,32 @@ export class Plot {
     this.emit("nearest", {});
   }
 
+  // Sends a move; while a request is under way, the newest move waits.
+  move(request) {
+    this.unsent = request;
+    if (this.received === this.sent) this.send(request);
+  }
+
+  // Sends a request of a drag; returns its number.
+  send(request) {
+    this.unsent = null;
+    this.sent += 1;
+    this.emit("drag", { ...request, number: this.sent });
+    return this.sent;
+  }
+
+  // Whether the last place that was asked for is decided.
+  get idle() { return this.answered === this.sent && !this.unsent; }
+
+  // Takes an answer to the requests up to a number. An undecided one is followed by another one to the same requests.
+  take(number, { refusal, handles, undecided }) {
+    this.received = number;
+    if (!undecided) this.answered = number;
+    const ended = this.hand.answered(number, refusal, handles);
+    if (this.unsent && this.received === this.sent) this.send(this.unsent);
+    return ended;
+  }
+
   // Draws an answer. An answer without a band has the one of the answer before.
   draw(data) {
     this.band = data.band === undefined ? this.band : data.band;
@@ -176,8 +207,7 @@ export class Plot {
     this.data = { ...data, ...this.beside, wanted, marked, band: this.band, handles };
     const shown = (name) => this.beside.others.some((each) => each.name.startsWith(`${name},`));
     this.data.pending = data.achieved ? data.tools.models.filter(({ name, on }) => on && !shown(name)).map(({ name }) => name) : [];
-    const asked = data.request === null ? undefined : this.requests.answered(data.request, data.undecided);
-    const ended = this.hand.answered(data.request ?? -1, asked, data.refusal);
+    const ended = data.request < this.received ? null : this.take(data.request, data);
     // a problem may be one of a step that is held; else a move would change a text that is not understood
     this.hand.inactive = unknown && !this.hand.held;
     if (!unknown || !this.hand.held) this.hand.take(handles);
@@ -209,8 +239,7 @@ export class Plot {
 
   // Takes the refusal of a request that changed nothing.
   refuse(number, words) {
-    const asked = this.requests.answered(number);
-    this.hand.answered(number, asked, words);
+    this.take(number, { refusal: words, handles: null, undecided: false });
     this.say(words, true);
     this.paint();
   }
@@ -302,7 +331,6 @@ export class Plot {
 
   close() {
     this.observer.disconnect();
-    this.requests.close();
     this.tools.forget();
   }
 }
