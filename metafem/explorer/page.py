@@ -24,7 +24,7 @@ from metafem.explorer.newest import PATIENCE, PATIENCE_WITH_DRAFTS, Newest, all_
 from metafem.explorer.session import Session, State
 from metafem.explorer.surface.panel import surface_panel
 from metafem.explorer.take.panel import take_panel
-from metafem.explorer.text.document import as_own
+from metafem.explorer.text.document import loses_comments
 from metafem.explorer.text.kinds import with_kind
 from metafem.explorer.text.link import from_link, restored
 from metafem.explorer.text.names import on_page
@@ -40,6 +40,9 @@ Listener = Callable[[Answer], None]
 
 # Number of the request, state to answer, and whether a draft is enough.
 Request = tuple[int, State, bool]
+
+# Said once, when an edit by hand ends the comments that the user wrote.
+COMMENTS_END = "The comments in your specification end with this first edit by hand. Undo brings them back."
 
 # Style sheets of the page, and of its header and fields.
 STYLES = ("page.css", "workshop/workshop.css")
@@ -57,6 +60,7 @@ class Page:
         self.late_listeners: list[Listener] = []
         self.tab_listeners: list[Callable[[str], None]] = []
         self.messages: list[ui.notification] = []
+        self.comments_ended = False
         self.warning_listeners: list[Callable[[Mapping[str, list[str]]], None]] = []
         self.newest: Newest[Request, tuple[Answer, list[Listener]]] = Newest(
             self._work, self._show, self._failed, patience=patience, better=whole_of
@@ -113,7 +117,10 @@ class Page:
         If `released`, the text becomes a step of the history. Otherwise the user is still dragging and the
         answer is a draft. If no newer edit follows soon, the answer of the full search replaces the draft.
         """
-        return self._ask(replace(self.state, text=as_own(text)), released)
+        if released and not self.comments_ended and loses_comments(self.state.text, text):
+            self.comments_ended = True
+            self.say(COMMENTS_END, passing=False)
+        return self._ask(replace(self.state, text=text), released)
 
     def change(self, **members: Any) -> int:
         """Answer the state with some members replaced; return the number of the request."""
@@ -217,12 +224,12 @@ class Page:
         except InvalidInput as error:
             self.say(str(error))
 
-    def say(self, words: str) -> None:
-        """Show a message over the page, until it is closed or a later answer has a design."""
+    def say(self, words: str, passing: bool = True) -> None:
+        """Show a message over the page until it is closed or, if `passing`, a later answer has a design."""
         with self.client:
-            self.messages.append(
-                ui.notification(on_page(words), multi_line=True, close_button="Close", timeout=None)
-            )
+            message = ui.notification(on_page(words), multi_line=True, close_button="Close", timeout=None)
+        if passing:
+            self.messages.append(message)
 
     async def open_link(self, link: str) -> None:
         """Show the state in a link as a new step of the history."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -27,6 +28,9 @@ SNAPPED = 1e-6
 # Largest number of points that have handles. With more points, the marks would overlap on the plot, and
 # moving a single point would make a spike in the law.
 MOST = 200
+
+# From this number of points on, points that are drawn become a curve that is approximated.
+CURVE = 5
 
 MARKS: dict[str, type[Marks]] = {
     "operating-points": PointHandles,
@@ -72,7 +76,7 @@ def drawn(
         return (), None
     marks = _marks(text, specification, design)
     shape = marks.shape()
-    return ((), shape.alone) if crowd(specification) else (marks.handles(), shape)
+    return ((), replace(shape, follows={})) if crowd(specification) else (marks.handles(), shape)
 
 
 def crowd(specification: Specification) -> int:
@@ -115,7 +119,7 @@ def moved(
     handle = next((handle for handle in marks.handles() if handle.id == id), None)
     if handle is None:
         raise InvalidInput(f'the target has no handle "{id:.40}"')
-    return marks.scene.written(marks.moved(handle, load, friction, resolution))
+    return marks.scene.written(*marks.moved(handle, load, friction, resolution))
 
 
 def added(
@@ -141,7 +145,9 @@ def added(
     achieved = marks.scene.achieved(np.array([load])) if near > 0.0 and load > 0.0 else None
     if achieved is not None and abs(achieved[0] - friction) <= near:
         friction, resolution = float(achieved[0]), SNAPPED
-    return marks.scene.written(marks.added(load, friction, resolution))
+    numbers, fine = marks.added(load, friction, resolution)
+    drawn_by_hand = marks.scene.kind == "operating-points" and len(numbers["rescaled_load"]) >= CURVE
+    return marks.scene.written(numbers, fine, "sampled" if drawn_by_hand else "")
 
 
 def removed(text: str, specification: Specification | None, id: str) -> str:
@@ -153,7 +159,7 @@ def removed(text: str, specification: Specification | None, id: str) -> str:
         For the last remaining point, and for the handle of a required parameter.
     """
     marks = _marks(text, specification, None)
-    return marks.scene.written(marks.removed(id))
+    return marks.scene.written(marks.removed(id), RESOLUTION)
 
 
 def _marks(text: str, specification: Specification | None, design: Design | None) -> Marks:

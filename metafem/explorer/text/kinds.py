@@ -14,14 +14,16 @@ from metafem.explorer.answer import specification_of
 from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.handles import RESOLUTION
-from metafem.explorer.text.marks import Scene
+from metafem.explorer.text.marks import FORCES, Numbers, Scene
 from metafem.explorer.text.names import form_of
-from metafem.explorer.text.written import rounded
-from metafem.files import Specification, parsed
+from metafem.files import Specification
 from metafem.inversion import Design, Limits, Target
 from metafem.inversion.targets.wording import RESCALED, Wording
 from metafem.models import Independent
 from metafem.models.model import contact_of
+
+# Rescaled friction at rescaled loads [mm^2].
+Law = Callable[[FloatArray], FloatArray]
 
 # Names of the kinds on the page.
 NAMES: Mapping[str, str] = {
@@ -53,9 +55,6 @@ INSIDE = 4.0
 # Largest number of sites for which designs are tried. With more sites, the user would wait too long.
 MOST_TRIED = 256
 
-# Members of a target by name: slopes [-], loads and frictions [mm^2].
-Numbers = dict[str, Any]
-
 
 def kind_names() -> dict[str, str]:
     """Return the names of the target kinds on the page, by kind, in the order of the manual."""
@@ -77,7 +76,7 @@ def with_kind(state: State, design: Design | None, kind: str) -> str:
 
     Examples
     --------
-    >>> from metafem.files import demo_text
+    >>> from metafem.files import demo_text, parsed
     >>> text = demo_text("operating-points")
     >>> new = with_kind(State(text), parsed(text).design(), "power")
     >>> parsed(new).target.load_range
@@ -89,60 +88,56 @@ def with_kind(state: State, design: Design | None, kind: str) -> str:
     if kind == document.value("target.kind"):
         return state.text
     try:
-        specification = specification_of(state)
         if design is not None:
-            return near_design(document, specification, design, kind)
+            return near_design(state, specification_of(state), design, kind)
     except MetafemError:
         pass  # the text has problems
     return document.with_kind("target", kind)
 
 
-def near_design(
-    document: Document,
-    specification: Specification,
-    design: Design,
-    kind: str = "",
-    resolution: float = RESOLUTION,
-) -> str:
+def near_design(state: State, specification: Specification, design: Design, kind: str = "") -> str:
     """Return the text with a target of a kind, default: its own, that is close to the law of a design."""
-    kind = kind or str(document.value("target.kind"))
-    scene, tables = Scene(document, specification, design), _tables(document, specification)
-    wording, template, first = scene.target.wording, specification.template, ""
+    scene = Scene(Document(state.text), specification, design)
+    target, kind, first = scene.target, kind or scene.kind, ""
     law, low, high = _present(design, specification.limits)
-    coefficient = kind == "linear" and wording.per_slope is not None
+
+    def written(numbers: Numbers) -> str:
+        return scene.document.with_kind("target", kind, scene.stated(numbers, RESOLUTION))
+
     for numbers in ATTEMPTS[kind](law, low, high):
-        if coefficient:  # a friction coefficient is F/P at these loads
+        if kind == "linear" and target.wording.per_slope:  # a friction coefficient is F/P at these loads
             numbers = {**numbers, "load_range": [low, high]}
         if "rescaled_friction" in numbers:
-            numbers = _with_bends(numbers, law, scene.target)
-        found = document.with_kind("target", kind, _written(numbers, scene, wording, resolution))
+            numbers = _with_bends(numbers, law, target)
+        found = written(numbers)
         first = first or found
-        nearest = _nearest(found, tables) if template.count <= MOST_TRIED else None
+        nearest = None
+        if specification.template.count <= MOST_TRIED:
+            nearest = _nearest(replace(state, text=found))
         if nearest is None:
             return found
-        inside = {name: _beyond(numbers[name], getattr(nearest, name, None), resolution) for name in numbers}
+        inside = {name: _beyond(numbers[name], getattr(nearest, name, None)) for name in numbers}
         if all(value is not None for value in inside.values()):
-            found = document.with_kind("target", kind, _written(inside, scene, wording, resolution))
-            if _nearest(found, tables) is None:
+            found = written(inside)
+            if _nearest(replace(state, text=found)) is None:
                 return found
     return first
 
 
-def restated(document: Document, specification: Specification, newtons: bool) -> dict[str, Any]:
+def restated(text: str, specification: Specification, newtons: bool) -> dict[str, Any]:
     """Return the keys of the same target in newtons or rescaled; no keys for newtons without a friction."""
-    scene, friction = Scene(document, specification, None), specification.template.friction
+    scene, friction = Scene(Document(text), specification, None), specification.template.friction
     if newtons and friction is None:
         return {}
     wording = (
         RESCALED if friction is None or not newtons else Wording.of(specification.template.material, friction)
     )
-    names = ("rescaled_load", "rescaled_friction", "lowest", "highest", "slope", "slopes")
-    given = {name: getattr(scene.target, name, None) for name in names}
+    given = {name: getattr(scene.target, name, None) for name in FORCES}
     numbers = {name: np.asarray(value).tolist() for name, value in given.items() if value is not None}
-    return _written(numbers, scene, wording, RESTATED)
+    return scene.stated(numbers, RESTATED, wording)
 
 
-def _present(design: Design, limits: Limits) -> tuple[Callable[[FloatArray], FloatArray], float, float]:
+def _present(design: Design, limits: Limits) -> tuple[Law, float, float]:
     """Return the law of a design as a function, and the smallest and largest load of its target [mm^2].
 
     Heights above the limits are scaled down; friction is proportional to the heights, and load to their
@@ -157,9 +152,6 @@ def _present(design: Design, limits: Limits) -> tuple[Callable[[FloatArray], Flo
         low if low < high else START * high,
         high,
     )
-
-
-Law = Callable[[FloatArray], FloatArray]
 
 
 def _with_bends(numbers: Numbers, law: Law, target: Target) -> Numbers:
@@ -236,40 +228,13 @@ def _slope(law: Law, low: float, high: float) -> float:
     return float(np.polyfit(load, law(load), 1)[0])
 
 
-def _written(numbers: Numbers, scene: Scene, wording: Wording, resolution: float) -> dict[str, Any]:
-    """Return the keys and values of a target in the units of a `Wording`."""
-    rescaled, forces = wording.composite_modulus is None, wording.per_slope is not None
-    found: dict[str, Any] = {}
-    for name, value in numbers.items():
-        if name == "rescaled_load":
-            key, like = ("load", "1 N") if forces else (name, "1 mm^2")
-            found[key] = [scene.load(load, like, resolution) for load in value]
-        elif name == "rescaled_friction":
-            key, like = ("friction_force", "1 N") if forces else (name, "1 mm^2")
-            found[key] = [scene.friction(friction, like, resolution) for friction in value]
-        elif name in ("lowest", "highest"):
-            key, like = (f"{name}_force", "1 N") if forces else (name, "1 mm^2")
-            found[key] = [scene.friction(friction, like, resolution) for friction in value]
-        elif name == "exponent":
-            found[name] = rounded(value, resolution)
-        elif name == "slope":
-            found[wording.keys[0]] = rounded(wording.coefficient(value), resolution)
-        elif name == "slopes":
-            found[wording.keys[1]] = [rounded(wording.coefficient(slope), resolution) for slope in value]
-        else:
-            like = "1 mm^2" if rescaled else "1 N"
-            loads = [scene.load(load, like, resolution) for load in np.atleast_1d(value)]
-            found[name] = loads if isinstance(value, list) else loads[0]
-    return found
-
-
-def _nearest(text: str, tables: Mapping[str, bytes]) -> Any:
-    """Return None if independent asperities reach the target of a text, otherwise the nearest target.
+def _nearest(state: State) -> Any:
+    """Return None if independent asperities reach the target of a state, otherwise the nearest target.
 
     If no nearest target is known, an empty tuple is returned.
     """
     try:
-        specification = parsed(text, tables)
+        specification = specification_of(state)
         model = Independent(contact_of(specification.model))
         replace(specification, layout=None, robust=None).design(model)
     except Infeasible as error:
@@ -279,17 +244,9 @@ def _nearest(text: str, tables: Mapping[str, bytes]) -> Any:
     return None
 
 
-def _beyond(wanted: Any, nearest: Any, resolution: float) -> Any:
+def _beyond(wanted: Any, nearest: Any) -> Any:
     """Return the numbers `nearest`, moved slightly further from `wanted`; None if their shapes differ."""
     if nearest is None or np.shape(nearest) != np.shape(wanted):
         return None
     near = np.asarray(nearest, dtype=np.float64)
-    moved = near * (1.0 + INSIDE * resolution * np.sign(near - np.asarray(wanted)))
-    return moved.tolist()
-
-
-def _tables(document: Document, specification: Specification) -> dict[str, bytes]:
-    """Return the contents of the tables that a text refers to, by the names in the text."""
-    places = ("target", "contact", "contact.cap")
-    names = [name for place in places if (name := document.value(f"{place}.file"))]
-    return dict(zip(names, list(specification.files.values())[1:], strict=True))
+    return (near * (1.0 + INSIDE * RESOLUTION * np.sign(near - np.asarray(wanted)))).tolist()

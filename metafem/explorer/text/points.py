@@ -3,23 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from metafem.errors import InvalidInput
-from metafem.explorer.text.marks import Handle, Marks
+from metafem.explorer.text.marks import COLUMNS, Handle, Marks, Numbers
 from metafem.explorer.text.shape import Shape
-from metafem.explorer.text.written import ALL_DIGITS, between
-
-# Relative resolution of values that are copied from a table.
-EXACT = 10.0 ** (1 - ALL_DIGITS)
-
-# From this number of points on, points that are drawn become a curve that is approximated.
-CURVE = 5
-
-# Optional lists with an entry for each point.
-OPTIONAL = ("weight", "relative_error")
+from metafem.explorer.text.written import between
 
 
 class PointHandles(Marks):
@@ -28,7 +18,7 @@ class PointHandles(Marks):
     @property
     def points(self) -> tuple[list[float], list[float]]:
         """Rescaled loads and frictions of the target [mm^2]."""
-        target: Any = self.scene.target
+        target = self.scene.target
         return target.rescaled_load.tolist(), target.rescaled_friction.tolist()
 
     def handles(self) -> tuple[Handle, ...]:
@@ -44,84 +34,59 @@ class PointHandles(Marks):
         """Return the curve of straight lines from each point to the next."""
         return Shape.through({each.id: (each.load, each.friction) for each in self.handles()})
 
-    def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> dict[str, Any]:
-        """Return the keys of the target with one point moved."""
-        values, i = self._listed(), int(handle.id.removeprefix("point-"))
-        return self._placed(i, (i - 1, i + 1), values, (load, friction), resolution)
+    def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
+        """Return the points with one point moved, and the resolution of its values."""
+        i = int(handle.id.removeprefix("point-"))
+        return self._placed(i, (i - 1, i + 1), self._columns(), (load, friction), resolution)
 
-    def added(self, load: float, friction: float, resolution: float) -> dict[str, Any]:
-        """Return the keys of the target with one more point; operating points can become a sampled curve."""
-        values, loads = self._listed(), self.points[0]
-        if self.scene.kind == "operating-points" and len(loads) + 1 >= CURVE:
-            values["kind"] = "sampled"
+    def added(self, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
+        """Return the points with one more point, and the resolution of its values."""
+        columns, loads = self._columns(), self.points[0]
         i = sum(other <= load for other in loads)
-        near = min(i, len(loads) - 1)
-        for name, entries in values.items():
-            if isinstance(entries, list):
-                values[name] = [*entries[:i], 1.0 if name == "weight" else entries[near], *entries[i:]]
-        return self._placed(i, (i - 1, i), values, (load, friction), resolution)
+        for name, entries in columns.items():
+            entries.insert(i, 1.0 if name == "weight" else entries[min(i, len(loads) - 1)])
+        return self._placed(i, (i - 1, i), columns, (load, friction), resolution)
 
-    def removed(self, id: str) -> dict[str, Any]:
-        """Return the keys of the target without one of its points."""
-        values, count = self._listed(), len(self.points[0])
-        found = [handle.id for handle in self.handles()]
+    def removed(self, id: str) -> Numbers:
+        """Return the points without one of them."""
+        columns, found = self._columns(), [handle.id for handle in self.handles()]
         if id not in found:
             raise InvalidInput(f'the target has no handle "{id:.40}"')
-        if count == 1:
+        if len(found) == 1:
             raise InvalidInput("the last point cannot be removed; a target needs at least one")
-        i = found.index(id)
-        return {
-            name: [*entries[:i], *entries[i + 1 :]] if isinstance(entries, list) else entries
-            for name, entries in values.items()
-        }
+        for entries in columns.values():
+            del entries[found.index(id)]
+        return columns
 
     def _placed(
         self,
         i: int,
         near: tuple[int, int],
-        values: dict[str, Any],
+        columns: Numbers,
         at: tuple[float, float],
         resolution: float,
-    ) -> dict[str, Any]:
-        """Return the lists with point `i` moved to the load and friction `at`.
+    ) -> tuple[Numbers, float]:
+        """Return the columns with point `i` moved to the load and friction `at`, and their resolution.
 
         The new values stay between the values of the points with the indices `near`.
         """
-        for name, stated, numbers, value in zip(
-            self._names(), (self.scene.load, self.scene.friction), self.points, at, strict=True
-        ):
+        finest = resolution
+        for name, numbers, value in zip(columns, self.points, at, strict=False):
             low = numbers[near[0]] if near[0] >= 0 else 0.0
             high = numbers[near[1]] if near[1] < len(numbers) else math.inf
             if low >= high:  # the friction of noisy samples may decrease
                 low, high = 0.0, math.inf
             placed, fine = between(value, low, high, resolution)
-            placed = placed or resolution * numbers[0]  # a single point must not reach 0
-            values[name][i] = stated(placed, values[name][i], fine)
-        return values
+            columns[name][i] = placed or resolution * numbers[0]  # a single point must not reach 0
+            finest = min(finest, fine)
+        return columns, finest
 
-    def _names(self) -> tuple[str, str]:
-        """Return the keys of loads and frictions; for a table, the keys with the units of its columns."""
-        section, forces = self.scene.section, self.scene.target.wording.shear_stress is not None
-        rescaled = "rescaled_load" in section or ("load" not in section and not forces)
-        return ("rescaled_load", "rescaled_friction") if rescaled else ("load", "friction_force")
-
-    def _listed(self) -> dict[str, Any]:
-        """Return the lists of the points as written; for a table, lists that replace the file name."""
-        section, scene = self.scene.section, self.scene
-        names = self._names()
-        if "file" not in section:
-            listed = [key for key in OPTIONAL if isinstance(section.get(key), list)]
-            return {name: [*section[name]] for name in (*names, *listed)}
-        like = "1 mm^2" if names[0] == "rescaled_load" else "1 N"
-        loads, frictions = self.points
-        target: Any = scene.target
-        weight, error = target.weight.tolist(), target.relative_error
-        more = {} if len(set(weight)) == 1 else {"weight": weight}
+    def _columns(self) -> Numbers:
+        """Return loads and frictions, and the other columns that the text has."""
         return {
-            "file": None,
-            names[0]: [scene.load(load, like, EXACT) for load in loads],
-            names[1]: [scene.friction(friction, like, EXACT) for friction in frictions],
-            **(more if error is None else {"relative_error": error.tolist()}),
+            name: getattr(self.scene.target, name).tolist()
+            for name in COLUMNS
+            if name not in ("weight", "relative_error") or name in self.scene.section
         }
 
 
@@ -134,6 +99,6 @@ class BandCurves(Marks):
 
     def shape(self) -> Shape:
         """Return the two curves, with a gap between them."""
-        target: Any = self.scene.target
+        target = self.scene.target
         load, gap = target.rescaled_load, [math.nan]
         return Shape(np.concatenate([load, gap, load]), np.concatenate([target.lowest, gap, target.highest]))

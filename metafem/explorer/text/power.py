@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Any
 
 from metafem.errors import InvalidInput
-from metafem.explorer.text.marks import Handle, Marks
+from metafem.explorer.text.marks import Handle, Marks, Numbers
 from metafem.explorer.text.shape import Shape
 from metafem.explorer.text.written import between, rounded
 
@@ -21,7 +20,7 @@ class PowerHandles(Marks):
 
     def handles(self) -> tuple[Handle, ...]:
         """Return the handles for the exponent, for the prefactor if the target has one, and for the ends."""
-        target: Any = self.scene.target
+        target = self.scene.target
         (low, high), middle = target.load_range, self._middle
         steep = math.sqrt(middle * high)
         found = [Handle("exponent", steep, self._friction(steep), "y", f"exponent {target.exponent:.4g}")]
@@ -34,48 +33,51 @@ class PowerHandles(Marks):
 
     def shape(self) -> Shape:
         """Return the curve. It is not straight, so it moves only with the answers and follows no handle."""
-        target: Any = self.scene.target
+        target = self.scene.target
         load = target.curve().load
         return Shape(load, self._prefactor * load**target.exponent)
 
-    def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> dict[str, Any]:
-        """Return the keys that change when a handle has moved."""
+    def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
+        """Return the numbers that change when a handle has moved, and their resolution."""
+        low, high = self.scene.target.load_range
         if handle.moves == "x":
-            return self._end(handle, load, resolution)
+            bounds = (0.0, high) if handle.id == "range-low" else (low, math.inf)
+            placed, fine = between(load, *bounds, resolution)
+            return self.with_end(handle.id, placed), fine
         try:
-            return self._risen(handle, load, max(friction, resolution * handle.friction), resolution)
+            return self._risen(
+                handle, load, max(friction, resolution * handle.friction), resolution
+            ), resolution
         except ArithmeticError:  # a power overflows double precision, or the range has no middle
             words = "the law cannot be moved by hand over this range of loads; change the keys of [target]"
             raise InvalidInput(f"target.load_range: {words}") from None
 
-    def _risen(self, handle: Handle, load: float, friction: float, resolution: float) -> dict[str, Any]:
-        """Return the keys that change so that the law has this friction at this load."""
-        target: Any = self.scene.target
-        middle = self._middle
-        level = self._friction(middle)
+    def _risen(self, handle: Handle, load: float, friction: float, resolution: float) -> Numbers:
+        """Return the numbers that change so that the law has this friction at this load."""
+        target, middle = self.scene.target, self._middle
         if handle.id == "prefactor":
-            return {"prefactor": rounded(friction / middle**target.exponent, resolution)}
-        load = load if load > middle else handle.load
+            return {"prefactor": friction / middle**target.exponent}
+        level, load = self._friction(middle), load if load > middle else handle.load
         exponent = math.log(friction / level) / math.log(load / middle)
         exponent = rounded(max(exponent, resolution), resolution)
         if target.prefactor is None:
             return {"exponent": exponent}
-        return {"exponent": exponent, "prefactor": rounded(level / middle**exponent, resolution)}
+        return {"exponent": exponent, "prefactor": level / middle**exponent}
 
-    def removed(self, id: str) -> dict[str, Any]:
-        """Return the keys that change when the prefactor is removed, which the design then chooses."""
+    def removed(self, id: str) -> Numbers:
+        """Return the numbers that change when the prefactor is removed, which the design then chooses."""
         return {"prefactor": None} if id == "prefactor" else super().removed(id)
 
     @property
     def _middle(self) -> float:
         """The middle of the range in the logarithm of the load [mm^2]."""
-        target: Any = self.scene.target
+        target = self.scene.target
         return math.sqrt(target.load_range[0] * target.load_range[1])
 
     @cached_property
     def _prefactor(self) -> float:
         """The prefactor; if the target leaves it open, the prefactor of the last design."""
-        target: Any = self.scene.target
+        target = self.scene.target
         if target.prefactor is not None:
             return float(target.prefactor)
         law = target.curve()
@@ -84,16 +86,5 @@ class PowerHandles(Marks):
 
     def _friction(self, load: float) -> float:
         """Return the rescaled friction of the law at a rescaled load [mm^2]."""
-        target: Any = self.scene.target
+        target = self.scene.target
         return float(self._prefactor * load**target.exponent)
-
-    def _end(self, handle: Handle, load: float, resolution: float) -> dict[str, Any]:
-        target: Any = self.scene.target
-        (low, high), ends = target.load_range, [*self.scene.section["load_range"]]
-        if handle.id == "range-low":
-            placed, fine = between(load, 0.0, high, resolution)
-        else:
-            placed, fine = between(load, low, math.inf, resolution)
-        i = handle.id == "range-high"
-        ends[i] = self.scene.load(placed, ends[i], fine)
-        return {"load_range": ends}

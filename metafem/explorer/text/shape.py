@@ -43,11 +43,6 @@ class Shape:
     friction: FloatArray
     follows: Mapping[str, Follows] = field(default_factory=dict)
 
-    @property
-    def alone(self) -> Shape:
-        """The curve without `follows`."""
-        return Shape(self.load, self.friction)
-
     @classmethod
     def through(cls, points: Mapping[str, tuple[float, float]]) -> Shape:
         """Return the curve of straight lines from point to point, where each point is a handle."""
@@ -55,6 +50,12 @@ class Shape:
         follows = {id: Follows({i: free}, {}) for i, id in enumerate(points)}
         load, friction = np.array(list(points.values())).T
         return cls(load, friction, follows)
+
+
+# Smallest load difference between pointer and pivot at which a branch is turned through the pointer, as a
+# fraction of the load difference between handle and pivot. Closer to the pivot, a small move would change the
+# slope far too much.
+NEAREST = 0.2
 
 
 @dataclass(frozen=True)
@@ -94,6 +95,11 @@ class Branch:
     def turned(self, load: float) -> float:
         """Return the ratio of the friction change at a load to the friction change at the handle."""
         return (load - self.pivot) / (self.at - self.pivot)
+
+    def slope_through(self, load: float, friction: float) -> float:
+        """Return the slope of the branch after its handle has moved to a load and friction [mm^2]."""
+        run = (load if self.turned(load) >= NEAREST else self.at) - self.pivot
+        return (friction - self.friction_at(self.pivot)) / run
 
 
 class Point(NamedTuple):
