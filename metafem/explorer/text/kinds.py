@@ -154,6 +154,11 @@ def _present(design: Design, limits: Limits) -> tuple[Law, float, float]:
     )
 
 
+def _along(law: Law, load: FloatArray) -> Numbers:
+    """Return points of a law."""
+    return {"rescaled_load": load.tolist(), "rescaled_friction": law(load).tolist()}
+
+
 def _with_bends(numbers: Numbers, law: Law, target: Target) -> Numbers:
     """Return points of a law, with inner points moved to the crossover loads of the previous target."""
     edges = [load for _, ends in target.branches for load in ends][1:-1]
@@ -161,24 +166,23 @@ def _with_bends(numbers: Numbers, law: Law, target: Target) -> Numbers:
     for bend in edges or [start for _, start in target.lines[1:]]:
         if len(load) > 2 and load[0] < bend < load[-1]:
             load[1 + np.abs(load[1:-1] - bend).argmin()] = bend
-    return {"rescaled_load": load.tolist(), "rescaled_friction": law(load).tolist()}
+    return _along(law, load)
 
 
 def _points(law: Law, low: float, high: float) -> Iterator[Numbers]:
     for count in POINTS:
-        load = np.linspace(low, high, count) if count > 1 else np.array([high])
-        yield {"rescaled_load": load.tolist(), "rescaled_friction": law(load).tolist()}
+        yield _along(law, np.linspace(low, high, count) if count > 1 else np.array([high]))
 
 
 def _sampled(law: Law, low: float, high: float) -> Iterator[Numbers]:
-    load = np.geomspace(low, high, SAMPLES)
-    yield {"rescaled_load": load.tolist(), "rescaled_friction": law(load).tolist()}
+    yield _along(law, np.geomspace(low, high, SAMPLES))
 
 
 def _band(law: Law, low: float, high: float) -> Iterator[Numbers]:
-    load = np.geomspace(low, high, SAMPLES)
-    lowest, highest = ((factor * law(load)).tolist() for factor in (1.0 - HALF_WIDTH, 1.0 + HALF_WIDTH))
-    yield {"rescaled_load": load.tolist(), "lowest": lowest, "highest": highest}
+    numbers = _along(law, np.geomspace(low, high, SAMPLES))
+    middle = np.array(numbers.pop("rescaled_friction"))
+    bounds = {"lowest": (1.0 - HALF_WIDTH) * middle, "highest": (1.0 + HALF_WIDTH) * middle}
+    yield numbers | {name: bound.tolist() for name, bound in bounds.items()}
 
 
 def _linear(law: Law, low: float, high: float) -> Iterator[Numbers]:

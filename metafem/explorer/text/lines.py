@@ -34,7 +34,7 @@ class LineHandles(Marks):
             label = f"{words}, branch {i + 1}" if len(self.branches) > 1 else words
             carried = words.replace("friction coefficient", "μ =").replace("slope ", "slope = ")
             found.append(Handle(f"slope-{i}", branch.at, branch.friction, "y", label, carried))
-        for id, load, label in self.path:
+        for id, load, label, _ in self.path:
             ranged = bool(self.scene.target.branches)
             friction = self._friction(load) if ranged else self.branches[0].friction_at(load)
             found.append(Handle(id, load, friction, "x", label))
@@ -42,25 +42,15 @@ class LineHandles(Marks):
 
     def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
         """Return the numbers that change when a handle has moved, and their resolution."""
-        target, (name, number, *end) = self.scene.target, handle.id.split("-")
-        if name == "slope":
-            branch, slopes = self.branches[int(number)], [*self.slopes]
-            slope = max(branch.slope_through(load, friction), resolution * branch.slope)
-            slopes[int(number)] = slope
-            return ({"slopes": slopes} if hasattr(target, "slopes") else {"slope": slope}), resolution
+        if handle.moves == "y":
+            i, slopes = int(handle.id.removeprefix("slope-")), [*self.slopes]
+            slopes[i] = max(self.branches[i].slope_through(load, friction), resolution * slopes[i])
+            several = hasattr(self.scene.target, "slopes")
+            return {"slopes": slopes} if several else {"slope": slopes[0]}, resolution
         loads = [0.0, *(place[1] for place in self.path), math.inf]
-        i = [place[0] for place in self.path].index(handle.id)
-        placed, fine = between(load, loads[i], loads[i + 2], resolution)
-        placed = placed or resolution * handle.load
-        if name == "range":
-            return self.with_end(handle.id, placed), fine
-        if hasattr(target, "crossover_load"):
-            return {"crossover_load": placed}, fine
-        pairs = [[*pair] for pair in target.crossover_loads]
-        pair = pairs[int(number)]
-        pairs[int(number)] = [placed if end in ([], [side]) else now
-                              for side, now in zip(("end", "start"), pair, strict=True)]  # fmt: skip
-        return {"crossover_loads": [tuple(pair) for pair in pairs]}, fine
+        i = loads.index(handle.load)
+        placed, fine = between(load, loads[i - 1], loads[i + 1], resolution)
+        return self.with_load(handle.load, placed or resolution * handle.load), fine
 
     def removed(self, id: str) -> Numbers:
         """Return the numbers that change when the load range is removed, if the law does not require it."""
@@ -70,14 +60,7 @@ class LineHandles(Marks):
 
     def shape(self) -> Shape:
         """Return the curve of the branches, with the intercepts that are closest to the last design."""
-        return shape_of(self.branches, {id: Point(self._branch_of(id), load) for id, load, _ in self.path})
-
-    def _branch_of(self, id: str) -> int:
-        """Return the number of the branch whose end the handle `id` of the path moves."""
-        if id.startswith("range-"):
-            return 0 if id == "range-low" else len(self.slopes) - 1
-        _, number, *end = id.split("-")
-        return int(number) + (end == ["start"])
+        return shape_of(self.branches, {id: Point(branch, load) for id, load, _, branch in self.path})
 
     @property
     def slopes(self) -> tuple[float, ...]:
@@ -104,28 +87,24 @@ class LineHandles(Marks):
         return found
 
     @property
-    def path(self) -> list[tuple[str, float, str]]:
-        """Handle id, rescaled load [mm^2] and label of all crossover loads and range ends, by load."""
+    def path(self) -> list[tuple[str, float, str, int]]:
+        """Handle id, rescaled load [mm^2], label and branch of all crossovers and range ends, by load."""
         target = self.scene.target
-        pairs = getattr(target, "crossover_loads", ())
-        if hasattr(target, "crossover_load"):
-            pairs = ((target.crossover_load,) * 2,)
+        crossover = getattr(target, "crossover_load", None)
+        pairs = getattr(target, "crossover_loads", () if crossover is None else ((crossover, crossover),))
         found = []
         for i, (end, start) in enumerate(pairs):
             words = "crossover load" if len(pairs) == 1 else f"crossover load {i + 1}"
             if end == start:
-                found.append((f"crossover-{i}", end, words))
+                found.append((f"crossover-{i}", end, words, i))
             else:
-                found.append((f"crossover-{i}-end", end, f"{words}, end of branch {i + 1}"))
-                found.append((f"crossover-{i}-start", start, f"{words}, start of branch {i + 2}"))
+                found.append((f"crossover-{i}-end", end, f"{words}, end of branch {i + 1}", i))
+                found.append((f"crossover-{i}-start", start, f"{words}, start of branch {i + 2}", i + 1))
         if target.load_range is None:
             return found
         low, high = target.load_range
-        return [
-            ("range-low", low, "smallest load of the range"),
-            *found,
-            ("range-high", high, "largest load of the range"),
-        ]
+        first, last = "smallest load of the range", "largest load of the range"
+        return [("range-low", low, first, 0), *found, ("range-high", high, last, len(pairs))]
 
     @property
     def _fits(self) -> Any:

@@ -35,6 +35,9 @@ PLAIN = ("exponent", "prefactor", "weight", "relative_error")
 # Members of a target that have an entry for each point.
 COLUMNS = ("rescaled_load", "rescaled_friction", "weight", "relative_error")
 
+# Members of a target that are loads with a handle of their own.
+MARKED = ("crossover_load", "crossover_loads", "load_range")
+
 # Members of a target by name: slopes [-], loads and frictions [mm^2].
 Numbers = dict[str, Any]
 
@@ -193,7 +196,13 @@ class Marks:
         """Return the numbers of the target that change when the point or parameter of a handle is removed."""
         raise InvalidInput(f"a {self.scene.kind} law needs what this handle changes; it cannot be removed")
 
-    def with_end(self, id: str, load: float) -> Numbers:
-        """Return the load range with the end of a handle moved to a load [mm^2]."""
-        low, high = self.scene.target.load_range
-        return {"load_range": (load, high) if id == "range-low" else (low, load)}
+    def with_load(self, old: float, new: float) -> Numbers:
+        """Return the crossovers and the load range of the target with a new load in place of an old one."""
+        given = {name: getattr(self.scene.target, name, None) for name in MARKED}
+        return {name: _replaced(value, old, new) for name, value in given.items() if value is not None}
+
+
+def _replaced(value: Any, old: float, new: float) -> Any:
+    if isinstance(value, tuple):
+        return tuple(_replaced(each, old, new) for each in value)
+    return new if value == old else value

@@ -36,16 +36,17 @@ class PointHandles(Marks):
 
     def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
         """Return the points with one point moved, and the resolution of its values."""
-        i = int(handle.id.removeprefix("point-"))
-        return self._placed(i, (i - 1, i + 1), self._columns(), (load, friction), resolution)
+        return self._placed(
+            int(handle.id.removeprefix("point-")), self._columns(), (load, friction), resolution
+        )
 
     def added(self, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
         """Return the points with one more point, and the resolution of its values."""
-        columns, loads = self._columns(), self.points[0]
-        i = sum(other <= load for other in loads)
+        columns, count = self._columns(), len(self.points[0])
+        i = sum(other <= load for other in self.points[0])
         for name, entries in columns.items():
-            entries.insert(i, 1.0 if name == "weight" else entries[min(i, len(loads) - 1)])
-        return self._placed(i, (i - 1, i), columns, (load, friction), resolution)
+            entries.insert(i, 1.0 if name == "weight" else entries[min(i, count - 1)])
+        return self._placed(i, columns, (load, friction), resolution)
 
     def removed(self, id: str) -> Numbers:
         """Return the points without one of them."""
@@ -59,25 +60,16 @@ class PointHandles(Marks):
         return columns
 
     def _placed(
-        self,
-        i: int,
-        near: tuple[int, int],
-        columns: Numbers,
-        at: tuple[float, float],
-        resolution: float,
+        self, i: int, columns: Numbers, at: tuple[float, float], resolution: float
     ) -> tuple[Numbers, float]:
-        """Return the columns with point `i` moved to the load and friction `at`, and their resolution.
-
-        The new values stay between the values of the points with the indices `near`.
-        """
+        """Return the columns with point `i` moved between its neighbours, and the resolution."""
         finest = resolution
-        for name, numbers, value in zip(columns, self.points, at, strict=False):
-            low = numbers[near[0]] if near[0] >= 0 else 0.0
-            high = numbers[near[1]] if near[1] < len(numbers) else math.inf
+        for numbers, value in zip(columns.values(), at, strict=False):
+            low, high = [0.0, *numbers][i], [*numbers, math.inf][i + 1]
             if low >= high:  # the friction of noisy samples may decrease
                 low, high = 0.0, math.inf
             placed, fine = between(value, low, high, resolution)
-            columns[name][i] = placed or resolution * numbers[0]  # a single point must not reach 0
+            numbers[i] = placed or resolution * numbers[i]  # a single point must not reach 0
             finest = min(finest, fine)
         return columns, finest
 

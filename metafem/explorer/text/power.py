@@ -43,7 +43,7 @@ class PowerHandles(Marks):
         if handle.moves == "x":
             bounds = (0.0, high) if handle.id == "range-low" else (low, math.inf)
             placed, fine = between(load, *bounds, resolution)
-            return self.with_end(handle.id, placed), fine
+            return self.with_load(handle.load, placed), fine
         try:
             return self._risen(
                 handle, load, max(friction, resolution * handle.friction), resolution

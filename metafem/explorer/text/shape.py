@@ -121,21 +121,18 @@ def shape_of(branches: Sequence[Branch], path: Mapping[str, Point]) -> Shape:
     friction = [np.nan if each is None else branches[each.branch].friction_at(each.load) for each in corners]
     slopes = {f"slope-{i}": Point(i, branch.at) for i, branch in enumerate(branches)}
     points = {**slopes, **path}
+    every: dict[int | str, Point] = {**points, **{i: each for i, each in enumerate(corners) if each}}
     follows = {}
-    for id in points:
-        turns = id in slopes
-        moved = {name: _shift(branches, points[id], turns, points[name], name in slopes) for name in points}
-        if turns:
-            moved.pop(id)  # this handle is already at the pointer
-        bent = {
-            i: _shift(branches, points[id], turns, each, False)
-            for i, each in enumerate(corners)
-            if each is not None
+    for id, held in points.items():
+        shifts = {
+            key: _shift(branches, held, id in slopes, each, key in slopes) for key, each in every.items()
         }
-        still = Shift()
+        if id in slopes:
+            del shifts[id]  # this handle is already at the pointer
+        moving = {key: shift for key, shift in shifts.items() if shift != Shift()}
         follows[id] = Follows(
-            {i: shift for i, shift in bent.items() if shift != still},
-            {name: shift for name, shift in moved.items() if shift != still},
+            {key: shift for key, shift in moving.items() if isinstance(key, int)},
+            {key: shift for key, shift in moving.items() if isinstance(key, str)},
         )
     return Shape(np.array(load), np.array(friction), follows)
 

@@ -30,8 +30,6 @@ def digits_of(resolution: float) -> int:
     >>> digits_of(1e-3), digits_of(0.02)
     (4, 3)
     """
-    if not 0.0 < resolution < 1.0:
-        raise InvalidInput(f"resolution = {resolution:g} must be between 0 and 1")
     return min(ALL_DIGITS, math.ceil(-math.log10(resolution)) + 1)
 
 

@@ -64,7 +64,7 @@ export default {
     </form>`,
   props: { columns: Array },
   data() {
-    return { values: {}, present: [], problems: {}, warnings: {}, refused: {}, drafts: {}, opened: {}, broken: "", told: "", busy: true, units: {} };
+    return { values: {}, present: [], problems: {}, warnings: {}, refused: {}, drafts: {}, opened: {}, broken: "", told: "", busy: true };
   },
   computed: {
     parts() { return this.columns.flat(); },
