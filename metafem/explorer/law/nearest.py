@@ -11,7 +11,7 @@ from metafem.explorer.answer import Answer, answered
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.handles import added
 from metafem.explorer.text.kinds import near_design
-from metafem.explorer.text.marks import Scene
+from metafem.explorer.text.marks import Scene, members
 from metafem.inversion import LinearLaw, OperatingPoints
 
 # Largest number of nearest laws, each of the refusal of the one before, that are tried.
@@ -92,7 +92,5 @@ def with_nearest(answer: Answer) -> str:
     target, specification = answer.nearest_target, answer.specification
     if target is None or specification is None:
         raise InvalidInput("no nearest law is known")
-    numbers = {name: getattr(target, name, None) for name in MEMBERS}
-    given = {name: np.asarray(value).tolist() for name, value in numbers.items() if value is not None}
     scene = Scene(Document(answer.state.text), specification, answer.design)
-    return scene.written(given, RESOLUTION)
+    return scene.written(members(target, MEMBERS), RESOLUTION)

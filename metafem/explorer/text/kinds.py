@@ -14,7 +14,7 @@ from metafem.explorer.answer import specification_of
 from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.handles import RESOLUTION
-from metafem.explorer.text.marks import FORCES, Numbers, Scene
+from metafem.explorer.text.marks import FORCES, Numbers, Scene, members
 from metafem.explorer.text.names import form_of
 from metafem.files import Specification
 from metafem.inversion import Design, Limits, Target
@@ -129,12 +129,9 @@ def restated(text: str, specification: Specification, newtons: bool) -> dict[str
     scene, friction = Scene(Document(text), specification, None), specification.template.friction
     if newtons and friction is None:
         return {}
-    wording = (
-        RESCALED if friction is None or not newtons else Wording.of(specification.template.material, friction)
-    )
-    given = {name: getattr(scene.target, name, None) for name in FORCES}
-    numbers = {name: np.asarray(value).tolist() for name, value in given.items() if value is not None}
-    return scene.stated(numbers, RESTATED, wording)
+    material = specification.template.material
+    wording = Wording.of(material, friction) if newtons and friction else RESCALED
+    return scene.stated(members(scene.target, FORCES), RESTATED, wording)
 
 
 def _present(design: Design, limits: Limits) -> tuple[Law, float, float]:

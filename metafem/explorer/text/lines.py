@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.explorer.text.marks import Handle, Marks, Numbers
+from metafem.explorer.text.marks import Handle, Numbers, Scene
 from metafem.explorer.text.shape import Branch, Point, Shape, shape_of
 from metafem.explorer.text.written import between
 
@@ -18,7 +18,7 @@ from metafem.explorer.text.written import between
 BEFORE_ANY_DESIGN = 0.1
 
 
-class LineHandles(Marks):
+class LineHandles(Scene):
     """Handles for the slopes, crossover loads and range ends of linear, bilinear and multilinear laws.
 
     The handle of a slope is at the middle of its branch. The first branch turns about its intercept, which is
@@ -30,12 +30,12 @@ class LineHandles(Marks):
         """Return a handle for each slope, each crossover load and each end of the range."""
         found = []
         for i, branch in enumerate(self.branches):
-            words = self.scene.target.wording.slopes(branch.slope)
+            words = self.target.wording.slopes(branch.slope)
             label = f"{words}, branch {i + 1}" if len(self.branches) > 1 else words
             carried = words.replace("friction coefficient", "μ =").replace("slope ", "slope = ")
             found.append(Handle(f"slope-{i}", branch.at, branch.friction, "y", label, carried))
         for id, load, label, _ in self.path:
-            ranged = bool(self.scene.target.branches)
+            ranged = bool(self.target.branches)
             friction = self._friction(load) if ranged else self.branches[0].friction_at(load)
             found.append(Handle(id, load, friction, "x", label))
         return tuple(found)
@@ -45,7 +45,7 @@ class LineHandles(Marks):
         if handle.moves == "y":
             i, slopes = int(handle.id.removeprefix("slope-")), [*self.slopes]
             slopes[i] = max(self.branches[i].slope_through(load, friction), resolution * slopes[i])
-            several = hasattr(self.scene.target, "slopes")
+            several = hasattr(self.target, "slopes")
             return {"slopes": slopes} if several else {"slope": slopes[0]}, resolution
         loads = [0.0, *(place[1] for place in self.path), math.inf]
         i = loads.index(handle.load)
@@ -54,7 +54,7 @@ class LineHandles(Marks):
 
     def removed(self, id: str) -> Numbers:
         """Return the numbers that change when the load range is removed, if the law does not require it."""
-        if id.startswith("range-") and self.scene.kind != "multilinear":
+        if id.startswith("range-") and self.kind != "multilinear":
             return {"load_range": None}
         return super().removed(id)
 
@@ -65,13 +65,13 @@ class LineHandles(Marks):
     @property
     def slopes(self) -> tuple[float, ...]:
         """The slopes of the branches."""
-        target = self.scene.target
+        target = self.target
         return tuple(target.slopes) if hasattr(target, "slopes") else (target.slope,)
 
     @cached_property
     def branches(self) -> list[Branch]:
         """The branches, with the intercepts of the last design."""
-        target, found = self.scene.target, list[Branch]()
+        target, found = self.target, list[Branch]()
         for i, slope in enumerate(self.slopes):
             if target.branches:
                 low, high = target.branches[i][1]
@@ -89,7 +89,7 @@ class LineHandles(Marks):
     @property
     def path(self) -> list[tuple[str, float, str, int]]:
         """Handle id, rescaled load [mm^2], label and branch of all crossovers and range ends, by load."""
-        target = self.scene.target
+        target = self.target
         crossover = getattr(target, "crossover_load", None)
         pairs = getattr(target, "crossover_loads", () if crossover is None else ((crossover, crossover),))
         found = []
@@ -109,7 +109,7 @@ class LineHandles(Marks):
     @property
     def _fits(self) -> Any:
         """The fits of the last design to the branches; none if it has another number of branches."""
-        design = self.scene.design
+        design = self.design
         return design.fits if design is not None and len(design.fits) == len(self.slopes) else ()
 
     def _friction(self, load: float) -> float:
@@ -122,23 +122,23 @@ class LineHandles(Marks):
 
         The intercepts that the target leaves open are those closest to the last design.
         """
-        law = self.scene.target.curve()
+        law = self.target.curve()
         if not law.is_open:
             return law.load, law.base
-        achieved = self.scene.achieved(law.load)
+        achieved = self.achieved(law.load)
         return law.load, law.law(law.load * max(self.slopes) if achieved is None else achieved)
 
     def _of_density(self, i: int, slope: float) -> tuple[float, float]:
         """Return the rescaled load and friction of the slope handle of a branch without a range [mm^2]."""
         if not self._fits:
-            template, limits = self.scene.specification.template, self.scene.specification.limits
+            template, limits = self.specification.template, self.specification.limits
             scale = template.count * limits.max_height * float(template.radius.mean())
-            crossover = getattr(self.scene.target, "crossover_load", 0.0)
+            crossover = getattr(self.target, "crossover_load", 0.0)
             load = (0.5 * (crossover or BEFORE_ANY_DESIGN * scale), 1.5 * crossover)[i]
             return load, slope * load + (self.slopes[0] - slope) * crossover * i
         branch, fit = self._fits[i]
         middle = 0.5 * (branch.load_range[0] + branch.load_range[1])
         if branch.intercept is not None:
             return middle, branch.intercept + slope * middle
-        pivot = self.scene.target.lines[i][1]
+        pivot = self.target.lines[i][1]
         return middle, fit.intercept + fit.slope * middle + (slope - branch.slope) * (middle - pivot)

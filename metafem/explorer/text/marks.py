@@ -1,8 +1,8 @@
-"""The target of a text: its numbers as they are written, and the common base of its handles."""
+"""The target of a text: its numbers as they are written, and what its handles change."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -42,6 +42,17 @@ MARKED = ("crossover_load", "crossover_loads", "load_range")
 Numbers = dict[str, Any]
 
 
+def members(target: Any, names: Iterable[str]) -> Numbers:
+    """Return the numbers of a target by name, of those names that it has."""
+    found = {name: plain(getattr(target, name, None)) for name in names}
+    return {name: number for name, number in found.items() if number is not None}
+
+
+def plain(number: Any) -> Any:
+    """Return a number, or the entries of an array as a list."""
+    return number.tolist() if isinstance(number, np.ndarray) else number
+
+
 @dataclass(frozen=True)
 class Handle:
     """A point of the plot that the user can drag.
@@ -69,7 +80,7 @@ class Handle:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """The text of a specification, the specification itself, and the last design."""
+    """The target of a text, with its specification and the last design; each kind adds its handles."""
 
     document: Document
     specification: Specification
@@ -91,11 +102,37 @@ class Scene:
         section = dict(self.document.section("target"))
         if section.pop("file", None) is None:
             return section
-        numbers = {name: getattr(self.target, name) for name in COLUMNS}
-        given = {name: column.tolist() for name, column in numbers.items() if column is not None}
+        given = members(self.target, COLUMNS)
         if len(set(given["weight"])) == 1:  # the default
             del given["weight"]
         return section | self.stated(given, EXACT)
+
+    def handles(self) -> tuple[Handle, ...]:
+        """Return the handles."""
+        return ()
+
+    def shape(self) -> Shape:
+        """Return the curve of the target, and the points that follow each handle."""
+        raise NotImplementedError
+
+    def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
+        """Return the numbers of the target that change when a handle has moved, and their resolution."""
+        raise NotImplementedError
+
+    def added(self, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
+        """Return the numbers of the target that change when a point is added, and their resolution."""
+        raise InvalidInput(
+            f"a {self.kind} law is not given by points; choose the kind operating-points or sampled to "
+            "add some"
+        )
+
+    def removed(self, id: str) -> Numbers:
+        """Return the numbers of the target that change when the point or parameter of a handle is removed."""
+        raise InvalidInput(f"a {self.kind} law needs what this handle changes; it cannot be removed")
+
+    def with_load(self, old: float, new: float) -> Numbers:
+        """Return the crossovers and the load range of the target with a new load in place of an old one."""
+        return {name: _replaced(value, old, new) for name, value in members(self.target, MARKED).items()}
 
     def achieved(self, rescaled_load: FloatArray) -> FloatArray | None:
         """Return the rescaled friction of the last design at rescaled loads [mm^2]; None without a design.
@@ -129,14 +166,12 @@ class Scene:
         `like` are the present keys and values. New values have the units of these values, or the units of
         the wording.
         """
-        units: Wording = wording or self.target.wording
-        found: dict[str, Any] = {}
-        for name, numbers_now in numbers.items():
+        units, found = wording or self.target.wording, dict[str, Any]()
+        for name, number in numbers.items():
             key = FORCES.get(name, name) if units.per_slope else name
-            old, before = (like or {}).get(key), getattr(self.target, name, None)
-            before = before.tolist() if isinstance(before, np.ndarray) else before
             write = partial(self._entry, name, resolution, units)
-            found[key] = None if numbers_now is None else _like(numbers_now, before, old, write)
+            before = plain(getattr(self.target, name, None))
+            found[key] = None if number is None else _like(number, before, (like or {}).get(key), write)
         return found
 
     def _entry(self, name: str, resolution: float, units: Wording, number: float, like: Any) -> Any:
@@ -165,41 +200,6 @@ def _like(number: Any, before: Any, old: Any, write: Callable[[float, Any], Any]
     if old is not None:  # one load in place of a pair of equal loads
         return write(number[0], old)
     return [write(each, None) for each in number]
-
-
-class Marks:
-    """Base class for the handles of one kind of target."""
-
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-
-    def handles(self) -> tuple[Handle, ...]:
-        """Return the handles."""
-        raise NotImplementedError
-
-    def shape(self) -> Shape:
-        """Return the curve of the target, and the points that follow each handle."""
-        raise NotImplementedError
-
-    def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
-        """Return the numbers of the target that change when a handle has moved, and their resolution."""
-        raise NotImplementedError
-
-    def added(self, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
-        """Return the numbers of the target that change when a point is added, and their resolution."""
-        raise InvalidInput(
-            f"a {self.scene.kind} law is not given by points; choose the kind operating-points or sampled to "
-            "add some"
-        )
-
-    def removed(self, id: str) -> Numbers:
-        """Return the numbers of the target that change when the point or parameter of a handle is removed."""
-        raise InvalidInput(f"a {self.scene.kind} law needs what this handle changes; it cannot be removed")
-
-    def with_load(self, old: float, new: float) -> Numbers:
-        """Return the crossovers and the load range of the target with a new load in place of an old one."""
-        given = {name: getattr(self.scene.target, name, None) for name in MARKED}
-        return {name: _replaced(value, old, new) for name, value in given.items() if value is not None}
 
 
 def _replaced(value: Any, old: float, new: float) -> Any:

@@ -7,18 +7,18 @@ import math
 import numpy as np
 
 from metafem.errors import InvalidInput
-from metafem.explorer.text.marks import COLUMNS, Handle, Marks, Numbers
+from metafem.explorer.text.marks import COLUMNS, Handle, Numbers, Scene, members
 from metafem.explorer.text.shape import Shape
 from metafem.explorer.text.written import between
 
 
-class PointHandles(Marks):
+class PointHandles(Scene):
     """Handles for operating points and samples. Each point moves freely between its neighbours."""
 
     @property
     def points(self) -> tuple[list[float], list[float]]:
         """Rescaled loads and frictions of the target [mm^2]."""
-        target = self.scene.target
+        target = self.target
         return target.rescaled_load.tolist(), target.rescaled_friction.tolist()
 
     def handles(self) -> tuple[Handle, ...]:
@@ -75,22 +75,15 @@ class PointHandles(Marks):
 
     def _columns(self) -> Numbers:
         """Return loads and frictions, and the other columns that the text has."""
-        return {
-            name: getattr(self.scene.target, name).tolist()
-            for name in COLUMNS
-            if name not in ("weight", "relative_error") or name in self.scene.section
-        }
+        optional = {"weight", "relative_error"} - self.section.keys()
+        return members(self.target, [name for name in COLUMNS if name not in optional])
 
 
-class BandCurves(Marks):
-    """The two curves of a band, without handles."""
-
-    def handles(self) -> tuple[Handle, ...]:
-        """Return no handles; the values are edited in the text."""
-        return ()
+class BandCurves(Scene):
+    """The two curves of a band, without handles; the values are edited in the text."""
 
     def shape(self) -> Shape:
         """Return the two curves, with a gap between them."""
-        target = self.scene.target
+        target = self.target
         load, gap = target.rescaled_load, [math.nan]
         return Shape(np.concatenate([load, gap, load]), np.concatenate([target.lowest, gap, target.highest]))

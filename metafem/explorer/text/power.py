@@ -6,12 +6,12 @@ import math
 from functools import cached_property
 
 from metafem.errors import InvalidInput
-from metafem.explorer.text.marks import Handle, Marks, Numbers
+from metafem.explorer.text.marks import Handle, Numbers, Scene
 from metafem.explorer.text.shape import Shape
 from metafem.explorer.text.written import between, rounded
 
 
-class PowerHandles(Marks):
+class PowerHandles(Scene):
     """Handles for the exponent, the prefactor and the ends of the range.
 
     The handle of the exponent lies halfway between the middle and the upper end of the range; both midpoints
@@ -20,7 +20,7 @@ class PowerHandles(Marks):
 
     def handles(self) -> tuple[Handle, ...]:
         """Return the handles for the exponent, for the prefactor if the target has one, and for the ends."""
-        target = self.scene.target
+        target = self.target
         (low, high), middle = target.load_range, self._middle
         steep = math.sqrt(middle * high)
         found = [Handle("exponent", steep, self._friction(steep), "y", f"exponent {target.exponent:.4g}")]
@@ -33,13 +33,13 @@ class PowerHandles(Marks):
 
     def shape(self) -> Shape:
         """Return the curve. It is not straight, so it moves only with the answers and follows no handle."""
-        target = self.scene.target
+        target = self.target
         load = target.curve().load
         return Shape(load, self._prefactor * load**target.exponent)
 
     def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
         """Return the numbers that change when a handle has moved, and their resolution."""
-        low, high = self.scene.target.load_range
+        low, high = self.target.load_range
         if handle.moves == "x":
             bounds = (0.0, high) if handle.id == "range-low" else (low, math.inf)
             placed, fine = between(load, *bounds, resolution)
@@ -54,7 +54,7 @@ class PowerHandles(Marks):
 
     def _risen(self, handle: Handle, load: float, friction: float, resolution: float) -> Numbers:
         """Return the numbers that change so that the law has this friction at this load."""
-        target, middle = self.scene.target, self._middle
+        target, middle = self.target, self._middle
         if handle.id == "prefactor":
             return {"prefactor": friction / middle**target.exponent}
         level, load = self._friction(middle), load if load > middle else handle.load
@@ -71,20 +71,20 @@ class PowerHandles(Marks):
     @property
     def _middle(self) -> float:
         """The middle of the range in the logarithm of the load [mm^2]."""
-        target = self.scene.target
+        target = self.target
         return math.sqrt(target.load_range[0] * target.load_range[1])
 
     @cached_property
     def _prefactor(self) -> float:
         """The prefactor; if the target leaves it open, the prefactor of the last design."""
-        target = self.scene.target
+        target = self.target
         if target.prefactor is not None:
             return float(target.prefactor)
         law = target.curve()
-        achieved = self.scene.achieved(law.load)
+        achieved = self.achieved(law.load)
         return 1.0 if achieved is None else float(law.law(achieved)[0] / law.free[0, 0])
 
     def _friction(self, load: float) -> float:
         """Return the rescaled friction of the law at a rescaled load [mm^2]."""
-        target = self.scene.target
+        target = self.target
         return float(self._prefactor * load**target.exponent)
