@@ -11,7 +11,7 @@ from nicegui import background_tasks
 from nicegui.element import Element
 
 from metafem.explorer.session import Session
-from metafem.explorer.text.link import link_of
+from metafem.explorer.text.link import to_link
 from metafem.explorer.turns import Turns
 
 
@@ -46,7 +46,7 @@ class Browser(Element, component="browser.js"):
         place = {"first": first, "end": first + len(session.states), "at": first + at, "asked": asked}
 
         def kept() -> dict[str, Any]:
-            return {**place, "state": state.to_json(), "link": link_of(state)}
+            return {**place, "state": state.to_json(), "link": to_link(state)}
 
         background_tasks.create(self.turns.take(kept, self._keep))
 

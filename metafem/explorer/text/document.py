@@ -116,33 +116,28 @@ def loses_comments(before: str, after: str) -> bool:
 def _set(table: dict[str, Any], key: str, value: Any, outer: str = "") -> None:
     """Set the value of a dotted key in a table, or remove the key and the optional section it empties."""
     name, _, rest = key.partition(".")
-    if not rest and value is None:
+    if rest:
+        section, inner = f"{outer}{name}", table.get(name, {})
+        if not isinstance(inner, dict):
+            words = f"{section} is not a section in the text; write [{section}] on a line of its own"
+            raise InvalidInput(words)
+        _set(inner, rest, value, f"{section}.")
+        form = form_of(section)
+        stays = inner or (name in table and form is not None and not form.optional)
+        value = inner if stays else None
+    if value is None:
         table.pop(name, None)
-        return
-    if not rest:
-        table[name] = value
-        return
-    section, inner = f"{outer}{name}", table.get(name, {})
-    if not isinstance(inner, dict):
-        raise InvalidInput(f"{section} is not a section in the text; write [{section}] on a line of its own")
-    _set(inner, rest, value, f"{section}.")
-    form = form_of(section)
-    if inner or (name in table and form is not None and not form.optional):
-        table[name] = inner
     else:
-        table.pop(name, None)
+        table[name] = value
 
 
-def _ordered(table: Mapping[str, Any], section: str = "") -> dict[str, Any]:
-    """Return a table with its keys in the order of the manual, unknown keys last."""
-    order = order_of(section, table.get("kind"))
-    names = sorted(table, key=lambda name: order.index(name) if name in order else len(order))
-    return {
-        name: _ordered(table[name], f"{section}.{name}".lstrip("."))
-        if isinstance(table[name], dict)
-        else table[name]
-        for name in names
-    }
+def _ordered(value: Any, section: str = "") -> Any:
+    """Return a table with its keys in the order of the manual, unknown keys last; any other value unchanged."""
+    if not isinstance(value, dict):
+        return value
+    order = order_of(section, value.get("kind"))
+    names = sorted(value, key=lambda name: order.index(name) if name in order else len(order))
+    return {name: _ordered(value[name], f"{section}.{name}".lstrip(".")) for name in names}
 
 
 def _examples(forms: Sequence[KeyForm], kept: Mapping[str, Any]) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -15,8 +15,7 @@ from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.handles import RESOLUTION
 from metafem.explorer.text.marks import FORCES, Numbers, Scene, members
-from metafem.explorer.text.names import form_of
-from metafem.files import Specification
+from metafem.files import Specification, section_forms
 from metafem.inversion import Design, Limits, Target
 from metafem.inversion.targets.wording import RESCALED, Wording
 from metafem.models import Independent
@@ -24,17 +23,6 @@ from metafem.models.model import contact_of
 
 # Rescaled friction at rescaled loads [mm^2].
 Law = Callable[[FloatArray], FloatArray]
-
-# Names of the kinds on the page.
-NAMES: Mapping[str, str] = {
-    "operating-points": "operating points",
-    "linear": "straight line (linear)",
-    "bilinear": "two branches (bilinear)",
-    "multilinear": "several branches (multilinear)",
-    "power": "power law",
-    "sampled": "curve (sampled)",
-    "band": "between two curves (band)",
-}
 
 # Numbers of operating points to try, in this order, and the number of samples of a law.
 POINTS, SAMPLES = (4, 3, 2, 1), 8
@@ -54,12 +42,6 @@ INSIDE = 4.0
 
 # Largest number of sites for which designs are tried. With more sites, the user would wait too long.
 MOST_TRIED = 256
-
-
-def kind_names() -> dict[str, str]:
-    """Return the names of the target kinds on the page, by kind, in the order of the manual."""
-    form = form_of("target")
-    return {} if form is None else {kind: NAMES.get(kind, kind) for kind in form.kinds}
 
 
 def with_kind(state: State, design: Design | None, kind: str) -> str:
@@ -83,8 +65,8 @@ def with_kind(state: State, design: Design | None, kind: str) -> str:
     (0.144, 0.649)
     """
     document = Document(state.text)
-    if kind not in ATTEMPTS:
-        raise InvalidInput(f'kind = "{kind:.40}" is unknown (known: {", ".join(ATTEMPTS)})')
+    if kind not in KINDS:
+        raise InvalidInput(f'kind = "{kind:.40}" is unknown (known: {", ".join(KINDS)})')
     if kind == document.value("target.kind"):
         return state.text
     try:
@@ -104,7 +86,7 @@ def near_design(state: State, specification: Specification, design: Design, kind
     def written(numbers: Numbers) -> str:
         return scene.document.with_kind("target", kind, scene.stated(numbers, RESOLUTION))
 
-    for numbers in ATTEMPTS[kind](law, low, high):
+    for numbers in KINDS[kind][1](law, low, high):
         if kind == "linear" and target.wording.per_slope:  # a friction coefficient is F/P at these loads
             numbers = {**numbers, "load_range": [low, high]}
         if "rescaled_friction" in numbers:
@@ -166,61 +148,43 @@ def _with_bends(numbers: Numbers, law: Law, target: Target) -> Numbers:
     return _along(law, load)
 
 
-def _points(law: Law, low: float, high: float) -> Iterator[Numbers]:
-    for count in POINTS:
-        yield _along(law, np.linspace(low, high, count) if count > 1 else np.array([high]))
+def _points(law: Law, low: float, high: float) -> list[Numbers]:
+    return [_along(law, np.linspace(high, low, count)[::-1]) for count in POINTS]
 
 
-def _sampled(law: Law, low: float, high: float) -> Iterator[Numbers]:
-    yield _along(law, np.geomspace(low, high, SAMPLES))
+def _sampled(law: Law, low: float, high: float) -> list[Numbers]:
+    return [_along(law, np.geomspace(low, high, SAMPLES))]
 
 
-def _band(law: Law, low: float, high: float) -> Iterator[Numbers]:
-    numbers = _along(law, np.geomspace(low, high, SAMPLES))
-    middle = np.array(numbers.pop("rescaled_friction"))
-    bounds = {"lowest": (1.0 - HALF_WIDTH) * middle, "highest": (1.0 + HALF_WIDTH) * middle}
-    yield numbers | {name: bound.tolist() for name, bound in bounds.items()}
+def _band(law: Law, low: float, high: float) -> list[Numbers]:
+    load = np.geomspace(low, high, SAMPLES)
+    lowest, highest = ((factor * law(load)).tolist() for factor in (1.0 - HALF_WIDTH, 1.0 + HALF_WIDTH))
+    return [{"rescaled_load": load.tolist(), "lowest": lowest, "highest": highest}]
 
 
-def _linear(law: Law, low: float, high: float) -> Iterator[Numbers]:
-    yield {"slope": _slope(law, low, high)}
+def _linear(law: Law, low: float, high: float) -> list[Numbers]:
+    return [{"slope": _slope(law, low, high)}]
 
 
-def _bilinear(law: Law, low: float, high: float) -> Iterator[Numbers]:
+def _bilinear(law: Law, low: float, high: float) -> list[Numbers]:
+    found, whole = [], _slope(law, low, high)
     for share in (0.5, 0.25):
         middle = low + share * (high - low)
-        first, second = _slope(law, low, middle), _slope(law, middle, high)
-        yield {"slopes": [first, second], "crossover_load": middle}
-    whole = _slope(law, low, high)
-    for ratio in (4.0 / 3.0, 1.2, 1.1):
-        yield {"slopes": [whole, ratio * whole], "crossover_load": 0.5 * (low + high)}
+        found.append(([_slope(law, low, middle), _slope(law, middle, high)], middle))
+    found += [([whole, ratio * whole], 0.5 * (low + high)) for ratio in (4.0 / 3.0, 1.2, 1.1)]
+    return [{"slopes": slopes, "crossover_load": middle} for slopes, middle in found]
 
 
-def _power(law: Law, low: float, high: float) -> Iterator[Numbers]:
+def _power(law: Law, low: float, high: float) -> list[Numbers]:
     load = np.geomspace(low, high, SAMPLES)
-    yield {
-        "exponent": float(np.polyfit(np.log(load), np.log(law(load)), 1)[0]),
-        "load_range": [low, high],
-    }
+    exponent = float(np.polyfit(np.log(load), np.log(law(load)), 1)[0])
+    return [{"exponent": exponent, "load_range": [low, high]}]
 
 
-def _multilinear(law: Law, low: float, high: float) -> Iterator[Numbers]:
-    middle = 0.5 * (low + high)
-    slopes = [_slope(law, low, middle), _slope(law, middle, high)]
-    yield {"slopes": slopes, "crossover_loads": [middle], "load_range": [low, high]}
-    whole = _slope(law, low, high)
-    yield {"slopes": [whole, whole], "crossover_loads": [middle], "load_range": [low, high]}
-
-
-ATTEMPTS: dict[str, Callable[[Law, float, float], Iterator[Numbers]]] = {
-    "operating-points": _points,
-    "linear": _linear,
-    "bilinear": _bilinear,
-    "sampled": _sampled,
-    "power": _power,
-    "multilinear": _multilinear,
-    "band": _band,
-}
+def _multilinear(law: Law, low: float, high: float) -> list[Numbers]:
+    halves, whole = _bilinear(law, low, high)[0], _slope(law, low, high)
+    ends = {"crossover_loads": [halves["crossover_load"]], "load_range": [low, high]}
+    return [{"slopes": slopes, **ends} for slopes in (halves["slopes"], [whole, whole])]
 
 
 def _slope(law: Law, low: float, high: float) -> float:
@@ -251,3 +215,20 @@ def _beyond(wanted: Any, nearest: Any) -> Any:
         return None
     near = np.asarray(nearest, dtype=np.float64)
     return (near * (1.0 + INSIDE * RESOLUTION * np.sign(near - np.asarray(wanted)))).tolist()
+
+
+# Name of each kind on the page, and targets of the kind near a law between two loads, the best first.
+KINDS: Mapping[str, tuple[str, Callable[[Law, float, float], list[Numbers]]]] = {
+    "operating-points": ("operating points", _points),
+    "linear": ("straight line (linear)", _linear),
+    "bilinear": ("two branches (bilinear)", _bilinear),
+    "multilinear": ("several branches (multilinear)", _multilinear),
+    "power": ("power law", _power),
+    "sampled": ("curve (sampled)", _sampled),
+    "band": ("between two curves (band)", _band),
+}
+
+
+def kind_names() -> dict[str, str]:
+    """Return the names of the target kinds on the page, by kind, in the order of the manual."""
+    return {kind: KINDS[kind][0] for form in section_forms() if form.name == "target" for kind in form.kinds}

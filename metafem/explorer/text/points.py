@@ -8,7 +8,7 @@ import numpy as np
 
 from metafem.errors import InvalidInput
 from metafem.explorer.text.marks import COLUMNS, Handle, Numbers, Scene, members
-from metafem.explorer.text.shape import Shape
+from metafem.explorer.text.shape import Follows, Shape, Shift
 from metafem.explorer.text.written import between
 
 
@@ -32,7 +32,8 @@ class PointHandles(Scene):
 
     def shape(self) -> Shape:
         """Return the curve of straight lines from each point to the next."""
-        return Shape.through({each.id: (each.load, each.friction) for each in self.handles()})
+        follows = {each.id: Follows({i: Shift(1.0, 0.0, 1.0)}, {}) for i, each in enumerate(self.handles())}
+        return Shape(self.target.rescaled_load, self.target.rescaled_friction, follows)
 
     def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
         """Return the points with one point moved, and the resolution of its values."""

@@ -43,14 +43,6 @@ class Shape:
     friction: FloatArray
     follows: Mapping[str, Follows] = field(default_factory=dict)
 
-    @classmethod
-    def through(cls, points: Mapping[str, tuple[float, float]]) -> Shape:
-        """Return the curve of straight lines from point to point, where each point is a handle."""
-        free = Shift(1.0, 0.0, 1.0)
-        follows = {id: Follows({i: free}, {}) for i, id in enumerate(points)}
-        load, friction = np.array(list(points.values())).T
-        return cls(load, friction, follows)
-
 
 # Smallest load difference between pointer and pivot at which a branch is turned through the pointer, as a
 # fraction of the load difference between handle and pivot. Closer to the pivot, a small move would change the

@@ -10,7 +10,7 @@ from metafem.explorer.answer import Answer
 from metafem.explorer.law.tools import tools_data
 from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
-from metafem.explorer.text.kinds import ATTEMPTS, NAMES, with_kind
+from metafem.explorer.text.kinds import KINDS, with_kind
 from metafem.explorer.workshop.form import form
 from metafem.files import demo_text, parsed, section_forms
 from metafem.files.specification.models import DEMOS
@@ -30,17 +30,17 @@ def law_of(design, load):
 
 
 def test_all_kinds_are_known():
-    assert set(ATTEMPTS) == set(NAMES) == set(section_forms()[0].kinds)
+    assert set(KINDS) == set(section_forms()[0].kinds)
 
 
 def test_both_choices_of_a_kind_have_the_same_names_in_the_same_order():
     (section,) = [part for column in form() for part in column if part["name"] == "target"]
     workshop = [[kind, section["kind_names"][kind]] for kind in section["kinds"]]
     tools = tools_data(Answer(0, State(demo_text("linear"))))
-    assert workshop == tools["kinds"] == [[kind, NAMES[kind]] for kind in section_forms()[0].kinds]
+    assert workshop == tools["kinds"] == [[kind, KINDS[kind][0]] for kind in section_forms()[0].kinds]
 
 
-@pytest.mark.parametrize("kind", ATTEMPTS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_each_demo_can_be_designed_as_each_kind_near_its_law(demo, kind):
     text, design = demo
     new = with_kind(State(text), design, kind)
@@ -56,7 +56,7 @@ def test_each_demo_can_be_designed_as_each_kind_near_its_law(demo, kind):
 def test_the_units_stay():
     text = Document(demo_text("linear")).with_kind("target", "linear", {"friction_coefficient": 1.55})
     design = parsed(text).design()
-    keys = {kind: tomllib.loads(with_kind(State(text), design, kind))["target"] for kind in ATTEMPTS}
+    keys = {kind: tomllib.loads(with_kind(State(text), design, kind))["target"] for kind in KINDS}
     assert keys["operating-points"].keys() == {"kind", "load", "friction_force"}
     assert all(load.endswith(" N") for load in keys["sampled"]["load"] + keys["power"]["load_range"])
     assert keys["bilinear"].keys() == {"kind", "friction_coefficients", "crossover_load"}
