@@ -132,7 +132,7 @@ def _set(table: dict[str, Any], key: str, value: Any, outer: str = "") -> None:
 
 
 def _ordered(value: Any, section: str = "") -> Any:
-    """Return a table with its keys in the order of the manual, unknown keys last; any other value unchanged."""
+    """Return a table with its keys in the order of the manual, unknown keys last; other values unchanged."""
     if not isinstance(value, dict):
         return value
     order = order_of(section, value.get("kind"))

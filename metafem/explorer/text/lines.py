@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import cached_property
 from typing import Any
 
@@ -11,7 +10,6 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.explorer.text.marks import Handle, Numbers, Scene
 from metafem.explorer.text.shape import Branch, Point, Shape, shape_of
-from metafem.explorer.text.written import between
 
 # Estimate of the largest rescaled load of a surface before there is a design, as a fraction of
 # "number of sites x largest height x radius". It is near the largest loads of the paper's surfaces.
@@ -47,10 +45,7 @@ class LineHandles(Scene):
             slopes[i] = max(self.branches[i].slope_through(load, friction), resolution * slopes[i])
             several = hasattr(self.target, "slopes")
             return {"slopes": slopes} if several else {"slope": slopes[0]}, resolution
-        loads = [0.0, *(place[1] for place in self.path), math.inf]
-        i = loads.index(handle.load)
-        placed, fine = between(load, loads[i - 1], loads[i + 1], resolution)
-        return self.with_load(handle.load, placed or resolution * handle.load), fine
+        return self.slid(handle, load, resolution)
 
     def removed(self, id: str) -> Numbers:
         """Return the numbers that change when the load range is removed, if the law does not require it."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -13,7 +14,7 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.shape import Shape
-from metafem.explorer.text.written import EXACT, rounded, stated
+from metafem.explorer.text.written import EXACT, between, rounded, stated
 from metafem.files import Specification
 from metafem.inversion import Design
 from metafem.inversion.targets.wording import Wording
@@ -130,9 +131,14 @@ class Scene:
         """Return the numbers of the target that change when the point or parameter of a handle is removed."""
         raise InvalidInput(f"a {self.kind} law needs what this handle changes; it cannot be removed")
 
-    def with_load(self, old: float, new: float) -> Numbers:
-        """Return the crossovers and the load range of the target with a new load in place of an old one."""
-        return {name: _replaced(value, old, new) for name, value in members(self.target, MARKED).items()}
+    def slid(self, handle: Handle, load: float, resolution: float) -> tuple[Numbers, float]:
+        """Return the crossovers and the load range with one load moved between its neighbours."""
+        given = members(self.target, MARKED)
+        path = np.unique(np.hstack([np.ravel(value) for value in given.values()])).tolist()
+        i, path = path.index(handle.load), [0.0, *path, math.inf]
+        placed, fine = between(load, path[i], path[i + 2], resolution)
+        placed = placed or resolution * handle.load
+        return {name: _replaced(value, handle.load, placed) for name, value in given.items()}, fine
 
     def achieved(self, rescaled_load: FloatArray) -> FloatArray | None:
         """Return the rescaled friction of the last design at rescaled loads [mm^2]; None without a design.

@@ -18,8 +18,7 @@ class PointHandles(Scene):
     @property
     def points(self) -> tuple[list[float], list[float]]:
         """Rescaled loads and frictions of the target [mm^2]."""
-        target = self.target
-        return target.rescaled_load.tolist(), target.rescaled_friction.tolist()
+        return self.target.rescaled_load.tolist(), self.target.rescaled_friction.tolist()
 
     def handles(self) -> tuple[Handle, ...]:
         """Return a handle for each point."""
@@ -37,9 +36,8 @@ class PointHandles(Scene):
 
     def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
         """Return the points with one point moved, and the resolution of its values."""
-        return self._placed(
-            int(handle.id.removeprefix("point-")), self._columns(), (load, friction), resolution
-        )
+        i = int(handle.id.removeprefix("point-"))
+        return self._placed(i, self._columns(), (load, friction), resolution)
 
     def added(self, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
         """Return the points with one more point, and the resolution of its values."""

@@ -8,7 +8,7 @@ from functools import cached_property
 from metafem.errors import InvalidInput
 from metafem.explorer.text.marks import Handle, Numbers, Scene
 from metafem.explorer.text.shape import Shape
-from metafem.explorer.text.written import between, rounded
+from metafem.explorer.text.written import rounded
 
 
 class PowerHandles(Scene):
@@ -20,34 +20,26 @@ class PowerHandles(Scene):
 
     def handles(self) -> tuple[Handle, ...]:
         """Return the handles for the exponent, for the prefactor if the target has one, and for the ends."""
-        target = self.target
-        (low, high), middle = target.load_range, self._middle
-        steep = math.sqrt(middle * high)
-        found = [Handle("exponent", steep, self._friction(steep), "y", f"exponent {target.exponent:.4g}")]
+        target, middle, (low, high) = self.target, self._middle, self.target.load_range
+        found = [("exponent", math.sqrt(middle * high), "y", f"exponent {target.exponent:.4g}")]
         if target.prefactor is not None:
-            words = f"prefactor {target.prefactor:.4g}"
-            found.append(Handle("prefactor", middle, self._friction(middle), "y", words))
-        found.append(Handle("range-low", low, self._friction(low), "x", "smallest load of the range"))
-        found.append(Handle("range-high", high, self._friction(high), "x", "largest load of the range"))
-        return tuple(found)
+            found.append(("prefactor", middle, "y", f"prefactor {target.prefactor:.4g}"))
+        found.append(("range-low", low, "x", "smallest load of the range"))
+        found.append(("range-high", high, "x", "largest load of the range"))
+        return tuple(Handle(id, load, self._friction(load), *rest) for id, load, *rest in found)
 
     def shape(self) -> Shape:
         """Return the curve. It is not straight, so it moves only with the answers and follows no handle."""
-        target = self.target
-        load = target.curve().load
-        return Shape(load, self._prefactor * load**target.exponent)
+        load = self.target.curve().load
+        return Shape(load, self._prefactor * load**self.target.exponent)
 
     def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
         """Return the numbers that change when a handle has moved, and their resolution."""
-        low, high = self.target.load_range
         if handle.moves == "x":
-            bounds = (0.0, high) if handle.id == "range-low" else (low, math.inf)
-            placed, fine = between(load, *bounds, resolution)
-            return self.with_load(handle.load, placed), fine
+            return self.slid(handle, load, resolution)
+        friction = max(friction, resolution * handle.friction)
         try:
-            return self._risen(
-                handle, load, max(friction, resolution * handle.friction), resolution
-            ), resolution
+            return self._risen(handle, load, friction, resolution), resolution
         except ArithmeticError:  # a power overflows double precision, or the range has no middle
             words = "the law cannot be moved by hand over this range of loads; change the keys of [target]"
             raise InvalidInput(f"target.load_range: {words}") from None
@@ -71,8 +63,7 @@ class PowerHandles(Scene):
     @property
     def _middle(self) -> float:
         """The middle of the range in the logarithm of the load [mm^2]."""
-        target = self.target
-        return math.sqrt(target.load_range[0] * target.load_range[1])
+        return math.sqrt(math.prod(self.target.load_range))
 
     @cached_property
     def _prefactor(self) -> float:
@@ -86,5 +77,4 @@ class PowerHandles(Scene):
 
     def _friction(self, load: float) -> float:
         """Return the rescaled friction of the law at a rescaled load [mm^2]."""
-        target = self.target
-        return float(self._prefactor * load**target.exponent)
+        return float(self._prefactor * load**self.target.exponent)
