@@ -71,21 +71,15 @@ class Document:
         """Return the text with a section changed to another kind.
 
         `values` are the keys and values of the new section. Default: the present values of the keys that the
-        new kind has, and the examples of the manual for missing required keys. Lists whose lengths differ
-        from those of the added lists are replaced by the examples. All other keys are removed.
+        new kind has, and the examples of the manual for missing required keys. If a list is missing, all
+        lists are those of the examples. All other keys are removed.
         """
-        given = self.section(section)
+        given, forms = self.section(section), keys_of(section, kind)
         if values is None:
-            forms = keys_of(section, kind)
-            values = {form.name: given[form.name] for form in forms if form.name in given}
-            sizes = {len(value) for value in _examples(forms, values).values() if isinstance(value, list)}
-            if sizes:
-                values = {
-                    name: value
-                    for name, value in values.items()
-                    if not isinstance(value, list) or len(value) in sizes
-                }
-            values |= _examples(forms, values)
+            kept = {form.name: given[form.name] for form in forms if form.name in given}
+            if any(isinstance(value, list) for value in _examples(forms, kept).values()):
+                kept = {name: value for name, value in kept.items() if not isinstance(value, list)}
+            values = kept | _examples(forms, kept)
         keys = dict.fromkeys(given) | dict(values) | {"kind": kind}
         return self.with_values({f"{section}.{name}": value for name, value in keys.items()})
 

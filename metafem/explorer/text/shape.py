@@ -113,12 +113,11 @@ def shape_of(branches: Sequence[Branch], path: Mapping[str, Point]) -> Shape:
     friction = [np.nan if each is None else branches[each.branch].friction_at(each.load) for each in corners]
     slopes = {f"slope-{i}": Point(i, branch.at) for i, branch in enumerate(branches)}
     points = {**slopes, **path}
-    every: dict[int | str, Point] = {**points, **{i: each for i, each in enumerate(corners) if each}}
+    every: list[tuple[int | str, Point]] = [*points.items()]
+    every += [(i, each) for i, each in enumerate(corners) if each is not None]
     follows = {}
     for id, held in points.items():
-        shifts = {
-            key: _shift(branches, held, id in slopes, each, key in slopes) for key, each in every.items()
-        }
+        shifts = {key: _shift(branches, held, id in slopes, each, key in slopes) for key, each in every}
         if id in slopes:
             del shifts[id]  # this handle is already at the pointer
         moving = {key: shift for key, shift in shifts.items() if shift != Shift()}
