@@ -14,7 +14,7 @@ from metafem.explorer.answer import specification_of
 from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.handles import RESOLUTION
-from metafem.explorer.text.marks import FORCES, Numbers, Scene, members
+from metafem.explorer.text.marks import NEWTON_KEYS, Numbers, Scene, members
 from metafem.files import Specification, section_forms
 from metafem.inversion import Design, Limits, Target
 from metafem.inversion.targets.wording import RESCALED, Wording
@@ -113,7 +113,7 @@ def restated(text: str, specification: Specification, newtons: bool) -> dict[str
         return {}
     material = specification.template.material
     wording = Wording.of(material, friction) if newtons and friction else RESCALED
-    return scene.stated(members(scene.target, FORCES), RESTATED, wording)
+    return scene.stated(members(scene.target, NEWTON_KEYS), RESTATED, wording)
 
 
 def _present(design: Design, limits: Limits) -> tuple[Law, float, float]:

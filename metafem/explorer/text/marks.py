@@ -20,7 +20,7 @@ from metafem.inversion import Design
 from metafem.inversion.targets.wording import Wording
 
 # Keys of the members of a target that a text can also give as forces or friction coefficients.
-FORCES = {
+NEWTON_KEYS = {
     "rescaled_load": "load",
     "rescaled_friction": "friction_force",
     "lowest": "lowest_force",
@@ -174,7 +174,7 @@ class Scene:
         """
         units, found = wording or self.target.wording, dict[str, Any]()
         for name, number in numbers.items():
-            key = FORCES.get(name, name) if units.per_slope else name
+            key = NEWTON_KEYS.get(name, name) if units.per_slope else name
             write = partial(self._entry, name, resolution, units)
             before = plain(getattr(self.target, name, None))
             found[key] = None if number is None else _like(number, before, (like or {}).get(key), write)
@@ -188,7 +188,7 @@ class Scene:
         stress: float | None = self.specification.template.material.composite_modulus
         if name in FRICTIONS:
             stress = None if friction is None else friction.stress
-        newtons = units.per_slope if name in FORCES else units.composite_modulus
+        newtons = units.per_slope if name in NEWTON_KEYS else units.composite_modulus
         return stated(number, like or ("1 N" if newtons else "1 mm^2"), stress, resolution)
 
 
