@@ -10,7 +10,7 @@ from typing import Any
 from nicegui.element import Element
 
 from metafem.explorer.session import Session
-from metafem.explorer.text.link import link_of
+from metafem.explorer.text.link import to_link
 
 
 class Browser(Element, component="browser.js"):
@@ -50,4 +50,4 @@ def record_of(session: Session) -> dict[str, Any]:
     """Return the current state of a history with its link, and its number among those of the history."""
     state, first = session.state, session.first
     place = {"first": first, "end": first + len(session.states), "at": first + session.at}
-    return {**place, "state": state.to_json(), "link": link_of(state)}
+    return {**place, "state": state.to_json(), "link": to_link(state)}

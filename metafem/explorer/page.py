@@ -24,7 +24,7 @@ from metafem.explorer.queue import LOG, PATIENCE, Queue, in_words
 from metafem.explorer.session import Session, State
 from metafem.explorer.surface.panel import surface_panel
 from metafem.explorer.take.panel import take_panel
-from metafem.explorer.text.document import as_own
+from metafem.explorer.text.document import loses_comments
 from metafem.explorer.text.kinds import with_kind
 from metafem.explorer.text.link import from_link, restored
 from metafem.explorer.text.names import on_page
@@ -41,6 +41,9 @@ Show = Callable[[], None]
 # surface can be designed. With a shorter time, nothing would be shown until the pointer rests; with a longer
 # time, a pointer at rest would wait too long for the newest draft.
 PATIENCE_WITH_DRAFTS = 5.0
+
+# Said once, when an edit by hand ends the comments that the user wrote.
+COMMENTS_END = "The comments in your specification end with this first edit by hand. Undo brings them back."
 
 # Style sheets of the page, and of its header and fields.
 STYLES = ("page.css", "workshop/workshop.css")
@@ -66,6 +69,7 @@ class Page:
         self.panels: list[Callable[[Answer], Show]] = []
         self.warned: list[Callable[[Mapping[str, list[str]]], None]] = []
         self.messages: list[ui.notification] = []
+        self.comments_ended = False
         self.queue: Queue[Request, tuple[Answer, list[Show]]] = Queue(
             self._work, self._show, self._failed, patience=patience, better=whole_of
         )
@@ -157,7 +161,19 @@ class Page:
 
     async def make(self, change: Callable[[State], str], **how: bool) -> int | None:
         """Answer the state with the text that `change(state)` returns; `how` as in `change`."""
-        return await self.step(lambda state: replace(state, text=as_own(change(state))), **how)
+        lost = False
+
+        def edited(state: State) -> State:
+            nonlocal lost
+            text = change(state)
+            lost = loses_comments(state.text, text)
+            return replace(state, text=text)
+
+        number = await self.step(edited, **how)
+        if lost and number is not None and not how.get("draft") and not self.comments_ended:
+            self.comments_ended = True
+            self.say(COMMENTS_END, passing=False)
+        return number
 
     async def alter(self, **members: Any) -> int | None:
         """Answer the state with some members replaced; return the number of the change."""
@@ -234,12 +250,12 @@ class Page:
         except InvalidInput as error:
             self.say(str(error))
 
-    def say(self, words: str) -> None:
-        """Show a message over the page, until it is closed or a later answer has a design."""
+    def say(self, words: str, passing: bool = True) -> None:
+        """Show a message over the page until it is closed or, if `passing`, a later answer has a design."""
         with self.client:
-            self.messages.append(
-                ui.notification(on_page(words), multi_line=True, close_button="Close", timeout=None)
-            )
+            message = ui.notification(on_page(words), multi_line=True, close_button="Close", timeout=None)
+        if passing:
+            self.messages.append(message)
 
     async def open_link(self, link: str) -> None:
         """Show the state in a link as a new step of the history."""

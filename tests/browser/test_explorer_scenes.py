@@ -7,7 +7,7 @@ import pytest
 
 from metafem.explorer.answer import answered
 from metafem.explorer.session import State
-from metafem.explorer.text.document import Document, as_own
+from metafem.explorer.text.document import Document
 from metafem.explorer.text.link import to_link
 from metafem.files import demo_text
 
@@ -166,4 +166,4 @@ def test_a_place_that_only_the_whole_search_reaches_is_kept_on_release(visit):
     visit.settled(before)
     assert "Refused" not in visit.page.locator(".law-live span").inner_text()
     assert visit.page.locator(".law-refusal").is_hidden()
-    assert visit.text == as_own(state.text)
+    assert visit.text == state.text

@@ -36,24 +36,27 @@ def test_values_are_typed_refused_where_they_stand_and_undone(visit):
     page = visit.page
     visit.entered("limits.max_height", "300 um")
     assert value(visit, "limits.max_height") == "300 um"
-    field = visit.entered("limits.max_height", "310")
-    wrong = page.locator("#field-limits-max_height-wrong")
+    field = visit.entered("limits.max_height", "310")  # the unit is that of the value before
+    page.wait_for_function("() => document.querySelector('#field-limits-max_height').value === '310 um'")
+    least = visit.entered("limits.min_height", "12")
+    wrong = page.locator("#field-limits-min_height-wrong")
     wrong.wait_for()
-    assert wrong.inner_text().startswith("Needs a unit; write for example 120 um.")
-    assert (field.input_value(), field.get_attribute("aria-invalid")) == ("310", "true")
+    assert wrong.inner_text().startswith("Needs a unit; write for example 10 um.")
+    assert (least.input_value(), least.get_attribute("aria-invalid")) == ("12", "true")
     before = visit.asked
-    page.get_by_role("button", name="Use 310 um").click()
+    page.get_by_role("button", name="Use 12 um").click()
     visit.settled(before)
     wrong.wait_for(state="detached")
     visit.entered("lattice.pitch", "-2 mm")
     page.locator("#field-lattice-pitch-wrong").wait_for()
-    for _ in range(3):
+    for _ in range(4):
         pressed(visit, "Control+z")
     assert (value(visit, "limits.max_height"), value(visit, "lattice.pitch")) == ("300 um", "1.5 mm")
     page.wait_for_function("() => document.querySelector('#field-limits-max_height').value === '300 um'")
     pressed(visit, "Control+y")
-    pressed(visit, "Control+Shift+z")
     assert value(visit, "limits.max_height") == "310 um"
+    pressed(visit, "Control+Shift+z")
+    assert value(visit, "limits.min_height") == "12"
     page.wait_for_function("() => document.querySelector('#field-limits-max_height').value === '310 um'")
     before = visit.asked
     field.press("ArrowUp")

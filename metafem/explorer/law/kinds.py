@@ -7,9 +7,6 @@ from metafem.errors import InvalidInput
 from metafem.explorer.law.shown import Units
 from metafem.explorer.text.document import Document
 
-# Significant digits of the loads and frictions of points.
-DIGITS = 4
-
 
 def kind_of(text: str) -> str:
     """Return the kind of the target that a text names; "" if it names none."""
@@ -19,9 +16,7 @@ def kind_of(text: str) -> str:
         return ""
 
 
-def points(
-    load: FloatArray, friction: FloatArray, units: Units, digits: int = DIGITS
-) -> dict[str, list[str]]:
+def points(load: FloatArray, friction: FloatArray, units: Units, digits: int) -> dict[str, list[str]]:
     """Return loads and frictions of points as quantities by key, rescaled [mm^2] or in newtons."""
     keys = ("load", "friction_force") if units.newtons else ("rescaled_load", "rescaled_friction")
     unit = "N" if units.newtons else "mm^2"

@@ -2,30 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
-from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, answered
-from metafem.explorer.law.kinds import points
-from metafem.explorer.law.shown import Units
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.handles import added
 from metafem.explorer.text.kinds import near_design
-from metafem.explorer.text.written import stated
-from metafem.files import Specification
-from metafem.inversion import LinearLaw, OperatingPoints, SampledLaw, Target
+from metafem.explorer.text.marks import Scene, members
+from metafem.inversion import LinearLaw, OperatingPoints
 
 # Largest number of nearest laws, each of the refusal of the one before, that are tried.
 MOST_STEPS = 3
 
-# Relative resolution of the values, and their significant digits. Both are finer than 1e-6, the relative
-# distance of the nearest law from its bound.
-RESOLUTION, DIGITS = 1e-9, 10
+# Relative resolution of the values. It is finer than 1e-6, the relative distance of the nearest law from its
+# bound.
+RESOLUTION = 1e-9
+
+# Members of a nearest law that can differ from those of the target.
+MEMBERS = (
+    "rescaled_load", "rescaled_friction", "exponent", "prefactor", "slope", "slopes", "crossover_load",
+    "load_range",
+)  # fmt: skip
 
 
 def offer(answer: Answer) -> str:
@@ -70,7 +70,7 @@ def reachable(answer: Answer) -> str:
             return text
     if answer.design is None or answer.specification is None:
         raise InvalidInput("no law is known that can be designed")
-    return near_design(Document(state.text), answer.specification, answer.design)
+    return near_design(state, answer.specification, answer.design)
 
 
 def with_point(answer: Answer, load: float, friction: float, near: float) -> str:
@@ -83,7 +83,7 @@ def with_point(answer: Answer, load: float, friction: float, near: float) -> str
     free = added(text, specification, load, friction)
     found = added(text, specification, load, friction, design=answer.design, near=near)
     if found != free and answered(replace(answer.state, text=found), answer.number, draft=True).refused:
-        return Document(found).with_value("target.kind", "sampled")
+        return Document(found).with_values({"target.kind": "sampled"})
     return found
 
 
@@ -92,58 +92,5 @@ def with_nearest(answer: Answer) -> str:
     target, specification = answer.nearest_target, answer.specification
     if target is None or specification is None:
         raise InvalidInput("no nearest law is known")
-    document = Document(answer.state.text)
-    section = document.value("target")
-    if isinstance(target, (OperatingPoints, SampledLaw)):
-        values = _points(section, specification, target)
-    else:
-        values = _parameters(section, specification, target)
-    return document.with_values({f"target.{name}": value for name, value in values.items()})
-
-
-def _points(
-    section: Mapping[str, Any], specification: Specification, target: OperatingPoints | SampledLaw
-) -> dict[str, Any]:
-    """Return the keys and values of the points, in the units of the previous points."""
-    given = [(target.rescaled_load, True), (target.rescaled_friction, False)]
-    names = ("load", "friction_force") if "load" in section else ("rescaled_load", "rescaled_friction")
-    if names[0] not in section:  # the points of a table
-        return {"file": None, **points(target.rescaled_load, target.rescaled_friction, Units(), DIGITS)}
-    # the nearest law may have fewer points: it may end at the first point that cannot be met
-    return {
-        name: _stated(column, section[name][: len(column)], specification, loads)
-        for name, (column, loads) in zip(names, given, strict=True)
-    }
-
-
-def _parameters(section: Mapping[str, Any], specification: Specification, target: Target) -> dict[str, Any]:
-    """Return the keys and values of the law parameters that differ from the text."""
-    values: dict[str, Any] = {}
-    for name in ("exponent", "prefactor", "slope", "slopes", "crossover_load", "load_range"):
-        new = getattr(target, name, None)
-        if new is None or new == getattr(specification.target, name):
-            continue
-        if name.startswith("slope"):
-            key = name if name in section else name.replace("slope", "friction_coefficient")
-            told = target.wording.coefficient
-            values[key] = [told(slope) for slope in new] if name == "slopes" else told(new)
-        elif name in ("exponent", "prefactor"):
-            values[name] = new
-        elif name == "crossover_load":
-            values[name] = _stated([new], [section[name]], specification, True)[0]
-        else:
-            values[name] = _stated(new, section[name], specification, True)
-    return values
-
-
-def _stated(
-    values: FloatArray | list[float], like: list[str], specification: Specification, loads: bool
-) -> list[str]:
-    """Return rescaled loads or frictions as quantities in the units of the quantities `like`."""
-    template = specification.template
-    stress: float | None = template.material.composite_modulus
-    if not loads:
-        pair = template.friction
-        stress = None if pair is None else pair.stress
-    pairs = zip(values, like, strict=True)
-    return [stated(float(value), other, stress, RESOLUTION) for value, other in pairs]
+    scene = Scene(Document(answer.state.text), specification, answer.design)
+    return scene.written(members(target, MEMBERS), RESOLUTION)

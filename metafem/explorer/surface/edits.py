@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from typing import Any
 
 from metafem.errors import InvalidInput
-from metafem.explorer.surface.sites_text import emptied_text, pinned_text, released_text
+from metafem.explorer.surface.sites_text import with_sites
 from metafem.explorer.surface.surface_data import kept_height
+from metafem.explorer.text.fields import with_points, with_unit
 from metafem.inversion import Design
-
-# A number without a unit; it is in micrometres.
-NUMBER = re.compile(r"\d+\.?\d*|\.\d+")
 
 
 def edited(text: str, design: Design | None, given: Any) -> str:
@@ -24,18 +21,18 @@ def edited(text: str, design: Design | None, given: Any) -> str:
         raise InvalidInput("there is no surface yet whose sites could be changed")
     action, sites, typed = _checked(given, design.template.count)
     if action == "empty":
-        return emptied_text(text, sites)
+        return with_sites(text, {}, empty=sites)
     if action == "release":
-        return released_text(text, sites)
+        return with_sites(text, {}, free=sites)
     if typed:
-        return pinned_text(text, dict.fromkeys(sites, typed_height(typed)))
+        return with_sites(text, dict.fromkeys(sites, typed_height(typed)))
     shown = {site: kept_height(design, site) for site in sites}
     heights = {site: height for site, height in shown.items() if height is not None}
     if not heights:
         raise InvalidInput(
             "an empty site has no height that could be kept: type one, or let the design choose"
         )
-    return pinned_text(text, heights)
+    return with_sites(text, heights)
 
 
 def typed_height(typed: str) -> str:
@@ -44,9 +41,7 @@ def typed_height(typed: str) -> str:
     Text that does not begin with a number raises InvalidInput. Other invalid quantities are reported when the
     specification is read.
     """
-    words = typed.strip()
-    if NUMBER.fullmatch(words):
-        return f"{words} um"
+    words = with_unit(with_points(typed.strip()), "um")
     if not words[:1].isdigit() and not words.startswith("."):
         raise InvalidInput(f'height = "{words}" must be a number of micrometres, such as 150 or "0.15 mm"')
     return words

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from metafem.errors import InvalidInput
 from metafem.explorer.text.document import Document
 
 
@@ -29,46 +29,28 @@ class Asked:
 def asked_sites(text: str) -> Asked:
     """Return the fixed heights and empty sites in a text; entries of a wrong type are ignored."""
     try:
-        section = tomllib.loads(text).get("sites")
-    except (tomllib.TOMLDecodeError, RecursionError):
-        return Asked()
-    if not isinstance(section, dict):
+        section = Document(text).section("sites")
+    except InvalidInput:
         return Asked()
     heights = section.get("heights")
     pairs = zip(_numbers(section.get("pinned")), heights if isinstance(heights, list) else (), strict=False)
     return Asked(frozenset(_numbers(section.get("empty"))), {site: str(height) for site, height in pairs})
 
 
-def pinned_text(text: str, heights: Mapping[int, str]) -> str:
-    """Return the text with the heights of sites fixed at quantities such as "150 um"."""
-    asked = asked_sites(text)
-    return _written(text, asked.empty - heights.keys(), {**asked.pinned, **heights})
-
-
-def emptied_text(text: str, sites: Collection[int]) -> str:
-    """Return the text with these sites empty."""
-    asked = asked_sites(text)
-    kept = {site: height for site, height in asked.pinned.items() if site not in sites}
-    return _written(text, asked.empty.union(sites), kept)
-
-
-def released_text(text: str, sites: Collection[int]) -> str:
-    """Return the text in which the design chooses these sites: neither fixed nor empty."""
-    asked = asked_sites(text)
-    kept = {site: height for site, height in asked.pinned.items() if site not in sites}
-    return _written(text, asked.empty.difference(sites), kept)
+def with_sites(
+    text: str, pinned: Mapping[int, str], empty: Collection[int] = (), free: Collection[int] = ()
+) -> str:
+    """Return the text with sites fixed at heights such as "150 um", empty, or free."""
+    asked, changed = asked_sites(text), {*pinned, *empty, *free}
+    kept = {site: height for site, height in asked.pinned.items() if site not in changed}
+    heights = dict(sorted({**kept, **pinned}.items()))
+    values = {
+        "empty": sorted((asked.empty - changed).union(empty)),
+        "pinned": list(heights),
+        "heights": list(heights.values()),
+    }
+    return Document(text).with_values({f"sites.{name}": value or None for name, value in values.items()})
 
 
 def _numbers(given: Any) -> list[int]:
     return [each for each in given if type(each) is int] if isinstance(given, list) else []
-
-
-def _written(text: str, empty: Collection[int], pinned: Mapping[int, str]) -> str:
-    sites = sorted(pinned)
-    return Document(text).with_values(
-        {
-            "sites.empty": sorted(empty) or None,
-            "sites.pinned": sites or None,
-            "sites.heights": [pinned[site] for site in sites] or None,
-        }
-    )

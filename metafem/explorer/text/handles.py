@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from metafem.errors import InvalidInput
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.lines import LineHandles
-from metafem.explorer.text.marks import Handle, Marks, Scene
+from metafem.explorer.text.marks import Handle, Scene
 from metafem.explorer.text.points import BandCurves, PointHandles
 from metafem.explorer.text.power import PowerHandles
 from metafem.explorer.text.shape import Shape
@@ -28,7 +29,10 @@ SNAPPED = 1e-6
 # moving a single point would make a spike in the law.
 MOST = 200
 
-MARKS: dict[str, type[Marks]] = {
+# From this number of points on, points that are drawn become a curve that is approximated.
+CURVE = 5
+
+MARKS: dict[str, type[Scene]] = {
     "operating-points": PointHandles,
     "sampled": PointHandles,
     "linear": LineHandles,
@@ -72,7 +76,7 @@ def drawn(
         return (), None
     marks = _marks(text, specification, design)
     shape = marks.shape()
-    return ((), shape.alone) if crowd(specification) else (marks.handles(), shape)
+    return ((), replace(shape, follows={})) if crowd(specification) else (marks.handles(), shape)
 
 
 def crowd(specification: Specification) -> int:
@@ -110,12 +114,12 @@ def moved(
     >>> parsed(new).target.rescaled_load
     array([0.144, 0.4  , 0.649])
     """
-    _refuse_negative(load, friction)
+    _refuse_negative(load=load, friction=friction)
     marks = _marks(text, specification, design)
     handle = next((handle for handle in marks.handles() if handle.id == id), None)
     if handle is None:
         raise InvalidInput(f'the target has no handle "{id:.40}"')
-    return marks.scene.written(marks.moved(handle, load, friction, resolution))
+    return marks.written(*marks.moved(handle, load, friction, resolution))
 
 
 def added(
@@ -136,12 +140,14 @@ def added(
     InvalidInput
         If the target does not consist of points, or for values that are negative or not finite.
     """
-    _refuse_negative(load, friction)
+    _refuse_negative(load=load, friction=friction)
     marks = _marks(text, specification, design)
-    achieved = marks.scene.achieved(np.array([load])) if near > 0.0 and load > 0.0 else None
+    achieved = marks.achieved(np.array([load])) if near > 0.0 and load > 0.0 else None
     if achieved is not None and abs(achieved[0] - friction) <= near:
         friction, resolution = float(achieved[0]), SNAPPED
-    return marks.scene.written(marks.added(load, friction, resolution))
+    numbers, fine = marks.added(load, friction, resolution)
+    drawn_by_hand = marks.kind == "operating-points" and len(numbers["rescaled_load"]) >= CURVE
+    return marks.written(numbers, fine, "sampled" if drawn_by_hand else "")
 
 
 def removed(text: str, specification: Specification | None, id: str) -> str:
@@ -153,17 +159,17 @@ def removed(text: str, specification: Specification | None, id: str) -> str:
         For the last remaining point, and for the handle of a required parameter.
     """
     marks = _marks(text, specification, None)
-    return marks.scene.written(marks.removed(id))
+    return marks.written(marks.removed(id), RESOLUTION)
 
 
-def _marks(text: str, specification: Specification | None, design: Design | None) -> Marks:
+def _marks(text: str, specification: Specification | None, design: Design | None) -> Scene:
     if specification is None:
         raise InvalidInput("the specification has problems; correct them before the law is dragged")
-    scene = Scene(Document(text), specification, design)
-    return MARKS[scene.kind](scene)
+    document = Document(text)
+    return MARKS[document.value("target.kind")](document, specification, design)
 
 
-def _refuse_negative(load: float, friction: float) -> None:
-    for name, value in (("load", load), ("friction", friction)):
+def _refuse_negative(**at: float) -> None:
+    for name, value in at.items():
         if not (math.isfinite(value) and value >= 0.0):
             raise InvalidInput(f"{name} = {value:g} mm^2 must be a finite number of at least 0")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -14,25 +14,15 @@ from metafem.explorer.answer import specification_of
 from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.handles import RESOLUTION
-from metafem.explorer.text.marks import Scene
-from metafem.explorer.text.names import form_of
-from metafem.explorer.text.written import rounded
-from metafem.files import Specification, parsed
+from metafem.explorer.text.marks import NEWTON_KEYS, Numbers, Scene, members
+from metafem.files import Specification, section_forms
 from metafem.inversion import Design, Limits, Target
 from metafem.inversion.targets.wording import RESCALED, Wording
 from metafem.models import Independent
 from metafem.models.model import contact_of
 
-# Names of the kinds on the page.
-NAMES: Mapping[str, str] = {
-    "operating-points": "operating points",
-    "linear": "straight line (linear)",
-    "bilinear": "two branches (bilinear)",
-    "multilinear": "several branches (multilinear)",
-    "power": "power law",
-    "sampled": "curve (sampled)",
-    "band": "between two curves (band)",
-}
+# Rescaled friction at rescaled loads [mm^2].
+Law = Callable[[FloatArray], FloatArray]
 
 # Numbers of operating points to try, in this order, and the number of samples of a law.
 POINTS, SAMPLES = (4, 3, 2, 1), 8
@@ -53,15 +43,6 @@ INSIDE = 4.0
 # Largest number of sites for which designs are tried. With more sites, the user would wait too long.
 MOST_TRIED = 256
 
-# Members of a target by name: slopes [-], loads and frictions [mm^2].
-Numbers = dict[str, Any]
-
-
-def kind_names() -> dict[str, str]:
-    """Return the names of the target kinds on the page, by kind, in the order of the manual."""
-    form = form_of("target")
-    return {} if form is None else {kind: NAMES.get(kind, kind) for kind in form.kinds}
-
 
 def with_kind(state: State, design: Design | None, kind: str) -> str:
     """Return the text of a state with a target of another kind that is close to the law of the last design.
@@ -77,72 +58,65 @@ def with_kind(state: State, design: Design | None, kind: str) -> str:
 
     Examples
     --------
-    >>> from metafem.files import demo_text
+    >>> from metafem.files import demo_text, parsed
     >>> text = demo_text("operating-points")
     >>> new = with_kind(State(text), parsed(text).design(), "power")
     >>> parsed(new).target.load_range
     (0.144, 0.649)
     """
     document = Document(state.text)
-    if kind not in ATTEMPTS:
-        raise InvalidInput(f'kind = "{kind:.40}" is unknown (known: {", ".join(ATTEMPTS)})')
+    if kind not in KINDS:
+        raise InvalidInput(f'kind = "{kind:.40}" is unknown (known: {", ".join(KINDS)})')
     if kind == document.value("target.kind"):
         return state.text
     try:
-        specification = specification_of(state)
         if design is not None:
-            return near_design(document, specification, design, kind)
+            return near_design(state, specification_of(state), design, kind)
     except MetafemError:
         pass  # the text has problems
     return document.with_kind("target", kind)
 
 
-def near_design(
-    document: Document,
-    specification: Specification,
-    design: Design,
-    kind: str = "",
-    resolution: float = RESOLUTION,
-) -> str:
+def near_design(state: State, specification: Specification, design: Design, kind: str = "") -> str:
     """Return the text with a target of a kind, default: its own, that is close to the law of a design."""
-    kind = kind or str(document.value("target.kind"))
-    scene, tables = Scene(document, specification, design), _tables(document, specification)
-    wording, template, first = scene.target.wording, specification.template, ""
+    scene = Scene(Document(state.text), specification, design)
+    target, kind, first = scene.target, kind or scene.kind, ""
     law, low, high = _present(design, specification.limits)
-    coefficient = kind == "linear" and wording.per_slope is not None
-    for numbers in ATTEMPTS[kind](law, low, high):
-        if coefficient:  # a friction coefficient is F/P at these loads
+
+    def written(numbers: Numbers) -> str:
+        return scene.document.with_kind("target", kind, scene.stated(numbers, RESOLUTION))
+
+    for numbers in KINDS[kind][1](law, low, high):
+        if kind == "linear" and target.wording.per_slope:  # a friction coefficient is F/P at these loads
             numbers = {**numbers, "load_range": [low, high]}
         if "rescaled_friction" in numbers:
-            numbers = _with_bends(numbers, law, scene.target)
-        found = document.with_kind("target", kind, _written(numbers, scene, wording, resolution))
+            numbers = _with_bends(numbers, law, target)
+        found = written(numbers)
         first = first or found
-        nearest = _nearest(found, tables) if template.count <= MOST_TRIED else None
+        nearest = None
+        if specification.template.count <= MOST_TRIED:
+            nearest = _nearest(replace(state, text=found))
         if nearest is None:
             return found
-        inside = {name: _beyond(numbers[name], getattr(nearest, name, None), resolution) for name in numbers}
+        inside = {name: _beyond(numbers[name], getattr(nearest, name, None)) for name in numbers}
         if all(value is not None for value in inside.values()):
-            found = document.with_kind("target", kind, _written(inside, scene, wording, resolution))
-            if _nearest(found, tables) is None:
+            found = written(inside)
+            if _nearest(replace(state, text=found)) is None:
                 return found
     return first
 
 
-def restated(document: Document, specification: Specification, newtons: bool) -> dict[str, Any]:
+def restated(text: str, specification: Specification, newtons: bool) -> dict[str, Any]:
     """Return the keys of the same target in newtons or rescaled; no keys for newtons without a friction."""
-    scene, friction = Scene(document, specification, None), specification.template.friction
+    scene, friction = Scene(Document(text), specification, None), specification.template.friction
     if newtons and friction is None:
         return {}
-    wording = (
-        RESCALED if friction is None or not newtons else Wording.of(specification.template.material, friction)
-    )
-    names = ("rescaled_load", "rescaled_friction", "lowest", "highest", "slope", "slopes")
-    given = {name: getattr(scene.target, name, None) for name in names}
-    numbers = {name: np.asarray(value).tolist() for name, value in given.items() if value is not None}
-    return _written(numbers, scene, wording, RESTATED)
+    material = specification.template.material
+    wording = Wording.of(material, friction) if newtons and friction else RESCALED
+    return scene.stated(members(scene.target, NEWTON_KEYS), RESTATED, wording)
 
 
-def _present(design: Design, limits: Limits) -> tuple[Callable[[FloatArray], FloatArray], float, float]:
+def _present(design: Design, limits: Limits) -> tuple[Law, float, float]:
     """Return the law of a design as a function, and the smallest and largest load of its target [mm^2].
 
     Heights above the limits are scaled down; friction is proportional to the heights, and load to their
@@ -159,7 +133,9 @@ def _present(design: Design, limits: Limits) -> tuple[Callable[[FloatArray], Flo
     )
 
 
-Law = Callable[[FloatArray], FloatArray]
+def _along(law: Law, load: FloatArray) -> Numbers:
+    """Return points of a law."""
+    return {"rescaled_load": load.tolist(), "rescaled_friction": law(load).tolist()}
 
 
 def _with_bends(numbers: Numbers, law: Law, target: Target) -> Numbers:
@@ -169,65 +145,46 @@ def _with_bends(numbers: Numbers, law: Law, target: Target) -> Numbers:
     for bend in edges or [start for _, start in target.lines[1:]]:
         if len(load) > 2 and load[0] < bend < load[-1]:
             load[1 + np.abs(load[1:-1] - bend).argmin()] = bend
-    return {"rescaled_load": load.tolist(), "rescaled_friction": law(load).tolist()}
+    return _along(law, load)
 
 
-def _points(law: Law, low: float, high: float) -> Iterator[Numbers]:
-    for count in POINTS:
-        load = np.linspace(low, high, count) if count > 1 else np.array([high])
-        yield {"rescaled_load": load.tolist(), "rescaled_friction": law(load).tolist()}
+def _points(law: Law, low: float, high: float) -> list[Numbers]:
+    return [_along(law, np.linspace(high, low, count)[::-1]) for count in POINTS]
 
 
-def _sampled(law: Law, low: float, high: float) -> Iterator[Numbers]:
-    load = np.geomspace(low, high, SAMPLES)
-    yield {"rescaled_load": load.tolist(), "rescaled_friction": law(load).tolist()}
+def _sampled(law: Law, low: float, high: float) -> list[Numbers]:
+    return [_along(law, np.geomspace(low, high, SAMPLES))]
 
 
-def _band(law: Law, low: float, high: float) -> Iterator[Numbers]:
+def _band(law: Law, low: float, high: float) -> list[Numbers]:
     load = np.geomspace(low, high, SAMPLES)
     lowest, highest = ((factor * law(load)).tolist() for factor in (1.0 - HALF_WIDTH, 1.0 + HALF_WIDTH))
-    yield {"rescaled_load": load.tolist(), "lowest": lowest, "highest": highest}
+    return [{"rescaled_load": load.tolist(), "lowest": lowest, "highest": highest}]
 
 
-def _linear(law: Law, low: float, high: float) -> Iterator[Numbers]:
-    yield {"slope": _slope(law, low, high)}
+def _linear(law: Law, low: float, high: float) -> list[Numbers]:
+    return [{"slope": _slope(law, low, high)}]
 
 
-def _bilinear(law: Law, low: float, high: float) -> Iterator[Numbers]:
+def _bilinear(law: Law, low: float, high: float) -> list[Numbers]:
+    found, whole = [], _slope(law, low, high)
     for share in (0.5, 0.25):
         middle = low + share * (high - low)
-        first, second = _slope(law, low, middle), _slope(law, middle, high)
-        yield {"slopes": [first, second], "crossover_load": middle}
-    whole = _slope(law, low, high)
-    for ratio in (4.0 / 3.0, 1.2, 1.1):
-        yield {"slopes": [whole, ratio * whole], "crossover_load": 0.5 * (low + high)}
+        found.append(([_slope(law, low, middle), _slope(law, middle, high)], middle))
+    found += [([whole, ratio * whole], 0.5 * (low + high)) for ratio in (4.0 / 3.0, 1.2, 1.1)]
+    return [{"slopes": slopes, "crossover_load": middle} for slopes, middle in found]
 
 
-def _power(law: Law, low: float, high: float) -> Iterator[Numbers]:
+def _power(law: Law, low: float, high: float) -> list[Numbers]:
     load = np.geomspace(low, high, SAMPLES)
-    yield {
-        "exponent": float(np.polyfit(np.log(load), np.log(law(load)), 1)[0]),
-        "load_range": [low, high],
-    }
+    exponent = float(np.polyfit(np.log(load), np.log(law(load)), 1)[0])
+    return [{"exponent": exponent, "load_range": [low, high]}]
 
 
-def _multilinear(law: Law, low: float, high: float) -> Iterator[Numbers]:
-    middle = 0.5 * (low + high)
-    slopes = [_slope(law, low, middle), _slope(law, middle, high)]
-    yield {"slopes": slopes, "crossover_loads": [middle], "load_range": [low, high]}
-    whole = _slope(law, low, high)
-    yield {"slopes": [whole, whole], "crossover_loads": [middle], "load_range": [low, high]}
-
-
-ATTEMPTS: dict[str, Callable[[Law, float, float], Iterator[Numbers]]] = {
-    "operating-points": _points,
-    "linear": _linear,
-    "bilinear": _bilinear,
-    "sampled": _sampled,
-    "power": _power,
-    "multilinear": _multilinear,
-    "band": _band,
-}
+def _multilinear(law: Law, low: float, high: float) -> list[Numbers]:
+    halves, whole = _bilinear(law, low, high)[0], _slope(law, low, high)
+    ends = {"crossover_loads": [halves["crossover_load"]], "load_range": [low, high]}
+    return [{"slopes": slopes, **ends} for slopes in (halves["slopes"], [whole, whole])]
 
 
 def _slope(law: Law, low: float, high: float) -> float:
@@ -236,40 +193,13 @@ def _slope(law: Law, low: float, high: float) -> float:
     return float(np.polyfit(load, law(load), 1)[0])
 
 
-def _written(numbers: Numbers, scene: Scene, wording: Wording, resolution: float) -> dict[str, Any]:
-    """Return the keys and values of a target in the units of a `Wording`."""
-    rescaled, forces = wording.composite_modulus is None, wording.per_slope is not None
-    found: dict[str, Any] = {}
-    for name, value in numbers.items():
-        if name == "rescaled_load":
-            key, like = ("load", "1 N") if forces else (name, "1 mm^2")
-            found[key] = [scene.load(load, like, resolution) for load in value]
-        elif name == "rescaled_friction":
-            key, like = ("friction_force", "1 N") if forces else (name, "1 mm^2")
-            found[key] = [scene.friction(friction, like, resolution) for friction in value]
-        elif name in ("lowest", "highest"):
-            key, like = (f"{name}_force", "1 N") if forces else (name, "1 mm^2")
-            found[key] = [scene.friction(friction, like, resolution) for friction in value]
-        elif name == "exponent":
-            found[name] = rounded(value, resolution)
-        elif name == "slope":
-            found[wording.keys[0]] = rounded(wording.coefficient(value), resolution)
-        elif name == "slopes":
-            found[wording.keys[1]] = [rounded(wording.coefficient(slope), resolution) for slope in value]
-        else:
-            like = "1 mm^2" if rescaled else "1 N"
-            loads = [scene.load(load, like, resolution) for load in np.atleast_1d(value)]
-            found[name] = loads if isinstance(value, list) else loads[0]
-    return found
-
-
-def _nearest(text: str, tables: Mapping[str, bytes]) -> Any:
-    """Return None if independent asperities reach the target of a text, otherwise the nearest target.
+def _nearest(state: State) -> Any:
+    """Return None if independent asperities reach the target of a state, otherwise the nearest target.
 
     If no nearest target is known, an empty tuple is returned.
     """
     try:
-        specification = parsed(text, tables)
+        specification = specification_of(state)
         model = Independent(contact_of(specification.model))
         replace(specification, layout=None, robust=None).design(model)
     except Infeasible as error:
@@ -279,17 +209,26 @@ def _nearest(text: str, tables: Mapping[str, bytes]) -> Any:
     return None
 
 
-def _beyond(wanted: Any, nearest: Any, resolution: float) -> Any:
+def _beyond(wanted: Any, nearest: Any) -> Any:
     """Return the numbers `nearest`, moved slightly further from `wanted`; None if their shapes differ."""
     if nearest is None or np.shape(nearest) != np.shape(wanted):
         return None
     near = np.asarray(nearest, dtype=np.float64)
-    moved = near * (1.0 + INSIDE * resolution * np.sign(near - np.asarray(wanted)))
-    return moved.tolist()
+    return (near * (1.0 + INSIDE * RESOLUTION * np.sign(near - np.asarray(wanted)))).tolist()
 
 
-def _tables(document: Document, specification: Specification) -> dict[str, bytes]:
-    """Return the contents of the tables that a text refers to, by the names in the text."""
-    places = ("target", "contact", "contact.cap")
-    names = [name for place in places if (name := document.value(f"{place}.file"))]
-    return dict(zip(names, list(specification.files.values())[1:], strict=True))
+# Name of each kind on the page, and targets of the kind near a law between two loads, the best first.
+KINDS: Mapping[str, tuple[str, Callable[[Law, float, float], list[Numbers]]]] = {
+    "operating-points": ("operating points", _points),
+    "linear": ("straight line (linear)", _linear),
+    "bilinear": ("two branches (bilinear)", _bilinear),
+    "multilinear": ("several branches (multilinear)", _multilinear),
+    "power": ("power law", _power),
+    "sampled": ("curve (sampled)", _sampled),
+    "band": ("between two curves (band)", _band),
+}
+
+
+def kind_names() -> dict[str, str]:
+    """Return the names of the target kinds on the page, by kind, in the order of the manual."""
+    return {kind: KINDS[kind][0] for form in section_forms() if form.name == "target" for kind in form.kinds}

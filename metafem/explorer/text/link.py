@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import base64
-import binascii
 import json
-import re
 import zlib
 from typing import Any
 
@@ -15,21 +13,13 @@ from metafem.explorer.session import Session, State
 # First characters of a link: the version of its format.
 VERSION = "1."
 
-# The characters that are allowed in a link.
-SAFE = re.compile(r"[A-Za-z0-9_-]*")
-
 # Longest link that browsers accept in an address [characters], and largest state [bytes]. A state with a
 # thousand measured points has 40 kB.
 LONGEST, LARGEST = 2**20, 2**24
 
 
 def to_link(state: State) -> str:
-    """Return a state as a link of letters, digits, hyphens, underscores and a point.
-
-    Raises
-    ------
-    InvalidInput
-        If the state is too large for an address.
+    """Return a state as a link of letters, digits, hyphens, underscores and a point; "" if it is too large.
 
     Examples
     --------
@@ -40,12 +30,7 @@ def to_link(state: State) -> str:
     record = {name: value for name, value in json.loads(state.to_json()).items() if value or name == "text"}
     plain = json.dumps(record, ensure_ascii=False, separators=(",", ":")).encode("utf-8", "surrogatepass")
     link = VERSION + base64.urlsafe_b64encode(zlib.compress(plain, 9)).decode("ascii").rstrip("=")
-    if len(plain) > LARGEST or len(link) > LONGEST:
-        raise InvalidInput(
-            f"the state has {len(plain) / 1e6:.2g} MB, too many for a link; send the specification and its "
-            "tables as files"
-        )
-    return link
+    return link if len(plain) <= LARGEST and len(link) <= LONGEST else ""
 
 
 def from_link(link: str) -> State:
@@ -64,37 +49,23 @@ def from_link(link: str) -> State:
     metafem.errors.InvalidInput: the link is cut off or damaged; copy the whole address again
     """
     link = link.strip().removeprefix("#")
-    damaged = InvalidInput("the link is cut off or damaged; copy the whole address again")
     if len(link) > LONGEST:
         raise InvalidInput(f"the link has {len(link):,} characters; at most {LONGEST:,} are read")
     if not link.startswith(VERSION):
         raise InvalidInput("the link is not one of this version of the explorer")
-    body = link.removeprefix(VERSION)
-    if not SAFE.fullmatch(body):
-        raise damaged
-    reader = zlib.decompressobj()
+    body, reader, state = link.removeprefix(VERSION), zlib.decompressobj(), None
     try:
-        packed = base64.urlsafe_b64decode(body + "=" * (-len(body) % 4))
+        packed = base64.b64decode(body + "=" * (-len(body) % 4), b"-_", validate=True)
         plain = reader.decompress(packed, LARGEST + 1)
-        text = plain.decode("utf-8", "surrogatepass")
-    except (binascii.Error, zlib.error, UnicodeDecodeError):
-        raise damaged from None
+        if len(plain) <= LARGEST and reader.eof and not reader.unused_data:
+            state = State.from_json(plain.decode("utf-8", "surrogatepass"))
+    except (InvalidInput, TypeError, ValueError, zlib.error):
+        plain = b""
     if len(plain) > LARGEST:
         raise InvalidInput(f"the link holds more than {LARGEST / 2**20:g} MiB")
-    if not reader.eof or reader.unused_data:
-        raise damaged
-    try:
-        return State.from_json(text)
-    except (InvalidInput, TypeError):
-        raise damaged from None
-
-
-def link_of(state: State) -> str:
-    """Return the link of a state; "" if the state is too large for an address."""
-    try:
-        return to_link(state)
-    except InvalidInput:
-        return ""
+    if state is None:
+        raise InvalidInput("the link is cut off or damaged; copy the whole address again")
+    return state
 
 
 def restored(kept: Any, first: Session) -> tuple[Session, str]:
@@ -109,7 +80,7 @@ def restored(kept: Any, first: Session) -> tuple[Session, str]:
         problems.append(str(error))
     try:
         link = kept.get("link") if isinstance(kept, dict) else ""
-        if link and link != link_of(session.state):
+        if link and link != to_link(session.state):
             session = session.after(from_link(link))
     except InvalidInput as error:
         problems.append(str(error))

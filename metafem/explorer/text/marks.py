@@ -1,10 +1,11 @@
-"""Common base of the handles of all kinds of targets."""
+"""The target of a text: its numbers as they are written, and what its handles change."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -13,9 +14,44 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.shape import Shape
-from metafem.explorer.text.written import rounded, stated
+from metafem.explorer.text.written import EXACT, between, rounded, stated
 from metafem.files import Specification
-from metafem.inversion import Design, Target
+from metafem.inversion import Design
+from metafem.inversion.targets.wording import Wording
+
+# Keys of the members of a target that a text can also give as forces or friction coefficients.
+NEWTON_KEYS = {
+    "rescaled_load": "load",
+    "rescaled_friction": "friction_force",
+    "lowest": "lowest_force",
+    "highest": "highest_force",
+    "slope": "friction_coefficient",
+    "slopes": "friction_coefficients",
+}
+
+# Members of a target that are frictions, and those without a unit.
+FRICTIONS = ("rescaled_friction", "lowest", "highest")
+PLAIN = ("exponent", "prefactor", "weight", "relative_error")
+
+# Members of a target that have an entry for each point.
+COLUMNS = ("rescaled_load", "rescaled_friction", "weight", "relative_error")
+
+# Members of a target that are loads with a handle of their own.
+MARKED = ("crossover_load", "crossover_loads", "load_range")
+
+# Members of a target by name: slopes [-], loads and frictions [mm^2].
+Numbers = dict[str, Any]
+
+
+def members(target: Any, names: Iterable[str]) -> Numbers:
+    """Return the numbers of a target by name, of those names that it has."""
+    found = {name: plain(getattr(target, name, None)) for name in names}
+    return {name: number for name, number in found.items() if number is not None}
+
+
+def plain(number: Any) -> Any:
+    """Return a number, or the entries of an array as a list."""
+    return number.tolist() if isinstance(number, np.ndarray) else number
 
 
 @dataclass(frozen=True)
@@ -45,50 +81,64 @@ class Handle:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """The text of a specification, the specification itself, and the last design."""
+    """The target of a text, with its specification and the last design; each kind adds its handles."""
 
     document: Document
     specification: Specification
     design: Design | None
 
     @property
-    def target(self) -> Target:
+    def target(self) -> Any:
         """The target of the specification."""
         return self.specification.target
-
-    @cached_property
-    def section(self) -> Mapping[str, Any]:
-        """The keys and values of the target in the text."""
-        section = self.document.value("target")
-        return section if isinstance(section, dict) else {}
 
     @property
     def kind(self) -> str:
         """The kind of the target."""
         return str(self.section.get("kind"))
 
-    @property
-    def load_stress(self) -> float:
-        """Force per rescaled load [MPa]: E*."""
-        return self.specification.template.material.composite_modulus
+    @cached_property
+    def section(self) -> Mapping[str, Any]:
+        """The keys and values of the target in the text; lists in place of the name of a table."""
+        section = dict(self.document.section("target"))
+        if section.pop("file", None) is None:
+            return section
+        given = members(self.target, COLUMNS)
+        if len(set(given["weight"])) == 1:  # the default
+            del given["weight"]
+        return section | self.stated(given, EXACT)
 
-    @property
-    def friction_stress(self) -> float | None:
-        """Force per rescaled friction [MPa]: sigma B; None without a friction."""
-        friction = self.specification.template.friction
-        return None if friction is None else friction.stress
+    def handles(self) -> tuple[Handle, ...]:
+        """Return the handles."""
+        return ()
 
-    def load(self, rescaled: float, like: str, resolution: float) -> str:
-        """Return a rescaled load [mm^2] as a quantity in the unit of the quantity `like`."""
-        return stated(rescaled, like, self.load_stress, resolution)
+    def shape(self) -> Shape:
+        """Return the curve of the target, and the points that follow each handle."""
+        raise NotImplementedError
 
-    def friction(self, rescaled: float, like: str, resolution: float) -> str:
-        """Return a rescaled friction [mm^2] as a quantity in the unit of the quantity `like`."""
-        return stated(rescaled, like, self.friction_stress, resolution)
+    def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
+        """Return the numbers of the target that change when a handle has moved, and their resolution."""
+        raise NotImplementedError
 
-    def slope(self, slope: float, resolution: float) -> float:
-        """Return a slope in the form of the text, as a slope or as a friction coefficient."""
-        return rounded(self.target.wording.coefficient(slope), resolution)
+    def added(self, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
+        """Return the numbers of the target that change when a point is added, and their resolution."""
+        raise InvalidInput(
+            f"a {self.kind} law is not given by points; choose the kind operating-points or sampled to "
+            "add some"
+        )
+
+    def removed(self, id: str) -> Numbers:
+        """Return the numbers of the target that change when the point or parameter of a handle is removed."""
+        raise InvalidInput(f"a {self.kind} law needs what this handle changes; it cannot be removed")
+
+    def slid(self, handle: Handle, load: float, resolution: float) -> tuple[Numbers, float]:
+        """Return the crossovers and the load range with one load moved between its neighbours."""
+        given = members(self.target, MARKED)
+        path = np.unique(np.hstack([np.ravel(value) for value in given.values()])).tolist()
+        i, path = path.index(handle.load), [0.0, *path, math.inf]
+        placed, fine = between(load, path[i], path[i + 2], resolution)
+        placed = placed or resolution * handle.load
+        return {name: _replaced(value, handle.load, placed) for name, value in given.items()}, fine
 
     def achieved(self, rescaled_load: FloatArray) -> FloatArray | None:
         """Return the rescaled friction of the last design at rescaled loads [mm^2]; None without a design.
@@ -102,36 +152,63 @@ class Scene:
         inside = np.clip(rescaled_load, load[0], load[-1])
         return np.asarray(np.interp(inside, load, friction) * rescaled_load / inside)
 
-    def written(self, values: Mapping[str, Any]) -> str:
-        """Return the text with new values for keys of the target."""
-        return self.document.with_values({f"target.{name}": value for name, value in values.items()})
+    def written(self, numbers: Numbers, resolution: float, kind: str = "") -> str:
+        """Return the text with other numbers of the target in the units in which they are written.
+
+        Numbers that do not change remain as they are written; the number None removes its key.
+        """
+        values = self.stated(numbers, resolution, like=self.section)
+        return self.document.with_kind("target", kind or self.kind, {**self.section, **values})
+
+    def stated(
+        self,
+        numbers: Numbers,
+        resolution: float,
+        wording: Wording | None = None,
+        like: Mapping[str, Any] | None = None,
+    ) -> dict[str, Any]:
+        """Return the keys and values of numbers of a target in a wording, default: that of the target.
+
+        `like` are the present keys and values. New values have the units of these values, or the units of
+        the wording.
+        """
+        units, found = wording or self.target.wording, dict[str, Any]()
+        for name, number in numbers.items():
+            key = NEWTON_KEYS.get(name, name) if units.per_slope else name
+            write = partial(self._entry, name, resolution, units)
+            before = plain(getattr(self.target, name, None))
+            found[key] = None if number is None else _like(number, before, (like or {}).get(key), write)
+        return found
+
+    def _entry(self, name: str, resolution: float, units: Wording, number: float, like: Any) -> Any:
+        """Return a number of a target as one entry of the text."""
+        if name in PLAIN or name in ("slope", "slopes"):
+            return rounded(number if name in PLAIN else units.coefficient(number), resolution)
+        friction = self.specification.template.friction
+        stress: float | None = self.specification.template.material.composite_modulus
+        if name in FRICTIONS:
+            stress = None if friction is None else friction.stress
+        newtons = units.per_slope if name in NEWTON_KEYS else units.composite_modulus
+        return stated(number, like or ("1 N" if newtons else "1 mm^2"), stress, resolution)
 
 
-class Marks:
-    """Base class for the handles of one kind of target."""
+def _like(number: Any, before: Any, old: Any, write: Callable[[float, Any], Any]) -> Any:
+    """Return a number, or numbers, as written by `write` in the form of the `old` value of `before`."""
+    if old is not None and number == before:
+        return old
+    if isinstance(old, list) and len(number) != len(before):  # a point is added or removed
+        known, last = dict(zip(before, old, strict=True)), len(old) - 1
+        return [known.get(each) or write(each, old[min(i, last)]) for i, each in enumerate(number)]
+    if isinstance(old, list):
+        return [_like(*each, write) for each in zip(number, before, old, strict=False)]
+    if not isinstance(number, Sequence):
+        return write(number, old)
+    if old is not None:  # one load in place of a pair of equal loads
+        return write(number[0], old)
+    return [write(each, None) for each in number]
 
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
 
-    def handles(self) -> tuple[Handle, ...]:
-        """Return the handles."""
-        raise NotImplementedError
-
-    def shape(self) -> Shape:
-        """Return the curve of the target, and the points that follow each handle."""
-        raise NotImplementedError
-
-    def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> dict[str, Any]:
-        """Return the keys of the target that change when a handle has moved."""
-        raise NotImplementedError
-
-    def added(self, load: float, friction: float, resolution: float) -> dict[str, Any]:
-        """Return the keys of the target that change when a point is added."""
-        raise InvalidInput(
-            f"a {self.scene.kind} law is not given by points; choose the kind operating-points or sampled to "
-            "add some"
-        )
-
-    def removed(self, id: str) -> dict[str, Any]:
-        """Return the keys of the target that change when the point or parameter of a handle is removed."""
-        raise InvalidInput(f"a {self.scene.kind} law needs what this handle changes; it cannot be removed")
+def _replaced(value: Any, old: float, new: float) -> Any:
+    if isinstance(value, tuple):
+        return tuple(_replaced(each, old, new) for each in value)
+    return new if value == old else value

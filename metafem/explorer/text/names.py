@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from functools import cache
 
-from metafem.files import SectionForm, section_forms
+from metafem.files import KeyForm, SectionForm, section_forms
 
 # Titles of sections whose names do not explain themselves.
 TITLES: Mapping[str, str] = {
@@ -138,21 +138,20 @@ def form_of(section: str) -> SectionForm | None:
     return next((form for form in section_forms() if form.name == section), None)
 
 
-def section_order() -> tuple[str, ...]:
-    """Return the names of the top-level sections in the order of the manual."""
-    return tuple(form.name for form in section_forms() if "." not in form.name)
+def keys_of(section: str, kind: object = None) -> tuple[KeyForm, ...]:
+    """Return the forms of the keys of a section of a kind, in the order of the manual; none if unknown."""
+    form = form_of(section)
+    return () if form is None else form.keys.get(str(kind) if form.kinds else "", ())
 
 
-def key_order(section: str, kind: object = "") -> tuple[str, ...]:
-    """Return the keys of a section of a given kind in the order of the manual; none if either is unknown.
+def order_of(section: str, kind: object = None) -> tuple[str, ...]:
+    """Return the keys of a section of a kind in the order of the manual; for "", the outer sections.
 
     Examples
     --------
-    >>> key_order("contact", "kogut-etsion")
-    ('kind', 'hardness')
+    >>> order_of("contact", "kogut-etsion"), order_of("")[:2]
+    (('kind', 'hardness'), ('target', 'material'))
     """
-    form = form_of(section)
-    if form is None:
-        return ()
-    names = tuple(key.name for key in form.keys.get(str(kind) if form.kinds else "", ()))
-    return ("kind", *names) if form.kinds else names
+    if not section:
+        return tuple(form.name for form in section_forms() if "." not in form.name)
+    return ("kind", *(key.name for key in keys_of(section, kind)))

@@ -43,18 +43,11 @@ class Shape:
     friction: FloatArray
     follows: Mapping[str, Follows] = field(default_factory=dict)
 
-    @property
-    def alone(self) -> Shape:
-        """The curve without `follows`."""
-        return Shape(self.load, self.friction)
 
-    @classmethod
-    def through(cls, points: Mapping[str, tuple[float, float]]) -> Shape:
-        """Return the curve of straight lines from point to point, where each point is a handle."""
-        free = Shift(1.0, 0.0, 1.0)
-        follows = {id: Follows({i: free}, {}) for i, id in enumerate(points)}
-        load, friction = np.array(list(points.values())).T
-        return cls(load, friction, follows)
+# Smallest load difference between pointer and pivot at which a branch is turned through the pointer, as a
+# fraction of the load difference between handle and pivot. Closer to the pivot, a small move would change the
+# slope far too much.
+NEAREST = 0.2
 
 
 @dataclass(frozen=True)
@@ -95,6 +88,11 @@ class Branch:
         """Return the ratio of the friction change at a load to the friction change at the handle."""
         return (load - self.pivot) / (self.at - self.pivot)
 
+    def slope_through(self, load: float, friction: float) -> float:
+        """Return the slope of the branch after its handle has moved to a load and friction [mm^2]."""
+        run = (load if self.turned(load) >= NEAREST else self.at) - self.pivot
+        return (friction - self.friction_at(self.pivot)) / run
+
 
 class Point(NamedTuple):
     """A point on a branch: the number of the branch, and the rescaled load [mm^2]."""
@@ -115,21 +113,17 @@ def shape_of(branches: Sequence[Branch], path: Mapping[str, Point]) -> Shape:
     friction = [np.nan if each is None else branches[each.branch].friction_at(each.load) for each in corners]
     slopes = {f"slope-{i}": Point(i, branch.at) for i, branch in enumerate(branches)}
     points = {**slopes, **path}
+    every: list[tuple[int | str, Point]] = [*points.items()]
+    every += [(i, each) for i, each in enumerate(corners) if each is not None]
     follows = {}
-    for id in points:
-        turns = id in slopes
-        moved = {name: _shift(branches, points[id], turns, points[name], name in slopes) for name in points}
-        if turns:
-            moved.pop(id)  # this handle is already at the pointer
-        bent = {
-            i: _shift(branches, points[id], turns, each, False)
-            for i, each in enumerate(corners)
-            if each is not None
-        }
-        still = Shift()
+    for id, held in points.items():
+        shifts = {key: _shift(branches, held, id in slopes, each, key in slopes) for key, each in every}
+        if id in slopes:
+            del shifts[id]  # this handle is already at the pointer
+        moving = {key: shift for key, shift in shifts.items() if shift != Shift()}
         follows[id] = Follows(
-            {i: shift for i, shift in bent.items() if shift != still},
-            {name: shift for name, shift in moved.items() if shift != still},
+            {key: shift for key, shift in moving.items() if isinstance(key, int)},
+            {key: shift for key, shift in moving.items() if isinstance(key, str)},
         )
     return Shape(np.array(load), np.array(friction), follows)
 

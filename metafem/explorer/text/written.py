@@ -14,6 +14,9 @@ QUANTITY = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?(\s*)(.*?)\s*", re.DOTALL
 # Number of significant digits that double precision always preserves.
 ALL_DIGITS = 15
 
+# Relative resolution of values that are copied from a table.
+EXACT = 10.0 ** (1 - ALL_DIGITS)
+
 # Smallest distance of a value from its neighbours, in units of the resolution. Rounding moves a value by at
 # most half a unit.
 APART = 2.0
@@ -27,8 +30,6 @@ def digits_of(resolution: float) -> int:
     >>> digits_of(1e-3), digits_of(0.02)
     (4, 3)
     """
-    if not 0.0 < resolution < 1.0:
-        raise InvalidInput(f"resolution = {resolution:g} must be between 0 and 1")
     return min(ALL_DIGITS, math.ceil(-math.log10(resolution)) + 1)
 
 
@@ -78,4 +79,4 @@ def between(value: float, low: float, high: float, resolution: float) -> tuple[f
     if least <= most:
         return min(max(value, least), most), resolution
     fine = 0.1 * (high - low) / high
-    return 0.5 * (low + high), max(min(fine, resolution), 10.0 ** (1 - ALL_DIGITS))
+    return 0.5 * (low + high), max(min(fine, resolution), EXACT)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from metafem.errors import MetafemError
-from metafem.explorer.text import fields
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.kinds import restated
 from metafem.explorer.text.names import form_of
-from metafem.files import KeyForm, Specification
+from metafem.files import Specification
 from metafem.inversion import achievable_load_range
 
 # Distance of a load range from the ends of the reached loads, relative to them, for rounding.
@@ -28,23 +27,19 @@ def with_choice(text: str, section: str, choice: int, specification: Specificati
 
     Examples
     --------
-    >>> print(with_choice("[target]\\nkind = 'linear'\\nslope = 7.0", "target", 1))
-    [target]
-    kind = 'linear'
-    friction_coefficient = 1.5
+    >>> with_choice("[target]\\nkind = 'linear'\\nslope = 7.0", "target", 1)
+    '[target]\\nkind = "linear"\\nfriction_coefficient = 1.5\\n'
     """
     document = Document(text)
-    given = document.value(section) or {}
-    values: dict[str, Any] = {}
-    same: dict[str, Any] = {}
+    given, same, values = document.section(section), dict[str, Any](), dict[str, Any]()
     if section == "target" and specification is not None:
-        same = restated(document, specification, newtons=choice == FORCES)
+        same = restated(text, specification, newtons=choice == FORCES)
         if choice == FORCES and "slope" in given and "load_range" not in given:
             values["target.load_range"] = _reached_loads(specification)
-    for key in _keys(document, section):
+    for key in document.keys(section):
         if key.choice == choice and key.name not in given:
             values[f"{section}.{key.name}"] = same.get(key.name, key.example)
-        elif key.choice not in (None, choice) and key.name in given:
+        elif key.choice not in (None, choice):
             values[f"{section}.{key.name}"] = None
     if section == "tools":  # exponents are those of caps of the lattice's radius
         exponents = values.get("tools.exponent_range", given.get("exponent_range"))
@@ -65,28 +60,30 @@ def _reached_loads(specification: Specification) -> list[str] | None:
 
 
 def with_section(text: str, section: str) -> str:
-    """Return the text with an optional section; radii of the section ``tools`` replace ``lattice.radius``."""
-    text = fields.with_section(text, section)
-    return Document(text).without("lattice.radius") if section == "tools" else text
+    """Return the text with a new section, whose required keys have the example values of the manual.
+
+    The radii of the section ``tools`` replace ``lattice.radius``.
+    """
+    document, form = Document(text), form_of(section)
+    if form is None or document.value(section) is not None:
+        return text
+    if form.kinds:
+        return document.with_kind(section, next(iter(form.kinds)))
+    needed = [key for key in form.keys[""] if key.needed] or form.keys[""][:1]
+    values = {f"{section}.{key.name}": key.example for key in needed}
+    return document.with_values(values | ({"lattice.radius": None} if section == "tools" else {}))
 
 
 def without_section(text: str, section: str) -> str:
-    """Return the text without an optional section; an example ``lattice.radius`` replaces ``tools``."""
-    text = fields.without_section(text, section)
+    """Return the text without a section; an example ``lattice.radius`` replaces ``tools``."""
     document = Document(text)
-    if section != "tools" or document.value("lattice.radius") is not None:
-        return text
-    return document.with_value("lattice.radius", _radius(document))
+    values = dict.fromkeys(f"{section}.{key}" for key in document.section(section))
+    return document.with_values(
+        values | ({"lattice.radius": _radius(document)} if section == "tools" else {})
+    )
 
 
 def _radius(document: Document) -> Any:
     """Return the radius in the text, or the example of the manual."""
     given = document.value("lattice.radius")
-    return given or next(key.example for key in _keys(document, "lattice") if key.name == "radius")
-
-
-def _keys(document: Document, section: str) -> tuple[KeyForm, ...]:
-    """Return the keys of a section for its kind in the text; none if the kind or section is unknown."""
-    form = form_of(section)
-    kind = document.value(f"{section}.kind") if form is not None and form.kinds else ""
-    return () if form is None or not isinstance(kind, str) else form.keys.get(kind, ())
+    return given or next(key.example for key in document.keys("lattice") if key.name == "radius")

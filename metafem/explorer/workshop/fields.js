@@ -63,7 +63,7 @@ export default {
     </form>`,
   props: { columns: Array },
   data() {
-    return { values: {}, present: [], problems: {}, warnings: {}, refused: {}, drafts: {}, opened: {}, broken: "", told: "", busy: true, units: {} };
+    return { values: {}, present: [], problems: {}, warnings: {}, refused: {}, drafts: {}, opened: {}, broken: "", told: "", busy: true };
   },
   computed: {
     parts() { return this.columns.flat().filter(({ name }) => name !== "model"); }, // it is in the head of the page
@@ -162,9 +162,9 @@ export default {
       const chosen = this.among(field);
       this.use(field, field.names.filter((each) => chosen.includes(each) !== (each === name)).join(", "));
     },
-    remedy(field) {  // a number without a unit, with the one of the value before or of the example
+    remedy(field) {  // a number without a unit, with the one of the example
       const given = (this.values[field.key] ?? "").trim();
-      const unit = this.units[field.key] ?? UNIT.exec(field.example.split(",")[0])?.[0];
+      const unit = UNIT.exec(field.example.split(",")[0])?.[0];
       return field.units.length && unit && /^[+-]?(\d+\.?\d*|\.\d+)$/.test(given) ? `${Number(given)} ${unit}` : "";
     },
     use(field, text) {
@@ -172,8 +172,6 @@ export default {
         this.refused[field.key] = `This has ${text.length.toLocaleString("en")} characters; a value may have ${LONGEST.toLocaleString("en")}. Esc restores the value before.`;
         return;
       }
-      const unit = field.listed ? null : UNIT.exec(this.values[field.key] ?? "")?.[0];
-      if (unit) this.units[field.key] = unit;
       delete this.drafts[field.key];
       delete this.refused[field.key];
       this.values = { ...this.values, [field.key]: text };

@@ -9,7 +9,7 @@ from metafem.errors import InvalidInput
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.fields import shown
 from metafem.explorer.text.kinds import kind_names
-from metafem.explorer.text.names import label_of, title_of
+from metafem.explorer.text.names import form_of, label_of, order_of, title_of
 from metafem.files import KeyForm, SectionForm, section_forms
 
 # Columns of the form: the sections of each column, most frequently used sections first.
@@ -17,7 +17,7 @@ COLUMNS = (
     ("target", "part"),
     ("lattice", "tools", "sites", "block"),
     ("limits", "robust", "layout"),
-    ("model", "contact", "contact.cap", "material", "friction", "checks"),
+    ("model", "contact", "contact.cap", "material", "friction", "checks", "cell", "cap"),
 )
 
 # Sections that are always open.
@@ -36,10 +36,10 @@ FURTHER = {
     "limits.offset": "It lifts all summits above the base plane, which then is touched at a larger load.",
     "limits.height_sd": "It is assessed, not designed for: the band about the law and How sure follow from "
     "it. “Design for these errors” takes errors into the choice of the heights (a robust design).",
-    "robust.height_sd": "The heights are chosen for the least misfit expected under it.",
-    "robust.angle": "The heights are chosen for the least misfit expected under it.",
-    "robust.radius_sd": "The heights are chosen for the least misfit expected under it.",
-    "robust.position_sd": "The heights are chosen for the least misfit expected under it.",
+    **dict.fromkeys(
+        ("robust.height_sd", "robust.angle", "robust.radius_sd", "robust.position_sd"),
+        "The heights are chosen for the least misfit expected under it.",
+    ),
     "part.chord_error": "Solids have flat triangles: this is how far they may lie below the round caps.",
 }
 
@@ -47,10 +47,7 @@ FURTHER = {
 def form() -> list[list[dict[str, Any]]]:
     """Return the columns of the form with their sections and fields, which the browser needs only once."""
     forms = {each.name: each for each in section_forms()}
-    known = [name for column in COLUMNS for name in column]
-    rest = [name for name in forms if name not in known]
-    columns = [*COLUMNS[:-1], (*COLUMNS[-1], *rest)]
-    return [[_section(forms[name]) for name in column if name in forms] for column in columns]
+    return [[_section(forms[name]) for name in column] for column in COLUMNS]
 
 
 def _section(section: SectionForm) -> dict[str, Any]:
@@ -77,11 +74,9 @@ def _section(section: SectionForm) -> dict[str, Any]:
 def _inner(name: str) -> dict[str, str] | None:
     """Return the key ``kind`` of the outer section and its kind that allows an inner section, or None."""
     outer, _, key = name.rpartition(".")
-    for form in section_forms():
-        for kind, keys in form.keys.items():
-            if form.name == outer and key in [each.name for each in keys]:
-                return {"key": f"{outer}.kind", "kind": kind}
-    return None
+    form = form_of(outer)
+    kinds = [] if form is None else [kind for kind in form.kinds if key in order_of(outer, kind)]
+    return {"key": f"{outer}.kind", "kind": kinds[0]} if kinds else None
 
 
 def _field(section: str, key: KeyForm) -> dict[str, Any]:
@@ -121,15 +116,12 @@ def contents(text: str, problems: Mapping[str, str]) -> dict[str, Any]:
         document = Document(text)
     except InvalidInput as error:
         return {"broken": "; ".join(map(str, error.problems)) or str(error), "problems": {}}
-    values: dict[str, str] = {}
-    present: list[str] = []
-    for section in section_forms():
-        table = document.value(section.name)
-        if isinstance(table, dict):
-            present.append(section.name)
-            values |= {
-                f"{section.name}.{name}": shown(value)
-                for name, value in table.items()
-                if not isinstance(value, dict)
-            }
+    tables = {form.name: document.value(form.name) for form in section_forms()}
+    present = [name for name, table in tables.items() if isinstance(table, dict)]
+    values = {
+        f"{section}.{name}": shown(value)
+        for section in present
+        for name, value in tables[section].items()
+        if not isinstance(value, dict)
+    }
     return {"broken": "", "values": values, "present": present, "problems": dict(problems)}

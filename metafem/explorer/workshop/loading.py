@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 from metafem.errors import InvalidInput
 from metafem.explorer.session import State
+from metafem.explorer.text.document import Document
 from metafem.files import section_forms
 
 # Name of the specification in a result folder.
@@ -44,9 +43,8 @@ def loaded(state: State, files: list[Given]) -> State:
     if specifications:
         ((name, text),) = specifications.items()
         _refuse_foreign(name, text)
-        wanted = [re.split(r"[/\\]", table)[-1] for table in table_names(text)]
         for each in files:
-            if each.why and each.name in wanted:
+            if each.why and _named(text, {each.name: ""}):
                 raise InvalidInput(f"{name} names the table {each.name}, which {each.why}.")
         return replace(state, text=text, tables=_named(text, tables))
     named = _named(state.text, tables)
@@ -68,13 +66,10 @@ def table_names(text: str) -> tuple[str, ...]:
     ('wanted.csv',)
     """
     try:
-        table = tomllib.loads(text.removeprefix("\ufeff"))
-    except (ValueError, RecursionError):
+        document = Document(text)
+    except InvalidInput:
         return ()
-    contact = table.get("contact")
-    cap = contact.get("cap") if isinstance(contact, dict) else None
-    places: list[Any] = [table.get("target"), contact, cap]
-    found = [place.get("file") for place in places if isinstance(place, dict)]
+    found = [document.value(f"{section}.file") for section in ("target", "contact", "contact.cap")]
     return tuple(name for name in found if isinstance(name, str))
 
 

@@ -15,19 +15,32 @@ DOTTED = re.compile(r"[\w-]+(?:\.[\w-]+)+")
 HEADER = re.compile(r"\s*\[\s*([^\[\]]+?)\s*\]\s*(?:#.*)?")
 
 
-def line_of(text: str, key: str) -> int:
-    """Return the line number of a key or, if it is missing, of its section, from 1; 0 if both are missing.
+def placed(text: str, problems: Mapping[str, str], refusal: str = "") -> list[dict[str, Any]]:
+    """Return the problems of a text with their line numbers, in the order of the lines.
+
+    The line, from 1, is that of the key or, if it is missing, of the innermost section around it; 0 if both
+    are missing.
 
     Examples
     --------
-    >>> text = "[limits]\\nmax_height = '120'\\n[model]"
-    >>> line_of(text, "limits.max_height"), line_of(text, "limits.offset"), line_of(text, "block.width")
-    (2, 1, 0)
+    >>> placed("[limits]\\nmax_height = '120'", {"limits.offset": "is missing"})
+    [{'line': 1, 'key': 'limits.offset', 'words': 'is missing'}]
     """
-    return _nearest(lines_of(text), key)
+    given = list(problems.items()) + ([("target", refusal)] if refusal else [])
+    found, lines = [], _lines_of(text)
+    for key, words in given:
+        for each in words.splitlines():
+            said, named = LINE.search(each), DOTTED.match(each)  # the message itself names an unknown key
+            near = named[0] if named else key
+            while near not in lines:
+                near = near.rpartition(".")[0]
+            found.append(
+                {"line": int(said[1]) if said and not key else lines[near], "key": key, "words": each}
+            )
+    return sorted(found, key=lambda problem: int(problem["line"]))
 
 
-def lines_of(text: str) -> dict[str, int]:
+def _lines_of(text: str) -> dict[str, int]:
     """Return the line numbers of the keys and sections of a text, from 1; 0 for the key ""."""
     section, found = "", {"": 0}
     for number, line in enumerate(text.splitlines(), 1):
@@ -39,22 +52,3 @@ def lines_of(text: str) -> dict[str, int]:
             name = re.sub(r"[\s\"']", "", line.partition("=")[0])
             found.setdefault(f"{section}.{name}" if section else name, number)
     return found
-
-
-def _nearest(lines: Mapping[str, int], key: str) -> int:
-    """Return the line number of a key or, if it is missing, of the innermost section around it."""
-    while key and key not in lines:
-        key = key.rpartition(".")[0]
-    return lines[key]
-
-
-def placed(text: str, problems: Mapping[str, str], refusal: str = "") -> list[dict[str, Any]]:
-    """Return the problems of a text with their line numbers, in the order of the lines."""
-    given = list(problems.items()) + ([("target", refusal)] if refusal else [])
-    found, lines = [], lines_of(text)
-    for key, words in given:
-        for each in words.splitlines():
-            said, named = LINE.search(each), DOTTED.match(each)  # the message itself names an unknown key
-            line = int(said[1]) if said and not key else _nearest(lines, named[0] if named else key)
-            found.append({"line": line, "key": key, "words": each})
-    return sorted(found, key=lambda problem: int(problem["line"]))

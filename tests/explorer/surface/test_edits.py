@@ -28,6 +28,7 @@ def test_the_height_that_is_shown_is_kept(design):
 def test_typed_heights_are_kept_at_all_selected_sites(design):
     assert asked(design, "pin", [3, 4], " 120.5 ").pinned == {3: "120.5 um", 4: "120.5 um"}
     assert asked(design, "pin", [3], "0.12 mm").pinned == {3: "0.12 mm"}
+    assert asked(design, "pin", [3], "120,5").pinned == {3: "120.5 um"}
 
 
 def test_sites_are_emptied_and_released(design):

@@ -5,7 +5,7 @@ import pytest
 
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.session import State
-from metafem.explorer.surface.sites_text import emptied_text, pinned_text
+from metafem.explorer.surface.sites_text import with_sites
 from metafem.explorer.surface.surface_data import (
     kept_height,
     layout_data,
@@ -72,9 +72,9 @@ def test_a_surface_that_is_older_says_so(answer):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (pinned_text(TEXT, {3: "400 um"}), "sites.heights[0] = 400 um must be at most 270 um"),
-        (pinned_text(TEXT, dict.fromkeys(range(64), "200 um")), "the target law is missed by 121 %"),
-        (emptied_text(TEXT, range(1, 64)), "The reason is given in the plot of the law"),
+        (with_sites(TEXT, {3: "400 um"}), "sites.heights[0] = 400 um must be at most 270 um"),
+        (with_sites(TEXT, dict.fromkeys(range(64), "200 um")), "the target law is missed by 121 %"),
+        (with_sites(TEXT, {}, empty=range(1, 64)), "The reason is given in the plot of the law"),
     ],
 )
 def test_kept_heights_that_do_not_reach_the_target_say_so(answer, text, words):
@@ -82,7 +82,7 @@ def test_kept_heights_that_do_not_reach_the_target_say_so(answer, text, words):
 
 
 def test_empty_sites_of_the_text_are_named(answer):
-    state = State(emptied_text(TEXT, [5, 99]))
+    state = State(with_sites(TEXT, {}, empty=[5, 99]))
     data = site_data(Answer(3, state, answer.specification, answer.design))
     assert data["empty"] == [5]
 

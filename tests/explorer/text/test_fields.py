@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import metafem as mf
 from metafem.explorer.text.document import Document
-from metafem.explorer.text.fields import shown, typed_value, with_field, with_section, without_section
+from metafem.explorer.text.fields import shown, typed_value, with_field
 from metafem.files import demo_text, parsed, section_forms
 
 LINEAR = demo_text("linear")
@@ -52,7 +52,7 @@ def test_every_key_takes_its_example(text):
 @pytest.mark.parametrize(
     ("key", "typed", "words"),
     [
-        ("limits.max_height", "120", 'limits.max_height = "120" needs a unit; write for example "120 um"'),
+        ("limits.min_height", "12", 'limits.min_height = "12" needs a unit; write for example "10 um"'),
         ("limits.max_height", "120 kg", 'has the unit "kg", which does not measure in mm'),
         ("limits.max_height", "", 'is missing; write for example max_height = "120 um"'),
         ("lattice.pitch", "1,500 mm", "write decimals with a point"),  # or one and a half thousand
@@ -118,20 +118,6 @@ def test_a_key_that_the_kind_does_not_have_is_refused():
         with_field(LINEAR, "limits.depth", "3 um")
 
 
-@pytest.mark.parametrize("name", [form.name for form in section_forms() if form.optional])
-def test_an_optional_section_comes_and_goes(name):
-    base = ADHESIVE if name == "contact.cap" else LINEAR
-    without = without_section(base, name)
-    assert Document(without).value(name) is None
-    text = with_section(without, name)
-    assert Document(text).value(name)
-    assert with_section(text, name) == text
-    if name not in ("tools", "sites"):
-        assert not problems(text)
-    again = without_section(text, name)
-    assert tomllib.loads(again) == tomllib.loads(without)
-
-
 @pytest.mark.parametrize("examples", [8, pytest.param(40, marks=pytest.mark.slow)])
 def test_whatever_is_typed_is_kept_or_named(examples):
     drawn = given(st.sampled_from(TEXTS), st.data(), st.text(max_size=12))
@@ -165,3 +151,34 @@ def assert_kept_or_named(text, data, typed):
 )
 def test_decimal_commas_and_spaces_between_whole_numbers_are_read(key, typed, value):
     assert Document(with_field(MULTILINEAR, key, typed)).value(key) == value
+
+
+@pytest.mark.parametrize(
+    ("key", "typed", "value"),
+    [
+        ("limits.max_height", "130", "130 um"),
+        ("limits.max_height", "0,13 mm", "0.13 mm"),
+        ("limits.max_height", "130,5", "130.5 um"),
+        ("limits.max_height", ".5", "0.5 um"),
+        ("limits.max_height", "1,300", "1,300"),  # or one thousand three hundred
+        ("limits.max_height", "13x", "13x"),
+        ("material.composite_modulus", "1,4", "1.4 MPa"),
+        ("target.load_range", "0.1, 0.4", ["0.1 mm^2", "0.4 mm^2"]),
+        ("target.load_range", "0,1; 0,4 mm^2", ["0.1 mm^2", "0.4 mm^2"]),
+        ("target.load_range", "0,1, 0,4", ["0.1 mm^2", "0.4 mm^2"]),
+        ("target.load_range", "0,1 N, 0,4 N", ["0.1 N", "0.4 N"]),
+        ("target.crossover_loads", "[0.07, 0.1], 0,15", [["0.07 mm^2", "0.1 mm^2"], "0.15 mm^2"]),
+        ("friction.shear_strength", "0.3, 0.35", ["0.3 MPa", "0.35 MPa"]),
+        ("limits.min_height", "12", "12"),  # which had no unit before
+    ],
+)
+def test_a_number_without_a_unit_has_the_unit_of_the_value_before(key, typed, value):
+    assert Document(with_field(MULTILINEAR, key, typed)).value(key) == value
+
+
+def test_units_that_differ_are_not_assumed():
+    text = with_field(MULTILINEAR, "target.load_range", "0.1 N, 0.4 mm^2")
+    assert Document(with_field(text, "target.load_range", "0.1, 0.4")).value("target.load_range") == [
+        "0.1",
+        "0.4",
+    ]

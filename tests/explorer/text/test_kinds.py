@@ -8,7 +8,7 @@ import pytest
 import metafem as mf
 from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
-from metafem.explorer.text.kinds import ATTEMPTS, NAMES, with_kind
+from metafem.explorer.text.kinds import KINDS, with_kind
 from metafem.explorer.workshop.form import form
 from metafem.files import demo_text, parsed, section_forms
 from metafem.files.specification.models import DEMOS
@@ -28,17 +28,17 @@ def law_of(design, load):
 
 
 def test_all_kinds_are_known():
-    assert set(ATTEMPTS) == set(NAMES) == set(section_forms()[0].kinds)
+    assert set(KINDS) == set(section_forms()[0].kinds)
 
 
 def test_the_kinds_have_names_in_the_order_of_the_manual():
     (section,) = [part for column in form() for part in column if part["name"] == "target"]
     assert [[kind, section["kind_names"][kind]] for kind in section["kinds"]] == [
-        [kind, NAMES[kind]] for kind in section_forms()[0].kinds
+        [kind, KINDS[kind][0]] for kind in section_forms()[0].kinds
     ]
 
 
-@pytest.mark.parametrize("kind", ATTEMPTS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_each_demo_can_be_designed_as_each_kind_near_its_law(demo, kind):
     text, design = demo
     new = with_kind(State(text), design, kind)
@@ -54,7 +54,7 @@ def test_each_demo_can_be_designed_as_each_kind_near_its_law(demo, kind):
 def test_the_units_stay():
     text = Document(demo_text("linear")).with_kind("target", "linear", {"friction_coefficient": 1.55})
     design = parsed(text).design()
-    keys = {kind: tomllib.loads(with_kind(State(text), design, kind))["target"] for kind in ATTEMPTS}
+    keys = {kind: tomllib.loads(with_kind(State(text), design, kind))["target"] for kind in KINDS}
     assert keys["operating-points"].keys() == {"kind", "load", "friction_force"}
     assert all(load.endswith(" N") for load in keys["sampled"]["load"] + keys["power"]["load_range"])
     assert keys["bilinear"].keys() == {"kind", "friction_coefficients", "crossover_load"}

@@ -52,7 +52,7 @@ def test_no_message_of_a_field_speaks_code(text):
         ("part.alignment_height", "100 um", "or leave out “alignment height”: the part"),
         ("lattice.shape", "0 x 3", "Entry 1 = 0 must be a whole number of at least 1."),
         ("block.width", "3 mm", "the asperity at x = -5.25 mm, y = -5.25 mm has a cap"),
-        ("limits.max_height", "120", "Needs a unit; write for example 120 um."),
+        ("limits.min_height", "12", "Needs a unit; write for example 10 um."),
         ("limits.min_height", "290 um", "Must be below “largest height” = 270 um."),
     ],
 )

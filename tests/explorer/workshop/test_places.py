@@ -6,10 +6,15 @@ import pytest
 
 from metafem.explorer.answer import answered
 from metafem.explorer.session import State
-from metafem.explorer.workshop.places import line_of, placed
+from metafem.explorer.workshop.places import placed
 from metafem.files import demo_text
 
 TEXT = demo_text("linear")
+
+
+def line_of(text, key):
+    """Return the line number of a problem at a key."""
+    return placed(text, {key: "is wrong"})[0]["line"]
 
 
 @pytest.mark.parametrize(
