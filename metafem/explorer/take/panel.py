@@ -17,6 +17,7 @@ from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.places import part_problem
 from metafem.explorer.session import State
 from metafem.explorer.take.command import command_of, script_of
+from metafem.explorer.take.figure import FORMATS, HEIGHT, WIDTH, figure_files
 from metafem.explorer.take.files import archive, law_picture, made_files, specification_file, tables_of
 from metafem.explorer.take.hindrance import NEEDS_DESIGN, NEEDS_PART, hindrance, said_above
 
@@ -24,10 +25,10 @@ if TYPE_CHECKING:
     from metafem.explorer.page import Page
 
 # Names of the archives, of the picture and of the specification.
-ARCHIVE, PICTURE, SPECIFICATION = "surface.zip", "law.svg", "spec.toml"
+ARCHIVE, FIGURE, PICTURE, SPECIFICATION = "surface.zip", "figure.zip", "law.svg", "spec.toml"
 
-# The files that the page offers and their meanings. The tables, the picture and the specification are written
-# at once; all other files take some seconds.
+# The files that the page offers and their meanings. Tables, pictures and the specification are written at
+# once; all other files take some seconds.
 MEANINGS = {
     "mould.csv": "Mould table: position, depth and tool radius of each hole",
     "heights.csv": "Heights: site, position, height and radius of each summit",
@@ -39,6 +40,7 @@ MEANINGS = {
     "surface.vtu": "Surface for ParaView",
     PICTURE: "Picture of the law, with its difference from the target",
     SPECIFICATION: "Specification, with the tables that it names",
+    FIGURE: "Law and map of heights, with a caption and their data",
     ARCHIVE: "Everything: the result folder of metafem design",
 }
 TABLES = ("mould.csv", "heights.csv", "law.csv")
@@ -86,6 +88,12 @@ class Taking:
             self._buttons("report.html")
         with _card("Data"):
             self._buttons("heights.csv", "law.csv", PICTURE, "surface.vtu")
+        with _card("A figure for a paper"):
+            with ui.element("div").classes("size"):
+                self.width = ui.input("Width [mm]", value=WIDTH).props("dense")
+                self.height = ui.input("Height [mm]", value=HEIGHT).props("dense")
+                self.format = ui.select(list(FORMATS), value=FORMATS[0], label="Format").props("dense")
+            self._buttons(FIGURE)
         with _card("The same by a command"):
             self.command = self._lines("command", command_of(self.answer.state))
             self._lines("script", script_of())
@@ -146,6 +154,10 @@ class Taking:
             return await asyncio.to_thread(specification_file, answer.state)
         if not answer.current or answer.draft or answer.design is None:
             raise MetafemError(NOTHING)
+        if name == FIGURE:
+            size = self.width.value, self.height.value
+            files = await asyncio.to_thread(figure_files, answer, self.format.value, *size)
+            return name, archive(files)
         if name == PICTURE:
             return name, await asyncio.to_thread(law_picture, answer.design)
         if name not in TABLES:
