@@ -20,8 +20,8 @@ TYPE = 7.0
 # Width of the first of two parts beside each other over the width of the second.
 FIRST = 1.25
 
-# Width of a column of the legend, for about 25 characters; height of the letter, the numbers and names below the
-# axes and the legend [mm].
+# Width of a column of the legend, for about 25 characters; height of the letter, the numbers and names below
+# the axes and the legend [mm].
 COLUMN, NAMES = 40.0, 25.0
 
 
