@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -30,8 +30,8 @@ class Other:
     """The law of a surface under a further model, or the reason why it could not be computed."""
 
     name: str
-    load: FloatArray  # rescaled [mm^2]
-    friction: FloatArray  # rescaled [mm^2]
+    load: FloatArray = field(default_factory=lambda: np.empty(0))  # rescaled [mm^2]
+    friction: FloatArray = field(default_factory=lambda: np.empty(0))  # rescaled [mm^2]
     difference: float = 0.0  # rms of the relative differences from the law of the design
     error: str = ""
 
@@ -54,15 +54,10 @@ def other_law(design: Design, name: str) -> Other:
     try:
         law = friction_law(design.surface, model, load=design.law.load[::-EVERY][::-1])
     except MetafemError as error:
-        return failed(name, error)
+        return Other(name, error=f"{name}: {error}")
     own = design.law.rescaled_friction[::-EVERY][::-1]
     difference = float(np.sqrt(((law.rescaled_friction / own - 1.0) ** 2).mean()))
     return Other(name, law.rescaled_load, law.rescaled_friction, difference)
-
-
-def failed(name: str, error: MetafemError) -> Other:
-    """Return the reason why the law under another model could not be computed."""
-    return Other(name, np.empty(0), np.empty(0), error=f"{name}: {error}")
 
 
 class Block:
@@ -87,7 +82,7 @@ class Block:
         try:
             self.law = await task
         except MetafemError as error:
-            self.law = failed(SLOW, error)
+            self.law = Other(SLOW, error=f"{SLOW}: {error}")
         self.changed()
 
     def stop(self) -> None:
