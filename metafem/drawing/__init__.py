@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from html import escape
 from io import StringIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from metafem._values import MICROMETRES
 
@@ -228,6 +229,11 @@ def grids(ax: Axes, corner: FloatArray, cell: float, values: list[FloatArray], l
         )  # fmt: skip
     if values:
         ax.figure.colorbar(image, ax=ax, label=label, shrink=0.85)
+
+
+def scaling(factor: float) -> tuple[Callable[[ArrayLike], ArrayLike], Callable[[ArrayLike], ArrayLike]]:
+    """Return the functions that multiply and divide by a factor, for a second axis."""
+    return (lambda value: np.asarray(value) * factor), (lambda value: np.asarray(value) / factor)
 
 
 def outline(ax: Axes, width: float, length: float) -> None:

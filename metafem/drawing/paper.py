@@ -5,7 +5,7 @@ from __future__ import annotations
 from io import BytesIO
 from typing import TYPE_CHECKING
 
-from metafem.drawing import new_figure, svg
+from metafem.drawing import new_figure, scaling, svg
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,9 +46,8 @@ def scaled_axes(ax: Axes, x: tuple[float, str], y: tuple[float, str]) -> None:
     """Replace the numbers and names of both axes: each is a factor of the numbers and the new name."""
     ax.tick_params(left=False, labelleft=False, bottom=False, labelbottom=False)
     ax.set(xlabel="", ylabel="")
-    for (factor, name), add, side in ((x, ax.secondary_xaxis, "bottom"), (y, ax.secondary_yaxis, "left")):
-        scaled = add(side, functions=(lambda value, f=factor: f * value, lambda value, f=factor: value / f))
-        (scaled.set_xlabel if side == "bottom" else scaled.set_ylabel)(name)
+    ax.secondary_xaxis("bottom", functions=scaling(x[0])).set_xlabel(x[1])
+    ax.secondary_yaxis("left", functions=scaling(y[0])).set_ylabel(y[1])
 
 
 def saved(figure: Figure, title: str, kind: str) -> bytes:
@@ -63,8 +62,8 @@ def saved(figure: Figure, title: str, kind: str) -> bytes:
     figure.legend(loc="outside lower center", ncols=columns, frameon=False, fontsize=TYPE)
     for text in figure.findobj(lambda artist: hasattr(artist, "set_fontsize")):
         text.set_fontsize(TYPE)  # type: ignore[attr-defined]
-    for ax in figure.findobj(lambda artist: hasattr(artist, "tick_params")):
-        ax.tick_params(labelsize=TYPE)  # type: ignore[attr-defined]
+    for part in figure.findobj(lambda artist: hasattr(artist, "tick_params")):
+        part.tick_params(labelsize=TYPE)  # type: ignore[attr-defined]
     if kind == "svg":
         return (svg(figure, title) + "\n").encode("utf-8")
     content = BytesIO()

@@ -166,12 +166,8 @@ def certainty_panel(page: Page) -> None:
 def place_warnings(page: Page, place: str) -> None:
     """Create the warning line of a part of the page, "law" or "surface"."""
     line = PlaceWarnings()
-    shown: list[str] = []
 
-    def show(warnings: Mapping[str, list[str]]) -> None:
-        nonlocal shown
-        if warnings.get(place, []) != shown:
-            shown = warnings.get(place, [])
-            line.run_method("show", shown)
+    def show(places: Mapping[str, list[str]]) -> None:
+        line.run_method("show", places.get(place, []))
 
     page.listen_warnings(show)

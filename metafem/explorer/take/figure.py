@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from metafem import drawing
 from metafem._values import percent
 from metafem.drawing.paper import saved, scaled_axes, two_parts
@@ -56,6 +58,7 @@ def figure_files(answer: Answer, kind: str, width: str, height: str) -> dict[str
 def caption(design: Design) -> str:
     """Return the caption of the figure, with all parameters of the design."""
     surface, law, (name, misfit) = design.surface, design.law, misfit_words(design)
+    error = float(law.model_error)
     return "\n".join(
         (
             f"{design.target.title}. (a) Law of the designed surface and target; (b) heights of its summits.",
@@ -66,7 +69,7 @@ def caption(design: Design) -> str:
             f"Largest load: {law.load[-1]:.4g} N.",
             f"{name[:1].upper()}{name[1:]}: {misfit}.",
             f"Error by interaction and model, estimated by {law.model_error.source}: "
-            f"{percent(float(law.model_error))}.",
+            f"{'unknown' if math.isnan(error) else percent(error)}.",
             "",
         )
     )

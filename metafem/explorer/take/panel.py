@@ -16,16 +16,15 @@ from metafem.explorer.answer import Answer
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.places import part_problem
 from metafem.explorer.session import State
-from metafem.explorer.take.command import command_of, script_of
+from metafem.explorer.take import files
 from metafem.explorer.take.figure import FORMATS, HEIGHT, WIDTH, figure_files
-from metafem.explorer.take.files import archive, law_picture, made_files, specification_file, tables_of
 from metafem.explorer.take.hindrance import NEEDS_DESIGN, NEEDS_PART, hindrance, said_above
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
 
-# Names of the archives, of the picture and of the specification.
-ARCHIVE, FIGURE, PICTURE, SPECIFICATION = "surface.zip", "figure.zip", "law.svg", "spec.toml"
+# Names of the archives and of the picture.
+ARCHIVE, FIGURE, PICTURE = "surface.zip", "figure.zip", "law.svg"
 
 # The files that the page offers and their meanings. Tables, pictures and the specification are written at
 # once; all other files take some seconds.
@@ -39,7 +38,7 @@ MEANINGS = {
     "mould.svg": "Drawing of the mould with its holes",
     "surface.vtu": "Surface for ParaView",
     PICTURE: "Picture of the law, with its difference from the target",
-    SPECIFICATION: "Specification, with the tables that it names",
+    files.SPECIFICATION: "Specification, with the tables that it names",
     FIGURE: "Law and map of heights, with a caption and their data",
     ARCHIVE: "Everything: the result folder of metafem design",
 }
@@ -81,7 +80,7 @@ class Taking:
         with _card("To make the part"):
             self._buttons("mould.csv", "block.stl", "mould.stl", "mould.svg")
         with _card("To keep and to repeat the design"):
-            self._buttons(ARCHIVE, SPECIFICATION)
+            self._buttons(ARCHIVE, files.SPECIFICATION)
             copy = _copying(ui.button("Copy link", icon="link"), "location.href", partial(self.say, COPIED))
             copy.props("no-caps flat dense align=left")
             ui.label(LINK).classes("small")
@@ -95,8 +94,8 @@ class Taking:
                 self.format = ui.select(list(FORMATS), value=FORMATS[0], label="Format").props("dense")
             self._buttons(FIGURE)
         with _card("The same by a command"):
-            self.command = self._lines("command", command_of(self.answer.state))
-            self._lines("script", script_of())
+            self.command = self._lines("command", files.command_of(self.answer.state))
+            self._lines("script", files.SCRIPT)
 
     def _buttons(self, *names: str) -> None:
         """Create buttons that download files, each with the meaning of the file beside it."""
@@ -118,7 +117,7 @@ class Taking:
     def show(self, answer: Answer) -> None:
         """Offer the files of an answer; a message about another design goes, except about running work."""
         self.answer = answer
-        self.command.text = command_of(answer.state)
+        self.command.text = files.command_of(answer.state)
         if self.told is not None and not self.stop.visible and not self.told.designs_the_same(answer.state):
             self.told, self.label.text = None, ""
         self._offer()
@@ -131,7 +130,7 @@ class Taking:
     def _offer(self) -> None:
         """Enable the available files, and show why the other files are not available."""
         for name, (button, label) in self.offered.items():
-            reason = "" if name == SPECIFICATION else hindrance(name, self.answer, self.problem)
+            reason = "" if name == files.SPECIFICATION else hindrance(name, self.answer, self.problem)
             own = reason not in ("", NEEDS_DESIGN, NEEDS_PART)  # these reasons appear above the files
             label.text = f"{MEANINGS[name]}: {reason}" if own else MEANINGS[name]
             button.set_enabled(not reason)
@@ -150,38 +149,41 @@ class Taking:
 
     async def _content(self, name: str, answer: Answer) -> tuple[str, bytes]:
         """Return the name and the content of a file of an answer."""
-        if name == SPECIFICATION:
-            return await asyncio.to_thread(specification_file, answer.state)
+        if name == files.SPECIFICATION:
+            return await asyncio.to_thread(files.specification_file, answer.state)
         if not answer.current or answer.draft or answer.design is None:
             raise MetafemError(NOTHING)
         if name == FIGURE:
             size = self.width.value, self.height.value
-            files = await asyncio.to_thread(figure_files, answer, self.format.value, *size)
-            return name, archive(files)
+            found = await asyncio.to_thread(figure_files, answer, self.format.value, *size)
+            return name, files.archive(found)
         if name == PICTURE:
-            return name, await asyncio.to_thread(law_picture, answer.design)
+            return name, await asyncio.to_thread(files.law_picture, answer.design)
         if name not in TABLES:
-            files = await self._made(answer.state)
+            found = await self._made(answer.state)
             if name == ARCHIVE:
-                return name, await asyncio.to_thread(archive, files)
+                return name, await asyncio.to_thread(files.archive, found)
         else:
             if name == "mould.csv" and (problem := await asyncio.to_thread(part_problem, answer)):
                 raise MetafemError(problem)
-            files = await asyncio.to_thread(tables_of, answer)
-        if name not in files:
-            raise MetafemError(f"it is not a file of this specification, which has {', '.join(files)}")
-        return name, files[name]
+            found = await asyncio.to_thread(files.tables_of, answer)
+        if name not in found:
+            raise MetafemError(f"it is not a file of this specification, which has {', '.join(found)}")
+        return name, found[name]
 
     async def _made(self, state: State) -> dict[str, bytes]:
         """Return all files of a state, which a background process writes once."""
         if self.made is None or not self.made[0].designs_the_same(state):
-            task = self.tasks.start(TASK, made_files, (state,), lambda step, done: self._writing(f": {step}"))
+            task = self.tasks.start(
+                TASK, files.made_files, (state,), lambda step, done: self._writing(f": {step}")
+            )
             self.stop.set_visibility(True)
             self._writing()
             try:
                 self.made = state, await task
             except asyncio.CancelledError:
-                self.say("The files were not written: they were stopped.")
+                if not self.tasks.running(TASK):  # otherwise they are being written again
+                    self.say("The files were not written: they were stopped.")
                 raise
             finally:
                 self.stop.set_visibility(self.tasks.running(TASK))
