@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from html import escape
 from io import StringIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from metafem._values import MICROMETRES
 
@@ -137,14 +138,17 @@ def name_law(ax: Axes, *, forces: bool) -> None:
     ax.set_ylim(bottom=0.0)
 
 
-def summits(ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArray) -> None:
+def summits(
+    ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArray, scale: str = "right"
+) -> None:
     """Draw summits at their positions (n, 2) [mm] as circles, coloured by height [mm].
 
+    `scale` is the side of the colour scale, "right" or "bottom".
     If the radii [mm] differ, the diameters are proportional to them, and a legend explains them.
     """
     diameter = LARGEST_DOT * spacing(position) * (radius / radius.max())
     dots = circles(ax, position, diameter, height * MICROMETRES)
-    ax.figure.colorbar(dots, ax=ax, label="summit height [µm]", shrink=0.85)
+    ax.figure.colorbar(dots, ax=ax, location=scale, label="summit height [µm]", shrink=0.85)
     if np.ptp(radius) > 0.0:
         shown = np.unique(radius)
         shown = shown if len(shown) <= MOST_DOTS else np.linspace(shown[0], shown[-1], MOST_DOTS)
@@ -225,6 +229,11 @@ def grids(ax: Axes, corner: FloatArray, cell: float, values: list[FloatArray], l
         )  # fmt: skip
     if values:
         ax.figure.colorbar(image, ax=ax, label=label, shrink=0.85)
+
+
+def scaling(factor: float) -> tuple[Callable[[ArrayLike], ArrayLike], Callable[[ArrayLike], ArrayLike]]:
+    """Return the functions that multiply and divide by a factor, for a second axis."""
+    return (lambda value: np.asarray(value) * factor), (lambda value: np.asarray(value) / factor)
 
 
 def outline(ax: Axes, width: float, length: float) -> None:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from metafem.drawing import ACHIEVED, QUIET, TARGET, finished, new_figure
+from metafem.drawing import ACHIEVED, QUIET, TARGET, finished, new_figure, scaling
 from metafem.inversion import Design, feasible_region
 from metafem.inversion.result import draw_laws, draw_target, few
 from metafem.models.model import contact_of
@@ -139,14 +137,9 @@ def _force_axes(design: Design, ax: Axes) -> None:
     friction, modulus = design.surface.friction, design.surface.material.composite_modulus
     if design.target.of != "friction":
         friction = None
-    top = ax.secondary_xaxis("top", functions=_scaling(modulus))
+    top = ax.secondary_xaxis("top", functions=scaling(modulus))
     top.set_xlabel("load P [N]")
     ax.spines["right"].set_visible(friction is not None)
     if friction is not None:
-        right = ax.secondary_yaxis("right", functions=_scaling(friction.stress))
+        right = ax.secondary_yaxis("right", functions=scaling(friction.stress))
         right.set_ylabel("friction F [N]")
-
-
-def _scaling(factor: float) -> tuple[Callable[[ArrayLike], ArrayLike], Callable[[ArrayLike], ArrayLike]]:
-    """Return the functions that multiply and divide by a factor."""
-    return (lambda value: np.asarray(value) * factor), (lambda value: np.asarray(value) / factor)

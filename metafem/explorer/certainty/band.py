@@ -10,7 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import TypeVar
 from weakref import finalize
 
 import numpy as np
@@ -64,27 +64,17 @@ class Drawn:
 Value = TypeVar("Value")
 
 
-class Known(Generic[Value]):
-    """Values by design, each stored as long as its design exists.
+class Known(dict[int, Value]):
+    """Values by the identity of a design, each stored as long as its design exists.
 
-    The key is the identity of the design, because hashing a design would compute all of its notes.
+    The key is the identity, because hashing a design would compute all of its notes.
     """
-
-    def __init__(self) -> None:
-        self._values: dict[int, Value] = {}
-
-    def __contains__(self, design: Design) -> bool:
-        return id(design) in self._values
-
-    def get(self, design: Design | None) -> Value | None:
-        """Return the value stored for a design, or None."""
-        return self._values.get(id(design))
 
     def keep(self, design: Design, value: Value) -> Value:
         """Store a value for a design, and return the value."""
-        if design not in self:
-            finalize(design, self._values.pop, id(design), None)
-        self._values[id(design)] = value
+        if id(design) not in self:
+            finalize(design, self.pop, id(design), None)
+        self[id(design)] = value
         return value
 
 
@@ -161,7 +151,7 @@ def band_words(answer: Answer) -> str:
 
 def drawn_of(answer: Answer) -> Drawn | None:
     """Return the finished draws for the design of an answer, or None."""
-    return _DRAWN.get(answer.design)
+    return _DRAWN.get(id(answer.design))
 
 
 def linear(answer: Answer) -> Linear | None:
@@ -169,7 +159,9 @@ def linear(answer: Answer) -> Linear | None:
     design, tolerances = answer.design, tolerances_of(answer)
     if design is None or tolerances is None:
         return None
-    return _LINEAR.get(design) if design in _LINEAR else _LINEAR.keep(design, _linear(design, tolerances))
+    if id(design) in _LINEAR:
+        return _LINEAR[id(design)]
+    return _LINEAR.keep(design, _linear(design, tolerances))
 
 
 def _linear(design: Design, tolerances: Tolerances) -> Linear | None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import Enum
+from enum import StrEnum
 
 import numpy as np
 
@@ -34,7 +34,7 @@ from metafem.studies.sampling.slope import Slope
 from metafem.substrate import HalfSpace
 
 
-class Standing(Enum):
+class Standing(StrEnum):
     """Rating of a number against its bound; the value is the word that the page shows."""
 
     GOOD = "good"

@@ -20,8 +20,6 @@ from metafem.prediction import Tolerances
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from metafem.models import Model
-    from metafem.report.comparison import Comparison
     from metafem.studies import Summary
 
 # Standard deviations of the height errors that are studied: multiples of the stated standard deviation of the
@@ -97,7 +95,7 @@ def true_block(design: Design, tolerances: Tolerances | None) -> Found:
         f"{percent(_largest(change), '+.2g')}; the bonded layer differs from it by up to "
         f"{percent(abs(_largest(layer)))}."
     )
-    return Found(answer, found.title, found.columns, found.rows, found.notes, found.picture)
+    return replace(found, answer=answer)
 
 
 def resolved(design: Design, tolerances: Tolerances | None) -> Found:
@@ -107,43 +105,34 @@ def resolved(design: Design, tolerances: Tolerances | None) -> Found:
     from metafem.models import Independent, Interacting
     from metafem.models.model import contact_of
     from metafem.prediction import friction_law
-    from metafem.progress import each
     from metafem.report.comparison import Comparison
     from metafem.report.figures import comparison_figure
 
-    law = contact_of(design.law.model)
+    contact = contact_of(design.law.model)
     load = np.array(RESOLVED_LOADS) * design.law.load[-1]
-    third = Interacting(order=law.largest_order, contact=law)
-    models: dict[str, Model] = {"alone": Independent(contact=law), "third": third, "own": design.law.model}
-    laws = {name: friction_law(design.surface, model, load=load) for name, model in models.items()}
-    model = model_named("resolved", law)
-    parts = [friction_law(design.surface, model, load=[each_load]) for each_load in each("load", list(load))]
-    area, separation = (np.concatenate([getattr(part, n) for part in parts]) for n in ("area", "separation"))
-    change, apart = area / laws["own"].area - 1.0, area / laws["third"].area - 1.0
-    alone = laws["alone"]
-    compared: list[Comparison] = [
-        Comparison(name, of, of_area / alone.area - 1.0, alone.separation - distance)
-        for name, of, of_area, distance in (
-            ("order 3 on the half-space", laws["third"], laws["third"].area, laws["third"].separation),
-            ("resolved contacts", laws["third"], area, separation),
-        )
-    ]
-    columns = ("load [N]", "A0 of the design [mm²]", "resolved [mm²]", "change [%]")
-    rows = tuple(
-        (
-            f"{load[i]:.3g}", f"{laws['own'].area[i]:.4g}", f"{area[i]:.4g}", f"{100.0 * change[i]:+.2f}",
-            f"{100.0 * apart[i]:+.2f}",
-        )
-        for i in range(len(load))
-    )  # fmt: skip
+    third = Interacting(order=contact.largest_order, contact=contact)
+    models = (Independent(contact=contact), design.law.model, third, model_named("resolved", contact))
+    alone, own, order_3, fine = (friction_law(design.surface, model, load=load) for model in models)
+    change, apart = fine.area / own.area - 1.0, fine.area / order_3.area - 1.0
+    compared = tuple(
+        Comparison(name, law, law.area / alone.area - 1.0, alone.separation - law.separation)
+        for name, law in (("order 3 on the half-space", order_3), ("resolved contacts", fine))
+    )
+    columns = {
+        "load [N]": [f"{value:.3g}" for value in load],
+        "A0 of the design [mm²]": [f"{value:.4g}" for value in own.area],
+        "resolved [mm²]": [f"{value:.4g}" for value in fine.area],
+        "change [%]": [f"{100.0 * value:+.2f}" for value in change],
+        "change from order 3 [%]": [f"{100.0 * value:+.2f}" for value in apart],
+    }
     answer = (
         f"With resolved contacts on the half-space A0 differs from the law of this design by up to "
         f"{percent(_largest(change), '+.2g')}, and from order 3 of the interaction by up to "
         f"{percent(_largest(apart), '+.2g')}."
     )
-    notes = tuple(dict.fromkeys(note for part in parts for note in part.notes))
-    picture = drawn(comparison_figure(tuple(compared)), "Change of A0 by interaction").svg
-    return Found(answer, "A0 with resolved contacts", columns, rows, notes, picture)
+    picture = drawn(comparison_figure(compared), "Change of A0 by interaction").svg
+    rows = tuple(zip(*columns.values(), strict=True))
+    return Found(answer, "A0 with resolved contacts", tuple(columns), rows, fine.notes, picture)
 
 
 def element_checks(design: Design, tolerances: Tolerances | None) -> Found:

@@ -11,6 +11,7 @@ from metafem.explorer.certainty.figures import Standing, figures
 from metafem.explorer.certainty.long_studies import STUDIES, Found
 from metafem.explorer.certainty.places import remarks
 from metafem.explorer.session import State
+from metafem.notes import Note
 
 NOT_CURRENT = "These are the figures of the last surface that was found, not of the target law that is shown."
 # Order of the rows: figures that need attention come first.
@@ -22,19 +23,11 @@ NO_DESIGN = "No surface has been found yet, so there is nothing to judge."
 def figure_data(answer: Answer) -> dict[str, Any]:
     """Return the rows of the table, the notes, the text above them and the description of the band."""
     words = NO_DESIGN if answer.design is None else "" if answer.current else NOT_CURRENT
+    rows = sorted(figures(answer), key=lambda each: ORDER.index(each.standing))
     return {
         "words": words,
-        "rows": [
-            {
-                "name": each.name,
-                "value": each.value,
-                "bound": each.bound,
-                "standing": each.standing.value,
-                "sentence": each.sentence,
-            }
-            for each in sorted(figures(answer), key=lambda each: ORDER.index(each.standing))
-        ],
-        "notes": [{"text": str(note), "warns": note.warns} for note in remarks(answer)],
+        "rows": [vars(each) for each in rows],
+        "notes": _said(remarks(answer)),
         "band": band.band_words(answer),
     }
 
@@ -65,8 +58,12 @@ def list_data() -> list[dict[str, str]]:
 
 def found_data(found: Found, fingerprint: str) -> dict[str, Any]:
     """Return the result of a study as data, with the fingerprint of the state that was studied."""
-    notes = [{"text": str(note), "warns": note.warns} for note in found.notes]
-    return {**vars(found), "notes": notes, "of": fingerprint}
+    return {**vars(found), "notes": _said(found.notes), "of": fingerprint}
+
+
+def _said(notes: tuple[Note, ...]) -> list[dict[str, Any]]:
+    """Return notes as data."""
+    return [{"text": str(note), "warns": note.warns} for note in notes]
 
 
 def fingerprint(state: State) -> str:

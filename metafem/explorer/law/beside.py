@@ -52,15 +52,7 @@ class Beside:
 
     def _failed(self, answer: Answer, error: Exception) -> None:
         """Show the error, and no additional curves of the answer."""
-        self.draw(
-            {
-                "number": answer.number,
-                "tolerance": None,
-                "others": [],
-                "errors": [in_words(error)],
-                "block": block_data(self.block, answer.design),
-            }
-        )
+        self._show((answer, None, "", (Other("", error=in_words(error)),)))
 
     def _renew(self) -> None:
         """Draw the curves that are known."""

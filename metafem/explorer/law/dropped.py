@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,9 @@ from metafem.surface import Friction, Material
 
 # Largest number of points of a table. More points could not be distinguished on a plot.
 MOST = 2000
+
+# Number of tables whose points are stored: those of the open pages, which are few.
+TABLES = 4
 
 # Column that only the table of a target law has; a table of a measured law does not have it.
 RESCALED = "rescaled_load"
@@ -175,35 +179,26 @@ def _measured(name: str, text: str, material: Material, friction: Friction | Non
 
 
 class Measured:
-    """The measured points of a state; they are read again only if the table, material or friction changes."""
+    """The measured points of the newest answer, and why a table cannot be read, "" if it can."""
 
     def __init__(self) -> None:
-        self.key: Any = None
         self.points: Points | None = None
         self.problem = ""
 
     def data(self, answer: Answer, units: Units) -> dict[str, Any] | None:
-        """Return the measured points of an answer in the units of the axes; None if no points can be read.
-
-        If the points cannot be read, the attribute `problem` states the reason.
-        """
-        self._read(answer)
-        return None if self.points is None else self.points.data(units, answer.design)
-
-    def _read(self, answer: Answer) -> None:
+        """Return the measured points of an answer in the units of the axes; None if no points can be read."""
         state, known = answer.state, answer.design if answer.specification is None else answer.specification
-        template = None if known is None else known.template
-        pair = None if template is None else (template.material, template.friction)
-        key = (state.measured, state.measured_name, pair)
-        self.problem = ""
-        if key == self.key:
-            return
-        points = None
-        if state.measured and template is not None:
-            try:
-                points = read_points(
-                    state.measured_name, state.measured, template.material, template.friction
-                )
-            except InvalidInput as error:
-                self.problem = str(error)
-        self.key, self.points = key, points
+        self.points, self.problem = None, ""
+        if not state.measured or known is None:
+            return None
+        template = known.template
+        try:
+            self.points = _read(state.measured_name, state.measured, template.material, template.friction)
+        except InvalidInput as error:
+            self.problem = str(error)
+            return None
+        return self.points.data(units, answer.design)
+
+
+# the points of the last few tables, which every answer shows
+_read = lru_cache(TABLES)(read_points)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,9 +14,7 @@ from metafem.errors import MetafemError
 from metafem.explorer.certainty.background import Tasks
 from metafem.files import chosen_model
 from metafem.inversion import Design
-from metafem.models import Model
 from metafem.prediction import friction_law
-from metafem.surface import Surface
 
 # Models whose laws take milliseconds, and the model whose law is computed in a separate process that takes
 # between seconds and a minute the first time.
@@ -32,8 +30,8 @@ class Other:
     """The law of a surface under a further model, or the reason why it could not be computed."""
 
     name: str
-    load: FloatArray  # rescaled [mm^2]
-    friction: FloatArray  # rescaled [mm^2]
+    load: FloatArray = field(default_factory=lambda: np.empty(0))  # rescaled [mm^2]
+    friction: FloatArray = field(default_factory=lambda: np.empty(0))  # rescaled [mm^2]
     difference: float = 0.0  # rms of the relative differences from the law of the design
     error: str = ""
 
@@ -50,31 +48,16 @@ def own_name(design: Design) -> str:
     return next((name for name in names if chosen_model(model, name, None) == model), "")
 
 
-def law_under(surface: Surface, model: Model, load: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return rescaled load and rescaled friction [mm^2] of a surface under a model at loads P [N]."""
-    law = friction_law(surface, model, load=load)
-    return law.rescaled_load, law.rescaled_friction
-
-
 def other_law(design: Design, name: str) -> Other:
     """Return the law of a design's surface under another model with the same contact law."""
-    try:
-        return compared(design, name, law_under(*given(design, name)))
-    except MetafemError as error:
-        return Other(name, np.empty(0), np.empty(0), error=f"{name}: {error}")
-
-
-def given(design: Design, name: str) -> tuple[Surface, Model, FloatArray]:
-    """Return the arguments of `law_under` for a design and the name of a model."""
     model = chosen_model(design.law.model, name, None)
-    return design.surface, model, design.law.load[::-EVERY][::-1]
-
-
-def compared(design: Design, name: str, found: tuple[FloatArray, FloatArray]) -> Other:
-    """Return the law `found` under another model, with its difference from the law of the design."""
-    load, friction = found
+    try:
+        law = friction_law(design.surface, model, load=design.law.load[::-EVERY][::-1])
+    except MetafemError as error:
+        return Other(name, error=f"{name}: {error}")
     own = design.law.rescaled_friction[::-EVERY][::-1]
-    return Other(name, load, friction, float(np.sqrt(((friction / own - 1.0) ** 2).mean())))
+    difference = float(np.sqrt(((law.rescaled_friction / own - 1.0) ** 2).mean()))
+    return Other(name, law.rescaled_load, law.rescaled_friction, difference)
 
 
 class Block:
@@ -91,10 +74,15 @@ class Block:
         """Whether the law is being computed."""
         return self.tasks.running(SLOW)
 
-    def start(self, design: Design) -> None:
-        """Start computing the law of a design."""
+    async def start(self, design: Design) -> None:
+        """Compute the law of a design."""
         self.design, self.law, self.step = design, None, "starting"
-        self.tasks.start(SLOW, law_under, given(design, SLOW), self._stepped, self._found, self._failed)
+        task = self.tasks.start(SLOW, other_law, (design, SLOW), self._stepped)
+        self.changed()
+        try:
+            self.law = await task
+        except MetafemError as error:
+            self.law = Other(SLOW, error=f"{SLOW}: {error}")
         self.changed()
 
     def stop(self) -> None:
@@ -118,13 +106,4 @@ class Block:
 
     def _stepped(self, name: str, done: float | None) -> None:
         self.step = name if done is None else f"{name}, {percent(done)}"
-        self.changed()
-
-    def _found(self, found: tuple[FloatArray, FloatArray]) -> None:
-        if self.design is not None:
-            self.law = compared(self.design, SLOW, found)
-        self.changed()
-
-    def _failed(self, error: MetafemError) -> None:
-        self.law = Other(SLOW, np.empty(0), np.empty(0), error=f"{SLOW}: {error}")
         self.changed()

@@ -159,7 +159,7 @@ class LawPanel:
         """Start the computation of the law under the block model, or stop it and hide its law."""
         design = self.page.answer.design
         if event["on"] and design is not None:
-            self.beside.block.start(design)
+            await self.beside.block.start(design)
         else:
             self.beside.block.stop()
 

@@ -1,4 +1,4 @@
-"""Files of a design, as ``metafem design`` writes them."""
+"""Files of a design, as ``metafem design`` writes them, and the command that does so."""
 
 from __future__ import annotations
 
@@ -24,6 +24,9 @@ SPECIFICATION, ZIPPED = "spec.toml", "specification.zip"
 # the zip format can store.
 DATE = (1980, 1, 1, 0, 0, 0)
 
+# Python script that computes the design from the downloaded specification.
+SCRIPT = 'import metafem as mf\n\nspec = mf.read_spec("spec.toml")\nprint(spec.design())\n'
+
 
 def specification_file(state: State) -> tuple[str, bytes]:
     """Return name and content of the specification file or, if it has tables, of a zip archive with them.
@@ -42,6 +45,12 @@ def specification_file(state: State) -> tuple[str, bytes]:
         except InvalidInput:  # the text cannot be read, so the tables that it needs are unknown
             files = {}
     return ZIPPED, archive({**files, SPECIFICATION: text})
+
+
+def command_of(state: State) -> str:
+    """Return the command that creates the result folder from the downloaded specification."""
+    unpack = f"unzip {ZIPPED} && " if state.tables else ""
+    return f"{unpack}metafem design {SPECIFICATION} -o surface"
 
 
 def _lies_within(name: str) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from metafem.explorer.answer import Answer
 
 # Files that need only the design. All other files describe the part, or are written together with it.
-OF_THE_DESIGN = ("heights.csv", "law.csv", "law.svg")
+OF_THE_DESIGN = ("heights.csv", "law.csv", "law.svg", "figure.zip")
 
 # Messages above the files.
 NO_DESIGN = (

@@ -6,12 +6,12 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 
 import pytest
 
 from metafem.errors import InvalidInput, MetafemError
-from metafem.explorer.certainty.background import Background, Tasks
-from metafem.explorer.certainty.worker import DONE, FAILED, computed
+from metafem.explorer.certainty.background import Tasks
 from metafem.material import Material
 from metafem.progress import doing
 
@@ -21,16 +21,16 @@ import asyncio, os, signal
 from tests.explorer.certainty import test_background as scene
 async def main():
     begun = asyncio.Event()
-    task = scene.Background(scene.endless, (), on_step=lambda *step: begun.set())
+    task = scene.Tasks().start("study", scene.endless, (), lambda *step: begun.set())
     await begun.wait()
-    print("begun", task.process_id, flush=True)
+    print("begun", flush=True)
     {ending}
 asyncio.run(main())
 """
 
 
 def endless():
-    with doing("waiting"):
+    with doing(str(os.getpid())):
         signal.pause()
 
 
@@ -44,85 +44,11 @@ def faulty():
 
 
 def unsendable():
-    return lambda: None
+    return threading.Lock()
 
 
 def killed():
     signal.raise_signal(signal.SIGKILL)
-
-
-async def outcome(function, *given):
-    """Return the result of a background computation, or raise its error."""
-    future = asyncio.get_running_loop().create_future()
-    Background(function, given, on_done=future.set_result, on_error=future.set_exception)
-    return await future
-
-
-def test_a_process_begins_also_where_the_folder_of_the_server_has_gone(tmp_path, monkeypatch):
-    gone = tmp_path / "gone"
-    gone.mkdir()
-    monkeypatch.chdir(gone)
-    gone.rmdir()
-    assert asyncio.run(outcome(os.getcwd)) == os.path.realpath(tempfile.gettempdir())
-
-
-def test_the_result_is_that_of_the_function_whatever_it_prints():
-    found = asyncio.run(outcome(printing, "0.12 mm"))
-    assert found == "0.12 mm"
-
-
-def test_errors_of_metafem_arrive_as_they_are():
-    with pytest.raises(InvalidInput) as error:
-        asyncio.run(outcome(Material, -1.36))
-    with pytest.raises(InvalidInput) as direct:
-        Material(-1.36)
-    assert str(error.value) == str(direct.value)
-
-
-def test_an_error_of_the_page_ends_the_computation_in_words(caplog):
-    def show(*_):
-        raise KeyError("curve")
-
-    async def scene(**shown):
-        future = asyncio.get_running_loop().create_future()
-        task = Background(*shown.pop("call"), on_error=future.set_result, **shown)
-        error = await future
-        assert not task.running
-        return str(error)
-
-    done = asyncio.run(scene(call=(printing, ("a",)), on_done=show))
-    stepped = asyncio.run(scene(call=(endless, ()), on_step=show))
-    assert done == stepped
-    assert done.startswith("This is an error of the program, not of your input: KeyError: 'curve'.")
-    assert len(caplog.records) == 2
-
-
-def test_a_killed_process_is_reported_in_words():
-    with pytest.raises(MetafemError, match=r"exit code -9.*lack of memory; start it again"):
-        asyncio.run(outcome(killed))
-
-
-def test_a_function_that_cannot_be_sent_is_reported_in_words():
-    with pytest.raises(MetafemError, match=r"no process could be started: .*pickle"):
-        asyncio.run(outcome(lambda: 1))
-
-
-def test_a_result_that_cannot_be_sent_is_reported_in_words():
-    with pytest.raises(MetafemError, match="the result cannot be sent to the page"):
-        asyncio.run(outcome(unsendable))
-
-
-def test_other_errors_name_the_error(capsys):
-    kind, error = computed(faulty, (), print)
-    assert kind == FAILED
-    assert str(error) == "an error within metafem, ZeroDivisionError: 1/0; the terminal shows where"
-    assert "faulty" in capsys.readouterr().err
-
-
-def test_the_first_step_is_reported_at_once():
-    steps = []
-    assert computed(stepping, (), lambda *step: steps.append(step)) == (DONE, None)
-    assert steps == [("first", None)]
 
 
 def stepping():
@@ -131,37 +57,127 @@ def stepping():
             pass
 
 
-def test_a_stopped_process_ends_and_reports_nothing_more():
+def exhausting():
+    raise MemoryError
+
+
+def outcome(function, *given, on_step=lambda *step: None):
+    """Return the result of a background computation, or raise its error."""
+
     async def scene():
-        begun, reports = asyncio.Event(), []
-        task = Background(
-            endless, (), lambda *step: begun.set(), on_done=reports.append, on_error=reports.append
-        )
-        await begun.wait()
-        task.stop()
-        task.stop()
-        return task, await asyncio.to_thread(task._process.wait), reports
+        tasks = Tasks()
+        try:
+            return await tasks.start("study", function, given, on_step)
+        finally:
+            assert not tasks.running("study")
 
-    task, code, reports = asyncio.run(scene())
-    assert (task.running, code, reports) == (False, -signal.SIGKILL, [])
+    return asyncio.run(scene())
 
 
-def test_a_process_that_ends_before_it_has_read_its_request_is_reported(monkeypatch):
-    monkeypatch.setattr("metafem.explorer.certainty.background._program", lambda: "raise SystemExit(3)")
-    with pytest.raises(MetafemError, match=r"exit code 3"):
-        asyncio.run(outcome(printing, "0.12 mm" * 100_000))
+def gone(process):
+    """Whether there is no process of this number, not even one whose exit code nobody has read."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return True
+    return False
 
 
-def test_a_computation_that_is_stopped_at_once_never_begins():
+def test_a_process_begins_also_where_the_folder_of_the_server_has_gone(tmp_path, monkeypatch):
+    folder = tmp_path / "gone"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    folder.rmdir()
+    assert outcome(os.getcwd) == os.path.realpath(tempfile.gettempdir())
+
+
+def test_the_result_is_that_of_the_function_whatever_it_prints():
+    # longer than a pipe holds, in both directions
+    text = "0.12 mm" * 100_000
+    assert outcome(printing, text) == text
+
+
+def test_errors_of_metafem_arrive_as_they_are():
+    with pytest.raises(InvalidInput) as error:
+        outcome(Material, -1.36)
+    with pytest.raises(InvalidInput) as direct:
+        Material(-1.36)
+    assert str(error.value) == str(direct.value)
+
+
+def test_an_error_of_the_page_ends_the_computation():
+    processes = []
+
+    def show(name, done):
+        processes.append(int(name))
+        raise KeyError("curve")
+
+    with pytest.raises(KeyError, match="curve"):
+        outcome(endless, on_step=show)
+    assert gone(*processes)
+
+
+@pytest.mark.parametrize(
+    ("function", "words"),
+    [
+        (killed, r"exit code -9.*lack of memory; start it again"),
+        (lambda: 1, r"no process could be started: .*pickle"),
+        (unsendable, r"an error within metafem, TypeError: cannot pickle .*; the terminal shows where"),
+        (faulty, r"^an error within metafem, ZeroDivisionError: 1/0; the terminal shows where$"),
+        (exhausting, r"^there is not enough memory for this computation$"),
+    ],
+)
+def test_other_errors_are_reported_in_words(function, words):
+    with pytest.raises(MetafemError, match=words):
+        outcome(function)
+
+
+def test_the_terminal_shows_where_a_program_error_happened(capfd):
+    with pytest.raises(MetafemError):
+        outcome(faulty)
+    assert "in faulty" in capfd.readouterr().err
+
+
+def test_the_first_step_is_reported_at_once():
+    steps = []
+    assert outcome(stepping, on_step=lambda *step: steps.append(step)) is None
+    assert steps == [("first", None)]
+
+
+def test_a_stopped_process_ends():
     async def scene():
-        reports = []
-        task = Background(printing, ("no",), on_done=reports.append, on_error=reports.append)
-        task.stop()
-        task._thread.join()
-        await asyncio.sleep(0)
-        return reports
+        tasks, begun = Tasks(), asyncio.get_running_loop().create_future()
+        study = tasks.start("study", endless, (), lambda name, done: begun.set_result(name))
+        process = int(await begun)
+        tasks.stop("study")
+        tasks.stop("study")
+        assert not tasks.running("study")
+        with pytest.raises(asyncio.CancelledError):
+            await study
+        return process
 
-    assert asyncio.run(scene()) == []
+    assert gone(asyncio.run(scene()))
+
+
+def test_a_process_that_ends_before_it_has_read_its_request_is_reported(monkeypatch, tmp_path):
+    monkeypatch.setattr(sys, "executable", "/bin/false")
+    with pytest.raises(MetafemError, match=r"exit code 1"):
+        outcome(printing, "0.12 mm" * 100_000)
+    monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
+    with pytest.raises(MetafemError, match=r"no process could be started: .*No such file"):
+        outcome(printing, "0.12 mm")
+
+
+def test_a_computation_that_is_stopped_at_once_never_begins(monkeypatch):
+    async def scene():
+        tasks = Tasks()
+        study = tasks.start("study", printing, ("no",), print)
+        monkeypatch.setattr(asyncio, "create_subprocess_exec", None)
+        tasks.stop("study")
+        with pytest.raises(asyncio.CancelledError):
+            await study
+
+    asyncio.run(scene())
 
 
 @pytest.mark.slow
@@ -174,12 +190,15 @@ def test_starting_again_stops_the_one_of_that_name_alone():
         )
         for event in begun:
             await event.wait()
-        again = tasks.start("block", endless, ())
-        running = first.running, other.running, again.running
+        again = tasks.start("block", endless, (), print)
+        with pytest.raises(asyncio.CancelledError):
+            await first
+        running = tasks.running("block"), other.done(), again.done()
         tasks.stop_all()
+        await asyncio.gather(other, again, return_exceptions=True)
         return running, tasks.running("block"), tasks.running("draws")
 
-    assert asyncio.run(scene()) == ((False, True, True), False, False)
+    assert asyncio.run(scene()) == ((True, False, False), False, False)
 
 
 @pytest.mark.slow

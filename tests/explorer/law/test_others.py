@@ -9,7 +9,7 @@ import metafem as mf
 from metafem.explorer.answer import answered
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.law.beside import Beside
-from metafem.explorer.law.others import Block, compared, given, law_under, other_law, own_name
+from metafem.explorer.law.others import Block, other_law, own_name
 from metafem.explorer.law.tools import NO_BLOCK, NO_FORCES, block_data, tools_data
 from metafem.explorer.session import State
 from metafem.files import demo_text
@@ -67,25 +67,61 @@ def test_the_plot_gets_the_newest_band_and_laws(answer):
     assert set(beside.laws) == {"half-space"}
 
 
+class Answering:
+    """Tasks of a page that end at once with a value or an error."""
+
+    def __init__(self, value):
+        self.value = value
+
+    def start(self, *given):
+        done = asyncio.get_running_loop().create_future()
+        end = done.set_exception if isinstance(self.value, Exception) else done.set_result
+        end(self.value)
+        return done
+
+    def running(self, name):
+        return False
+
+    def stop(self, name):
+        pass
+
+
 def test_the_law_under_the_block_belongs_to_one_surface(answer):
-    block = Block(Tasks(), lambda: None)
     design = answer.design
+    tasks = Answering(other_law(design, "independent"))
+    block = Block(tasks, lambda: None)
     assert block.of(design) is None
-    block.design = design
-    block._found(law_under(design.surface, mf.Independent(), given(design, "independent")[2]))
+    asyncio.run(block.start(design))
     assert block.of(design).difference == pytest.approx(0.0, abs=1e-12)
     again = answered(State(TEXT), 6).design
     assert again is not design
     assert block.of(again) is block.law  # after undo
     assert block.of(answered(State(TEXT.replace("0.84", "0.85")), 7).design) is None
-    block._failed(mf.errors.NotConverged("no solution"))
+    tasks.value = mf.errors.NotConverged("no solution")
+    asyncio.run(block.start(design))
     assert block.of(design).error == "block: no solution"
     block.stop()
     assert block.of(design) is None
-    assert (
-        compared(design, "x", (design.law.rescaled_load[::-3][::-1], design.law.area[::-3][::-1])).difference
-        == 0.0
-    )
+
+
+@pytest.mark.slow
+def test_the_law_under_the_block_is_computed_in_a_process_that_can_be_stopped(answer, monkeypatch):
+    monkeypatch.setattr("metafem.explorer.law.others.SLOW", "layer")
+
+    async def run(end):
+        states = []
+        block = Block(Tasks(), lambda: states.append(block.state(answer.design)))
+        task = asyncio.create_task(block.start(answer.design))
+        await asyncio.sleep(0)
+        if end:
+            block.stop()
+        await asyncio.gather(task, return_exceptions=True)
+        return states
+
+    first, *_, last = asyncio.run(run(end=False))
+    assert first == {"running": True, "step": "The law under the block: starting …", "shown": False}
+    assert last == {"running": False, "step": "", "shown": True}
+    assert asyncio.run(run(end=True))[-1] == {"running": False, "step": "", "shown": False}
 
 
 def test_choices_say_what_they_need(answer):

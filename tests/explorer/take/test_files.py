@@ -11,8 +11,14 @@ from click.testing import CliRunner
 from metafem.cli import main
 from metafem.explorer.answer import answered
 from metafem.explorer.session import State
-from metafem.explorer.take.command import command_of
-from metafem.explorer.take.files import archive, law_picture, made_files, specification_file, tables_of
+from metafem.explorer.take.files import (
+    archive,
+    command_of,
+    law_picture,
+    made_files,
+    specification_file,
+    tables_of,
+)
 from metafem.files import demo_text, read_spec
 from tests.explorer.scenes import SAMPLED, WANTED
 
