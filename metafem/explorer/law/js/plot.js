@@ -33,6 +33,7 @@ export class Plot {
   data = null;
   band = null;
   beside = { tolerance: null, others: [] };
+  closed = new AbortController();
 
   constructor(root, emit) {
     const find = (name) => root.querySelector(`.${name}`);
@@ -42,7 +43,7 @@ export class Plot {
     this.picture = new Picture(this.svg);
     this.requests = new Requests((request) => emit("drag", request));
     this.hand = new Hand(this, made("g", {}, this.svg));
-    this.cursor = new Cursor(this, made("g", {}, this.svg), find("law-readout")); // after the points in the order of Tab
+    this.cursor = new Cursor(this, made("g", {}, this.svg), find("law-readout"), this.closed.signal); // after the points in the order of Tab
     this.files = new Files(root, emit, (words, wrong) => this.say(words, wrong));
     this.tools = new Tools(find("law-tools"), emit, this.files, (words, wrong) => this.say(words, wrong));
     for (const button of root.querySelectorAll(".law-use")) button.addEventListener("click", () => this.use());
@@ -89,7 +90,7 @@ export class Plot {
     for (const end of ["pointerup", "pointercancel"]) {
       svg.addEventListener(end, (event) => {
         this.hand.release(event);
-        this.cursor.held = null;
+        this.cursor.release();
       });
     }
     svg.addEventListener("click", (event) => {
@@ -186,7 +187,7 @@ export class Plot {
     else if (!this.hand.held && this.said !== undefined && this.said !== data.state) this.point(this.hand.focused); // what was said belongs to an earlier text
     if (this.hand.held) this.offer = data.refusal !== "" && data.nearest !== null;
     if (!this.hand.held) this.fit();
-    this.cursor.x = data.cursor;
+    if (!this.cursor.moving) this.cursor.x = data.cursor;
     this.tools.draw(data.tools);
     this.drawLegend();
     this.paint();
@@ -302,6 +303,7 @@ export class Plot {
   }
 
   close() {
+    this.closed.abort();
     this.observer.disconnect();
     this.requests.close();
     this.tools.forget();

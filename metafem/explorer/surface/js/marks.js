@@ -1,5 +1,5 @@
 // The sites of the map as SVG.
-import { element } from "./frame.js";
+import { made } from "metafem-law/svg.js";
 
 // Above this number a redraw of SVG takes longer than a frame of a slow machine.
 export const MOST_ELEMENTS = 2000;
@@ -9,7 +9,7 @@ export const MARKER = 0.42;
 
 export class SvgMarks {
   constructor(svg) {
-    this.group = element("g", {}, svg);
+    this.group = made("g", {}, svg);
     this.sites = [];
   }
 
@@ -18,9 +18,9 @@ export class SvgMarks {
     if (this.sites.length !== layout.x.length) {
       this.group.replaceChildren();
       this.sites = layout.x.map((_, i) => {
-        const group = element("g", { class: "site", "data-site": i }, this.group);
-        const parts = { group, marker: element("circle", { class: "marker" }, group), contact: element("circle", { class: "contact", r: 0 }, group) };
-        return { ...parts, cross: element("path", { class: "cross" }, group), pin: element("path", { class: "pin" }, group), seen: {} };
+        const group = made("g", { class: "site", "data-site": i }, this.group);
+        const parts = { group, marker: made("circle", { class: "marker" }, group), contact: made("circle", { class: "contact", r: 0 }, group) };
+        return { ...parts, cross: made("path", { class: "cross" }, group), pin: made("path", { class: "pin" }, group), seen: {} };
       });
     }
     const [c, p] = [0.45 * r, Math.max(2.5, 0.26 * r)];

@@ -99,12 +99,13 @@ export class Relief {
   }
 
   // Takes the newest data when none have come for a while and the browser has nothing else to do: a picture with each
-  // step of a drag would delay the law where the graphics are computed by the processor.
-  show(layout, surface, contacts, what) {
-    this.newest = { layout, surface, contacts, what };
+  // step of a drag would delay the law where the graphics are computed by the processor. What `moves` is drawn at once.
+  show(layout, surface, contacts, { what, spread, moves }) {
+    this.newest = { layout, surface, contacts, what, spread };
+    clearTimeout(this.timer);
+    if (moves && layout === this.layout) return this.draw();
     const now = performance.now();
     this.since ??= now;
-    clearTimeout(this.timer);
     const idle = window.requestIdleCallback ?? ((call) => call());
     this.timer = setTimeout(() => idle(() => {
       this.since = null;
@@ -113,7 +114,7 @@ export class Relief {
   }
 
   draw() {
-    const { layout, surface, contacts, what } = this.newest;
+    const { layout, surface, contacts, what, spread } = this.newest;
     if (layout !== this.layout) {
       this.layout = layout;
       this.build();
@@ -121,7 +122,7 @@ export class Relief {
     }
     const { THREE, exaggeration: e } = this;
     const dark = document.body.classList.contains("body--dark");
-    const colours = colouring(what, surface, contacts, dark);
+    const colours = colouring(what, surface, contacts, { dark, spread });
     const separation = (contacts?.separation ?? 1e3 * layout.spacing) / 1e3;
     const top = e * separation;
     this.cut.glass.constant = top;
