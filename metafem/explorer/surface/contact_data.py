@@ -24,8 +24,8 @@ def contact_data(design: Design, rescaled_load: float | None, sensitive: bool = 
 
     The data contain the rescaled load [mm^2], the separation [um], and the contact radius [mm], the mean
     contact pressure [MPa] and the load [mN] at each site. If `sensitive`, they also contain the relative
-    change of the friction force with each height [% per um]. Without contacts, they contain only the
-    ``problem``.
+    change of the friction force with each height [% per um]. If no contacts were found, they contain
+    the load and the ``problem``.
     """
     modulus = design.surface.material.composite_modulus
     load = float(design.law.load[-1]) if rescaled_load is None else rescaled_load * modulus
@@ -34,7 +34,10 @@ def contact_data(design: Design, rescaled_load: float | None, sensitive: bool = 
         found = _contacts(design, state)
         return found | (_sensitivity(design, load / modulus, state) if sensitive else {})
     except MetafemError as error:
-        return {"problem": f"At {three_digits(load)} N no contacts were found: {error}"}
+        return {
+            "load": load / modulus,
+            "problem": f"At {three_digits(load)} N no contacts were found: {error}",
+        }
 
 
 def _contacts(design: Design, state: ContactState) -> dict[str, Any]:

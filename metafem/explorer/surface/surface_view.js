@@ -1,5 +1,5 @@
 // The surface: map and picture in three dimensions, with a menu for the sites that are selected.
-import { hear, tell } from "metafem-law/linked.js";
+import { Chosen, hear, tell } from "metafem-law/linked.js";
 import { SiteMap } from "metafem-surface/map.js";
 import { Press, told } from "metafem-surface/press.js";
 import { words } from "metafem-surface/values.js";
@@ -42,16 +42,18 @@ export default {
           <label class="small"><input type="checkbox" v-model="adding"> Select more sites</label>
         </div>
       </div>
-      <div class="box fill" ref="relief" v-show="tab === 'relief'"><p v-if="missing" class="note">{{ missing }}</p></div>
+      <div class="box fill" ref="relief" v-show="tab === 'relief'">
+        <p v-if="missing" class="note">{{ missing }}</p>
+        <div class="row small" v-else>
+          <label>Heights × {{ times }} <input type="range" min="1" :max="most" step="0.5" v-model.number="times" @input="exaggerate" aria-label="Exaggeration of the heights"></label>
+          <button type="button" class="act" :disabled="times === 1" @click="times = 1; exaggerate()">True proportions</button>
+          <button type="button" class="act" @click="reset">Reset the view</button>
+        </div>
+      </div>
       <div class="press">
         <button type="button" class="act main" :disabled="!ready" @click="play">{{ playing ? "❚❚ Pause" : "▶ Press it" }}</button>
         <input type="range" min="0" :max="steps" :value="place" :disabled="!ready" aria-label="Load" :aria-valuetext="told" @input="slide($event, true)" @change="slide($event, false)">
         <span title="Load over the area of all contacts, and load">{{ playing && !running ? "The contacts at all loads are being computed …" : told }}</span>
-      </div>
-      <div class="row small" v-if="tab === 'relief' && !missing">
-        <label>Heights × {{ times }} <input type="range" min="1" :max="most" step="0.5" v-model.number="times" @input="exaggerate" aria-label="Exaggeration of the heights"></label>
-        <button type="button" class="act" :disabled="times === 1" @click="times = 1; exaggerate()">True proportions</button>
-        <button type="button" class="act" @click="reset">Reset the view</button>
       </div>
       <p class="legend spoken" v-if="tab === 'map' && spoken">{{ spoken }}</p>
       <p class="legend" v-else-if="tab === 'map'"><span><i class="disc"></i> contact, to scale</span> <span>◆ kept height</span> <span><i class="ring"></i> empty site, × kept empty</span></p>
@@ -69,15 +71,16 @@ export default {
     // Not reactive: thousands of numbers.
     this.views = {};
     this.layout = this.surface = this.contacts = this.press = null;
+    this.chosen = new Chosen();
     this.closed = new AbortController();
     hear("load", (to) => this.move(to), this.closed.signal);
-    hear("site", (site) => this.point(site), this.closed.signal);
+    hear("sites", (sites) => this.point(sites), this.closed.signal);
   },
   mounted() {
     const map = new SiteMap(this.$refs.map, { hover: (site, event) => this.hover(site, event), pick: (sites, add) => this.pick(sites, add), key: (event) => this.key(event) });
     map.svg.setAttribute("aria-label", `Map of the heights. ${HELP}`);
     map.svg.addEventListener("focus", () => { if (!map.from) this.go(map.active ?? map.next(0, 0)); }); // not by a click
-    map.svg.addEventListener("blur", () => tell("site", null));
+    map.svg.addEventListener("blur", () => tell("sites", []));
     this.views.map = map;
     // The switch between light and dark.
     this.theme = new MutationObserver(() => this.draw());
@@ -98,7 +101,8 @@ export default {
       if (data.height) { // otherwise it is as before
         this.surface = { ...data, empty: new Set(data.empty) };
         this.press = null;
-        this.playing = this.moving = false;
+        this.playing = false;
+        this.chosen = new Chosen();
         tell("entries", null);
         this.radii = typeof data.radius !== "number";
         if (!this.radii && this.what === "radius") {
@@ -111,7 +115,7 @@ export default {
     contact(data) {
       this.line = data.problem ?? "";
       this.note = data.note ?? "";
-      if (!this.moving) this.take(data.problem ? null : data);
+      if (this.chosen.isShownBy(data.load)) this.take(data.problem ? null : data);
     },
     // The contacts at all loads, for the surface that is shown.
     pressed(data) {
@@ -128,10 +132,10 @@ export default {
       this.draw();
     },
     // Follows the load, which is dragged here or in the law, or played.
-    move({ load, moving, playing = false }) {
-      this.moving = moving;
-      this.playing = playing;
-      if (this.press) this.take(this.press.at(load));
+    move(to) {
+      this.chosen.take(to);
+      this.playing = Boolean(to.playing);
+      if (this.press) this.take(this.press.at(to.load));
     },
     slide(event, moving) {
       const [first, last] = this.surface.loads;
@@ -171,11 +175,11 @@ export default {
         if (layout && surface) {
           const fitting = contacts?.radius?.length === layout.x.length ? contacts : null;
           if (this.tab === "map") this.views.map.show(layout, surface, fitting);
-          else this.views.relief?.show(layout, surface, fitting, { what: this.what, spread: this.spread, moves: this.moving });
+          else this.views.relief?.show(layout, surface, fitting, { what: this.what, spread: this.spread, moves: this.chosen.moving });
           this.part = this.views.relief?.left(layout.x.length) ?? "";
           if (this.menu) this.describe();
           if (this.tip) this.tip.lines = this.words(this.tip.site);
-          if (this.spoken) this.spoken = this.words(this.views.map.pointed ?? this.views.map.active).join(", ");
+          if (this.spoken && !this.chosen.moving) this.speak(); // not with each frame of a play
         }
         if (this.number) this.$el.dataset.answered = this.number;
       });
@@ -211,20 +215,24 @@ export default {
     words(site) { return words(site, this.surface, this.contacts, this.press); },
     hover(site, event) {
       if (this.menu || !this.surface) site = null;
-      if (site !== this.views.map.pointed) tell("site", site);
+      tell("sites", site === null ? [] : [site]);
       this.tip = null;
       if (site === null) return;
       const box = this.$refs.map.getBoundingClientRect();
       this.spoken = "";
       this.tip = { site, lines: this.words(site), style: this.beside(event.clientX - box.left, event.clientY - box.top) };
     },
-    // Marks a site, whose tick of the law may be under the pointer.
-    point(site) {
+    // Marks the sites under the pointer, here or at their tick of the law.
+    point(sites) {
       const { map } = this.views;
-      if (!this.surface || map.pointed === site) return;
-      map.pointed = site;
-      this.spoken = site === null ? "" : this.words(site).join(", ");
+      if (!this.surface || sites.join() === [...map.pointed].join()) return;
+      map.pointed = new Set(sites);
+      this.speak();
       map.draw();
+    },
+    speak() {
+      const [first, ...others] = this.views.map.pointed;
+      this.spoken = first === undefined ? "" : others.length ? `${others.length + 1} sites come into contact together` : this.words(first).join(", ");
     },
     // Beside a point, on the side where there is room; or in the corner away from it, where the sites around it stay free.
     beside(x, y, away = false) {
@@ -286,7 +294,8 @@ export default {
       if (select) [map.active, site].forEach((each) => map.selected.add(each));
       map.active = site;
       this.tip = null;
-      tell("site", site);
+      tell("sites", [site]);
+      this.speak();
       map.draw();
     },
     key(event) {

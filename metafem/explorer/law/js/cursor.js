@@ -1,5 +1,5 @@
 // The line under the pointer with the values there, and the load at which the contacts are shown.
-import { hear, tell } from "./linked.js";
+import { Chosen, hear, tell } from "./linked.js";
 import { Rug } from "./rug.js";
 import { made, set } from "./svg.js";
 import { MARGIN, told, valueAt } from "./view.js";
@@ -11,7 +11,7 @@ const [STEPS, LONG] = [100, 10];
 export class Cursor {
   over = null; // where the pointer is [px], or null
   held = null; // the pointer that drags the load, or null
-  moving = false; // whether the load is dragged or played, here or beside the surface
+  chosen = new Chosen();
   x = null;
 
   constructor(plot, group, readout, signal) {
@@ -55,18 +55,18 @@ export class Cursor {
   }
 
   choose(x, moving = false) {
-    const { data } = this.plot;
-    if (data?.achieved) tell("load", { load: x / data.load_scale, moving });
+    const { data, view } = this.plot;
+    const law = data?.achieved;
+    if (law) tell("load", { load: view.roundedX(Math.min(law.x.at(-1), Math.max(law.x[0], x))) / data.load_scale, moving });
   }
 
-  // The server computes the contacts where the load stays; between, the browser interpolates them.
-  take({ load, moving }) {
+  // A load that was chosen here or beside the surface. The server computes the contacts where it stays.
+  take(to) {
     const { view, data } = this.plot;
-    const law = data?.achieved;
-    if (!law) return;
-    this.x = view.roundedX(Math.min(law.x.at(-1), Math.max(law.x[0], load * data.load_scale)));
-    this.moving = moving;
-    if (!moving) this.plot.emit("cursor", { x: this.x });
+    if (!data?.achieved) return;
+    this.chosen.take(to);
+    this.x = to.load * data.load_scale;
+    if (!to.moving) this.plot.emit("cursor", { x: this.x });
     this.draw(view, data);
   }
 

@@ -3,6 +3,7 @@ import { Cursor } from "./cursor.js";
 import { Files } from "./files.js";
 import { Hand } from "./hand.js";
 import { drawLegend } from "./legend.js";
+import { Chosen } from "./linked.js";
 import { Picture } from "./picture.js";
 import { Refusal } from "./refusal.js";
 import { Requests } from "./requests.js";
@@ -168,6 +169,7 @@ export class Plot {
   // Draws an answer. An answer without a band has the one of the answer before.
   draw(data) {
     this.band = data.band === undefined ? this.band : data.band;
+    if (data.state !== this.data?.state) this.cursor.chosen = new Chosen();
     const unknown = data.handles === null; // the text has problems: the last target law stays
     const stays = unknown && this.data?.x.unit === data.x.unit;
     const wanted = stays ? this.data.wanted : data.wanted;
@@ -187,7 +189,7 @@ export class Plot {
     else if (!this.hand.held && this.said !== undefined && this.said !== data.state) this.point(this.hand.focused); // what was said belongs to an earlier text
     if (this.hand.held) this.offer = data.refusal !== "" && data.nearest !== null;
     if (!this.hand.held) this.fit();
-    if (!this.cursor.moving) this.cursor.x = data.cursor;
+    if (this.cursor.chosen.isShownBy(data.cursor / data.load_scale)) this.cursor.x = data.cursor;
     this.tools.draw(data.tools);
     this.drawLegend();
     this.paint();

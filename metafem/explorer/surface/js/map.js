@@ -23,7 +23,7 @@ export class SiteMap {
     this.rectangle = made("rect", { class: "rectangle", visibility: "hidden" }, this.svg);
     this.selected = new Set();
     this.active = null;
-    this.pointed = null; // whose tick of the law is under the pointer
+    this.pointed = new Set(); // those under the pointer, here or at their tick of the law
     this.what = "height";
     this.spread = "value";
     for (const name of ["pointerdown", "pointermove", "pointerup", "pointercancel", "pointerleave"]) {
@@ -71,7 +71,7 @@ export class SiteMap {
       if (surface.empty.has(i)) names.push("asked");
       if (surface.pinned[i] !== undefined) names.push("pinned");
       if (selected.has(i)) names.push("selected");
-      if (this.active === i || this.pointed === i) names.push("active");
+      if (this.active === i || this.pointed.has(i)) names.push("active");
       const fill = colours.shown(i) ? colours.scale.css(colours.values[i]) : height === null ? "none" : dark ? PLAIN.dark : PLAIN.light;
       return { fill, classes: names.join(" "), contact: height === null ? 0 : disc(i) };
     });
