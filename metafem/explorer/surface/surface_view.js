@@ -53,7 +53,7 @@ export default {
       <div class="press">
         <button type="button" class="act main" :disabled="!ready" @click="play">{{ playing ? "❚❚ Pause" : "▶ Press it" }}</button>
         <input type="range" min="0" :max="steps" :value="place" :disabled="!ready" aria-label="Load" :aria-valuetext="told" @input="slide($event, true)" @change="slide($event, false)">
-        <span title="Load over the area of all contacts, and load">{{ playing && !running ? "The contacts at all loads are being computed …" : told }}</span>
+        <span title="Load over the area of all contacts, and load">{{ playing && !known ? "The contacts at all loads are being computed …" : told }}</span>
       </div>
       <p class="legend spoken" v-if="tab === 'map' && spoken">{{ spoken }}</p>
       <p class="legend" v-else-if="tab === 'map'"><span><i class="disc"></i> contact, to scale</span> <span>◆ kept height</span> <span><i class="ring"></i> empty site, × kept empty</span></p>
@@ -64,7 +64,7 @@ export default {
     return {
       tab: "map", what: "height", line: "", message: "", old: false, note: "", tip: null, menu: null, title: "", these: "", kept: "", filled: false, asked: false,
       typed: "", adding: false, missing: "", times: EXAGGERATION.first, most: EXAGGERATION.most, spoken: "",
-      radii: false, part: "", spread: "value", ready: false, playing: false, running: false, steps: SLIDER, place: 0, told: "",
+      radii: false, part: "", spread: "value", ready: false, known: false, playing: false, running: false, steps: SLIDER, place: 0, told: "",
     };
   },
   created() {
@@ -101,9 +101,10 @@ export default {
       if (data.height) { // otherwise it is as before
         this.surface = { ...data, empty: new Set(data.empty) };
         this.press = null;
-        this.playing = false;
+        this.known = false;
         this.chosen = new Chosen();
         tell("entries", null);
+        if (this.playing) tell("load", { load: Math.min(this.contacts.load, data.loads[1]), moving: false });
         this.radii = typeof data.radius !== "number";
         if (!this.radii && this.what === "radius") {
           this.what = "height";
@@ -120,6 +121,7 @@ export default {
     // The contacts at all loads, for the surface that is shown.
     pressed(data) {
       this.press = new Press(data);
+      this.known = true;
       tell("entries", this.press);
       if (this.playing) this.run();
     },
@@ -192,18 +194,19 @@ export default {
     async open(tab) {
       this.tab = tab;
       this.close();
-      if (tab === "relief" && !this.views.relief && !this.missing) {
-        try {
-          const { Relief } = await import("metafem-surface/relief.js");
-          const relief = new Relief(this.$refs.relief, this.times);
-          await relief.start();
-          this.views.relief = relief;
-        } catch (error) {
-          console.warn(error);
-          this.missing = "This browser has no WebGL, so the surface cannot be drawn in three dimensions. The map shows the same heights.";
-        }
-      }
+      if (tab === "relief") await (this.started ??= this.start());
       this.draw();
+    },
+    async start() {
+      try {
+        const { Relief } = await import("metafem-surface/relief.js");
+        const relief = new Relief(this.$refs.relief, this.times);
+        await relief.start();
+        this.views.relief = relief;
+      } catch (error) {
+        console.warn(error);
+        this.missing = "This browser has no WebGL, so the surface cannot be drawn in three dimensions. The map shows the same heights.";
+      }
     },
     recolour() {
       Object.assign(this.views.map, { what: this.what, spread: this.spread });

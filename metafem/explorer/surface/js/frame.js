@@ -1,5 +1,6 @@
 // The frame of the map: scale, axes in mm and the bar of the colours, as SVG.
 import { made } from "metafem-law/svg.js";
+import { ticks as roundTicks } from "metafem-law/view.js";
 import { digits } from "./values.js";
 
 const [LEFT, BOTTOM, TOP, BAR] = [38, 34, 8, 104];
@@ -38,12 +39,9 @@ function barOf({ top, bottom }, height) {
 }
 
 function ticks(low, high, count) {
-  const rough = (high - low) / count;
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * ([1, 2, 5].find((each) => each * power >= rough) ?? 10);
-  const found = [];
-  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) found.push(Number((k * step).toPrecision(12)));
-  return found;
+  const { step } = roundTicks(high - low, count);
+  const first = Math.ceil(low / step - 1e-9);
+  return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, k) => Number(((first + k) * step).toPrecision(12)));
 }
 
 function text(parent, x, y, words, anchor = "middle", turned = "") {

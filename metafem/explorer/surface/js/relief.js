@@ -61,7 +61,6 @@ export class Relief {
 
   end() {
     clearTimeout(this.timer);
-    this.ended = true;
     this.observer?.disconnect();
     this.controls?.dispose();
     this.clear();
@@ -98,19 +97,18 @@ export class Relief {
     });
   }
 
-  // Takes the newest data when none have come for a while and the browser has nothing else to do: a picture with each
-  // step of a drag would delay the law where the graphics are computed by the processor. What `moves` is drawn at once.
+  // Takes the newest data when none have come for a while: a picture with each step of a drag would delay the law where
+  // the graphics are computed by the processor. What `moves` is drawn at once.
   show(layout, surface, contacts, { what, spread, moves }) {
     this.newest = { layout, surface, contacts, what, spread };
     clearTimeout(this.timer);
     if (moves && layout === this.layout) return this.draw();
     const now = performance.now();
     this.since ??= now;
-    const idle = window.requestIdleCallback ?? ((call) => call());
-    this.timer = setTimeout(() => idle(() => {
+    this.timer = setTimeout(() => {
       this.since = null;
-      if (!this.ended) this.draw();
-    }, { timeout: LONGEST }), Math.max(0, Math.min(QUIET, this.since + LONGEST - now)));
+      this.draw();
+    }, Math.max(0, Math.min(QUIET, this.since + LONGEST - now)));
   }
 
   draw() {
