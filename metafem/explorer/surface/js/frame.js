@@ -8,9 +8,6 @@ const [LEFT, BOTTOM, TOP, BAR] = [38, 34, 8, 104];
 // Widths of the colours and of the most frequent class of the histogram [pixels], and number of classes.
 const [COLOURS, FREQUENT, CLASSES] = [10, 22, 48];
 
-// Least height of the bar, with room for its ticks and its name: a map of one row is lower.
-const LEAST_BAR = 180;
-
 // From mm to pixels; one scale for both directions.
 export function viewOf(layout, width, height) {
   const edge = 0.62 * layout.spacing;
@@ -24,18 +21,11 @@ export function viewOf(layout, width, height) {
   return {
     scale,
     box,
-    bar: barOf(box, height),
+    bar: { top: TOP, bottom: Math.max(TOP, height - BOTTOM) }, // a map of one row is lower
     range: [west - edge, east + edge, south - edge, north + edge],
     px: (x) => left + scale * (x - west + edge),
     py: (y) => top + scale * (north + edge - y),
   };
-}
-
-// Top and bottom of the bar, beside the middle of the map.
-function barOf({ top, bottom }, height) {
-  const half = Math.max(bottom - top, Math.min(LEAST_BAR, height - TOP - BOTTOM)) / 2;
-  const middle = Math.max(TOP + half, Math.min(height - BOTTOM - half, (top + bottom) / 2));
-  return { top: middle - half, bottom: middle + half };
 }
 
 function ticks(low, high, count) {

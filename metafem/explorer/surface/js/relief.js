@@ -7,6 +7,9 @@ export const MOST_CAPS = 20000;
 // Direction from which the camera looks first, and its field of view [degrees].
 const [FROM, FIELD] = [[-0.55, -1, 0.8], 32];
 
+// Speed of the arrow keys, and step of the wheel that plus and minus are.
+const [TURN, WHEEL] = [5, 100];
+
 // Milliseconds without new data after which the picture is drawn, and after which it is drawn in any case.
 const [QUIET, LONGEST] = [200, 1000];
 
@@ -54,6 +57,8 @@ export class Relief {
     this.controls.maxPolarAngle = 0.495 * Math.PI;
     this.controls.addEventListener("change", () => this.render());
     canvas.addEventListener("keydown", (event) => this.key(event));
+    this.controls.listenToKeyEvents(canvas);
+    this.controls.keyRotateSpeed = TURN;
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.box);
     this.cut = { base: new THREE.Plane(new THREE.Vector3(0, 0, 1), 0), glass: new THREE.Plane(new THREE.Vector3(0, 0, -1), 1) };
@@ -209,25 +214,15 @@ export class Relief {
     if (this.layout) this.draw();
   }
 
+  // Arrow keys turn the picture, as in OrbitControls with Shift; plus and minus are its wheel.
   key(event) {
-    const turns = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] };
-    const nearer = { "+": 0.85, "-": 1 / 0.85 }[event.key] ?? 1;
+    const canvas = this.renderer.domElement;
+    const nearer = { "+": -1, "-": 1 }[event.key];
     if (event.key === "Home") this.reset();
-    else if (turns[event.key] || nearer !== 1) this.turn(...(turns[event.key] ?? [0, 0]), nearer);
+    else if (nearer) canvas.dispatchEvent(new WheelEvent("wheel", { deltaY: WHEEL * nearer, cancelable: true }));
+    else if (event.key.startsWith("Arrow") && !event.shiftKey) canvas.dispatchEvent(new KeyboardEvent("keydown", { key: event.key, code: event.code, shiftKey: true, cancelable: true }));
     else return;
     event.preventDefault();
-  }
-
-  // Turns the camera around the middle, within what the mouse can reach.
-  turn(around, down, nearer) {
-    const { camera, controls, THREE } = this;
-    const away = camera.position.clone().sub(controls.target);
-    const radius = nearer * away.length();
-    const polar = Math.min(controls.maxPolarAngle, Math.max(0.02, Math.acos(away.z / away.length()) + down));
-    const azimuth = Math.atan2(away.y, away.x) + around;
-    const flat = radius * Math.sin(polar);
-    camera.position.set(flat * Math.cos(azimuth), flat * Math.sin(azimuth), radius * Math.cos(polar)).add(controls.target);
-    controls.update();
-    this.render();
+    event.stopImmediatePropagation();
   }
 }
