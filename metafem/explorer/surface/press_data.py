@@ -76,7 +76,8 @@ def _curves(design: Design) -> list[Curve]:
     intervals = INTERVALS
     while intervals > 1 and intervals * 2 * design.template.count > MOST_VALUES:
         intervals //= 2
-    loads = np.linspace(*design.law.rescaled_load[[0, -1]], intervals + 1)
+    load = design.law.rescaled_load
+    loads = np.linspace(load[0], load[-1], intervals + 1)
     found: dict[int, Curve] = {}
     start = time.monotonic()
     # k & -k is the largest power of two that divides k
