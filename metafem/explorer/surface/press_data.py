@@ -43,6 +43,8 @@ def press_data(design: Design) -> dict[str, Any]:
     """
     surface, model, law = design.surface, design.law.model, design.law
     curves = _curves(design)
+    if not curves:
+        return {"exact": False, "entry": [], "states": []}
     top, modulus = float(surface.height.max()), surface.material.composite_modulus
     adhesive = contact_of(model).bound(surface).adhesive
     exact = not (model.couples or adhesive)
@@ -87,7 +89,7 @@ def _curves(design: Design) -> list[Curve]:
         try:
             curve = design.law.model.curve(design.surface, loads[k : k + 1])
         except MetafemError:
-            continue  # the law beside it says why a load has no contacts
+            continue  # the states at the other loads are enough
         if curve.converged:
             found[k] = curve
     return [found[k] for k in sorted(found)]

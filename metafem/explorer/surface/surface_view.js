@@ -120,9 +120,10 @@ export default {
     },
     // The contacts at all loads, for the surface that is shown.
     pressed(data) {
-      this.press = new Press(data);
+      this.press = data.states.length ? new Press(data) : null;
       this.known = true;
       tell("entries", this.press);
+      this.playing &&= Boolean(this.press);
       if (this.playing) this.run();
     },
     take(contacts) {

@@ -90,3 +90,11 @@ def test_large_and_slow_surfaces_have_fewer_states(design, monkeypatch):
     monkeypatch.setattr(module, "LONGEST", 0.0)
     loads = [state["load"] for state in press_data(design)["states"]]
     np.testing.assert_allclose(loads, design.law.rescaled_load[[0, -1]], rtol=1e-5)
+
+
+def test_a_model_without_a_state_has_no_entry_loads(design, monkeypatch):
+    def refused(*given):
+        raise mf.InvalidInput("no load is possible")
+
+    monkeypatch.setattr(mf.Independent, "curve", refused)
+    assert press_data(design) == {"exact": False, "entry": [], "states": []}
