@@ -36,6 +36,7 @@ NAMES = {
     "law.others": "other_law",
     "surface.surface_data": "site_data layout_data",
     "surface.contact_data": "contact_data",
+    "surface.press_data": "press_data",
     "surface.edits": "edited",
     "workshop.changes": "with_choice with_section without_section",
     "workshop.form": "contents",

@@ -139,10 +139,11 @@ def test_models_that_are_computed_stand_in_the_legend(visit):
 def test_small_values_leave_a_power_of_ten_to_the_unit_of_their_bar(visit):
     texts = visit.page.evaluate(
         """async () => {
-          const { drawBar, element } = await import('metafem-surface/frame.js');
-          const [parent, view] = [element('g'), { bar: { top: 0, bottom: 100 }, box: { right: 0 } }];
+          const { drawBar } = await import('metafem-surface/frame.js');
+          const { made } = await import('metafem-law/svg.js');
+          const [parent, view] = [made('g'), { bar: { top: 0, bottom: 100 }, box: { right: 0 } }];
           const scale = { low: -0.0002, high: 0.0002, css: () => 'red' };
-          drawBar(parent, view, { name: 'change', unit: '%', scale });
+          drawBar(parent, view, { name: 'change', unit: '%', scale, present: [] });
           return [...parent.querySelectorAll('text')].map(each => each.textContent);
         }"""
     )

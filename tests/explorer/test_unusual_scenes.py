@@ -10,6 +10,7 @@ from metafem.explorer.certainty.panel_data import figure_data
 from metafem.explorer.law.law_data import law_data
 from metafem.explorer.session import State
 from metafem.explorer.surface.contact_data import contact_data
+from metafem.explorer.surface.press_data import press_data
 from metafem.explorer.surface.surface_data import layout_data, site_data
 from metafem.explorer.text.document import Document
 from metafem.files import demo_text
@@ -64,8 +65,13 @@ def test_a_scene_is_shown_or_refused_in_words(scene):
     shown.append(figure_data(answer))
     if design is not None:
         contacts = contact_data(design, None, sensitive=True)
-        assert f"of {design.surface.count:,} asperities in contact" in contacts["words"]
-        shown += [layout_data(design), contacts]
+        assert sum(radius is not None for radius in contacts["radius"]) == design.surface.count
+        pressed = press_data(design)
+        assert len(pressed["states"]) > 1
+        assert sum(load is not None for load in pressed["entry"]) == np.count_nonzero(
+            [radius or 0.0 for radius in pressed["states"][-1]["area"]]
+        )
+        shown += [layout_data(design), contacts, pressed]
     read = json.loads(json.dumps(shown, allow_nan=False))
     assert read[0]["refusal"] == answer.refused
     assert len(json.dumps(read[0])) < 2e4

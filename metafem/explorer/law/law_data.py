@@ -45,6 +45,7 @@ def law_data(answer: Answer) -> dict[str, Any]:
         "undecided": answer.undecided,
         # None if the text has problems, because its handles are then unknown
         "handles": None if target is None else [_handle(handle, units) for handle in handles],
+        "load_scale": own.load,  # units of the load axis per rescaled load
         "cursor": None if answer.state.load is None else numbers([own.load * answer.state.load], EDITED)[0],
     }
     if answer.design is not None:

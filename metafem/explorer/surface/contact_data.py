@@ -22,9 +22,10 @@ RADIUS_DECIMALS, PRESSURE_DECIMALS, LOAD_DECIMALS, SENSITIVITY_DECIMALS = 4, 5, 
 def contact_data(design: Design, rescaled_load: float | None, sensitive: bool = False) -> dict[str, Any]:
     """Return the contacts under the model of the design at a load; default: the largest load of its law.
 
-    The data contain the contact radius [mm], the mean contact pressure [MPa] and the load [mN] at each site,
-    and the separation [um]. If `sensitive`, they also contain the relative change of the friction force with
-    each height [% per um].
+    The data contain the rescaled load [mm^2], the separation [um], and the contact radius [mm], the mean
+    contact pressure [MPa] and the load [mN] at each site. If `sensitive`, they also contain the relative
+    change of the friction force with each height [% per um]. If no contacts were found, they contain
+    the load and the ``problem``.
     """
     modulus = design.surface.material.composite_modulus
     load = float(design.law.load[-1]) if rescaled_load is None else rescaled_load * modulus
@@ -33,7 +34,10 @@ def contact_data(design: Design, rescaled_load: float | None, sensitive: bool = 
         found = _contacts(design, state)
         return found | (_sensitivity(design, load / modulus, state) if sensitive else {})
     except MetafemError as error:
-        return {"words": f"At {three_digits(load)} N no contacts were found: {error}"}
+        return {
+            "load": load / modulus,
+            "problem": f"At {three_digits(load)} N no contacts were found: {error}",
+        }
 
 
 def _contacts(design: Design, state: ContactState) -> dict[str, Any]:
@@ -41,21 +45,12 @@ def _contacts(design: Design, state: ContactState) -> dict[str, Any]:
     closed = area > 0.0
     pressure = np.divide(load, area, out=np.zeros_like(load), where=closed)
     return {
-        "words": _words(design, state),
+        "load": state.load / design.surface.material.composite_modulus,
         "separation": MICROMETRES * state.separation,
         "radius": at_sites(design, np.sqrt(area / np.pi), RADIUS_DECIMALS),
         "pressure": at_sites(design, pressure, PRESSURE_DECIMALS),
         "force": at_sites(design, MILLINEWTONS * load, LOAD_DECIMALS),
     }
-
-
-def _words(design: Design, state: ContactState) -> str:
-    closed, count = int(np.count_nonzero(state.asperity_area)), design.surface.count
-    empty = design.template.count - count
-    words = f"At {three_digits(state.load)} N: {closed:,} of {count:,} asperities in contact"
-    if empty:
-        words += f", {empty:,} {'site is' if empty == 1 else 'sites are'} empty"
-    return words + "."
 
 
 def _sensitivity(design: Design, rescaled_load: float, state: ContactState) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from metafem.explorer.queue import Queue
 from metafem.explorer.session import State
 from metafem.explorer.surface.contact_data import contact_data
 from metafem.explorer.surface.edits import edited
+from metafem.explorer.surface.press_data import press_data
 from metafem.explorer.surface.surface_data import layout_data, message_data, same_layout, site_data
 from metafem.explorer.surface.surface_view import SurfaceView
 from metafem.inversion import Design
@@ -19,6 +20,12 @@ from metafem.surface import Surface
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
+
+# An answer, and whether its contacts at all loads are computed, or those at the load of its state.
+Request = tuple[Answer, bool]
+
+# The design of a request, whether it is pressed, and the data of its contacts.
+Shown = tuple[Design, bool, dict[str, Any]]
 
 STYLE = Path(__file__).with_name("surface.css")
 
@@ -29,9 +36,10 @@ class Views:
     def __init__(self, page: Page) -> None:
         self.page = page
         self.view = SurfaceView()
-        self.contacts: Queue[Answer, dict[str, Any]] = Queue(
-            self._contacts, self.view.contact, lambda _, error: page.wrong(error)
+        self.contacts: Queue[Request, Shown] = Queue(
+            self._contacts, self._shown, lambda _, error: page.wrong(error), better=self._pressed_of
         )
+        self.pressed: Design | None = None
         self.template: Surface | None = None
         self.shown: tuple[Design | None, str] = (None, "")
         self.sensitive = False
@@ -51,15 +59,33 @@ class Views:
 
     def show(self, answer: Answer, data: dict[str, Any]) -> None:
         """Show the surface of an answer."""
+        if "height" in data:
+            self.pressed = None
         if answer.design is not None:
             self.template = answer.design.template
-            self.contacts.put(answer)
+            self.contacts.put((answer, False))
         self.shown = answer.design, answer.state.text
         self.view.show(data)
 
-    def _contacts(self, answer: Answer) -> dict[str, Any]:
-        assert answer.design is not None
-        return contact_data(answer.design, answer.state.load, self.sensitive)
+    def _contacts(self, request: Request) -> Shown:
+        answer, pressed = request
+        design = answer.design
+        assert design is not None
+        data = press_data(design) if pressed else contact_data(design, answer.state.load, self.sensitive)
+        return design, pressed, data
+
+    def _shown(self, found: Shown) -> None:
+        design, pressed, data = found
+        if not pressed:
+            self.view.contact(data)
+        elif design is self.shown[0]:
+            self.pressed = design
+            self.view.press(data)
+
+    def _pressed_of(self, request: Request) -> Request | None:
+        """Return the request for the contacts at all loads, which follows when the surface stays as it is."""
+        answer, pressed = request
+        return None if pressed or answer.draft or answer.design is self.pressed else (answer, True)
 
     async def _edit(self, given: Any) -> None:
         """Fix, empty or release sites, as chosen in the menu."""
@@ -72,7 +98,7 @@ class Views:
     def _colour(self, given: Any) -> None:
         self.sensitive = given == "sensitivity"
         if self.sensitive and self.page.answer.design is not None:
-            self.contacts.put(self.page.answer)
+            self.contacts.put((self.page.answer, False))
 
 
 def surface_panel(page: Page) -> None:

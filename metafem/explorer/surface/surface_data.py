@@ -49,7 +49,8 @@ def site_data(answer: Answer) -> dict[str, Any]:
     """Return the heights [um] and radii [mm] at the sites, None at sites without an asperity.
 
     ``pinned`` contains the fixed heights as written, by site; ``empty`` the sites that the specification
-    leaves empty; ``limits`` the smallest and the largest height of the colour scale [um].
+    leaves empty; ``limits`` the smallest and the largest height of the colour scale [um]; ``loads`` the
+    smallest and the largest rescaled load of the law [mm^2]; ``modulus`` the composite modulus [MPa].
     """
     data: dict[str, Any] = message_data(answer)
     design = answer.design
@@ -67,6 +68,8 @@ def site_data(answer: Answer) -> dict[str, Any]:
         "pinned": {str(site): height for site, height in asked.pinned.items() if site < count},
         "empty": sorted(site for site in asked.empty if site < count),
         "limits": [low, high],
+        "loads": design.law.rescaled_load[[0, -1]].tolist(),
+        "modulus": design.surface.material.composite_modulus,
     }
 
 

@@ -1,9 +1,14 @@
 // The surface: map and picture in three dimensions, with a menu for the sites that are selected.
+import { Chosen, hear, tell } from "metafem-law/linked.js";
 import { SiteMap } from "metafem-surface/map.js";
+import { Press, told } from "metafem-surface/press.js";
 import { words } from "metafem-surface/values.js";
 
 // First and largest exaggeration of the heights in 3D.
 const EXAGGERATION = { first: 4, most: 20 };
+
+// Milliseconds from the smallest to the largest load; steps of the slider; and steps instead of motion.
+const [PLAY, SLIDER, STILL] = [6000, 250, 5];
 
 const HELP = "Arrow keys move between the sites, with Shift they select. Enter opens the menu, p keeps the height, e leaves the site empty, r lets the design choose, Escape ends the selection.";
 const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
@@ -17,13 +22,13 @@ export default {
       <div class="head"><h2>Surface</h2>
         <label class="small">Colour <select class="text" v-model="what" @change="recolour" aria-label="Colour of the sites">
           <option value="height">height</option><option v-if="radii" value="radius">radius</option><option value="pressure">contact pressure</option><option value="sensitivity">sensitivity</option>
-        </select></label>
+        </select> <select class="text" v-model="spread" @change="recolour" aria-label="Spread of the colours"><option value="value">by value</option><option value="quantile">by quantile</option></select></label>
         <div class="choice" role="tablist" aria-label="View of the surface" @keydown.left.prevent="turn($event)" @keydown.right.prevent="turn($event)">
           <button v-for="[name, label] in [['map', 'Map'], ['relief', '3D']]" type="button" role="tab" :aria-selected="tab === name ? 'true' : 'false'" :tabindex="tab === name ? 0 : -1"
                   @click="open(name)">{{ label }}</button>
         </div>
       </div>
-      <div class="small line" role="status"><p v-if="message" class="wrong">{{ message }}</p><p v-if="line && !(message && old)">{{ line }} {{ note }}</p></div>
+      <div class="small line" role="status"><p v-if="message" class="wrong">{{ message }}</p><p v-if="(line || note) && !(message && old)">{{ line }} {{ note }}</p></div>
       <div class="box fill" ref="map" v-show="tab === 'map'" @keydown.esc="close">
         <div v-if="tip" class="tip" :style="tip.style"><div v-for="each in tip.lines">{{ each }}</div></div>
         <div v-if="menu" class="menu" role="dialog" :aria-label="title" :style="menu" ref="menu">
@@ -37,11 +42,18 @@ export default {
           <label class="small"><input type="checkbox" v-model="adding"> Select more sites</label>
         </div>
       </div>
-      <div class="box fill" ref="relief" v-show="tab === 'relief'"><p v-if="missing" class="note">{{ missing }}</p></div>
-      <div class="row small" v-if="tab === 'relief' && !missing">
-        <label>Heights × {{ times }} <input type="range" min="1" :max="most" step="0.5" v-model.number="times" @input="exaggerate" aria-label="Exaggeration of the heights"></label>
-        <button type="button" class="act" :disabled="times === 1" @click="times = 1; exaggerate()">True proportions</button>
-        <button type="button" class="act" @click="reset">Reset the view</button>
+      <div class="box fill" ref="relief" v-show="tab === 'relief'">
+        <p v-if="missing" class="note">{{ missing }}</p>
+        <div class="row small" v-else>
+          <label>Heights × {{ times }} <input type="range" min="1" :max="most" step="0.5" v-model.number="times" @input="exaggerate" aria-label="Exaggeration of the heights"></label>
+          <button type="button" class="act" :disabled="times === 1" @click="times = 1; exaggerate()">True proportions</button>
+          <button type="button" class="act" @click="reset">Reset the view</button>
+        </div>
+      </div>
+      <div class="press">
+        <button type="button" class="act main" :disabled="!ready" @click="play">{{ playing ? "❚❚ Pause" : "▶ Press it" }}</button>
+        <input type="range" min="0" :max="steps" :value="place" :disabled="!ready" aria-label="Load" :aria-valuetext="told" @input="slide($event, true)" @change="slide($event, false)">
+        <span title="Load over the area of all contacts, and load">{{ playing && !known ? "The contacts at all loads are being computed …" : told }}</span>
       </div>
       <p class="legend spoken" v-if="tab === 'map' && spoken">{{ spoken }}</p>
       <p class="legend" v-else-if="tab === 'map'"><span><i class="disc"></i> contact, to scale</span> <span>◆ kept height</span> <span><i class="ring"></i> empty site, × kept empty</span></p>
@@ -52,25 +64,31 @@ export default {
     return {
       tab: "map", what: "height", line: "", message: "", old: false, note: "", tip: null, menu: null, title: "", these: "", kept: "", filled: false, asked: false,
       typed: "", adding: false, missing: "", times: EXAGGERATION.first, most: EXAGGERATION.most, spoken: "",
-      radii: false, part: "",
+      radii: false, part: "", spread: "value", ready: false, known: false, playing: false, running: false, steps: SLIDER, place: 0, told: "",
     };
   },
   created() {
     // Not reactive: thousands of numbers.
     this.views = {};
-    this.layout = this.surface = this.contacts = null;
+    this.layout = this.surface = this.contacts = this.press = null;
+    this.chosen = new Chosen();
+    this.closed = new AbortController();
+    hear("load", (to) => this.move(to), this.closed.signal);
+    hear("sites", (sites) => this.point(sites), this.closed.signal);
   },
   mounted() {
     const map = new SiteMap(this.$refs.map, { hover: (site, event) => this.hover(site, event), pick: (sites, add) => this.pick(sites, add), key: (event) => this.key(event) });
     map.svg.setAttribute("aria-label", `Map of the heights. ${HELP}`);
     map.svg.addEventListener("focus", () => { if (!map.from) this.go(map.active ?? map.next(0, 0)); }); // not by a click
-    map.svg.addEventListener("blur", () => { this.spoken = ""; });
+    map.svg.addEventListener("blur", () => tell("sites", []));
     this.views.map = map;
     // The switch between light and dark.
     this.theme = new MutationObserver(() => this.draw());
     this.theme.observe(document.body, { attributes: true, attributeFilter: ["class"] });
   },
   unmounted() {
+    this.playing = false;
+    this.closed.abort();
     this.theme.disconnect();
     Object.values(this.views).forEach((each) => each.end());
   },
@@ -82,6 +100,11 @@ export default {
       this.number = data.number;
       if (data.height) { // otherwise it is as before
         this.surface = { ...data, empty: new Set(data.empty) };
+        this.press = null;
+        this.known = false;
+        this.chosen = new Chosen();
+        tell("entries", null);
+        if (this.playing) tell("load", { load: Math.min(this.contacts.load, data.loads[1]), moving: false });
         this.radii = typeof data.radius !== "number";
         if (!this.radii && this.what === "radius") {
           this.what = "height";
@@ -91,10 +114,60 @@ export default {
       this.draw();
     },
     contact(data) {
-      this.contacts = data;
-      this.line = data.words;
+      this.line = data.problem ?? "";
       this.note = data.note ?? "";
+      if (this.chosen.isShownBy(data.load)) this.take(data.problem ? null : data);
+    },
+    // The contacts at all loads, for the surface that is shown.
+    pressed(data) {
+      this.press = data.states.length ? new Press(data) : null;
+      this.known = true;
+      tell("entries", this.press);
+      this.playing &&= Boolean(this.press);
+      if (this.playing) this.run();
+    },
+    take(contacts) {
+      this.contacts = contacts;
+      this.ready = Boolean(contacts);
+      this.told = contacts ? told(contacts, this.surface.modulus) : "";
+      const [first, last] = this.surface.loads;
+      if (contacts) this.place = Math.round((SLIDER * (contacts.load - first)) / (last - first || 1));
       this.draw();
+    },
+    // Follows the load, which is dragged here or in the law, or played.
+    move(to) {
+      this.chosen.take(to);
+      this.playing = Boolean(to.playing);
+      if (this.press) this.take(this.press.at(to.load));
+    },
+    slide(event, moving) {
+      const [first, last] = this.surface.loads;
+      tell("load", { load: first + (event.target.value / SLIDER) * (last - first), moving });
+    },
+    async play() {
+      if (this.playing) return tell("load", { load: this.contacts.load, moving: false });
+      this.playing = true;
+      await this.open("relief");
+      if (this.missing) this.tab = "map";
+      if (this.press) this.run();
+    },
+    run() {
+      if (this.running) return;
+      const [first, last] = this.surface.loads;
+      const from = this.contacts.load < last ? this.contacts.load : first;
+      const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+      let start = null;
+      const frame = (now) => {
+        this.running = this.playing;
+        if (!this.playing) return;
+        start ??= now - (PLAY * (from - first)) / (last - first || 1);
+        let part = Math.min(1, (now - start) / PLAY);
+        if (still) part = Math.ceil(STILL * part) / STILL;
+        tell("load", { load: first + part * (last - first), moving: part < 1, playing: part < 1 });
+        requestAnimationFrame(frame);
+      };
+      this.running = true;
+      requestAnimationFrame(frame);
     },
     // Once for each frame, after the law.
     draw() {
@@ -105,10 +178,11 @@ export default {
         if (layout && surface) {
           const fitting = contacts?.radius?.length === layout.x.length ? contacts : null;
           if (this.tab === "map") this.views.map.show(layout, surface, fitting);
-          else this.views.relief?.show(layout, surface, fitting, this.what);
+          else this.views.relief?.show(layout, surface, fitting, { what: this.what, spread: this.spread, moves: this.chosen.moving });
           this.part = this.views.relief?.left(layout.x.length) ?? "";
           if (this.menu) this.describe();
-          if (this.spoken) this.spoken = words(this.views.map.active, surface, fitting).join(", ");
+          if (this.tip) this.tip.lines = this.words(this.tip.site);
+          if (this.spoken && !this.chosen.moving) this.speak(); // not with each frame of a play
         }
         if (this.number) this.$el.dataset.answered = this.number;
       });
@@ -121,31 +195,48 @@ export default {
     async open(tab) {
       this.tab = tab;
       this.close();
-      if (tab === "relief" && !this.views.relief && !this.missing) {
-        try {
-          const { Relief } = await import("metafem-surface/relief.js");
-          const relief = new Relief(this.$refs.relief, this.times);
-          await relief.start();
-          this.views.relief = relief;
-        } catch (error) {
-          console.warn(error);
-          this.missing = "This browser has no WebGL, so the surface cannot be drawn in three dimensions. The map shows the same heights.";
-        }
-      }
+      if (tab === "relief") await (this.started ??= this.start());
       this.draw();
     },
+    async start() {
+      try {
+        const { Relief } = await import("metafem-surface/relief.js");
+        const relief = new Relief(this.$refs.relief, this.times);
+        await relief.start();
+        this.views.relief = relief;
+      } catch (error) {
+        console.warn(error);
+        this.missing = "This browser has no WebGL, so the surface cannot be drawn in three dimensions. The map shows the same heights.";
+      }
+    },
     recolour() {
-      this.views.map.what = this.what;
+      Object.assign(this.views.map, { what: this.what, spread: this.spread });
       this.$emit("colour", this.what);
       this.draw();
     },
     reset() { this.views.relief?.reset(); },
     exaggerate() { this.views.relief?.exaggerate(this.times); },
+    words(site) { return words(site, this.surface, this.contacts, this.press); },
     hover(site, event) {
-      if (site === null || this.menu || !this.surface) { this.tip = null; return; }
+      if (this.menu || !this.surface) site = null;
+      tell("sites", site === null ? [] : [site]);
+      this.tip = null;
+      if (site === null) return;
       const box = this.$refs.map.getBoundingClientRect();
       this.spoken = "";
-      this.tip = { lines: words(site, this.surface, this.contacts), style: this.beside(event.clientX - box.left, event.clientY - box.top) };
+      this.tip = { site, lines: this.words(site), style: this.beside(event.clientX - box.left, event.clientY - box.top) };
+    },
+    // Marks the sites under the pointer, here or at their tick of the law.
+    point(sites) {
+      const { map } = this.views;
+      if (!this.surface || sites.join() === [...map.pointed].join()) return;
+      map.pointed = new Set(sites);
+      this.speak();
+      map.draw();
+    },
+    speak() {
+      const [first, ...others] = this.views.map.pointed;
+      this.spoken = first === undefined ? "" : others.length ? `${others.length + 1} sites come into contact together` : this.words(first).join(", ");
     },
     // Beside a point, on the side where there is room; or in the corner away from it, where the sites around it stay free.
     beside(x, y, away = false) {
@@ -206,9 +297,9 @@ export default {
       if (site === null || !this.surface) return;
       if (select) [map.active, site].forEach((each) => map.selected.add(each));
       map.active = site;
-      const lines = words(site, this.surface, this.contacts);
-      this.spoken = lines.join(", ");
       this.tip = null;
+      tell("sites", [site]);
+      this.speak();
       map.draw();
     },
     key(event) {

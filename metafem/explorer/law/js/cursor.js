@@ -1,4 +1,6 @@
 // The line under the pointer with the values there, and the load at which the contacts are shown.
+import { Chosen, hear, tell } from "./linked.js";
+import { Rug } from "./rug.js";
 import { made, set } from "./svg.js";
 import { MARGIN, told, valueAt } from "./view.js";
 
@@ -9,14 +11,18 @@ const [STEPS, LONG] = [100, 10];
 export class Cursor {
   over = null; // where the pointer is [px], or null
   held = null; // the pointer that drags the load, or null
+  chosen = new Chosen();
   x = null;
 
-  constructor(plot, group, readout) {
+  constructor(plot, group, readout, signal) {
     this.plot = plot;
     this.readout = readout;
+    this.rug = new Rug(group, () => { if (plot.data) this.draw(plot.view, plot.data); }, signal);
+    hear("load", (to) => this.take(to), signal);
     this.hair = made("line", { class: "hair", "aria-hidden": "true" }, group);
     this.dot = made("circle", { class: "hair-dot", r: 4, "aria-hidden": "true" }, group);
     this.line = made("line", { class: "load", "aria-hidden": "true" }, group);
+    this.reached = made("circle", { class: "load-dot", r: 5, "aria-hidden": "true" }, group);
     this.knob = made("g", { class: "load-knob", tabindex: 0, role: "slider" }, group);
     // below the axis, so that it does not cover a point there
     made("rect", { class: "touch", x: -22, y: 0, width: 44, height: 44 }, this.knob);
@@ -39,16 +45,28 @@ export class Cursor {
 
   follow(event) {
     if (this.held !== event.pointerId) return false;
-    this.choose(this.plot.view.atX(this.plot.pointOf(event).x));
+    this.choose(this.plot.view.atX(this.plot.pointOf(event).x), true);
     return true;
   }
 
-  choose(x) {
-    const { view, data } = this.plot;
+  release() {
+    if (this.held !== null) this.choose(this.load);
+    this.held = null;
+  }
+
+  choose(x, moving = false) {
+    const { data, view } = this.plot;
     const law = data?.achieved;
-    if (!law) return;
-    this.x = view.roundedX(Math.min(law.x.at(-1), Math.max(law.x[0], x)));
-    this.plot.emit("cursor", { x: this.x });
+    if (law) tell("load", { load: view.roundedX(Math.min(law.x.at(-1), Math.max(law.x[0], x))) / data.load_scale, moving });
+  }
+
+  // A load that was chosen here or beside the surface. The server computes the contacts where it stays.
+  take(to) {
+    const { view, data } = this.plot;
+    if (!data?.achieved) return;
+    this.chosen.take(to);
+    this.x = to.load * data.load_scale;
+    if (!to.moving) this.plot.emit("cursor", { x: this.x });
     this.draw(view, data);
   }
 
@@ -65,10 +83,14 @@ export class Cursor {
     const y = inside ? valueAt(data.achieved, x) : null;
     set(this.hair, { x1: view.px(x ?? 0), x2: view.px(x ?? 0), y1: MARGIN.top, y2: view.bottom, visibility: inside ? null : "hidden" });
     set(this.dot, { cx: view.px(x ?? 0), cy: view.py(y ?? 0), visibility: y === null ? "hidden" : null });
-    this.readout.textContent = inside ? `${this.values(x)}${y === null ? "" : " (achieved law)"}` : "";
+    if (data) this.rug.follow(this.over, view, data.load_scale);
+    const entry = data ? this.rug.draw(view, data) : "";
+    this.readout.textContent = entry || (inside ? `${this.values(x)}${y === null ? "" : " (achieved law)"}` : "");
     const load = this.load;
     const shown = load !== null && load <= view.x;
     set(this.line, { x1: view.px(load ?? 0), x2: view.px(load ?? 0), y1: MARGIN.top, y2: view.bottom, visibility: shown ? null : "hidden" });
+    const height = shown ? valueAt(data?.achieved, load) : null;
+    set(this.reached, { cx: view.px(load ?? 0), cy: view.py(height ?? 0), visibility: height === null ? "hidden" : null });
     set(this.knob, {
       transform: `translate(${view.px(load ?? 0).toFixed(2)} ${view.bottom})`, visibility: shown ? null : "hidden",
       "aria-label": "load at which contacts are shown", "aria-valuenow": load ?? 0, "aria-valuemin": 0,

@@ -3,6 +3,7 @@ import { Cursor } from "./cursor.js";
 import { Files } from "./files.js";
 import { Hand } from "./hand.js";
 import { drawLegend } from "./legend.js";
+import { Chosen } from "./linked.js";
 import { Picture } from "./picture.js";
 import { Refusal } from "./refusal.js";
 import { remember } from "metafem-workshop/remember.js";
@@ -37,6 +38,7 @@ export class Plot {
   received = 0;
   answered = 0;
   unsent = null; // the move that waits behind the request under way
+  closed = new AbortController();
 
   constructor(root, emit) {
     const find = (name) => root.querySelector(`.${name}`);
@@ -45,7 +47,7 @@ export class Plot {
     this.refusal = new Refusal(find("law-refusal"), () => this.paint());
     this.picture = new Picture(this.svg);
     this.hand = new Hand(this, made("g", {}, this.svg));
-    this.cursor = new Cursor(this, made("g", {}, this.svg), find("law-readout")); // after the points in the order of Tab
+    this.cursor = new Cursor(this, made("g", {}, this.svg), find("law-readout"), this.closed.signal); // after the points in the order of Tab
     this.files = new Files(root, emit, (words, wrong) => this.say(words, wrong));
     this.tools = new Tools(find("law-tools"), emit, this.files, (words, wrong) => this.say(words, wrong));
     for (const button of root.querySelectorAll(".law-use")) button.addEventListener("click", () => this.use());
@@ -94,7 +96,7 @@ export class Plot {
     for (const end of ["pointerup", "pointercancel"]) {
       svg.addEventListener(end, (event) => {
         this.hand.release(event);
-        this.cursor.held = null;
+        this.cursor.release();
       });
     }
     svg.addEventListener("click", (event) => {
@@ -198,6 +200,7 @@ export class Plot {
   // Draws an answer. An answer without a band has the one of the answer before.
   draw(data) {
     this.band = data.band === undefined ? this.band : data.band;
+    if (data.state !== this.data?.state) this.cursor.chosen = new Chosen();
     const unknown = data.handles === null; // the text has problems: the last target law stays
     const stays = unknown && this.data?.x.unit === data.x.unit;
     const wanted = stays ? this.data.wanted : data.wanted;
@@ -216,7 +219,7 @@ export class Plot {
     else if (!this.hand.held && this.said !== undefined && this.said !== data.state) this.point(this.hand.focused); // what was said belongs to an earlier text
     if (this.hand.held) this.offer = data.refusal !== "" && data.nearest !== null;
     if (!this.hand.held) this.fit();
-    this.cursor.x = data.cursor;
+    if (this.cursor.chosen.isShownBy(data.cursor / data.load_scale)) this.cursor.x = data.cursor;
     this.tools.draw(data.tools);
     this.drawLegend();
     this.paint();
@@ -330,6 +333,7 @@ export class Plot {
   }
 
   close() {
+    this.closed.abort();
     this.observer.disconnect();
     this.tools.forget();
   }

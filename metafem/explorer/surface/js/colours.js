@@ -38,10 +38,18 @@ const diverging = (dark) => {
 };
 const twoSided = { true: diverging(true), false: diverging(false) };
 
-// A scale of colours over a range; `rgb` answers from 0 to 1, `css` for drawing.
-export function scaleOf(low, high, { signed = false, dark = false } = {}) {
+// A scale of colours over a range; `rgb` answers from 0 to 1, `css` for drawing. With `values` it is by quantile: each
+// colour has as many of them.
+export function scaleOf(low, high, { signed = false, dark = false, values = null } = {}) {
   const colours = signed ? twoSided[dark] : rising;
-  const index = (value) => Math.round((STEPS - 1) * Math.min(1, Math.max(0, (value - low) / (high - low || 1))));
+  const sorted = values?.toSorted((a, b) => a - b);
+  const edges = sorted?.length ? colours.map((_, i) => sorted[Math.round((i / (STEPS - 1)) * (sorted.length - 1))]) : null;
+  const ranked = (value) => { // the middle of the colours of equal values
+    const above = edges.findIndex((each) => each >= value);
+    return (edges.findLastIndex((each) => each <= value) + (above < 0 ? STEPS : above)) / 2;
+  };
+  const place = edges ? ranked : (value) => ((STEPS - 1) * (value - low)) / (high - low || 1);
+  const index = (value) => Math.round(Math.min(STEPS - 1, Math.max(0, place(value))));
   const css = colours.map((each) => `rgb(${each.map((part) => Math.round(255 * part)).join(" ")})`);
   return { low, high, rgb: (value) => colours[index(value)], css: (value) => css[index(value)] };
 }

@@ -1,18 +1,12 @@
 // The frame of the map: scale, axes in mm and the bar of the colours, as SVG.
+import { made } from "metafem-law/svg.js";
+import { ticks as roundTicks } from "metafem-law/view.js";
 import { digits } from "./values.js";
 
-const SVG = "http://www.w3.org/2000/svg";
-const [LEFT, BOTTOM, TOP, BAR] = [38, 34, 8, 84];
+const [LEFT, BOTTOM, TOP, BAR] = [38, 34, 8, 104];
 
-// Least height of the bar, with room for its ticks and its name: a map of one row is lower.
-const LEAST_BAR = 180;
-
-export function element(name, attributes = {}, parent = null) {
-  const made = document.createElementNS(SVG, name);
-  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-  parent?.append(made);
-  return made;
-}
+// Widths of the colours and of the most frequent class of the histogram [pixels], and number of classes.
+const [COLOURS, FREQUENT, CLASSES] = [10, 22, 48];
 
 // From mm to pixels; one scale for both directions.
 export function viewOf(layout, width, height) {
@@ -27,38 +21,28 @@ export function viewOf(layout, width, height) {
   return {
     scale,
     box,
-    bar: barOf(box, height),
+    bar: { top: TOP, bottom: Math.max(TOP, height - BOTTOM) }, // a map of one row is lower
     range: [west - edge, east + edge, south - edge, north + edge],
     px: (x) => left + scale * (x - west + edge),
     py: (y) => top + scale * (north + edge - y),
   };
 }
 
-// Top and bottom of the bar, beside the middle of the map.
-function barOf({ top, bottom }, height) {
-  const half = Math.max(bottom - top, Math.min(LEAST_BAR, height - TOP - BOTTOM)) / 2;
-  const middle = Math.max(TOP + half, Math.min(height - BOTTOM - half, (top + bottom) / 2));
-  return { top: middle - half, bottom: middle + half };
-}
-
 function ticks(low, high, count) {
-  const rough = (high - low) / count;
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * ([1, 2, 5].find((each) => each * power >= rough) ?? 10);
-  const found = [];
-  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) found.push(Number((k * step).toPrecision(12)));
-  return found;
+  const { step } = roundTicks(high - low, count);
+  const first = Math.ceil(low / step - 1e-9);
+  return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, k) => Number(((first + k) * step).toPrecision(12)));
 }
 
 function text(parent, x, y, words, anchor = "middle", turned = "") {
-  element("text", { x, y, "text-anchor": anchor, ...(turned && { transform: turned }) }, parent).textContent = words;
+  made("text", { x, y, "text-anchor": anchor, ...(turned && { transform: turned }) }, parent).textContent = words;
 }
 
 export function drawAxes(parent, view) {
   parent.replaceChildren();
   const { left, top, right, bottom } = view.box;
   const [west, east, south, north] = view.range;
-  element("rect", { x: left, y: top, width: right - left, height: bottom - top, class: "frame" }, parent);
+  made("rect", { x: left, y: top, width: right - left, height: bottom - top, class: "frame" }, parent);
   const room = (pixels) => Math.max(2, Math.min(8, Math.floor(pixels / 45)));
   for (const x of ticks(west, east, room(right - left))) text(parent, view.px(x), bottom + 14, digits(x));
   for (const y of ticks(south, north, room(bottom - top))) text(parent, left - 5, view.py(y) + 4, digits(y), "end");
@@ -78,13 +62,18 @@ export function drawBar(parent, view, colours) {
   const { low, high, css } = colours.scale;
   const { top, bottom } = view.bar;
   const x = view.box.right + 12;
-  const steps = Math.max(1, Math.round(bottom - top));
-  for (let i = 0; i < steps; i++) {
-    element("rect", { x, y: bottom - 1 - i, width: 12, height: 1.5, fill: css(low + ((i + 0.5) / steps) * (high - low)) }, parent);
-  }
+  const counts = new Array(CLASSES).fill(0);
+  for (const value of colours.present) counts[Math.min(CLASSES - 1, Math.floor((CLASSES * (value - low)) / (high - low || 1)))] += 1;
+  const [height, most] = [(bottom - top) / CLASSES, Math.max(1, ...counts)];
+  counts.forEach((count, i) => {
+    const place = { x, y: bottom - (i + 1) * height, height: height + 0.5, width: COLOURS };
+    made("rect", { ...place, fill: css(low + ((i + 0.5) / CLASSES) * (high - low)) }, parent);
+    if (count) made("rect", { ...place, class: "count", x: x + COLOURS, width: (FREQUENT * count) / most }, parent);
+  });
+  const right = x + COLOURS + FREQUENT;
   const power = powerOf(Math.max(Math.abs(low), Math.abs(high)));
-  if (high > low) for (const value of ticks(low, high, 5)) text(parent, x + 16, bottom - ((value - low) / (high - low)) * (bottom - top) + 4, digits(value / 10 ** power), "start");
+  if (high > low) for (const value of ticks(low, high, 5)) text(parent, right + 4, bottom - ((value - low) / (high - low)) * (bottom - top) + 4, digits(value / 10 ** power), "start");
   const middle = (top + bottom) / 2;
   const unit = power ? `10${superscript(power)} ${colours.unit}` : colours.unit;
-  text(parent, x + 64, middle, `${colours.name} [${unit}]`, "middle", `rotate(-90 ${x + 64} ${middle})`);
+  text(parent, right + 52, middle, `${colours.name} [${unit}]`, "middle", `rotate(-90 ${right + 52} ${middle})`);
 }

@@ -1,5 +1,6 @@
 // The map of the sites: draws them, finds the one under the pointer, moves between them by keys.
-import { drawAxes, drawBar, element, viewOf } from "./frame.js";
+import { made } from "metafem-law/svg.js";
+import { drawAxes, drawBar, viewOf } from "./frame.js";
 import { MARKER, MOST_ELEMENTS, SvgMarks } from "./marks.js";
 import { PixelMarks } from "./pixels.js";
 import { colouring } from "./values.js";
@@ -15,14 +16,16 @@ export class SiteMap {
   constructor(box, on) {
     this.on = on;
     this.canvas = document.createElement("canvas");
-    this.svg = element("svg", { tabindex: 0, role: "application", "aria-roledescription": "map of the sites" });
+    this.svg = made("svg", { tabindex: 0, role: "application", "aria-roledescription": "map of the sites" });
     box.append(this.canvas, this.svg);
-    [this.axes, this.bar] = [element("g", { class: "axes" }, this.svg), element("g", { class: "axes" }, this.svg)];
+    [this.axes, this.bar] = [made("g", { class: "axes" }, this.svg), made("g", { class: "axes" }, this.svg)];
     this.marks = { svg: new SvgMarks(this.svg), canvas: new PixelMarks(this.canvas) };
-    this.rectangle = element("rect", { class: "rectangle", visibility: "hidden" }, this.svg);
+    this.rectangle = made("rect", { class: "rectangle", visibility: "hidden" }, this.svg);
     this.selected = new Set();
     this.active = null;
+    this.pointed = new Set(); // those under the pointer, here or at their tick of the law
     this.what = "height";
+    this.spread = "value";
     for (const name of ["pointerdown", "pointermove", "pointerup", "pointercancel", "pointerleave"]) {
       this.svg.addEventListener(name, (event) => this[name](event));
     }
@@ -59,7 +62,7 @@ export class SiteMap {
     if (!this.surface || !this.view) return;
     const { surface, contacts, view, selected } = this;
     const dark = document.body.classList.contains("body--dark");
-    const colours = colouring(this.what, surface, contacts, dark);
+    const colours = colouring(this.what, surface, contacts, { dark, spread: this.spread });
     const disc = contacts?.radius ? (i) => view.scale * (contacts.radius[i] ?? 0) : () => 0;
     this.used.draw((i) => {
       const height = surface.height[i];
@@ -68,13 +71,14 @@ export class SiteMap {
       if (surface.empty.has(i)) names.push("asked");
       if (surface.pinned[i] !== undefined) names.push("pinned");
       if (selected.has(i)) names.push("selected");
-      if (this.active === i) names.push("active");
+      if (this.active === i || this.pointed.has(i)) names.push("active");
       const fill = colours.shown(i) ? colours.scale.css(colours.values[i]) : height === null ? "none" : dark ? PLAIN.dark : PLAIN.light;
       return { fill, classes: names.join(" "), contact: height === null ? 0 : disc(i) };
     });
-    const scale = colours.scale && [colours.name, colours.scale.low, colours.scale.high, dark, view.bar.top, view.bar.bottom, view.box.right].join();
-    if (scale !== this.drawnScale) drawBar(this.bar, view, colours);
-    this.drawnScale = scale;
+    const { name, scale, present } = colours;
+    const drawn = scale && [name, scale.low, scale.high, dark, this.spread, view.bar.top, view.bar.bottom, view.box.right, ...present].join();
+    if (drawn !== this.drawnBar) drawBar(this.bar, view, colours);
+    this.drawnBar = drawn;
   }
 
   // Site under a point of the window, null if there is none.

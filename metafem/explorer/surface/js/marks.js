@@ -1,5 +1,5 @@
 // The sites of the map as SVG.
-import { element } from "./frame.js";
+import { made, set } from "metafem-law/svg.js";
 
 // Above this number a redraw of SVG takes longer than a frame of a slow machine.
 export const MOST_ELEMENTS = 2000;
@@ -9,7 +9,7 @@ export const MARKER = 0.42;
 
 export class SvgMarks {
   constructor(svg) {
-    this.group = element("g", {}, svg);
+    this.group = made("g", {}, svg);
     this.sites = [];
   }
 
@@ -18,17 +18,17 @@ export class SvgMarks {
     if (this.sites.length !== layout.x.length) {
       this.group.replaceChildren();
       this.sites = layout.x.map((_, i) => {
-        const group = element("g", { class: "site", "data-site": i }, this.group);
-        const parts = { group, marker: element("circle", { class: "marker" }, group), contact: element("circle", { class: "contact", r: 0 }, group) };
-        return { ...parts, cross: element("path", { class: "cross" }, group), pin: element("path", { class: "pin" }, group), seen: {} };
+        const group = made("g", { class: "site", "data-site": i }, this.group);
+        const parts = { group, marker: made("circle", { class: "marker" }, group), contact: made("circle", { class: "contact", r: 0 }, group) };
+        return { ...parts, cross: made("path", { class: "cross" }, group), pin: made("path", { class: "pin" }, group) };
       });
     }
     const [c, p] = [0.45 * r, Math.max(2.5, 0.26 * r)];
     this.sites.forEach((site, i) => {
-      site.group.setAttribute("transform", `translate(${view.px(layout.x[i])} ${view.py(layout.y[i])})`);
-      site.marker.setAttribute("r", r);
-      site.cross.setAttribute("d", `M${-c} ${-c}L${c} ${c}M${-c} ${c}L${c} ${-c}`);
-      site.pin.setAttribute("d", `M${0.75 * r} ${-0.75 * r - p}l${p} ${p}l${-p} ${p}l${-p} ${-p}z`);
+      set(site.group, { transform: `translate(${view.px(layout.x[i])} ${view.py(layout.y[i])})` });
+      set(site.marker, { r });
+      set(site.cross, { d: `M${-c} ${-c}L${c} ${c}M${-c} ${c}L${c} ${-c}` });
+      set(site.pin, { d: `M${0.75 * r} ${-0.75 * r - p}l${p} ${p}l${-p} ${p}l${-p} ${-p}z` });
     });
   }
 
@@ -41,10 +41,9 @@ export class SvgMarks {
   draw(look) {
     this.sites.forEach((site, i) => {
       const { fill, classes, contact } = look(i);
-      const { seen } = site;
-      if (seen.fill !== fill) site.marker.setAttribute("fill", (seen.fill = fill));
-      if (seen.classes !== classes) site.group.setAttribute("class", (seen.classes = classes));
-      if (seen.contact !== contact) site.contact.setAttribute("r", (seen.contact = contact));
+      set(site.marker, { fill });
+      set(site.group, { class: classes });
+      set(site.contact, { r: contact });
     });
   }
 }

@@ -1,32 +1,25 @@
-// The sites of the map as pixels, where there are too many for elements: a square for each, its contact as a disc.
+// The sites of the map on a canvas, where there are too many for elements: a square for each, its contact as a disc.
 import { MARKER } from "./marks.js";
 
-// Cells below this size fill the map without gaps, whose widths would differ by a pixel.
+// Cells below this size [pixels] fill the map without gaps.
 const GAPLESS = 8;
 
-const CONTACT = packed("rgb(255 255 255)");
-
-// A colour as one number of a pixel: red in the lowest byte.
-function packed(css) {
-  const [red, green, blue] = css.match(/[\d.]+/g).map(Number);
-  return (0xff000000 | (blue << 16) | (green << 8) | red) >>> 0;
-}
+// Smallest radius of a contact that is drawn [pixels].
+const SEEN = 0.5;
 
 export class PixelMarks {
   constructor(canvas) {
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
-    this.colours = new Map();
   }
 
   place(layout, view, width, height) {
-    this.fine = window.devicePixelRatio || 1;
-    this.canvas.width = Math.round(this.fine * width);
-    this.canvas.height = Math.round(this.fine * height);
-    const cell = layout.spacing * view.scale * this.fine;
-    this.side = Math.max(1, cell < GAPLESS ? Math.ceil(cell) : Math.round(2 * MARKER * cell));
-    const start = (at) => Math.round(this.fine * at - this.side / 2);
-    this.at = layout.x.map((x, i) => [start(view.px(x)), start(view.py(layout.y[i]))]);
+    const fine = window.devicePixelRatio || 1;
+    Object.assign(this.canvas, { width: fine * width, height: fine * height });
+    this.context.scale(fine, fine);
+    const cell = layout.spacing * view.scale;
+    this.side = cell < GAPLESS ? cell + 1 / fine : 2 * MARKER * cell;
+    this.at = layout.x.map((x, i) => [view.px(x), view.py(layout.y[i])]);
   }
 
   clear() {
@@ -34,52 +27,31 @@ export class PixelMarks {
     this.at = [];
   }
 
-  // `look(i)`: fill, classes and the radius of the contact [pixels] of a site.
+  // `look(i)`: fill, classes and the radius of the contact [pixels] of a site. Empty and selected sites have frames,
+  // kept ones corners.
   draw(look) {
-    const { canvas: { width, height }, context, side, at, fine } = this;
-    if (!width || !height) return;
-    const image = context.createImageData(width, height);
-    const pixels = new Uint32Array(image.data.buffer);
-    const marked = [];
-    at.forEach(([left, top], i) => {
-      const { fill, classes, contact } = look(i);
-      if (classes !== "site") marked.push([left, top, classes]);
-      if (fill !== "none") square(pixels, width, left, top, side, this.number(fill));
-      if (contact * fine > 0.7) disc(pixels, width, left + side / 2, top + side / 2, contact * fine);
-    });
-    context.putImageData(image, 0, 0);
-    this.mark(marked);
-  }
-
-  number(css) {
-    if (!this.colours.has(css)) this.colours.set(css, packed(css));
-    return this.colours.get(css);
-  }
-
-  // Frames of empty and selected sites, and corners of kept ones.
-  mark(marked) {
-    const { context, side } = this;
-    const style = getComputedStyle(this.canvas);
+    const { canvas, context, side, at } = this;
+    context.clearRect(0, 0, canvas.width, canvas.height);
+    const style = getComputedStyle(canvas);
     const [ink, accent, faint] = ["--ink", "--accent", "--faint"].map((name) => style.getPropertyValue(name));
-    for (const [left, top, classes] of marked) {
+    at.forEach(([x, y], i) => {
+      const { fill, classes, contact } = look(i);
+      const [left, top] = [x - side / 2, y - side / 2];
+      context.fillStyle = fill;
+      if (fill !== "none") context.fillRect(left, top, side, side);
+      if (contact > SEEN) {
+        context.fillStyle = "white";
+        context.beginPath();
+        context.arc(x, y, contact, 0, 2 * Math.PI);
+        context.fill();
+      }
+      if (classes === "site") return;
       const chosen = /selected|active/.test(classes);
       context.lineWidth = chosen ? 2 : 1;
       context.strokeStyle = chosen ? accent : classes.includes("asked") ? ink : faint;
       if (chosen || classes.includes("empty")) context.strokeRect(left + 0.5, top + 0.5, side - 1, side - 1);
-      const corner = Math.ceil(side / 2);
       context.fillStyle = ink;
-      if (classes.includes("pinned")) context.fillRect(left + side - corner, top, corner, corner);
-    }
-  }
-}
-
-function square(pixels, width, left, top, side, colour) {
-  for (let row = top; row < top + side; row++) pixels.fill(colour, row * width + left, row * width + left + side);
-}
-
-function disc(pixels, width, x, y, radius) {
-  for (let row = Math.ceil(y - radius - 0.5); row + 0.5 <= y + radius; row++) {
-    const half = Math.sqrt(Math.max(0, radius ** 2 - (row + 0.5 - y) ** 2));
-    pixels.fill(CONTACT, row * width + Math.round(x - half), row * width + Math.round(x + half));
+      if (classes.includes("pinned")) context.fillRect(x, top, side / 2, side / 2);
+    });
   }
 }

@@ -7,6 +7,9 @@ export const MOST_CAPS = 20000;
 // Direction from which the camera looks first, and its field of view [degrees].
 const [FROM, FIELD] = [[-0.55, -1, 0.8], 32];
 
+// Speed of the arrow keys, and step of the wheel that plus and minus are.
+const [TURN, WHEEL] = [5, 100];
+
 // Milliseconds without new data after which the picture is drawn, and after which it is drawn in any case.
 const [QUIET, LONGEST] = [200, 1000];
 
@@ -54,6 +57,8 @@ export class Relief {
     this.controls.maxPolarAngle = 0.495 * Math.PI;
     this.controls.addEventListener("change", () => this.render());
     canvas.addEventListener("keydown", (event) => this.key(event));
+    this.controls.listenToKeyEvents(canvas);
+    this.controls.keyRotateSpeed = TURN;
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.box);
     this.cut = { base: new THREE.Plane(new THREE.Vector3(0, 0, 1), 0), glass: new THREE.Plane(new THREE.Vector3(0, 0, -1), 1) };
@@ -61,7 +66,6 @@ export class Relief {
 
   end() {
     clearTimeout(this.timer);
-    this.ended = true;
     this.observer?.disconnect();
     this.controls?.dispose();
     this.clear();
@@ -98,22 +102,22 @@ export class Relief {
     });
   }
 
-  // Takes the newest data when none have come for a while and the browser has nothing else to do: a picture with each
-  // step of a drag would delay the law where the graphics are computed by the processor.
-  show(layout, surface, contacts, what) {
-    this.newest = { layout, surface, contacts, what };
+  // Takes the newest data when none have come for a while: a picture with each step of a drag would delay the law where
+  // the graphics are computed by the processor. What `moves` is drawn at once.
+  show(layout, surface, contacts, { what, spread, moves }) {
+    this.newest = { layout, surface, contacts, what, spread };
+    clearTimeout(this.timer);
+    if (moves && layout === this.layout) return this.draw();
     const now = performance.now();
     this.since ??= now;
-    clearTimeout(this.timer);
-    const idle = window.requestIdleCallback ?? ((call) => call());
-    this.timer = setTimeout(() => idle(() => {
+    this.timer = setTimeout(() => {
       this.since = null;
-      if (!this.ended) this.draw();
-    }, { timeout: LONGEST }), Math.max(0, Math.min(QUIET, this.since + LONGEST - now)));
+      this.draw();
+    }, Math.max(0, Math.min(QUIET, this.since + LONGEST - now)));
   }
 
   draw() {
-    const { layout, surface, contacts, what } = this.newest;
+    const { layout, surface, contacts, what, spread } = this.newest;
     if (layout !== this.layout) {
       this.layout = layout;
       this.build();
@@ -121,7 +125,7 @@ export class Relief {
     }
     const { THREE, exaggeration: e } = this;
     const dark = document.body.classList.contains("body--dark");
-    const colours = colouring(what, surface, contacts, dark);
+    const colours = colouring(what, surface, contacts, { dark, spread });
     const separation = (contacts?.separation ?? 1e3 * layout.spacing) / 1e3;
     const top = e * separation;
     this.cut.glass.constant = top;
@@ -210,25 +214,15 @@ export class Relief {
     if (this.layout) this.draw();
   }
 
+  // Arrow keys turn the picture, as in OrbitControls with Shift; plus and minus are its wheel.
   key(event) {
-    const turns = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] };
-    const nearer = { "+": 0.85, "-": 1 / 0.85 }[event.key] ?? 1;
+    const canvas = this.renderer.domElement;
+    const nearer = { "+": -1, "-": 1 }[event.key];
     if (event.key === "Home") this.reset();
-    else if (turns[event.key] || nearer !== 1) this.turn(...(turns[event.key] ?? [0, 0]), nearer);
+    else if (nearer) canvas.dispatchEvent(new WheelEvent("wheel", { deltaY: WHEEL * nearer, cancelable: true }));
+    else if (event.key.startsWith("Arrow") && !event.shiftKey) canvas.dispatchEvent(new KeyboardEvent("keydown", { key: event.key, code: event.code, shiftKey: true, cancelable: true }));
     else return;
     event.preventDefault();
-  }
-
-  // Turns the camera around the middle, within what the mouse can reach.
-  turn(around, down, nearer) {
-    const { camera, controls, THREE } = this;
-    const away = camera.position.clone().sub(controls.target);
-    const radius = nearer * away.length();
-    const polar = Math.min(controls.maxPolarAngle, Math.max(0.02, Math.acos(away.z / away.length()) + down));
-    const azimuth = Math.atan2(away.y, away.x) + around;
-    const flat = radius * Math.sin(polar);
-    camera.position.set(flat * Math.cos(azimuth), flat * Math.sin(azimuth), radius * Math.cos(polar)).add(controls.target);
-    controls.update();
-    this.render();
+    event.stopImmediatePropagation();
   }
 }

@@ -1,5 +1,6 @@
 // What is shown at the sites: the values of a colouring with their scale, and the words for a site.
 import { scaleOf } from "./colours.js";
+import { areaOf } from "./press.js";
 
 const NAMES = {
   height: ["height", "µm"],
@@ -8,26 +9,20 @@ const NAMES = {
   sensitivity: ["change of friction per height", "%/µm"],
 };
 
-export function colouring(what, surface, contacts, dark) {
+// The values at the sites, which of them are shown, and their scale; `spread` is "value" or "quantile".
+export function colouring(what, surface, contacts, { dark = false, spread = "value" } = {}) {
   const [name, unit] = NAMES[what];
-  if (what === "height") {
-    return { name, unit, values: surface.height, scale: scaleOf(...surface.limits), shown: (i) => surface.height[i] !== null };
-  }
-  if (what === "radius") {
-    const values = surface.height.map((height, i) => (height === null ? null : 1e3 * radiusOf(surface, i)));
-    const filled = values.filter((value) => value !== null);
-    const most = filled.reduce((high, each) => Math.max(high, each), 0);
-    return { name, unit, values, scale: scaleOf(0, most), shown: (i) => values[i] !== null };
-  }
-  const values = contacts?.[what];
+  const filled = (i) => surface.height[i] !== null;
+  const own = { height: surface.height, radius: surface.height.map((_, i) => (filled(i) ? 1e3 * radiusOf(surface, i) : null)) };
+  const values = own[what] ?? contacts?.[what];
   if (!values) return { name, unit, values: [], scale: null, shown: () => false };
-  const shown = (i) => values[i] !== null && contacts.radius[i] > 0;
-  const inContact = values.filter((_, i) => shown(i));
-  let [low, high] = [0, 0];
-  for (const value of inContact) [low, high] = [Math.min(low, value), Math.max(high, value)];
-  const signed = low < 0;
+  const shown = own[what] ? filled : (i) => values[i] !== null && contacts.radius[i] > 0;
+  const present = values.filter((_, i) => shown(i));
+  const [low, high] = present.reduce(([least, most], each) => [Math.min(least, each), Math.max(most, each)], [0, 0]);
+  const signed = low < 0 && what !== "height";
   const most = Math.max(high, -low);
-  return { name, unit, values, scale: scaleOf(signed ? -most : 0, most, { signed, dark }), shown };
+  const range = what === "height" ? surface.limits : [signed ? -most : 0, most];
+  return { name, unit, values, present, shown, scale: scaleOf(...range, { signed, dark, values: spread === "quantile" && !signed ? present : null }) };
 }
 
 // Radius of the summit at a site [mm]; most surfaces have one for all.
@@ -35,7 +30,10 @@ export const radiusOf = (surface, i) => (typeof surface.radius === "number" ? su
 
 export const digits = (value, count = 3) => Number(value.toPrecision(count)).toLocaleString("en", { maximumSignificantDigits: count, useGrouping: false }).replace("-", "−");
 
-export function words(i, surface, contacts) {
+const percent = (share) => `${digits(100 * share, 2)} %`;
+
+// What is known of a site; `press` has the load at which it comes into contact.
+export function words(i, surface, contacts, press) {
   const height = surface.height[i];
   const kept = surface.pinned[i];
   const lines = [`site ${i}`];
@@ -49,8 +47,10 @@ export function words(i, surface, contacts) {
   const radius = contacts?.radius?.[i];
   if (radius > 0) {
     lines.push(`contact radius ${digits(1e3 * radius)} µm`);
-    lines.push(`load ${digits(contacts.force[i])} mN`, `mean pressure ${digits(contacts.pressure[i])} MPa`);
+    lines.push(`load ${digits(contacts.force[i])} mN, ${percent(contacts.force[i] / (1e3 * surface.modulus * contacts.load))} of all`);
+    lines.push(`${percent((Math.PI * radius ** 2) / areaOf(contacts))} of the contact area`, `mean pressure ${digits(contacts.pressure[i])} MPa`);
   } else if (radius === 0) lines.push("not in contact");
+  if (press) lines.push(press.entry[i] === null ? "not in contact at any load of the law" : `comes into contact at ${press.exact ? "" : "about "}${digits(surface.modulus * press.entry[i])} N`);
   const sensitivity = contacts?.sensitivity?.[i];
   if (sensitivity !== undefined && sensitivity !== null) lines.push(`sensitivity ${sensitivity > 0 ? "+" : ""}${digits(sensitivity)} % of friction per µm`);
   return lines;

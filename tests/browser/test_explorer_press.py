@@ -1,0 +1,134 @@
+"""Pressing the surface in a browser: by play, slider and triangle, and the sites linked with the law."""
+
+import re
+
+import pytest
+
+pytestmark = pytest.mark.slow
+
+# Layout shifts from here on, and the frames in which the number of contacts changes.
+WATCHED = """() => {
+  HTMLCanvasElement.prototype.getContext = () => null;
+  window.shifts = [];
+  window.counts = new Set();
+  const shift = list => shifts.push(...list.getEntries().map(each => each.value));
+  new PerformanceObserver(shift).observe({ type: 'layout-shift' });
+  const words = document.querySelector('.press span');
+  const changed = new MutationObserver(() => counts.add(words.textContent));
+  changed.observe(words, { subtree: true, characterData: true, childList: true });
+}"""
+
+FILLS = "all => all.map(each => each.getAttribute('fill'))"
+
+
+@pytest.fixture
+def pressed(visit):
+    """The page, once the browser has the contacts at all loads."""
+    visit.page.wait_for_function("() => document.querySelector('.rug').getAttribute('d')")
+    visit.at_rest()
+    return visit.page
+
+
+def load(page):
+    """Return the load [N] beside the slider, and that of the triangle of the law [mm^2]."""
+    words = page.locator(".press span").inner_text()
+    return float(re.search(r"([\d.]+) N", words)[1]), triangle(page)
+
+
+def triangle(page):
+    return float(page.locator(".load-knob").get_attribute("aria-valuenow"))
+
+
+def test_play_presses_from_the_smallest_to_the_largest_load_and_moves_nothing(visit, pressed):
+    page = pressed
+    page.evaluate(WATCHED)  # without WebGL the map plays
+    page.get_by_role("button", name="Press it").click()
+    page.get_by_role("button", name="Pause").wait_for()
+    page.get_by_role("button", name="Press it").wait_for()
+    visit.at_rest()
+    counts = page.evaluate("() => [...counts]")
+    closed = [int(re.match(r"\d+", each)[0]) for each in counts]
+    assert closed == sorted(closed)
+    assert (closed[0], closed[-1]) == (5, 58)
+    assert len(counts) > 20  # motion also on a busy machine
+    assert page.evaluate("() => shifts") == []
+    assert load(page) == pytest.approx((0.971, 0.971 / 1.36), rel=1e-3)
+    visit.errors.clear()  # three.js reports what it could not make
+
+
+def test_slider_and_triangle_carry_one_load(visit, pressed):
+    page = pressed
+    slider = page.get_by_label("Load", exact=True)
+    slider.focus()
+    page.keyboard.press("Home")
+    visit.at_rest()
+    newtons, rescaled = load(page)
+    assert rescaled == pytest.approx(newtons / 1.36, rel=0.01)
+    assert page.locator(".press span").inner_text().startswith("5 of 58 in contact")
+    for _ in range(50):
+        page.keyboard.press("ArrowRight")
+    visit.at_rest()
+    # a step is 1/250 of the loads of the law, from 0.01 of the largest
+    assert triangle(page) == pytest.approx((0.01 + 0.99 * 50 / 250) * 0.971 / 1.36, rel=0.01)
+    page.locator(".load-knob").focus()
+    page.keyboard.press("Shift+ArrowRight")
+    visit.at_rest()
+    newtons, rescaled = load(page)
+    assert newtons == pytest.approx(1.36 * rescaled, rel=0.005)
+    assert int(slider.input_value()) > 50
+    assert slider.get_attribute("aria-valuetext") == page.locator(".press span").inner_text()
+
+
+def test_a_play_ends_where_the_surface_changes(visit, pressed):
+    page = pressed
+    page.evaluate(WATCHED)
+    page.get_by_role("button", name="Press it").click()
+    page.wait_for_function("() => window.counts.size > 10")
+    visit.entered("limits.max_height", "260 um")
+    page.get_by_role("button", name="Press it").wait_for()
+    visit.at_rest()
+    newtons, rescaled = load(page)
+    assert newtons == pytest.approx(1.36 * rescaled, rel=0.005)
+    visit.errors.clear()
+
+
+def test_a_site_marks_its_tick_and_a_tick_its_sites(visit, pressed):
+    page = pressed
+    page.locator('[data-site="20"]').hover()
+    page.locator(".law-readout", has_text="site 20 comes into contact at").wait_for()
+    tip = page.locator(".tip").inner_text()
+    assert re.search(r"load [\d.]+ mN, [\d.]+ % of all", tip)
+    assert "% of the contact area" in tip
+    entry = float(re.search(r"comes into contact at ([\d.]+) N", tip)[1])
+    mark = page.locator(".rug-mark").bounding_box()
+    page.mouse.move(mark["x"] + mark["width"] / 2, mark["y"] + 3)
+    page.locator(".law-readout", has_text=f"sites come into contact at {entry / 1.36:.3g}").wait_for()
+    assert "active" in page.locator('[data-site="20"]').get_attribute("class")
+    page.locator(".surface-view svg").focus()
+    page.keyboard.press("ArrowUp")
+    page.locator(".law-readout", has_text="site 8").wait_for()
+
+
+def test_colours_by_quantile_tell_near_heights_apart(visit, pressed):
+    page = pressed
+    before = page.locator(".site:not(.empty) .marker").evaluate_all(FILLS)
+    page.get_by_label("Spread of the colours").select_option("quantile")
+    changed = (
+        f"before => String(({FILLS})([...document.querySelectorAll('.site:not(.empty) .marker')])) !== before"
+    )
+    page.wait_for_function(changed, arg=",".join(before))
+    after = page.locator(".site:not(.empty) .marker").evaluate_all(FILLS)
+    assert len(set(after)) >= len(set(before))
+    assert page.locator(".surface-view .count").count() > 3
+
+
+def test_reduced_motion_shows_five_loads(visit, pressed):
+    page = pressed
+    page.emulate_media(reduced_motion="reduce")
+    page.evaluate(WATCHED)
+    page.get_by_role("button", name="Press it").click()
+    page.get_by_role("button", name="Pause").wait_for()
+    page.get_by_role("button", name="Press it").wait_for()
+    page.emulate_media(reduced_motion="no-preference")
+    assert len(page.evaluate("() => [...counts]")) <= 6  # the last one interpolated and computed
+    visit.errors.clear()
