@@ -69,6 +69,7 @@ export default {
         <select class="text anew" aria-label="Start over" :disabled="lost" title="Start over from an example; undo brings back what was" @change="begin">
           <option value="">Start over</option><option value="first">as this page began</option>
           <option v-for="name in demos" :key="name" :value="name">{{ name }}</option></select>
+        <button class="act" title="A part of your own from a few values; undo brings back what was" :disabled="lost" @click="$emit('part')">New part</button>
         <slot></slot>
         <span class="choice" role="group" aria-label="Colours of the page">
           <button v-for="(word, name) in themes" :key="name" :aria-pressed="theme === name" @click="choose(name)">{{ word }}</button>
