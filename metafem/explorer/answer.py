@@ -6,6 +6,7 @@ import re
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput, MetafemError, refuse_if
@@ -120,6 +121,17 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
         number, state, specification, design, problems, refusal, nearest, elapsed, nearest_target, draft,
         failed, undecided, reasons,
     )  # fmt: skip
+
+
+# The pages of one server rarely compare with more than this number of pinned designs.
+@lru_cache(maxsize=8)
+def pinned_answer(pinned: str) -> Answer | None:
+    """Return the answer to a pinned state; None without one that has a design."""
+    try:
+        answer = answered(State.from_json(pinned), 0)
+    except InvalidInput:
+        return None
+    return answer if answer.current else None
 
 
 def specification_of(state: State) -> Specification:

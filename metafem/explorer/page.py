@@ -19,6 +19,7 @@ from metafem.explorer.browser import Browser
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.panel import certainty_panel, place_warnings
 from metafem.explorer.divider import Divider
+from metafem.explorer.law.comparison import comparison_panel
 from metafem.explorer.law.panel import law_panel
 from metafem.explorer.newest import PATIENCE, PATIENCE_WITH_DRAFTS, Newest, all_told, in_words, prepared
 from metafem.explorer.session import Session, State
@@ -291,6 +292,7 @@ def _tabs(page: Page) -> None:
         "Workshop": workshop_panel,
         "Specification": editor_panel,
         "How sure": certainty_panel,
+        "A and B": comparison_panel,
         "Take it": take_panel,
     }
     with ui.tabs().props(

@@ -7,12 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
-from metafem.explorer.answer import Answer
+from metafem.explorer.answer import Answer, pinned_answer
 from metafem.explorer.newest import Newest
 from metafem.explorer.session import State
 from metafem.explorer.surface.contact_data import contact_data
 from metafem.explorer.surface.edits import edited
-from metafem.explorer.surface.surface_data import layout_data, message_data, same_layout, site_data
+from metafem.explorer.surface.surface_data import (
+    difference,
+    layout_data,
+    message_data,
+    same_layout,
+    site_data,
+)
 from metafem.explorer.surface.surface_view import SurfaceView
 from metafem.inversion import Design
 from metafem.surface import Surface
@@ -59,7 +65,9 @@ class Views:
 
     def _contacts(self, answer: Answer) -> dict[str, Any]:
         assert answer.design is not None
-        return contact_data(answer.design, answer.state.load, self.sensitive)
+        pinned = pinned_answer(answer.state.pinned)
+        found = contact_data(answer.design, answer.state.load, self.sensitive)
+        return found | {"difference": difference(answer.design, pinned and pinned.design)}
 
     async def _edit(self, given: Any) -> None:
         """Fix, empty or release sites, as chosen in the menu."""

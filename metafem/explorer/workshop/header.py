@@ -29,7 +29,7 @@ SEARCH = "The search for heights begins from several surfaces and improves each 
 
 
 class Header(Element, component="header.js", esm={"metafem-workshop": "js"}):
-    """Shows the data of `header_data`; emits ``model``, ``stop``, ``undo``, ``redo``, ``begin``, ``part``, ``load``."""
+    """Shows the data of `header_data`; emits an event for each change that it offers."""
 
     def __init__(self) -> None:
         super().__init__()

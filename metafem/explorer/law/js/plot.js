@@ -32,7 +32,7 @@ export class Plot {
   view = new View();
   data = null;
   band = null;
-  beside = { tolerance: null, others: [] };
+  beside = { tolerance: null, others: [], pinned: null };
 
   constructor(root, emit) {
     const find = (name) => root.querySelector(`.${name}`);
@@ -217,7 +217,7 @@ export class Plot {
 
   fit() {
     const { data, view, hand } = this;
-    const curves = [data.achieved, data.wanted, data.nearest, data.measured, ...data.others].filter(Boolean);
+    const curves = [data.achieved, data.wanted, data.nearest, data.measured, data.pinned, ...data.others].filter(Boolean);
     view.fit(
       [...curves.flatMap((each) => each.x), ...hand.handles.map((each) => each.x)],
       [...curves.flatMap((each) => each.y), ...hand.handles.map((each) => each.y)],

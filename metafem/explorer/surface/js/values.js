@@ -5,6 +5,7 @@ const NAMES = {
   height: ["height", "µm"],
   radius: ["radius of curvature", "µm"],
   pressure: ["mean contact pressure", "MPa"],
+  difference: ["height, B − A", "µm"],
   sensitivity: ["change of friction per height", "%/µm"],
 };
 
@@ -21,7 +22,7 @@ export function colouring(what, surface, contacts, dark) {
   }
   const values = contacts?.[what];
   if (!values) return { name, unit, values: [], scale: null, shown: () => false };
-  const shown = (i) => values[i] !== null && contacts.radius[i] > 0;
+  const shown = (i) => values[i] !== null && (what === "difference" || contacts.radius[i] > 0);
   const inContact = values.filter((_, i) => shown(i));
   let [low, high] = [0, 0];
   for (const value of inContact) [low, high] = [Math.min(low, value), Math.max(high, value)];
@@ -46,6 +47,8 @@ export function words(i, surface, contacts) {
   lines.push(`height ${height.toFixed(1)} µm${kept === undefined ? "" : ", kept"}`);
   if (typeof surface.radius !== "number") lines.push(`radius of curvature ${digits(1e3 * surface.radius[i], 4)} µm`);
   if (surface.empty.has(i)) lines.push("to be left empty");
+  const change = contacts?.difference?.[i];
+  if (change !== undefined && change !== null) lines.push(`B − A: ${change > 0 ? "+" : ""}${digits(change)} µm`);
   const radius = contacts?.radius?.[i];
   if (radius > 0) {
     lines.push(`contact radius ${digits(1e3 * radius)} µm`);
