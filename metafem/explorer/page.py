@@ -29,6 +29,7 @@ from metafem.explorer.text.document import as_own
 from metafem.explorer.text.kinds import with_kind
 from metafem.explorer.text.link import from_link, restored
 from metafem.explorer.text.names import on_page
+from metafem.explorer.tour import Tour
 from metafem.explorer.turns import Turns
 from metafem.explorer.workshop.editor import editor_panel
 from metafem.explorer.workshop.header import header_panel
@@ -279,6 +280,7 @@ def build(first: State) -> Page:
         Divider()
         with _part("below", "Workshop and results"):
             _tabs(page)
+    Tour()
     return page
 
 
@@ -299,7 +301,7 @@ def _tabs(page: Page) -> None:
         'dense no-caps align=left outside-arrows mobile-arrows aria-label="Workshop and results"'
     ) as tabs:
         for name in panels:
-            ui.tab(name)
+            ui.tab(name).props(f'data-tour="{name}"')
     tabs.on_value_change(lambda event: page.open_tab(event.value))
     with ui.tab_panels(tabs, value="Workshop", animated=False).props("keep-alive").classes("panels"):
         for name, make in panels.items():

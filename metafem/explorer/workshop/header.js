@@ -77,7 +77,7 @@ export default {
         <button class="act" title="Mouse, touch and keys (?)" @click="help">Help</button>
       </span>
       <dialog ref="dialog" aria-labelledby="help-title" @click="outside">
-        <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>
+        <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" @click="tour">Tour of a minute</button><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>
         <table class="figure-table" v-for="[part, rows] in topics" :key="part"><caption>{{ part }}</caption>
           <tbody><tr v-for="[keys, words] in rows" :key="keys"><th scope="row"><b>{{ keys }}</b></th><td>{{ words }}</td></tr></tbody>
         </table>
@@ -131,6 +131,10 @@ export default {
     },
     help() {
       if (!this.$refs.dialog.open) this.$refs.dialog.showModal();
+    },
+    tour() {
+      this.$refs.dialog.close();
+      window.dispatchEvent(new Event("metafem-tour"));
     },
     outside(event) {  // the ground behind the dialog is the dialog itself
       if (event.target === this.$refs.dialog) this.$refs.dialog.close();

@@ -49,6 +49,8 @@ export class Plot {
     find("law-drop").addEventListener("click", () => this.remove(this.pointed));
     this.listen();
     if (!localStorage.getItem(HINT)) this.say(WELCOME);
+    find("law-tour").hidden = Boolean(localStorage.getItem(HINT));
+    find("law-tour").addEventListener("click", () => window.dispatchEvent(new Event("metafem-tour")));
     remember(HINT, "seen");
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.stage);
@@ -289,6 +291,7 @@ export class Plot {
     if (line.textContent !== words) line.textContent = words;
     const removable = id.startsWith("point") && this.hand.handles.length > 1 && !this.hand.inactive;
     this.live.querySelector(".law-drop").hidden = !removable;
+    this.live.querySelector(".law-tour").hidden = true;
     this.live.classList.toggle("wrong", wrong);
     if (wrong && this.data) this.tools.kind.value = this.data.tools.kind; // a choice that was refused
     this.live.querySelector(".law-use").hidden = !(wrong && this.offer);
