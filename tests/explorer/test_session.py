@@ -28,7 +28,8 @@ def test_a_state_survives_the_browser():
     [
         "", "[", "[]", "{}", '{"text": 1}', '{"text": "", "other": 1}', '{"text": "", "tables": [1]}',
         '{"text": "", "load": NaN}', '{"text": "", "load": -1.0}', '{"text": "", "models": [1]}', "[" * 10**5,
-        '{"text": "", "models": 3}', '{"text": "", "pinned": {}}', '{"text": "", "newtons": 1}', '{"text": "", "tables": {"a": 1}}',
+        '{"text": "", "models": 3}', '{"text": "", "newtons": 1}', '{"text": "", "tables": {"a": 1}}',
+        '{"text": "", "pinned": {}}',
     ],
 )  # fmt: skip
 def test_a_damaged_state_is_refused(text):

@@ -15,7 +15,8 @@ from metafem.explorer.law.tools import block_data
 from metafem.explorer.newest import Newest, in_words
 from metafem.inversion import Design
 
-# An answer, its tolerance band, a description of the band, the laws under further models, and the pinned answer.
+# An answer, its tolerance band, a description of the band, the laws under further models, and the answer
+# that is pinned.
 More = tuple[Answer, Band | None, str, tuple[Other, ...], Answer | None]
 
 

@@ -9,7 +9,8 @@ import tomlkit
 from nicegui import ui
 
 from metafem.explorer.text.document import Document
-from metafem.explorer.workshop.new_part import FIELDS, Collision, Typed, new_part, told
+from metafem.explorer.workshop.new_part import new_part
+from metafem.explorer.workshop.part_fields import FIELDS, Collision, Typed, told
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
@@ -79,8 +80,10 @@ class NewPart:
         """Mark the field of an error, and show the offers of the error as buttons."""
         for name, field in self.fields.items():
             field.props(f":error={str(error is not None and name == error.field).lower()}")
-        label = "" if error is None else next((f"{f.label}: " for f in FIELDS if f.name == error.field), "")
-        self.words.text = f"{label}{error or ''}"
+        wrong = [] if error is None else [each for each in FIELDS if each.name == error.field]
+        self.words.text = " ".join(
+            [*(f"{each.told(self.typed[each.name])}:" for each in wrong), str(error or "")]
+        )
         self.words.set_visibility(error is not None)
         self.offers.clear()
         with self.offers:

@@ -32,7 +32,7 @@ def test_a_design_that_is_compared_with_itself_differs_nowhere():
     answer = compared()
     rows = comparison(answer)
     assert [name for name, before, now in rows if before != now] == []
-    assert dict((name, now) for name, _, now in rows)["Largest load"] == "0.971 N"
+    assert {name: now for name, _, now in rows}["Largest load"] == "0.971 N"
     found = difference(answer.design, pinned_answer(answer.state.pinned).design)
     assert {each for each in found if each is not None} == {0.0}
     assert found.count(None) == 64 - answer.design.surface.count
