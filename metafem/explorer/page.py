@@ -19,7 +19,7 @@ from metafem.explorer.browser import Browser
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.panel import certainty_panel, place_warnings
 from metafem.explorer.divider import Divider
-from metafem.explorer.law.comparison import comparison_panel
+from metafem.explorer.law.comparison import COMPARED, comparison_panel
 from metafem.explorer.law.panel import law_panel
 from metafem.explorer.newest import PATIENCE, PATIENCE_WITH_DRAFTS, Newest, all_told, in_words, prepared
 from metafem.explorer.session import Session, State
@@ -294,14 +294,16 @@ def _tabs(page: Page) -> None:
         "Workshop": workshop_panel,
         "Specification": editor_panel,
         "How sure": certainty_panel,
-        "A and B": comparison_panel,
         "Take it": take_panel,
+        COMPARED: comparison_panel,
     }
     with ui.tabs().props(
         'dense no-caps align=left outside-arrows mobile-arrows aria-label="Workshop and results"'
     ) as tabs:
-        for name in panels:
-            ui.tab(name).props(f'data-tour="{name}"')
+        made = {name: ui.tab(name).props(f'data-tour="{name}"') for name in panels}
+    compared = made[COMPARED]
+    compared.set_visibility(False)
+    page.listen(lambda answer: compared.set_visibility(answer.state.pinned != ""))
     tabs.on_value_change(lambda event: page.open_tab(event.value))
     with ui.tab_panels(tabs, value="Workshop", animated=False).props("keep-alive").classes("panels"):
         for name, make in panels.items():

@@ -169,7 +169,7 @@ def test_the_page_fits_wide_and_narrow_windows_light_and_dark(visit):
 
 def test_keys_lead_through_the_head_of_the_page(visit):
     page, names = visit.page, []
-    for _ in range(9):
+    for _ in range(10):
         page.keyboard.press("Tab")
         names.append(page.evaluate(FOCUSED))
     assert names == [
@@ -178,6 +178,7 @@ def test_keys_lead_through_the_head_of_the_page(visit):
         "Undo",
         "Redo",
         "Start over",
+        "New part",
         "Light",
         "Auto",
         "Dark",

@@ -15,7 +15,8 @@ from metafem.explorer.following import Follower
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
 
-TAB = "A and B"
+# Name of the tab.
+COMPARED = "A and B"
 
 # Shortest time between two updates of the table while a point is dragged [s].
 PACE = 0.3
@@ -75,5 +76,5 @@ def comparison_panel(page: Page) -> None:
     def show(rows: list[tuple[str, str, str]]) -> None:
         table.content = _as_html(rows)
 
-    follower = Follower(page, PACE, comparison, show, lambda: TAB in seen)
+    follower = Follower(page, PACE, comparison, show, lambda: COMPARED in seen)
     page.listen_tab(turned)
