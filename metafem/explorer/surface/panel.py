@@ -67,7 +67,7 @@ class Views:
         assert answer.design is not None
         pinned = pinned_answer(answer.state.pinned)
         found = contact_data(answer.design, answer.state.load, self.sensitive)
-        return found | {"difference": difference(answer.design, pinned and pinned.design)}
+        return found | {"difference": difference(answer.design, None if pinned is None else pinned.design)}
 
     async def _edit(self, given: Any) -> None:
         """Fix, empty or release sites, as chosen in the menu."""

@@ -81,9 +81,8 @@ class NewPart:
         for name, field in self.fields.items():
             field.props(f":error={str(error is not None and name == error.field).lower()}")
         wrong = [] if error is None else [each for each in FIELDS if each.name == error.field]
-        self.words.text = " ".join(
-            [*(f"{each.told(self.typed[each.name])}:" for each in wrong), str(error or "")]
-        )
+        words = " ".join([*(f"{each.told(self.typed[each.name])}:" for each in wrong), str(error or "")])
+        self.words.text = f"{words[:1].upper()}{words[1:]}"
         self.words.set_visibility(error is not None)
         self.offers.clear()
         with self.offers:

@@ -127,13 +127,13 @@ def times(low, high):
     return st.floats(0.0, 1.0).map(lambda part: low * (high / low) ** part)
 
 
-@settings(max_examples=10)
+@settings(max_examples=8)
 @given(
     typed=st.fixed_dictionaries(
         {},
         optional={
             "size": st.tuples(times(3.0, 60.0), times(3.0, 60.0), times(1.0, 10.0)),
-            "asperities": st.sampled_from([(1, 3), (2, 2), (3, 5), (1, 64), (12, 9), (20, 20)]),
+            "asperities": st.sampled_from([(1, 3), (2, 2), (3, 5), (1, 64), (12, 9)]),
             "coefficient": times(0.05, 30.0),
             "height": times(5.0, 2000.0),
             "radius": times(20.0, 5000.0),
