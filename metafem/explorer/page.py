@@ -301,9 +301,12 @@ def _tabs(page: Page) -> None:
         'dense no-caps align=left outside-arrows mobile-arrows aria-label="Workshop and results"'
     ) as tabs:
         made = {name: ui.tab(name).props(f'data-tour="{name}"') for name in panels}
-    compared = made[COMPARED]
-    compared.set_visibility(False)
-    page.listen(lambda answer: compared.set_visibility(answer.state.pinned != ""))
+
+    def compare(answer: Answer) -> None:
+        made[COMPARED].set_visibility(answer.state.pinned != "")
+
+    compare(page.answer)
+    page.listen(compare)
     tabs.on_value_change(lambda event: page.open_tab(event.value))
     with ui.tab_panels(tabs, value="Workshop", animated=False).props("keep-alive").classes("panels"):
         for name, make in panels.items():

@@ -58,7 +58,7 @@ def new_part(typed: Typed, tables: Mapping[str, str] | None = None) -> str:
     >>> text = new_part(FIRST | {"size": "30 30 7,2"})
     >>> print(text.partition("[lattice]")[2].partition("[limits]")[0].strip())
     shape = [8, 8]
-    pitch = "3.22 mm"
+    pitch = "3.21 mm"
     radius = "526 um"
     <BLANKLINE>
     [block]
