@@ -60,11 +60,6 @@ def new_part(typed: Typed, tables: Mapping[str, str] | None = None) -> str:
     shape = [8, 8]
     pitch = "3.21 mm"
     radius = "526 um"
-    <BLANKLINE>
-    [block]
-    width = "30 mm"
-    length = "30 mm"
-    thickness = "7.2 mm"
     """
     given = {name: text.encode("utf-8", "surrogatepass") for name, text in (tables or {}).items()}
     try:
