@@ -19,6 +19,7 @@ from metafem.explorer.answer import Answer, answered
 from metafem.explorer.browser import Browser, record_of
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.panel import certainty_panel, place_warnings
+from metafem.explorer.law.comparison import COMPARED, comparison_panel
 from metafem.explorer.law.panel import law_panel
 from metafem.explorer.queue import LOG, PATIENCE, Queue, in_words
 from metafem.explorer.session import Session, State
@@ -28,6 +29,7 @@ from metafem.explorer.text.document import loses_comments
 from metafem.explorer.text.kinds import with_kind
 from metafem.explorer.text.link import from_link, restored
 from metafem.explorer.text.names import on_page
+from metafem.explorer.tour import Tour
 from metafem.explorer.workshop.editor import editor_panel
 from metafem.explorer.workshop.header import header_panel
 from metafem.explorer.workshop.panel import workshop_panel
@@ -331,6 +333,7 @@ def build(first: State) -> Page:
             place_warnings(page, "surface")
         with _part("inspector", "Inspector"):
             _tabs(page)
+    Tour()
     return page
 
 
@@ -345,13 +348,19 @@ def _tabs(page: Page) -> None:
         "Specification": editor_panel,
         "How sure": certainty_panel,
         "Take it": take_panel,
+        COMPARED: comparison_panel,
     }
     with ui.tabs().props(
         'dense no-caps align=left outside-arrows mobile-arrows aria-label="Inspector"'
     ) as tabs:
-        for name in panels:
-            ui.tab(name)
+        made = {name: ui.tab(name).props(f'data-tour="{name}"') for name in panels}
     page.tabs = tabs
+
+    def compare(answer: Answer) -> None:
+        made[COMPARED].set_visibility(answer.state.pinned != "")
+
+    compare(page.answer)
+    page.listen(compare)
     with ui.tab_panels(tabs, value="Workshop", animated=False).props("keep-alive").classes("panels"):
         for name, make in panels.items():
             with ui.tab_panel(name):

@@ -32,6 +32,8 @@ class State:
         Names of further models whose laws are plotted with the law of the design.
     load : float or None
         Rescaled load at which the contacts are shown [mm^2]; None for the largest load of the law.
+    pinned : str
+        The state that is pinned as A for comparison, as JSON; "" without one.
     """
 
     text: str
@@ -41,6 +43,7 @@ class State:
     newtons: bool = False
     models: tuple[str, ...] = ()
     load: float | None = None
+    pinned: str = ""
 
     def designs_the_same(self, other: State) -> bool:
         """Return whether another state has the same specification and tables, and so the same design."""
@@ -70,7 +73,7 @@ class State:
 
     def valid(self) -> bool:
         """Return whether every member has its type and the load is positive and finite."""
-        texts: list[Any] = [self.text, self.measured, self.measured_name, *self.models]
+        texts: list[Any] = [self.text, self.measured, self.measured_name, self.pinned, *self.models]
         tables = isinstance(self.tables, dict)
         texts += [*self.tables, *self.tables.values()] if tables else []
         number = self.load is None or (isinstance(self.load, float) and 0.0 < self.load < float("inf"))

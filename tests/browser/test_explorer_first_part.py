@@ -12,6 +12,9 @@ pytestmark = pytest.mark.slow
 # Steps of the hand to the table: three points, the model, the tab, the file.
 MOST_STEPS = 6
 
+# Clicks and typed fields from the first page to the table of a part of one's own.
+MOST_OF_OWN = 8
+
 
 class Hand:
     """Does what a person does, and counts it."""
@@ -35,6 +38,16 @@ class Hand:
         before = self.visit.asked
         self.page.get_by_role("combobox", name=name).first.select_option(label=option)
         self.visit.settled(before)
+        self.steps += 1
+
+    def presses(self, name):
+        """Press a button."""
+        self.page.get_by_role("button", name=name).click()
+        self.steps += 1
+
+    def types(self, name, text):
+        """Type into a field."""
+        self.page.get_by_label(name).fill(text)
         self.steps += 1
 
     def opens(self, name):
@@ -69,6 +82,51 @@ def test_a_law_of_ones_own_becomes_a_mould_table_in_six_steps(visit, tmp_path):
     assert CliRunner().invoke(cli.main, command).exit_code == 0
     assert table.read_bytes() == (tmp_path / "surface" / "mould.csv").read_bytes()
     assert 'kind = "layer"' in (tmp_path / "spec.toml").read_text("utf-8")
+
+
+def test_a_part_of_ones_own_becomes_a_mould_table_in_eight_steps(visit, tmp_path):
+    hand, before, asked = Hand(visit), visit.text, visit.asked
+    hand.presses("New part")
+    hand.types("Block: width", "11 x 11 x 5,5")
+    hand.types("Asperities", "10 × 10")
+    hand.types("Friction coefficient", "1,8")
+    hand.presses("Make it")
+    hand.presses("Use asperities 9 × 9")
+    visit.settled(asked)
+    assert visit.page.locator(".bar .chip").inner_text().startswith("meets the target")
+    hand.opens("Take it")
+    table = hand.takes("mould.csv", tmp_path)
+    assert hand.steps <= MOST_OF_OWN
+    rows = [line for line in table.read_text("utf-8").splitlines() if line[:1].isdigit()]
+    assert len(rows) == 9 * 9 + 4  # with the alignment caps
+    visit.page.get_by_role("button", name="Undo").click()
+    visit.settled(asked + 1)
+    assert visit.text == before
+
+
+def test_a_law_is_pinned_beside_the_next_one_after_a_tour_that_is_left(visit):
+    hand, page = Hand(visit), visit.page
+    hand.presses("Take a tour")
+    page.get_by_role("dialog", name="Drag a point").wait_for()
+    hand.presses("Next")
+    page.get_by_role("dialog", name="The heights follow").wait_for()
+    hand.presses("Leave")
+    assert page.locator(".tour-words").count() == 0
+    hand.presses("Pin as A")
+    page.get_by_role("button", name="Unpin").wait_for()
+    hand.drags("point 1 of 3", -15, 4)
+    page.reload()
+    page.get_by_role("button", name="Unpin").wait_for()
+    assert page.get_by_role("button", name="Take a tour").count() == 0
+    hand.opens("A and B")
+    load = page.get_by_role("row", name="Largest load").get_by_role("cell")
+    load.first.wait_for()
+    assert load.count() == 2
+    page.get_by_label("Colour of the sites").select_option("difference from A")
+    page.get_by_text("height, B − A [µm]").wait_for()
+    hand.presses("Unpin")
+    page.get_by_text("Nothing is pinned").wait_for()
+    page.get_by_text("height [µm]").wait_for()
 
 
 def test_what_was_said_of_a_drag_goes_with_the_next_text(visit):

@@ -193,7 +193,7 @@ def test_law_and_surface_are_large(visit):
 
 def test_keys_lead_through_the_head_of_the_page(visit):
     page, names = visit.page, []
-    for _ in range(9):
+    for _ in range(10):
         page.keyboard.press("Tab")
         names.append(page.evaluate(FOCUSED))
     assert names == [
@@ -202,6 +202,7 @@ def test_keys_lead_through_the_head_of_the_page(visit):
         "Undo",
         "Redo",
         "Start over",
+        "New part",
         "Light",
         "Auto",
         "Dark",

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from metafem.errors import InvalidInput
 from metafem.explorer.session import MOST_STATES, Session, State
 
-FIRST = State("a = 1", {"wanted.csv": "load_N\n1\n"}, newtons=True, models=("layer",), load=0.2)
+FIRST = State("a = 1", {"wanted.csv": "load_N\n1\n"}, newtons=True, models=("layer",), load=0.2, pinned="{}")
 
 
 def restored(session):
@@ -29,6 +29,7 @@ def test_a_state_survives_the_browser():
         "", "[", "[]", "{}", '{"text": 1}', '{"text": "", "other": 1}', '{"text": "", "tables": [1]}',
         '{"text": "", "load": NaN}', '{"text": "", "load": -1.0}', '{"text": "", "models": [1]}', "[" * 10**5,
         '{"text": "", "models": 3}', '{"text": "", "newtons": 1}', '{"text": "", "tables": {"a": 1}}',
+        '{"text": "", "pinned": {}}',
     ],
 )  # fmt: skip
 def test_a_damaged_state_is_refused(text):

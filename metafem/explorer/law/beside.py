@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from metafem.explorer.answer import Answer
+from metafem.explorer.answer import Answer, pinned_answer
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.band import Band, band_words, tolerance_band
 from metafem.explorer.law.law_data import band_data
@@ -15,8 +15,9 @@ from metafem.explorer.law.tools import block_data
 from metafem.explorer.queue import Queue, in_words
 from metafem.inversion import Design
 
-# An answer, its tolerance band, a description of the band, and the laws under further models.
-More = tuple[Answer, Band | None, str, tuple[Other, ...]]
+# An answer, its tolerance band, a description of the band, the laws under further models, and the answer
+# that is pinned.
+More = tuple[Answer, Band | None, str, tuple[Other, ...], Answer | None]
 
 
 class Beside:
@@ -44,7 +45,8 @@ class Beside:
         names = [name for name in wanted if name != own_name(design)] if wanted else []
         laws = {name: laws.get(name) or other_law(design, name) for name in names}
         self.design, self.laws = design, laws
-        return answer, tolerance_band(answer), band_words(answer), tuple(laws.values())
+        pinned = pinned_answer(answer.state.pinned)
+        return answer, tolerance_band(answer), band_words(answer), tuple(laws.values()), pinned
 
     def _show(self, more: More) -> None:
         self.last = more
@@ -52,13 +54,13 @@ class Beside:
 
     def _failed(self, answer: Answer, error: Exception) -> None:
         """Show the error, and no additional curves of the answer."""
-        self._show((answer, None, "", (Other("", error=in_words(error)),)))
+        self._show((answer, None, "", (Other("", error=in_words(error)),), None))
 
     def _renew(self) -> None:
         """Draw the curves that are known."""
         if self.last is None:
             return
-        answer, band, words, laws = self.last
+        answer, band, words, laws, pinned = self.last
         units = Units.of_design(answer, answer.state.newtons)
         block = self.block.of(answer.design)
         found = [*laws, *([] if block is None else [block])]
@@ -71,7 +73,16 @@ class Beside:
                     for each in found
                     if not each.error
                 ],
+                "pinned": None if pinned is None else _curve(pinned, units),
                 "errors": [each.error for each in found if each.error],
                 "block": block_data(self.block, answer.design),
             }
         )
+
+
+def _curve(pinned: Answer, units: Units) -> dict[str, Any] | None:
+    """Return the law of a pinned answer in the units of the axes; None if it has no forces for newtons."""
+    own = Units.of_design(pinned, units.newtons)
+    if pinned.design is None or own.newtons != units.newtons:
+        return None
+    return own.curve(pinned.design.law.rescaled_load, pinned.design.law.rescaled_friction)

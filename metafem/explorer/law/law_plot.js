@@ -11,7 +11,7 @@ export default {
       </div>
       <div class="law-dock"><ul class="law-legend" aria-label="Legend"></ul>
         <div class="law-refusal" hidden><button type="button" class="law-away"></button><em class="law-nearest" hidden><i></i>nearest law that can be designed</em><span></span><button type="button" class="law-use">Use the nearest law</button></div></div>
-      <div class="law-live"><span aria-live="polite"></span><button type="button" class="law-drop" hidden title="Remove this point (Delete)">Remove the point</button><button type="button" class="law-use" hidden>Use the nearest law</button></div>
+      <div class="law-live"><span aria-live="polite"></span><button type="button" class="law-drop" hidden title="Remove this point (Delete)">Remove the point</button><button type="button" class="law-use" hidden>Use the nearest law</button><button type="button" class="law-tour" hidden>Take a tour of a minute</button></div>
     </div>`,
   mounted() {
     this.plot = new Plot(this.$el, (name, data) => this.$emit(name, data));

@@ -155,6 +155,11 @@ class LawPanel:
         rest = tuple(name for name in self.page.state.models if name != event["name"])
         await self.page.alter(models=(*rest, str(event["name"])) if event["on"] else rest)
 
+    async def on_pin(self, event: Event) -> None:
+        """Pin the design that is shown as A, or remove the pinned one."""
+        state = self.page.answer.state
+        await self.page.alter(pinned=State(state.text, state.tables).to_json() if event["on"] else "")
+
     async def on_block(self, event: Event) -> None:
         """Start the computation of the law under the block model, or stop it and hide its law."""
         design = self.page.answer.design

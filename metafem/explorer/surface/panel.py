@@ -7,13 +7,19 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
-from metafem.explorer.answer import Answer
+from metafem.explorer.answer import Answer, pinned_answer
 from metafem.explorer.queue import Queue
 from metafem.explorer.session import State
 from metafem.explorer.surface.contact_data import contact_data
 from metafem.explorer.surface.edits import edited
 from metafem.explorer.surface.press_data import press_data
-from metafem.explorer.surface.surface_data import layout_data, message_data, same_layout, site_data
+from metafem.explorer.surface.surface_data import (
+    difference,
+    layout_data,
+    message_data,
+    same_layout,
+    site_data,
+)
 from metafem.explorer.surface.surface_view import SurfaceView
 from metafem.inversion import Design
 from metafem.surface import Surface
@@ -55,7 +61,8 @@ class Views:
         design = answer.design
         if design is not None and (self.template is None or not same_layout(self.template, design.template)):
             data["layout"] = layout_data(design)
-        return data
+        pinned = pinned_answer(answer.state.pinned)
+        return data | {"difference": difference(design, None if pinned is None else pinned.design)}
 
     def show(self, answer: Answer, data: dict[str, Any]) -> None:
         """Show the surface of an answer."""

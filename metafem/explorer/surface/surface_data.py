@@ -125,5 +125,24 @@ def at_sites(design: Design, values: FloatArray, decimals: int) -> list[float | 
     return listed
 
 
+def difference(design: Design | None, pinned: Design | None) -> list[float | None] | None:
+    """Return by how much the heights differ from those of a pinned design [um], None at empty sites.
+
+    None without a pinned design that has the same sites.
+    """
+    if (
+        design is None
+        or pinned is None
+        or not np.array_equal(design.template.position, pinned.template.position)
+    ):
+        return None
+    there, row, own = np.intersect1d(pinned.sites, design.sites, assume_unique=True, return_indices=True)
+    listed: list[float | None] = [None] * design.template.count
+    heights = MICROMETRES * (design.surface.height[own] - pinned.surface.height[row])
+    for site, height in zip(there.tolist(), _rounded(heights, HEIGHT_DECIMALS), strict=True):
+        listed[site] = height
+    return listed
+
+
 def _rounded(values: ArrayLike, decimals: int) -> list[float]:
     return np.round(np.asarray(values, dtype=float), decimals).tolist()  # type: ignore[no-any-return]

@@ -21,7 +21,7 @@ export default {
     <div :class="['surface-view', 'fill', { old }]" data-answered="0">
       <div class="head"><h2>Surface</h2>
         <label class="small">Colour <select class="text" v-model="what" @change="recolour" aria-label="Colour of the sites">
-          <option value="height">height</option><option v-if="radii" value="radius">radius</option><option value="pressure">contact pressure</option><option value="sensitivity">sensitivity</option>
+          <option value="height">height</option><option v-if="radii" value="radius">radius</option><option value="pressure">contact pressure</option><option value="sensitivity">sensitivity</option><option v-if="compared" value="difference">difference from A</option>
         </select> <select class="text" v-model="spread" @change="recolour" aria-label="Spread of the colours"><option value="value">by value</option><option value="quantile">by quantile</option></select></label>
         <div class="choice" role="tablist" aria-label="View of the surface" @keydown.left.prevent="turn($event)" @keydown.right.prevent="turn($event)">
           <button v-for="[name, label] in [['map', 'Map'], ['relief', '3D']]" type="button" role="tab" :aria-selected="tab === name ? 'true' : 'false'" :tabindex="tab === name ? 0 : -1"
@@ -64,7 +64,7 @@ export default {
     return {
       tab: "map", what: "height", line: "", message: "", old: false, note: "", tip: null, menu: null, title: "", these: "", kept: "", filled: false, asked: false,
       typed: "", adding: false, missing: "", times: EXAGGERATION.first, most: EXAGGERATION.most, spoken: "",
-      radii: false, part: "", spread: "value", ready: false, known: false, playing: false, running: false, steps: SLIDER, place: 0, told: "",
+      radii: false, compared: false, part: "", spread: "value", ready: false, known: false, playing: false, running: false, steps: SLIDER, place: 0, told: "",
     };
   },
   created() {
@@ -110,6 +110,12 @@ export default {
           this.what = "height";
           this.recolour();
         }
+      }
+      if (this.surface) this.surface.difference = data.difference;
+      this.compared = Boolean(data.difference);
+      if (!this.compared && this.what === "difference") {
+        this.what = "height";
+        this.recolour();
       }
       this.draw();
     },

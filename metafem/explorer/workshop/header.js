@@ -69,6 +69,7 @@ export default {
         <select class="text anew" aria-label="Start over" :disabled="lost" title="Start over from an example; undo brings back what was" @change="begin">
           <option value="">Start over</option><option value="first">as this page began</option>
           <option v-for="name in demos" :key="name" :value="name">{{ name }}</option></select>
+        <button class="act" title="A part of your own from a few values; undo brings back what was" :disabled="lost" @click="$emit('part')">New part</button>
         <slot></slot>
         <span class="choice" role="group" aria-label="Colours of the page">
           <button v-for="(word, name) in themes" :key="name" :aria-pressed="theme === name" @click="choose(name)">{{ word }}</button>
@@ -76,7 +77,7 @@ export default {
         <button class="act" title="Mouse, touch and keys (?)" @click="help">Help</button>
       </span>
       <dialog ref="dialog" aria-labelledby="help-title" @click="outside">
-        <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>
+        <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" @click="tour">Tour of a minute</button><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>
         <table class="figure-table" v-for="[part, rows] in topics" :key="part"><caption>{{ part }}</caption>
           <tbody><tr v-for="[keys, words] in rows" :key="keys"><th scope="row"><b>{{ keys }}</b></th><td>{{ words }}</td></tr></tbody>
         </table>
@@ -130,6 +131,10 @@ export default {
     },
     help() {
       if (!this.$refs.dialog.open) this.$refs.dialog.showModal();
+    },
+    tour() {
+      this.$refs.dialog.close();
+      window.dispatchEvent(new Event("metafem-tour"));
     },
     outside(event) {  // the ground behind the dialog is the dialog itself
       if (event.target === this.$refs.dialog) this.$refs.dialog.close();

@@ -13,6 +13,7 @@ from metafem.explorer.session import State
 from metafem.explorer.text.fields import with_field
 from metafem.explorer.workshop.editor import load
 from metafem.explorer.workshop.header_data import header_data
+from metafem.explorer.workshop.new_part_dialog import NewPart
 from metafem.files import DEMOS, MODELS, demo_text
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ SEARCH = "The search for heights begins from several surfaces and improves each 
 
 
 class Header(Element, component="header.js", esm={"metafem-workshop": "js"}):
-    """Shows the data of `header_data`; emits ``model``, ``stop``, ``undo``, ``redo``, ``begin``, ``load``."""
+    """Shows the data of `header_data`; emits an event for each change that it offers."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -55,6 +56,7 @@ def header_panel(page: Page) -> Header:
     header.on("redo", page.redo)
     header.on("begin", lambda event: begin(page, event.args))
     header.on("load", lambda event: load(page, event.args["files"]))
+    header.on("part", NewPart(page).open)
     header.on("model", lambda event: choose(event.args))
     header.on("stop", page.stop)
     shown: dict[str, object] = {}

@@ -7,6 +7,7 @@ export function entries(data) {
   add(data.wanted || data.handles.length, data.marked ? "point" : "wanted", `target law${data.crowd && ` (${data.crowd})`}`,
     data.crowd && "Change them in the specification or its table, or choose another kind of target law.");
   add(data.achieved, data.refusal ? "achieved old" : "achieved", data.refusal ? "last law that was found" : `achieved law (${data.model})`);
+  add(data.pinned, "pinned", "A");
   add(data.nearest, "nearest", "nearest law that can be designed");
   add(data.band, "band", data.reach, "What the surfaces within the limits can have at one load. A law inside is refused where no single surface meets all of its loads.");
   // the errors of the part are told where the pointer rests
@@ -28,13 +29,19 @@ export function drawLegend(list, data, emit) {
     key.className = `key ${kind}`;
     if (more) item.title = more;
     item.append(key, words);
-    if (kind === "measured") item.append(button("Use as target", "use", emit), button("Remove", "remove", emit));
+    const act = (words, name, event) => item.append(button(words, () => emit(name, event)));
+    if (kind === "achieved") act("Pin as A", "pin", { on: true });
+    if (kind === "pinned") act("Unpin", "pin", { on: false });
+    if (kind === "measured") {
+      act("Use as target", "measured", { action: "use" });
+      act("Remove", "measured", { action: "remove" });
+    }
     return item;
   }));
 }
 
-function button(words, action, emit) {
+function button(words, pressed) {
   const made = Object.assign(document.createElement("button"), { type: "button", textContent: words });
-  made.addEventListener("click", () => emit("measured", { action }));
+  made.addEventListener("click", pressed);
   return made;
 }

@@ -15,12 +15,14 @@ export class Picture {
     this.band = made("path", { class: "band" }, this.curves);
     this.tolerance = made("path", { class: "tolerance" }, this.curves);
     this.others = made("g", {}, this.curves);
+    this.pinned = made("path", { class: "pinned" }, this.curves);
     this.nearest = made("path", { class: "nearest" }, this.curves);
     this.wanted = made("path", { class: "wanted" }, this.curves);
     this.achieved = made("path", { class: "achieved" }, this.curves);
     this.marks = made("g", { class: "marks" }, this.curves);
     this.measured = made("g", { class: "measured" }, this.curves);
     this.axes = made("g", { class: "axes", "aria-hidden": "true" }, svg);
+    this.nameA = made("text", { class: "pinned-name", "aria-hidden": "true" }, svg);
     this.titleX = made("text", { class: "title", "text-anchor": "middle", "aria-hidden": "true" }, svg);
     this.titleY = made("text", { class: "title", "text-anchor": "middle", "aria-hidden": "true" }, svg);
   }
@@ -32,6 +34,7 @@ export class Picture {
     this.drawAxes(view, data);
     set(this.band, { d: area(view, data.band) });
     set(this.tolerance, { d: area(view, data.tolerance) });
+    set(this.pinned, { d: path(view, data.pinned) });
     set(this.nearest, { d: path(view, data.nearest) });
     set(this.achieved, { d: path(view, data.achieved), class: data.refusal ? "achieved old" : "achieved" });
     set(this.wanted, { d: data.marked ? "" : path(view, wanted) });
@@ -39,6 +42,9 @@ export class Picture {
     replace(this.marks, data.nearest?.marked ? zip(data.nearest) : [], ([x, y]) =>
       made("circle", { cx: view.px(x), cy: view.py(y), r: 4 }));
     this.drawMeasured(view, data.measured);
+    const end = data.pinned?.x.findLastIndex((x, i) => x <= view.x && data.pinned.y[i] <= view.y) ?? -1;
+    this.nameA.textContent = end < 0 ? "" : "A";
+    if (end >= 0) set(this.nameA, { x: Math.min(view.px(data.pinned.x[end]) + 5, view.right - 10), y: view.py(data.pinned.y[end]) + 4 });
   }
 
   drawAxes(view, data) {

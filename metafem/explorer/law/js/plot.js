@@ -32,7 +32,7 @@ export class Plot {
   view = new View();
   data = null;
   band = null;
-  beside = { tolerance: null, others: [] };
+  beside = { tolerance: null, others: [], pinned: null };
   // Numbers of the last request of a drag, of the newest one with an answer, and of the newest one with a decided answer.
   sent = 0;
   received = 0;
@@ -54,6 +54,8 @@ export class Plot {
     find("law-drop").addEventListener("click", () => this.remove(this.pointed));
     this.listen();
     if (!localStorage.getItem(HINT)) this.say(WELCOME);
+    find("law-tour").hidden = Boolean(localStorage.getItem(HINT));
+    find("law-tour").addEventListener("click", () => window.dispatchEvent(new Event("metafem-tour")));
     remember(HINT, "seen");
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.stage);
@@ -249,7 +251,7 @@ export class Plot {
 
   fit() {
     const { data, view, hand } = this;
-    const curves = [data.achieved, data.wanted, data.nearest, data.measured, ...data.others].filter(Boolean);
+    const curves = [data.achieved, data.wanted, data.nearest, data.measured, data.pinned, ...data.others].filter(Boolean);
     view.fit(
       [...curves.flatMap((each) => each.x), ...hand.handles.map((each) => each.x)],
       [...curves.flatMap((each) => each.y), ...hand.handles.map((each) => each.y)],
@@ -321,6 +323,7 @@ export class Plot {
     if (line.textContent !== words) line.textContent = words;
     const removable = id.startsWith("point") && this.hand.handles.length > 1 && !this.hand.inactive;
     this.live.querySelector(".law-drop").hidden = !removable;
+    this.live.querySelector(".law-tour").hidden = true;
     this.live.classList.toggle("wrong", wrong);
     this.live.querySelector(".law-use").hidden = !(wrong && this.offer);
   }

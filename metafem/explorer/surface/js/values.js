@@ -6,6 +6,7 @@ const NAMES = {
   height: ["height", "µm"],
   radius: ["radius of curvature", "µm"],
   pressure: ["mean contact pressure", "MPa"],
+  difference: ["height, B − A", "µm"],
   sensitivity: ["change of friction per height", "%/µm"],
 };
 
@@ -13,10 +14,10 @@ const NAMES = {
 export function colouring(what, surface, contacts, { dark = false, spread = "value" } = {}) {
   const [name, unit] = NAMES[what];
   const filled = (i) => surface.height[i] !== null;
-  const own = { height: surface.height, radius: surface.height.map((_, i) => (filled(i) ? 1e3 * radiusOf(surface, i) : null)) };
+  const own = { height: surface.height, radius: surface.height.map((_, i) => (filled(i) ? 1e3 * radiusOf(surface, i) : null)), difference: surface.difference };
   const values = own[what] ?? contacts?.[what];
   if (!values) return { name, unit, values: [], scale: null, shown: () => false };
-  const shown = own[what] ? filled : (i) => values[i] !== null && contacts.radius[i] > 0;
+  const shown = own[what] ? (i) => values[i] !== null : (i) => values[i] !== null && contacts.radius[i] > 0;
   const present = values.filter((_, i) => shown(i));
   const [low, high] = present.reduce(([least, most], each) => [Math.min(least, each), Math.max(most, each)], [0, 0]);
   const signed = low < 0 && what !== "height";
@@ -44,6 +45,8 @@ export function words(i, surface, contacts, press) {
   lines.push(`height ${height.toFixed(1)} µm${kept === undefined ? "" : ", kept"}`);
   if (typeof surface.radius !== "number") lines.push(`radius of curvature ${digits(1e3 * surface.radius[i], 4)} µm`);
   if (surface.empty.has(i)) lines.push("to be left empty");
+  const change = surface.difference?.[i];
+  if (change !== undefined && change !== null) lines.push(`B − A: ${change > 0 ? "+" : ""}${digits(change)} µm`);
   const radius = contacts?.radius?.[i];
   if (radius > 0) {
     lines.push(`contact radius ${digits(1e3 * radius)} µm`);

@@ -1,0 +1,78 @@
+"""The table that compares the design, B, with the one that is pinned, A."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING
+
+from nicegui import ui
+
+from metafem._values import three_digits
+from metafem.explorer.answer import Answer, pinned_answer
+from metafem.explorer.certainty.figures import figures
+
+if TYPE_CHECKING:
+    from metafem.explorer.page import Page
+
+# Name of the tab.
+COMPARED = "A and B"
+
+# Shortest time between two updates of the table while a point is dragged [s].
+PACE = 0.3
+
+# Rows of the table, each with the first words of the figure that it shows.
+FIGURES = {
+    "Misfit": "misfit",
+    "Scatter of the law of made surfaces": "scatter of the law",
+    "Estimated error of the model": "estimated error",
+}
+
+NOTHING = "Nothing is pinned. “Pin as A” in the legend of the law keeps the law that is shown for comparison."
+
+
+def comparison(answer: Answer) -> list[tuple[str, str, str]]:
+    """Return the rows of the table: the name of a number, and its values for A and for B."""
+    pinned = pinned_answer(answer.state.pinned)
+    if pinned is None or answer.design is None:
+        return []
+    before, now = _numbers(pinned), _numbers(answer)
+    return [(name, before[name], now[name]) for name in before]
+
+
+def _numbers(answer: Answer) -> dict[str, str]:
+    """Return the numbers of one column by their names."""
+    assert answer.design is not None
+    surface, known = answer.design.surface, figures(answer)
+    values = {
+        name: next((each.value for each in known if each.name.startswith(start)), "unknown")
+        for name, start in FIGURES.items()
+    }
+    volume = float(surface.cap.volume(surface.height, surface.radius).sum())
+    values["Largest load"] = f"{three_digits(answer.design.law.load[-1])} N"
+    return values | {"Volume of the caps": f"{three_digits(volume)} mm³"}
+
+
+def _as_html(rows: list[tuple[str, str, str]]) -> str:
+    """Return the table, or what to do for one."""
+    lines = (
+        f'<tr><th scope="row">{escape(name)}</th><td class="number">{escape(before)}</td>'
+        f'<td class="number">{escape(now)}</td></tr>'
+        for name, before, now in rows
+    )
+    head = "<thead><tr><th></th><th>A, pinned</th><th>B, as shown</th></tr></thead>"
+    return f'<table class="figure-table">{head}<tbody>{"".join(lines)}</tbody></table>' if rows else NOTHING
+
+
+def comparison_panel(page: Page) -> None:
+    """Create the table; it follows the answers while its tab is open."""
+    table = ui.html(NOTHING, sanitize=False)
+
+    def prepare(answer: Answer) -> list[tuple[str, str, str]] | None:
+        return comparison(answer) if page.tabs.value == COMPARED else None
+
+    def show(answer: Answer, rows: list[tuple[str, str, str]] | None) -> None:
+        if rows is not None:
+            table.content = _as_html(rows)
+
+    page.listen_prepared(prepare, show, PACE)
+    page.tabs.on_value_change(lambda event: page.again() if event.value == COMPARED else None)

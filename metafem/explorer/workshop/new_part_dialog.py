@@ -1,0 +1,99 @@
+"""The dialog for a new part."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import tomlkit
+from nicegui import ui
+
+from metafem.explorer.text.document import Document
+from metafem.explorer.workshop.new_part import new_part
+from metafem.explorer.workshop.part_fields import FIELDS, Collision, Typed, told
+
+if TYPE_CHECKING:
+    from metafem.explorer.page import Page
+
+
+class NewPart:
+    """A dialog with the fields of a new part; it is created when it is opened for the first time."""
+
+    def __init__(self, page: Page) -> None:
+        self.page = page
+        self.dialog: ui.dialog | None = None
+
+    def open(self) -> None:
+        """Open the dialog with the values that were typed last."""
+        if self.dialog is None:
+            self.dialog = self._created()
+        self.dialog.open()
+
+    def _created(self) -> ui.dialog:
+        with ui.dialog().props('aria-labelledby="new-part"') as dialog, ui.card().classes("new-part"):
+            ui.html("<h2 id='new-part'>New part</h2>", sanitize=False)
+            ui.label(
+                "The lattice fills the block, and the alignment caps and the offset follow. A number has the "
+                "unit beside it. Undo brings back the part before."
+            ).classes("quiet small")
+            with ui.element("div").classes("values"):
+                self.fields = {
+                    field.name: ui.input(field.label, value=field.first)
+                    .props(f'dense outlined no-error-icon hide-bottom-space suffix="{field.unit}"')
+                    .on("keydown.enter", self.make)
+                    for field in FIELDS
+                }
+            self.kept = ui.checkbox("Keep the target law that is shown instead of a friction coefficient")
+            self.kept.props("dense")
+            self.fields["coefficient"].bind_enabled_from(self.kept, "value", lambda kept: not kept)
+            self.words = ui.label().classes("warn").props('role="status"')
+            self.offers = ui.element("div").classes("row")
+            with ui.element("div").classes("row"):
+                self.button = ui.button("Make it", on_click=self.make).props("no-caps unelevated")
+                ui.button("Cancel", on_click=dialog.close).props("no-caps flat")
+        self._show()
+        return dialog
+
+    @property
+    def typed(self) -> dict[str, str]:
+        """The texts of the fields, and the target of the state if it is kept."""
+        target = Document(self.page.state.text).value("target") if self.kept.value else None
+        law = "" if target is None else tomlkit.dumps({"target": target})
+        return {name: field.value for name, field in self.fields.items()} | {"law": law}
+
+    async def make(self) -> None:
+        """Show the part as one step of the history, or the values that collide."""
+        self.button.props("loading")
+        try:
+            text = await self.page.in_thread(new_part, self.typed, self.page.state.tables)
+        except Collision as error:
+            self._show(error)
+            return
+        finally:
+            self.button.props(remove="loading")
+        self._show()
+        assert self.dialog is not None
+        self.dialog.close()
+        await self.page.alter(text=text, load=None)
+
+    def _show(self, error: Collision | None = None) -> None:
+        """Mark the field of an error, and show the offers of the error as buttons."""
+        for name, field in self.fields.items():
+            field.props(f":error={str(error is not None and name == error.field).lower()}")
+        wrong = [] if error is None else [each for each in FIELDS if each.name == error.field]
+        words = " ".join([*(f"{each.told(self.typed[each.name])}:" for each in wrong), str(error or "")])
+        self.words.text = f"{words[:1].upper()}{words[1:]}"
+        self.words.set_visibility(error is not None)
+        self.offers.clear()
+        with self.offers:
+            for offer in () if error is None else error.offers:
+                ui.button(told(offer), on_click=partial(self.use, offer)).props("no-caps outline")
+
+    async def use(self, offer: Typed) -> None:
+        """Type the values of an offer, and make the part."""
+        for name in offer:
+            if name in self.fields:
+                self.fields[name].value = offer[name]
+        if "law" in offer:
+            self.kept.value = False
+        await self.make()

@@ -1,0 +1,120 @@
+"""The fields of the dialog for a new part, and the values that are typed in them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+
+from metafem.errors import InvalidInput
+from metafem.files import quantity
+
+# Fewest asperities for which a line is reached over a range of loads, and most for which the search of this
+# range takes seconds.
+FEWEST, MOST = 4, 2500
+
+# A number with a decimal point or comma and an optional unit, and what separates two of them.
+ENTRY = re.compile(r"([+-]?(?:\d+(?:[.,]\d+)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\W\d_xX×]*)")
+SEPARATOR = re.compile(r"[\sxX×*,;]*")
+
+
+@dataclass(frozen=True)
+class Field:
+    """A field: its name, label and unit, its first value, that of the paper's part, and the unit inside."""
+
+    name: str
+    label: str
+    unit: str
+    first: str
+    inside: str = ""
+
+    def told(self, text: str) -> str:
+        """Return the words for a value of the field."""
+        label = self.label.partition(":")[0]
+        return f"{label[:1].lower()}{label[1:]} {text} {self.unit}".strip()
+
+
+FIELDS = (
+    Field("size", "Block: width × length × thickness", "mm", "20 × 20 × 7.2", "mm"),
+    Field("asperities", "Asperities: rows × columns", "", "8 × 8"),
+    Field("coefficient", "Friction coefficient μ", "", "1.5"),
+    Field("height", "Largest height of the summits", "µm", "270", "mm"),
+    Field("radius", "Radius of curvature", "µm", "526", "mm"),
+    Field("modulus", "Composite modulus E*", "MPa", "1.36", "MPa"),
+    Field("strength", "Shear strength σ", "MPa", "0.37", "MPa"),
+    Field("ratio", "Area ratio B", "", "0.85"),
+)
+
+# The first values of all fields. `law` is the text of a target to keep; "" stands for the coefficient.
+FIRST = {field.name: field.first for field in FIELDS} | {"law": ""}
+
+# The text that is typed in each field.
+Typed = Mapping[str, str]
+
+
+class Collision(InvalidInput):
+    """Values that make no part; `field` is to blame, and each of `offers` has texts that mend it."""
+
+    def __init__(self, field: str, words: str, *offers: Typed) -> None:
+        super().__init__(words)
+        self.field, self.offers = field, offers
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """The values of the fields [mm, MPa], with the text of a target to keep, "" for the coefficient."""
+
+    size: tuple[float, float, float]
+    shape: tuple[int, int]
+    coefficient: float
+    height: float
+    radius: float
+    modulus: float
+    strength: float
+    ratio: float
+    law: str
+
+    @property
+    def slope(self) -> float:
+        """Slope of the rescaled friction over the rescaled load."""
+        return self.coefficient * self.modulus / (self.strength * self.ratio)
+
+
+def wanted(typed: Typed) -> Wanted:
+    """Return the values in the fields, or raise Collision with the first value of a field."""
+    values = {field.name: _numbers(field, typed[field.name]) for field in FIELDS}
+    rows, columns = values.pop("asperities")
+    if not (rows.is_integer() and columns.is_integer() and FEWEST <= rows * columns <= MOST):
+        words = f"must be two whole numbers with {FEWEST} to {MOST:,} asperities in all, such as 8 × 8"
+        raise Collision("asperities", words, {"asperities": FIRST["asperities"]})
+    width, length, thickness = values.pop("size")
+    single: dict[str, float] = {name: value for name, (value,) in values.items()}
+    return Wanted((width, length, thickness), (int(rows), int(columns)), law=typed["law"], **single)
+
+
+def _numbers(field: Field, text: str) -> list[float]:
+    """Return the numbers in the text of a field, in mm and MPa; one without a unit has that of the field."""
+    found, count, values = ENTRY.findall(text), len(ENTRY.findall(field.first)), list[float]()
+    if SEPARATOR.fullmatch(ENTRY.sub("", text)):
+        given = [f"{number.replace(',', '.')} {unit or field.unit}".strip() for number, unit in found]
+        with suppress(InvalidInput, ValueError):  # a unit of another kind
+            values = [
+                quantity(field.label, each, field.inside) if field.inside else float(each) for each in given
+            ]
+    if len(values) == count and all(0.0 < value < math.inf for value in values):
+        return values
+    words = "a number" if count == 1 else f"{count} numbers"
+    unit = f" in {field.unit}" if field.unit else ""
+    raise Collision(
+        field.name, f"must be {words} above 0{unit}, such as {field.first}", {field.name: field.first}
+    )
+
+
+def told(offer: Typed) -> str:
+    """Return the words of the button of an offer."""
+    if len(offer) == len(FIRST):
+        return "Use the first values of all fields"
+    named = [field.told(offer[field.name]) for field in FIELDS if field.name in offer]
+    return f"Use {', '.join(named or ['a friction coefficient'])}"
