@@ -127,7 +127,6 @@ def test_the_law_under_the_block_is_computed_in_a_process_that_can_be_stopped(an
 def test_choices_say_what_they_need(answer):
     block = Block(Tasks(), lambda: None)
     tools = tools_data(answer)
-    assert tools["kind"] == "operating-points"
     assert tools["no_forces"] == ""
     assert tools["models"] == [{"name": "half-space", "on": True}, {"name": "layer", "on": False}]
     assert tools["block"]

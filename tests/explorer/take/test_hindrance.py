@@ -5,7 +5,7 @@ import pytest
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.session import State
 from metafem.explorer.take.hindrance import NO_DESIGN, hindrance, said_above
-from metafem.explorer.text.fields import without_section
+from metafem.explorer.workshop.changes import without_section
 from metafem.files import demo_text
 
 TEXT = demo_text("operating-points")

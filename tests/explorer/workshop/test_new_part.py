@@ -118,7 +118,7 @@ def test_the_offset_is_raised_until_the_base_stays_clear():
     found = answered(State(text), 1)
     base = next(each for each in figures(found) if each.name.startswith("load at which the plane touches"))
     assert base.standing is Standing.GOOD
-    lower = Document(text).with_value("limits.offset", "3 um")
+    lower = Document(text).with_values({"limits.offset": "3 um"})
     assert parsed(lower).design().law.separation[-1] < 0.0
 
 
