@@ -223,8 +223,9 @@ class Page:
         return answer, [panel(answer) for panel in self.panels]
 
     def _show(self, found: tuple[Answer, list[Show]]) -> None:
+        before = self.answer.number
         self.answer, shows = found
-        if self.answer.current:
+        if self.answer.current and self.answer.number > before:
             for message in self.messages:
                 message.dismiss()
             self.messages.clear()

@@ -84,7 +84,7 @@ SHIFTS = """() => {
 @pytest.mark.parametrize("width", [1400, 1000, 390])
 def test_nothing_moves_under_the_hand(visit, width):
     page = visit.page
-    page.set_viewport_size({"width": width, "height": 900})
+    visit.anew(width, 900)
     page.locator("[data-beside]").wait_for()
     page.evaluate(SHIFTS)
     done = []
