@@ -27,7 +27,7 @@ class State:
     measured, measured_name : str
         Text and name of the table with a measured law; "" without such a table.
     newtons : bool
-        Whether the axes are in newtons.
+        Whether the axes are in newtons, where the surface has a friction.
     models : tuple of str
         Names of further models whose laws are plotted with the law of the design.
     load : float or None
@@ -40,7 +40,7 @@ class State:
     tables: Mapping[str, str] = field(default_factory=dict)
     measured: str = ""
     measured_name: str = ""
-    newtons: bool = False
+    newtons: bool = True
     models: tuple[str, ...] = ()
     load: float | None = None
     pinned: str = ""

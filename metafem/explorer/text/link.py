@@ -23,11 +23,12 @@ def to_link(state: State) -> str:
 
     Examples
     --------
-    >>> link = to_link(State("[layout]\\nseed = 3", newtons=True))
+    >>> link = to_link(State("[layout]\\nseed = 3", newtons=False))
     >>> len(link) < 100, from_link(link).newtons
-    (True, True)
+    (True, False)
     """
-    record = {name: value for name, value in json.loads(state.to_json()).items() if value or name == "text"}
+    usual, record = (json.loads(each.to_json()) for each in (State(""), state))
+    record = {name: value for name, value in record.items() if name == "text" or value != usual[name]}
     plain = json.dumps(record, ensure_ascii=False, separators=(",", ":")).encode("utf-8", "surrogatepass")
     link = VERSION + base64.urlsafe_b64encode(zlib.compress(plain, 9)).decode("ascii").rstrip("=")
     return link if len(plain) <= LARGEST and len(link) <= LONGEST else ""

@@ -17,7 +17,7 @@ TEXT = demo_text("operating-points")
 
 @pytest.fixture(scope="module")
 def answer():
-    return answered(State(TEXT), 7)
+    return answered(State(TEXT, newtons=False), 7)
 
 
 def test_curves_are_the_laws_in_rescaled_units_and_in_newtons(answer):
@@ -28,7 +28,7 @@ def test_curves_are_the_laws_in_rescaled_units_and_in_newtons(answer):
     assert data["model"] == "independent"
     np.testing.assert_allclose(data["achieved"]["x"], law.rescaled_load, rtol=1e-4)
     np.testing.assert_allclose(data["wanted"]["y"], [0.84, 1.68, 4.12])
-    forces = law_data(answered(State(TEXT, newtons=True, load=0.2), 8, answer))
+    forces = law_data(answered(State(TEXT, load=0.2), 8, answer))
     np.testing.assert_allclose(forces["achieved"]["x"], law.load, rtol=1e-4)
     np.testing.assert_allclose(forces["achieved"]["y"], law.friction_force, rtol=1e-4)
     assert forces["y"]["unit"] == "N"
@@ -126,7 +126,7 @@ def test_curves_have_a_bounded_number_of_points_and_no_nan():
 
 @pytest.mark.parametrize("name", ["linear", "bilinear"])
 def test_slopes_are_drawn_along_their_branches(name):
-    answer = answered(State(demo_text(name)), 1)
+    answer = answered(State(demo_text(name), newtons=False), 1)
     wanted = law_data(answer)["wanted"]
     slopes = [branch.slope for branch, _ in answer.design.fits]
     ends = [i for i, x in enumerate(wanted["x"]) if x is None]
@@ -140,7 +140,7 @@ def test_an_open_power_law_is_drawn_at_its_nearest_level():
     text = TEXT[: TEXT.index("[target]")] + "\n".join(
         ["[target]", 'kind = "power"', "exponent = 1.1", 'load_range = ["0.1 mm^2", "0.4 mm^2"]', ""]
     )
-    answer = answered(State(text + TEXT[TEXT.index("[material]") :]), 1)
+    answer = answered(State(text + TEXT[TEXT.index("[material]") :], newtons=False), 1)
     wanted = law_data(answer)["wanted"]
     exponent = np.polyfit(np.log(wanted["x"]), np.log(wanted["y"]), 1)[0]
     assert exponent == pytest.approx(1.1, rel=1e-4)

@@ -10,7 +10,7 @@ export class Tools {
   constructor(root, emit, files, say) {
     this.emit = emit;
     this.axes = made("span", { className: "choice law-axes", role: "group", ariaLabel: "Axes" });
-    for (const [newtons, words] of [[false, "mm²"], [true, "N"]]) {
+    for (const [newtons, words] of [[true, "N"], [false, "mm²"]]) {
       const button = made("button", { type: "button", textContent: words, title: newtons ? "Load P and friction F in newtons" : "Load P/E* and friction F/(σB), rescaled" });
       button.addEventListener("click", () => {
         if (newtons && this.noForces) say(this.noForces, true);
@@ -56,8 +56,8 @@ export class Tools {
   drawChoices(data) {
     this.noForces = data.no_forces;
     [...this.axes.children].forEach((button, i) => {
-      button.ariaPressed = String(Boolean(data.newtons && !data.no_forces) === (i === 1));
-      button.ariaDisabled = String(i === 1 && data.no_forces !== "");
+      button.ariaPressed = String(Boolean(data.newtons && !data.no_forces) === (i === 0));
+      button.ariaDisabled = String(i === 0 && data.no_forces !== "");
     });
     const focus = this.list.contains(document.activeElement) ? document.activeElement.name : null;
     this.list.replaceChildren(...data.models.map(({ name, on }) => {
