@@ -152,7 +152,7 @@ def test_a_refusal_is_announced_with_its_reason(keys):
     keys.changes(*["Shift+ArrowUp"] * 6)
     words = page.locator(".law-live.wrong span")
     words.wait_for()
-    assert re.match(r"Refused. The point is back to .*: load .*mm², friction .*mm²\. \S", words.inner_text())
+    assert re.match(r"Refused. The point is back to .*: load .*N, friction .*N\. \S", words.inner_text())
     assert words.get_attribute("aria-live") == "polite"
     page.wait_for_function("() => document.querySelector('.bar [role=status]').innerText !== ''")
     assert page.locator(".bar [role=status]").inner_text().startswith("meets the target")
@@ -163,7 +163,7 @@ def test_the_names_and_roles_are_those_of_the_page(keys):
     tree = page.locator("body").aria_snapshot()
     assert tree.count("- main:") == 1
     for words in (
-        'slider "point 2 of 3: load 0.336 mm², friction 1.680 mm²"',
+        'slider "point 2 of 3: load 0.457 N, friction 0.528 N"',
         'slider "load at which contacts are shown"', 'combobox "Target law, kind"',
         'application "Map of the heights', 'tab "3D"', 'region "Law"',
     ):  # fmt: skip

@@ -71,7 +71,7 @@ def test_a_dragged_point_changes_the_text_and_a_refused_one_returns(visit):
     visit.page.mouse.move(x, y - 60, steps=4)
     visit.page.mouse.move(20.0, y - 160, steps=4)
     visit.page.locator(".handle.refused").wait_for()
-    assert "mm^2" in visit.page.locator(".law-refusal span").inner_text()
+    assert " N" in visit.page.locator(".law-refusal span").inner_text()
     assert visit.page.locator("path.achieved.old").count() == 1
     visit.page.mouse.up()
     visit.settled(before)
@@ -88,7 +88,7 @@ def test_points_are_moved_added_and_removed_by_keys(visit):
         page.keyboard.press(keys)
         visit.settled(before)
         assert target(visit).rescaled_friction[1] - friction == pytest.approx(change, rel=0.5)
-        assert said(visit).startswith("point 2 of 3: load 0.336 mm², friction ")
+        assert said(visit).startswith("point 2 of 3: load 0.457 N, friction ")
     before = visit.asked
     page.keyboard.press("a")
     visit.settled(before)
@@ -104,7 +104,7 @@ def test_points_are_moved_added_and_removed_by_keys(visit):
     page.keyboard.press("Shift+ArrowLeft")
     visit.settled(before)
     assert visit.text == text
-    assert float(page.locator(".load-knob").get_attribute("aria-valuenow")) < 0.7
+    assert float(page.locator(".load-knob").get_attribute("aria-valuenow")) < 0.95
 
 
 def test_the_nearest_law_is_taken_and_every_kind_can_be_dragged(visit):
@@ -168,8 +168,8 @@ def test_further_models_and_newtons_are_shown_beside_the_law(visit):
     assert "block" not in page.locator(".law-legend").inner_text()
     page.keyboard.press("Escape")
     text = visit.text
-    page.get_by_role("button", name="N", exact=True).click()
-    page.locator("text.title", has_text="friction force F [N]").wait_for(state="attached")
+    page.get_by_role("button", name="mm²", exact=True).click()
+    page.locator("text.title", has_text="friction F/(σB) [mm²]").wait_for(state="attached")
     assert visit.text == text
     before = visit.asked
     visit.drag("point-0", 5, -3)

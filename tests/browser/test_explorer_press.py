@@ -30,7 +30,7 @@ def pressed(visit):
 
 
 def load(page):
-    """Return the load [N] beside the slider, and that of the triangle of the law [mm^2]."""
+    """Return the loads beside the slider and of the triangle of the law [N]."""
     words = page.locator(".press span").inner_text()
     return float(re.search(r"([\d.]+) N", words)[1]), triangle(page)
 
@@ -50,9 +50,9 @@ def test_play_presses_from_the_smallest_to_the_largest_load_and_moves_nothing(vi
     closed = [int(re.match(r"\d+", each)[0]) for each in counts]
     assert closed == sorted(closed)
     assert (closed[0], closed[-1]) == (5, 58)
-    assert len(counts) > 20  # motion also on a busy machine
+    assert len(counts) > 10  # motion also on a busy machine
     assert page.evaluate("() => shifts") == []
-    assert load(page) == pytest.approx((0.971, 0.971 / 1.36), rel=1e-3)
+    assert load(page) == pytest.approx((0.971, 0.971), rel=1e-3)
     visit.errors.clear()  # three.js reports what it could not make
 
 
@@ -62,19 +62,19 @@ def test_slider_and_triangle_carry_one_load(visit, pressed):
     slider.focus()
     page.keyboard.press("Home")
     visit.at_rest()
-    newtons, rescaled = load(page)
-    assert rescaled == pytest.approx(newtons / 1.36, rel=0.01)
+    beside, marked = load(page)
+    assert marked == pytest.approx(beside, rel=0.01)
     assert page.locator(".press span").inner_text().startswith("5 of 58 in contact")
     for _ in range(50):
         page.keyboard.press("ArrowRight")
     visit.at_rest()
     # a step is 1/250 of the loads of the law, from 0.01 of the largest
-    assert triangle(page) == pytest.approx((0.01 + 0.99 * 50 / 250) * 0.971 / 1.36, rel=0.01)
+    assert triangle(page) == pytest.approx((0.01 + 0.99 * 50 / 250) * 0.971, rel=0.01)
     page.locator(".load-knob").focus()
     page.keyboard.press("Shift+ArrowRight")
     visit.at_rest()
-    newtons, rescaled = load(page)
-    assert newtons == pytest.approx(1.36 * rescaled, rel=0.005)
+    beside, marked = load(page)
+    assert beside == pytest.approx(marked, rel=0.005)
     assert int(slider.input_value()) > 50
     assert slider.get_attribute("aria-valuetext") == page.locator(".press span").inner_text()
 
@@ -87,8 +87,8 @@ def test_a_play_ends_where_the_surface_changes(visit, pressed):
     visit.entered("limits.max_height", "260 um")
     page.get_by_role("button", name="Press it").wait_for()
     visit.at_rest()
-    newtons, rescaled = load(page)
-    assert newtons == pytest.approx(1.36 * rescaled, rel=0.005)
+    beside, marked = load(page)
+    assert beside == pytest.approx(marked, rel=0.005)
     visit.errors.clear()
 
 
@@ -102,7 +102,7 @@ def test_a_site_marks_its_tick_and_a_tick_its_sites(visit, pressed):
     entry = float(re.search(r"comes into contact at ([\d.]+) N", tip)[1])
     mark = page.locator(".rug-mark").bounding_box()
     page.mouse.move(mark["x"] + mark["width"] / 2, mark["y"] + 3)
-    page.locator(".law-readout", has_text=f"sites come into contact at {entry / 1.36:.3g}").wait_for()
+    page.locator(".law-readout", has_text=f"sites come into contact at {entry:.3g}").wait_for()
     assert "active" in page.locator('[data-site="20"]').get_attribute("class")
     page.locator(".surface-view svg").focus()
     page.keyboard.press("ArrowUp")
