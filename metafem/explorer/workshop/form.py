@@ -12,16 +12,14 @@ from metafem.explorer.text.kinds import kind_names
 from metafem.explorer.text.names import form_of, label_of, order_of, title_of
 from metafem.files import KeyForm, SectionForm, section_forms
 
-# Columns of the form: the sections of each column, most frequently used sections first.
-COLUMNS = (
-    ("target", "part"),
-    ("lattice", "tools", "sites", "block"),
-    ("limits", "robust", "layout"),
-    ("model", "contact", "contact.cap", "material", "friction", "checks", "cell", "cap"),
-)
+# Sections of the form, in the order in which a designer needs them. The model is in the header of the page.
+SECTIONS = (
+    "target", "lattice", "limits", "friction", "material", "block", "contact", "contact.cap", "tools",
+    "sites", "layout", "robust", "part", "checks", "cell", "cap",
+)  # fmt: skip
 
-# Sections that are always open.
-COMMON = ("target", "lattice", "limits", "model", "contact", "contact.cap")
+# Sections that are open on a new page.
+OPEN = SECTIONS[:3]
 
 # Further explanations of keys, for readers who do not know the terms of the short meaning.
 FURTHER = {
@@ -44,10 +42,10 @@ FURTHER = {
 }
 
 
-def form() -> list[list[dict[str, Any]]]:
-    """Return the columns of the form with their sections and fields, which the browser needs only once."""
+def form() -> list[dict[str, Any]]:
+    """Return the sections of the form with their fields, which the browser needs only once."""
     forms = {each.name: each for each in section_forms()}
-    return [[_section(forms[name]) for name in column] for column in COLUMNS]
+    return [_section(forms[name]) for name in SECTIONS]
 
 
 def _section(section: SectionForm) -> dict[str, Any]:
@@ -59,7 +57,7 @@ def _section(section: SectionForm) -> dict[str, Any]:
         "meaning": section.meaning,
         "optional": section.optional,
         "inner": _inner(name),
-        "common": name in COMMON,
+        "open": name in OPEN,
         # Whether the fields are shown even if the specification does not have the section.
         "always": not section.optional or bare or bool(section.kinds),
         "kinds": section.kinds,

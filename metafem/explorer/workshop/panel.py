@@ -28,7 +28,7 @@ class Fields(Element, component="fields.js"):
 
     def __init__(self) -> None:
         super().__init__()
-        self._props["columns"] = form()
+        self._props["parts"] = form()
 
 
 class Workshop:
