@@ -127,12 +127,7 @@ def test_the_form_has_all_sections_without_the_model_which_is_in_the_header():
 
 
 def test_every_key_has_a_field():
-    keys = {
-        field["key"]
-        for part in form()
-        for fields in part["keys"].values()
-        for field in fields
-    }
+    keys = {field["key"] for part in form() for fields in part["keys"].values() for field in fields}
     assert keys == {
         f"{section.name}.{key.name}"
         for section in section_forms()
