@@ -196,16 +196,16 @@ def _like(number: Any, before: Any, old: Any, write: Callable[[float, Any], Any]
     """Return a number, or numbers, as written by `write` in the form of the `old` value of `before`."""
     if old is not None and number == before:
         return old
-    if isinstance(old, list) and len(number) != len(before):  # a point is added or removed
-        known, last = dict(zip(before, old, strict=True)), len(old) - 1
-        return [known.get(each) or write(each, old[min(i, last)]) for i, each in enumerate(number)]
-    if isinstance(old, list):
-        return [_like(*each, write) for each in zip(number, before, old, strict=False)]
     if not isinstance(number, Sequence):
         return write(number, old)
-    if old is not None:  # one load in place of a pair of equal loads
+    if old is None:
+        return [write(each, None) for each in number]
+    if not isinstance(old, list):  # one load in place of a pair of equal loads
         return write(number[0], old)
-    return [write(each, None) for each in number]
+    known = dict(zip(before, old, strict=True))
+    places = [min(i, len(old) - 1) for i in range(len(number))]  # a point may have been added
+    pairs = zip(number, places, strict=True)
+    return [known.get(each) or _like(each, before[i], old[i], write) for each, i in pairs]
 
 
 def _replaced(value: Any, old: float, new: float) -> Any:
