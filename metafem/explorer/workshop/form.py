@@ -51,16 +51,12 @@ def form() -> list[dict[str, Any]]:
 def _section(section: SectionForm) -> dict[str, Any]:
     name = section.name
     bare = not section.kinds and not any(key.needed for keys in section.keys.values() for key in keys)
-    return {
-        "name": name,
+    return vars(section) | {
         "title": title_of(name),
-        "meaning": section.meaning,
-        "optional": section.optional,
         "inner": _inner(name),
         "open": name in OPEN,
         # Whether the fields are shown even if the specification does not have the section.
         "always": not section.optional or bare or bool(section.kinds),
-        "kinds": section.kinds,
         "kind_names": kind_names() if name == "target" else {},
         "keys": {
             kind: [_field(name, key) for key in keys if key.value != "section"]
@@ -79,18 +75,13 @@ def _inner(name: str) -> dict[str, str] | None:
 
 def _field(section: str, key: KeyForm) -> dict[str, Any]:
     name = f"{section}.{key.name}"
-    return {
+    same = ("meaning", "value", "units", "names", "listed", "choice")
+    return {each: getattr(key, each) for each in same} | {
         "key": name,
         "label": label_of(name),
-        "meaning": key.meaning,
         "further": FURTHER.get(name, ""),
         "example": shown(key.example),
         "default": _default(key),
-        "value": key.value,
-        "units": key.units,
-        "names": key.names,
-        "listed": key.listed,
-        "choice": key.choice,
         "needed": not key.optional,
     }
 
