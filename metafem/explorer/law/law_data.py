@@ -9,7 +9,8 @@ from metafem.explorer.answer import Answer
 from metafem.explorer.law.nearest import offer
 from metafem.explorer.law.reach import Band
 from metafem.explorer.law.shown import EDITED, Units, numbers
-from metafem.explorer.text.handles import Handle, crowd, drawn
+from metafem.explorer.text.handles import drawn, scene_of
+from metafem.explorer.text.marks import Handle
 from metafem.explorer.text.shape import Follows, Shift
 from metafem.inversion import OperatingPoints
 
@@ -23,11 +24,11 @@ SEARCHED = "A longer search follows."
 
 def law_data(answer: Answer) -> dict[str, Any]:
     """Return the curves and handles of an answer in the units of the axes."""
-    handles, shape = drawn(answer.state.text, answer.specification, answer.design)
     units = Units.of(answer, answer.state.newtons)
     own = Units.of_design(answer, answer.state.newtons)
-    target = None if answer.specification is None else answer.specification.target
-    many = 0 if answer.specification is None else crowd(answer.specification)
+    scene = answer.specification and scene_of(answer.state.text, answer.specification, answer.design)
+    handles, shape = drawn(scene) if scene else ((), None)
+    target, many = (scene.target, scene.crowd) if scene else (None, 0)
     data: dict[str, Any] = {
         "number": answer.number,
         # checksum of the text: messages below the plot are valid for this text only

@@ -108,6 +108,11 @@ class Scene:
             del given["weight"]
         return section | self.stated(given, EXACT)
 
+    @property
+    def crowd(self) -> int:
+        """The number of points of the target if it has too many points for handles, otherwise 0."""
+        return 0
+
     def handles(self) -> tuple[Handle, ...]:
         """Return the handles."""
         return ()
