@@ -109,8 +109,7 @@ def _sections(part: Wanted) -> Sections:
     """Return the sections of a surface without a block, with an offset that keeps its base clear."""
     kept = tomlkit.parse(part.law).unwrap() if part.law else {"target": _line_of(part)}
     radius, pitch = _um(part.radius), f"{APART * part.radius:.6g} mm"
-    return {
-        **kept,
+    return kept | {
         "material": {"composite_modulus": f"{part.modulus:.6g} MPa", "poisson_ratio": 0.5},
         "friction": {"shear_strength": f"{part.strength:.6g} MPa", "area_ratio": part.ratio},
         "lattice": {"shape": list(part.shape), "pitch": pitch, "radius": radius},
