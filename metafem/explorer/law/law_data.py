@@ -11,7 +11,7 @@ from metafem.explorer.law.reach import Band
 from metafem.explorer.law.shown import EDITED, Units, numbers
 from metafem.explorer.text.handles import drawn, scene_of
 from metafem.explorer.text.marks import Handle
-from metafem.explorer.text.shape import Follows, Shift
+from metafem.explorer.text.shape import Follows
 from metafem.inversion import OperatingPoints
 
 # Labels of the shaded band. Its bounds are proven for independent asperities.
@@ -89,10 +89,9 @@ def _handle(handle: Handle, units: Units) -> dict[str, Any]:
 def _follows(follows: Follows, units: Units) -> dict[str, Any]:
     """Return the factors by which corners and handles follow a move of a handle, in the units of the axes."""
 
-    def factors(shift: Shift) -> list[float | None]:
-        return numbers([shift.x, shift.across * units.friction / units.load, shift.y], EDITED)
-
-    return {
-        "corners": [[number, *factors(shift)] for number, shift in follows.corners.items()],
-        "handles": [[id, *factors(shift)] for id, shift in follows.handles.items()],
-    }
+    across = units.friction / units.load
+    rows = [
+        [key, *numbers([shift.x, shift.across * across, shift.y], EDITED)] for key, shift in follows.items()
+    ]
+    corners = [row for row in rows if isinstance(row[0], int)]
+    return {"corners": corners, "handles": [row for row in rows if row not in corners]}

@@ -78,7 +78,9 @@ class LawPanel:
         units = Units.of(answer, answer.state.newtons)
         data["tools"] = tools_data(answer)
         data["measured"] = self.measured.data(answer, units)
+        data["base"] = None
         if specification is not None:
+            data["base"] = scene_of(answer.state.text, specification, answer.design)
             band = self.reach.of(specification)
             if (self.reach.key, units) != self.band_shown:
                 data["band"] = None if band is None else band_data(band, units)
@@ -88,9 +90,9 @@ class LawPanel:
         """Draw an answer."""
         for number in [each for each in self.requests if each <= answer.number]:
             self.request = self.requests.pop(number)
-        specification, text = answer.specification, answer.state.text
-        if specification is not None and text == self.page.state.text:
-            self.base = scene_of(text, specification, answer.design)
+        base = data.pop("base")
+        if base is not None and answer.state.text == self.page.state.text:
+            self.base = base
             self.stuck = answer.refusal != "" and not answer.undecided
         if answer.nearest_target is not None:
             self.refused = answer

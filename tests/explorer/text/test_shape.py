@@ -49,11 +49,12 @@ def applied(shape, found, id, by):
     def moves(shift):
         return np.array([shift.x * by[0], shift.across * by[0] + shift.y * by[1]])
 
-    for number, shift in shape.follows[id].corners.items():
-        corners[number] += moves(shift)
-    for name, shift in shape.follows[id].handles.items():
-        before = next(each for each in found if each.id == name)
-        places[name] = np.array([before.load, before.friction]) + moves(shift)
+    for key, shift in shape.follows[id].items():
+        if isinstance(key, int):
+            corners[key] += moves(shift)
+            continue
+        before = next(each for each in found if each.id == key)
+        places[key] = np.array([before.load, before.friction]) + moves(shift)
     return corners, places
 
 
