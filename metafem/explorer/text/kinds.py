@@ -113,7 +113,7 @@ def restated(text: str, specification: Specification, newtons: bool) -> dict[str
         return {}
     material = specification.template.material
     wording = Wording.of(material, friction) if newtons and friction else RESCALED
-    return scene.stated(members(scene.target, NEWTON_KEYS), RESTATED, wording)
+    return scene.stated(members(scene.target, NEWTON_KEYS), RESTATED, wording=wording)
 
 
 def _present(design: Design, limits: Limits) -> tuple[Law, float, float]:

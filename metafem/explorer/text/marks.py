@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -39,8 +39,9 @@ COLUMNS = ("rescaled_load", "rescaled_friction", "weight", "relative_error")
 # Members of a target that are loads with a handle of their own.
 MARKED = ("crossover_load", "crossover_loads", "load_range")
 
-# Members of a target by name: slopes [-], loads and frictions [mm^2].
+# Members of a target by name: slopes [-], loads and frictions [mm^2]; and keys of a text with their values.
 Numbers = dict[str, Any]
+Keys = dict[str, Any]
 
 
 def members(target: Any, names: Iterable[str]) -> Numbers:
@@ -98,9 +99,9 @@ class Scene:
         return str(self.section.get("kind"))
 
     @cached_property
-    def section(self) -> Mapping[str, Any]:
+    def section(self) -> Keys:
         """The keys and values of the target in the text; lists in place of the name of a table."""
-        section = dict(self.document.section("target"))
+        section = self.document.section("target").copy()
         if section.pop("file", None) is None:
             return section
         given = members(self.target, COLUMNS)
@@ -162,20 +163,16 @@ class Scene:
 
         Numbers that do not change remain as they are written; the number None removes its key.
         """
-        values = self.stated(numbers, resolution, like=self.section)
+        values = self.stated(numbers, resolution, self.section)
         return self.document.with_kind("target", kind or self.kind, {**self.section, **values})
 
     def stated(
-        self,
-        numbers: Numbers,
-        resolution: float,
-        wording: Wording | None = None,
-        like: Mapping[str, Any] | None = None,
-    ) -> dict[str, Any]:
-        """Return the keys and values of numbers of a target in a wording, default: that of the target.
+        self, numbers: Numbers, resolution: float, like: Keys | None = None, wording: Wording | None = None
+    ) -> Keys:
+        """Return the keys and values of numbers of a target.
 
-        `like` are the present keys and values. New values have the units of these values, or the units of
-        the wording.
+        New values have the units of the present keys and values `like`, or those of the wording, default:
+        that of the target.
         """
         units, found = wording or self.target.wording, dict[str, Any]()
         for name, number in numbers.items():

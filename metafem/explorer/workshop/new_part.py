@@ -95,11 +95,8 @@ def _built(typed: Typed, tables: Mapping[str, bytes]) -> str:
     text = tomlkit.dumps(sections)
     try:
         specification = parsed(text, tables)
-        template = specification.template
-        height = found.surface.height - part.radius + offset / MICROMETRES
-        position = template.position[found.sites]
-        made = found.surface.replaced(position=position, height=height, block=template.block)
-        planned(made, template, specification.part)
+        template, height = specification.template, found.surface.height - part.radius + offset / MICROMETRES
+        planned(template.only(found.sites, height=height), template, specification.part)
     except MetafemError as error:
         raise Collision("size", on_page(str(error)), FIRST) from None
     return text
