@@ -8,7 +8,7 @@ import numpy as np
 
 from metafem.errors import InvalidInput
 from metafem.explorer.text.marks import COLUMNS, Handle, Numbers, Scene, members
-from metafem.explorer.text.shape import Shape, Shift
+from metafem.explorer.text.shape import Follows, Shape, Shift
 from metafem.explorer.text.written import between
 
 # Largest number of points that have handles. With more points, the marks would overlap on the plot, and
@@ -41,7 +41,8 @@ class PointHandles(Scene):
 
     def shape(self) -> Shape:
         """Return the curve of straight lines from each point to the next."""
-        follows = {each.id: {i: Shift(1.0, 0.0, 1.0)} for i, each in enumerate(self.handles())}
+        shift = Shift(1.0, 0.0, 1.0)
+        follows: dict[str, Follows] = {each.id: {i: shift} for i, each in enumerate(self.handles())}
         return Shape(self.target.rescaled_load, self.target.rescaled_friction, follows)
 
     def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:

@@ -8,7 +8,7 @@ from typing import Any
 from metafem.errors import InvalidInput
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.fields import shown
-from metafem.explorer.text.kinds import kind_names
+from metafem.explorer.text.kinds import KINDS
 from metafem.explorer.text.names import form_of, label_of, order_of, title_of
 from metafem.files import KeyForm, SectionForm, section_forms
 
@@ -57,7 +57,7 @@ def _section(section: SectionForm) -> dict[str, Any]:
         "open": name in OPEN,
         # Whether the fields are shown even if the specification does not have the section.
         "always": not section.optional or bare or bool(section.kinds),
-        "kind_names": kind_names() if name == "target" else {},
+        "kind_names": {kind: KINDS[kind][0] for kind in section.kinds} if name == "target" else {},
         "keys": {
             kind: [_field(name, key) for key in keys if key.value != "section"]
             for kind, keys in section.keys.items()
