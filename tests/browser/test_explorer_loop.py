@@ -25,7 +25,7 @@ def watched(owner, name):
 
 NAMES = {
     "answer": "answered specification_of",
-    "text.handles": "drawn moved added removed",
+    "text.handles": "scene_of drawn moved added removed",
     "text.kinds": "with_kind",
     "text.fields": "with_field",
     "text.link": "to_link from_link restored",
@@ -37,7 +37,7 @@ NAMES = {
     "surface.surface_data": "site_data layout_data",
     "surface.contact_data": "contact_data",
     "surface.press_data": "press_data",
-    "surface.edits": "edited",
+    "surface.sites_text": "edited",
     "workshop.changes": "with_choice with_section without_section",
     "workshop.form": "contents",
     "workshop.places": "placed",

@@ -74,6 +74,7 @@ def test_kinds_and_sections_are_changed(visit):
     page.locator('[data-key="target.slopes"]').first.wait_for()  # the fields follow at their own pace
     assert page.locator('[data-key="target.slopes"]').count() == 1
     assert value(visit, "target.kind") == "bilinear"
+    page.locator('[data-section="contact"] summary').click()
     chosen(visit, "contact.kind", "power")
     visit.entered("contact.exponent", "2")
     assert value(visit, "contact") == {"kind": "power", "exponent": 2}

@@ -15,7 +15,6 @@ from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
-from metafem.explorer.law.kinds import points
 from metafem.explorer.law.shown import EDITED, Units, numbers
 from metafem.explorer.text.document import Document
 from metafem.files.measurement.laws import COLUMNS, read_measured_law
@@ -123,7 +122,12 @@ def as_target(answer: Answer, found: Points) -> str:
     if not load.size:
         raise InvalidInput(f"{found.name} has no point with a load and a friction above 0")
     friction = np.array([found.friction[rows][found.load[rows] == each].mean() for each in load])
-    values = points(load, friction, Units.of(answer, answer.state.newtons), EDITED)
+    units = Units.of(answer, answer.state.newtons)
+    keys = ("load", "friction_force") if units.newtons else ("rescaled_load", "rescaled_friction")
+    values = {
+        key: [f"{value:.{EDITED}g} {'N' if units.newtons else 'mm^2'}" for value in each]
+        for key, each in zip(keys, (units.load * load, units.friction * friction), strict=True)
+    }
     return Document(answer.state.text).with_kind("target", "sampled", values)
 
 

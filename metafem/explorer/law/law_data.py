@@ -9,8 +9,9 @@ from metafem.explorer.answer import Answer
 from metafem.explorer.law.nearest import offer
 from metafem.explorer.law.reach import Band
 from metafem.explorer.law.shown import EDITED, Units, numbers
-from metafem.explorer.text.handles import Handle, crowd, drawn
-from metafem.explorer.text.shape import Follows, Shift
+from metafem.explorer.text.handles import drawn, scene_of
+from metafem.explorer.text.marks import Handle
+from metafem.explorer.text.shape import Follows
 from metafem.inversion import OperatingPoints
 
 # Labels of the shaded band. Its bounds are proven for independent asperities.
@@ -23,11 +24,11 @@ SEARCHED = "A longer search follows."
 
 def law_data(answer: Answer) -> dict[str, Any]:
     """Return the curves and handles of an answer in the units of the axes."""
-    handles, shape = drawn(answer.state.text, answer.specification, answer.design)
     units = Units.of(answer, answer.state.newtons)
     own = Units.of_design(answer, answer.state.newtons)
-    target = None if answer.specification is None else answer.specification.target
-    many = 0 if answer.specification is None else crowd(answer.specification)
+    scene = answer.specification and scene_of(answer.state.text, answer.specification, answer.design)
+    handles, shape = drawn(scene) if scene else ((), None)
+    target, many = (scene.target, scene.crowd) if scene else (None, 0)
     data: dict[str, Any] = {
         "number": answer.number,
         # checksum of the text: messages below the plot are valid for this text only
@@ -88,10 +89,9 @@ def _handle(handle: Handle, units: Units) -> dict[str, Any]:
 def _follows(follows: Follows, units: Units) -> dict[str, Any]:
     """Return the factors by which corners and handles follow a move of a handle, in the units of the axes."""
 
-    def factors(shift: Shift) -> list[float | None]:
-        return numbers([shift.x, shift.across * units.friction / units.load, shift.y], EDITED)
-
-    return {
-        "corners": [[number, *factors(shift)] for number, shift in follows.corners.items()],
-        "handles": [[id, *factors(shift)] for id, shift in follows.handles.items()],
-    }
+    across = units.friction / units.load
+    rows = [
+        [key, *numbers([shift.x, shift.across * across, shift.y], EDITED)] for key, shift in follows.items()
+    ]
+    corners = [row for row in rows if isinstance(row[0], int)]
+    return {"corners": corners, "handles": [row for row in rows if row not in corners]}

@@ -9,9 +9,9 @@ import numpy as np
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.text.document import Document
-from metafem.explorer.text.handles import added
+from metafem.explorer.text.handles import added, scene_of
 from metafem.explorer.text.kinds import near_design
-from metafem.explorer.text.marks import Scene, members
+from metafem.explorer.text.marks import members
 from metafem.inversion import LinearLaw, OperatingPoints
 
 # Largest number of nearest laws, each of the refusal of the one before, that are tried.
@@ -79,9 +79,8 @@ def with_point(answer: Answer, load: float, friction: float, near: float) -> str
     If the friction differs by at most `near` from that of the achieved law, the point is on it; if no surface
     passes through all points then, they become a curve that is approximated.
     """
-    text, specification = answer.state.text, answer.specification
-    free = added(text, specification, load, friction)
-    found = added(text, specification, load, friction, design=answer.design, near=near)
+    scene = scene_of(answer.state.text, answer.specification, answer.design)
+    free, found = added(scene, load, friction), added(scene, load, friction, near)
     if found != free and answered(replace(answer.state, text=found), answer.number, draft=True).refused:
         return Document(found).with_values({"target.kind": "sampled"})
     return found
@@ -92,5 +91,5 @@ def with_nearest(answer: Answer) -> str:
     target, specification = answer.nearest_target, answer.specification
     if target is None or specification is None:
         raise InvalidInput("no nearest law is known")
-    scene = Scene(Document(answer.state.text), specification, answer.design)
+    scene = scene_of(answer.state.text, specification, answer.design)
     return scene.written(members(target, MEMBERS), RESOLUTION)

@@ -21,10 +21,9 @@ from metafem.explorer.law.reach import Reach
 from metafem.explorer.law.shown import Units
 from metafem.explorer.law.tools import block_data, tools_data
 from metafem.explorer.session import State
-from metafem.explorer.text.handles import moved, removed
+from metafem.explorer.text.handles import moved, removed, scene_of
+from metafem.explorer.text.marks import Scene
 from metafem.explorer.text.names import on_page
-from metafem.files import Specification
-from metafem.inversion import Design
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
@@ -54,8 +53,9 @@ class LawPanel:
         # number of the plot for each change of the page by a drag, and for the newest one that is answered
         self.requests: dict[int, int] = {}
         self.request = 0
-        # text, specification and design of the current state: every step of a drag starts from them
-        self.base: tuple[str, Specification, Design | None] | None = None
+        self.base: Scene | None = (
+            None  # the target of the current state, from which every step of a drag starts
+        )
         self.refused: Answer | None = None
         self.stuck = False  # whether the state from which a drag starts is refused
         page.listen_prepared(self.prepared, self.show)
@@ -78,7 +78,9 @@ class LawPanel:
         units = Units.of(answer, answer.state.newtons)
         data["tools"] = tools_data(answer)
         data["measured"] = self.measured.data(answer, units)
+        data["base"] = None
         if specification is not None:
+            data["base"] = scene_of(answer.state.text, specification, answer.design)
             band = self.reach.of(specification)
             if (self.reach.key, units) != self.band_shown:
                 data["band"] = None if band is None else band_data(band, units)
@@ -88,9 +90,9 @@ class LawPanel:
         """Draw an answer."""
         for number in [each for each in self.requests if each <= answer.number]:
             self.request = self.requests.pop(number)
-        specification, text = answer.specification, answer.state.text
-        if specification is not None and text == self.page.state.text:
-            self.base = text, specification, answer.design
+        base = data.pop("base")
+        if base is not None and answer.state.text == self.page.state.text:
+            self.base = base
             self.stuck = answer.refusal != "" and not answer.undecided
         if answer.nearest_target is not None:
             self.refused = answer
@@ -109,7 +111,7 @@ class LawPanel:
 
         def dragged(state: State) -> str:
             if not event.get("back"):
-                return moved(*self._base(state), id, *place)
+                return moved(self._base(state), id, *place)
             answer = self.page.answer
             return reachable(answer) if self.stuck and answer.refusal else state.text
 
@@ -124,14 +126,14 @@ class LawPanel:
         place, near = self._place(event), self._units().rescaled(0.0, float(event.get("near", 0.0)))[1]
 
         def drawn(state: State) -> str:
-            _, specification, design = self._base(state)
-            return with_point(Answer(self.page.number, state, specification, design), *place, near)
+            base = self._base(state)
+            return with_point(Answer(self.page.number, state, base.specification, base.design), *place, near)
 
         await self.page.make(drawn)
 
     async def on_remove(self, event: Event) -> None:
         """Remove a point."""
-        await self.page.make(lambda state: removed(*self._base(state)[:2], event["id"]))
+        await self.page.make(lambda state: removed(self._base(state), event["id"]))
 
     async def on_cursor(self, event: Event) -> None:
         """Show the contacts at another load."""
@@ -194,9 +196,9 @@ class LawPanel:
     def _place(self, event: Event) -> tuple[float, float]:
         return self._units().rescaled(float(event["x"]), float(event["y"]))
 
-    def _base(self, state: State) -> tuple[str, Specification, Design | None]:
-        """Return the text and specification of a state, and the design from which a drag starts."""
+    def _base(self, state: State) -> Scene:
+        """Return the target of a state, from which a drag starts."""
         base = self.base
-        if base is None or base[0] != state.text:
-            self.base = base = state.text, specification_of(state), self.page.answer.design
+        if base is None or base.document.text != state.text:
+            self.base = base = scene_of(state.text, specification_of(state), self.page.answer.design)
         return base

@@ -11,8 +11,8 @@ from metafem.explorer.answer import Answer, pinned_answer
 from metafem.explorer.queue import Queue
 from metafem.explorer.session import State
 from metafem.explorer.surface.contact_data import contact_data
-from metafem.explorer.surface.edits import edited
 from metafem.explorer.surface.press_data import press_data
+from metafem.explorer.surface.sites_text import edited
 from metafem.explorer.surface.surface_data import (
     difference,
     layout_data,

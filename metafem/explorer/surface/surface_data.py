@@ -103,20 +103,6 @@ def _any(asked: Asked) -> bool:
     return bool(asked.empty or asked.pinned)
 
 
-def kept_height(design: Design, site: int) -> str | None:
-    """Return the height of a site as a quantity, rounded to 0.1 um within the limits; None if it is empty."""
-    found = np.flatnonzero(design.sites == site)
-    if not len(found):
-        return None
-    height = MICROMETRES * float(design.surface.height[found[0]])
-    limits, tenths = design.limits, round(10.0 * height)
-    if tenths > 10.0 * MICROMETRES * (limits.offset + limits.max_height) >= 10.0 * height:
-        tenths -= 1
-    elif tenths < 10.0 * MICROMETRES * limits.foot <= 10.0 * height:
-        tenths += 1
-    return f"{tenths / 10.0!r} um"
-
-
 def at_sites(design: Design, values: FloatArray, decimals: int) -> list[float | None]:
     """Return values of the asperities by site of the template, None at sites without an asperity."""
     listed: list[float | None] = [None] * design.template.count

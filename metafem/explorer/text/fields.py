@@ -57,10 +57,8 @@ def with_field(text: str, key: str, typed: str) -> str:
     if not typed:
         return document.with_values({key: None})
     choice = forms[name].choice
-    others = [
-        each.name for each in forms.values() if None not in (choice, each.choice) and each.choice != choice
-    ]
-    values = dict.fromkeys(f"{section}.{other}" for other in others)
+    others = [each for each in forms.values() if choice is not None and each.choice not in (None, choice)]
+    values = dict.fromkeys(f"{section}.{each.name}" for each in others)
     return document.with_values({**values, key: typed_value(forms[name], typed, unit_of(old))})
 
 

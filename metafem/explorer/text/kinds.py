@@ -15,7 +15,7 @@ from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.handles import RESOLUTION
 from metafem.explorer.text.marks import NEWTON_KEYS, Numbers, Scene, members
-from metafem.files import Specification, section_forms
+from metafem.files import Specification
 from metafem.inversion import Design, Limits, Target
 from metafem.inversion.targets.wording import RESCALED, Wording
 from metafem.models import Independent
@@ -113,7 +113,7 @@ def restated(text: str, specification: Specification, newtons: bool) -> dict[str
         return {}
     material = specification.template.material
     wording = Wording.of(material, friction) if newtons and friction else RESCALED
-    return scene.stated(members(scene.target, NEWTON_KEYS), RESTATED, wording)
+    return scene.stated(members(scene.target, NEWTON_KEYS), RESTATED, wording=wording)
 
 
 def _present(design: Design, limits: Limits) -> tuple[Law, float, float]:
@@ -227,8 +227,3 @@ KINDS: Mapping[str, tuple[str, Callable[[Law, float, float], list[Numbers]]]] = 
     "sampled": ("curve (sampled)", _sampled),
     "band": ("between two curves (band)", _band),
 }
-
-
-def kind_names() -> dict[str, str]:
-    """Return the names of the target kinds on the page, by kind, in the order of the manual."""
-    return {kind: KINDS[kind][0] for form in section_forms() if form.name == "target" for kind in form.kinds}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import zlib
+from contextlib import suppress
 from typing import Any
 
 from metafem.errors import InvalidInput
@@ -54,19 +55,15 @@ def from_link(link: str) -> State:
         raise InvalidInput(f"the link has {len(link):,} characters; at most {LONGEST:,} are read")
     if not link.startswith(VERSION):
         raise InvalidInput("the link is not one of this version of the explorer")
-    body, reader, state = link.removeprefix(VERSION), zlib.decompressobj(), None
-    try:
+    body, reader, plain = link.removeprefix(VERSION), zlib.decompressobj(), b""
+    with suppress(InvalidInput, TypeError, ValueError, zlib.error):
         packed = base64.b64decode(body + "=" * (-len(body) % 4), b"-_", validate=True)
         plain = reader.decompress(packed, LARGEST + 1)
         if len(plain) <= LARGEST and reader.eof and not reader.unused_data:
-            state = State.from_json(plain.decode("utf-8", "surrogatepass"))
-    except (InvalidInput, TypeError, ValueError, zlib.error):
-        plain = b""
+            return State.from_json(plain.decode("utf-8", "surrogatepass"))
     if len(plain) > LARGEST:
         raise InvalidInput(f"the link holds more than {LARGEST / 2**20:g} MiB")
-    if state is None:
-        raise InvalidInput("the link is cut off or damaged; copy the whole address again")
-    return state
+    raise InvalidInput("the link is cut off or damaged; copy the whole address again")
 
 
 def restored(kept: Any, first: Session) -> tuple[Session, str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -39,8 +39,9 @@ COLUMNS = ("rescaled_load", "rescaled_friction", "weight", "relative_error")
 # Members of a target that are loads with a handle of their own.
 MARKED = ("crossover_load", "crossover_loads", "load_range")
 
-# Members of a target by name: slopes [-], loads and frictions [mm^2].
+# Members of a target by name: slopes [-], loads and frictions [mm^2]; and keys of a text with their values.
 Numbers = dict[str, Any]
+Keys = dict[str, Any]
 
 
 def members(target: Any, names: Iterable[str]) -> Numbers:
@@ -98,15 +99,20 @@ class Scene:
         return str(self.section.get("kind"))
 
     @cached_property
-    def section(self) -> Mapping[str, Any]:
+    def section(self) -> Keys:
         """The keys and values of the target in the text; lists in place of the name of a table."""
-        section = dict(self.document.section("target"))
+        section = self.document.section("target").copy()
         if section.pop("file", None) is None:
             return section
         given = members(self.target, COLUMNS)
         if len(set(given["weight"])) == 1:  # the default
             del given["weight"]
         return section | self.stated(given, EXACT)
+
+    @property
+    def crowd(self) -> int:
+        """The number of points of the target if it has too many points for handles, otherwise 0."""
+        return 0
 
     def handles(self) -> tuple[Handle, ...]:
         """Return the handles."""
@@ -157,20 +163,16 @@ class Scene:
 
         Numbers that do not change remain as they are written; the number None removes its key.
         """
-        values = self.stated(numbers, resolution, like=self.section)
+        values = self.stated(numbers, resolution, self.section)
         return self.document.with_kind("target", kind or self.kind, {**self.section, **values})
 
     def stated(
-        self,
-        numbers: Numbers,
-        resolution: float,
-        wording: Wording | None = None,
-        like: Mapping[str, Any] | None = None,
-    ) -> dict[str, Any]:
-        """Return the keys and values of numbers of a target in a wording, default: that of the target.
+        self, numbers: Numbers, resolution: float, like: Keys | None = None, wording: Wording | None = None
+    ) -> Keys:
+        """Return the keys and values of numbers of a target.
 
-        `like` are the present keys and values. New values have the units of these values, or the units of
-        the wording.
+        New values have the units of the present keys and values `like`, or those of the wording, default:
+        that of the target.
         """
         units, found = wording or self.target.wording, dict[str, Any]()
         for name, number in numbers.items():
@@ -196,16 +198,16 @@ def _like(number: Any, before: Any, old: Any, write: Callable[[float, Any], Any]
     """Return a number, or numbers, as written by `write` in the form of the `old` value of `before`."""
     if old is not None and number == before:
         return old
-    if isinstance(old, list) and len(number) != len(before):  # a point is added or removed
-        known, last = dict(zip(before, old, strict=True)), len(old) - 1
-        return [known.get(each) or write(each, old[min(i, last)]) for i, each in enumerate(number)]
-    if isinstance(old, list):
-        return [_like(*each, write) for each in zip(number, before, old, strict=False)]
     if not isinstance(number, Sequence):
         return write(number, old)
-    if old is not None:  # one load in place of a pair of equal loads
+    if old is None:
+        return [write(each, None) for each in number]
+    if not isinstance(old, list):  # one load in place of a pair of equal loads
         return write(number[0], old)
-    return [write(each, None) for each in number]
+    known = dict(zip(before, old, strict=True))
+    places = [min(i, len(old) - 1) for i in range(len(number))]  # a point may have been added
+    pairs = zip(number, places, strict=True)
+    return [known.get(each) or _like(each, before[i], old[i], write) for each, i in pairs]
 
 
 def _replaced(value: Any, old: float, new: float) -> Any:

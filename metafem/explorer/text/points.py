@@ -11,9 +11,19 @@ from metafem.explorer.text.marks import COLUMNS, Handle, Numbers, Scene, members
 from metafem.explorer.text.shape import Follows, Shape, Shift
 from metafem.explorer.text.written import between
 
+# Largest number of points that have handles. With more points, the marks would overlap on the plot, and
+# moving a single point would make a spike in the law.
+MOST = 200
+
 
 class PointHandles(Scene):
     """Handles for operating points and samples. Each point moves freely between its neighbours."""
+
+    @property
+    def crowd(self) -> int:
+        """The number of points of the target if it has too many points for handles, otherwise 0."""
+        count = len(self.target.rescaled_load)
+        return count if count > MOST else 0
 
     @property
     def points(self) -> tuple[list[float], list[float]]:
@@ -31,7 +41,8 @@ class PointHandles(Scene):
 
     def shape(self) -> Shape:
         """Return the curve of straight lines from each point to the next."""
-        follows = {each.id: Follows({i: Shift(1.0, 0.0, 1.0)}, {}) for i, each in enumerate(self.handles())}
+        shift = Shift(1.0, 0.0, 1.0)
+        follows: dict[str, Follows] = {each.id: {i: shift} for i, each in enumerate(self.handles())}
         return Shape(self.target.rescaled_load, self.target.rescaled_friction, follows)
 
     def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:

@@ -19,12 +19,8 @@ class Shift(NamedTuple):
     y: float = 0.0
 
 
-@dataclass(frozen=True)
-class Follows:
-    """The shifts of the points that follow one handle: corners of the curve by number, and handles by id."""
-
-    corners: Mapping[int, Shift]
-    handles: Mapping[str, Shift]
+# Shifts of the points that follow one handle: corners of the curve by number, and other handles by id.
+Follows = Mapping[int | str, Shift]
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,16 +111,12 @@ def shape_of(branches: Sequence[Branch], path: Mapping[str, Point]) -> Shape:
     points = {**slopes, **path}
     every: list[tuple[int | str, Point]] = [*points.items()]
     every += [(i, each) for i, each in enumerate(corners) if each is not None]
-    follows = {}
+    follows: dict[str, Follows] = {}
     for id, held in points.items():
         shifts = {key: _shift(branches, held, id in slopes, each, key in slopes) for key, each in every}
         if id in slopes:
             del shifts[id]  # this handle is already at the pointer
-        moving = {key: shift for key, shift in shifts.items() if shift != Shift()}
-        follows[id] = Follows(
-            {key: shift for key, shift in moving.items() if isinstance(key, int)},
-            {key: shift for key, shift in moving.items() if isinstance(key, str)},
-        )
+        follows[id] = {key: shift for key, shift in shifts.items() if shift != Shift()}
     return Shape(np.array(load), np.array(friction), follows)
 
 

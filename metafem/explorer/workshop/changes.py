@@ -41,10 +41,7 @@ def with_choice(text: str, section: str, choice: int, specification: Specificati
             values[f"{section}.{key.name}"] = same.get(key.name, key.example)
         elif key.choice not in (None, choice):
             values[f"{section}.{key.name}"] = None
-    if section == "tools":  # exponents are those of caps of the lattice's radius
-        exponents = values.get("tools.exponent_range", given.get("exponent_range"))
-        values["lattice.radius"] = None if exponents is None else _radius(document)
-    return document.with_values(values)
+    return _with_radius(document.with_values(values), section)
 
 
 def _reached_loads(specification: Specification) -> list[str] | None:
@@ -71,19 +68,26 @@ def with_section(text: str, section: str) -> str:
         return document.with_kind(section, next(iter(form.kinds)))
     needed = [key for key in form.keys[""] if key.needed] or form.keys[""][:1]
     values = {f"{section}.{key.name}": key.example for key in needed}
-    return document.with_values(values | ({"lattice.radius": None} if section == "tools" else {}))
+    return _with_radius(document.with_values(values), section)
 
 
 def without_section(text: str, section: str) -> str:
     """Return the text without a section; an example ``lattice.radius`` replaces ``tools``."""
     document = Document(text)
     values = dict.fromkeys(f"{section}.{key}" for key in document.section(section))
-    return document.with_values(
-        values | ({"lattice.radius": _radius(document)} if section == "tools" else {})
-    )
+    return _with_radius(document.with_values(values), section)
 
 
-def _radius(document: Document) -> Any:
-    """Return the radius in the text, or the example of the manual."""
-    given = document.value("lattice.radius")
-    return given or next(key.example for key in document.keys("lattice") if key.name == "radius")
+def _with_radius(text: str, section: str) -> str:
+    """Return a text with ``lattice.radius`` unless the changed section ``tools`` replaces it.
+
+    Exponents of tools are those of caps with the radius of the lattice. A missing radius is the example of
+    the manual.
+    """
+    document = Document(text)
+    if section != "tools":
+        return text
+    example = next(key.example for key in document.keys("lattice") if key.name == "radius")
+    needed = document.value("tools") is None or document.value("tools.exponent_range") is not None
+    radius = (document.value("lattice.radius") or example) if needed else None
+    return document.with_values({"lattice.radius": radius})

@@ -15,8 +15,8 @@ export default {
       <p v-for="each in loose" :key="each" class="warn">{{ each }}</p>
       <div class="parts">
         <details v-for="part in parts.filter(visible)" :key="part.name" class="part" :data-section="part.name"
-                 :open="opened[part.name] ?? part.common" @toggle="opened[part.name] = $event.target.open">
-          <summary class="title"><h3>{{ part.title }}</h3><span v-if="!(opened[part.name] ?? part.common)" class="quiet small brief">{{ brief(part) }}</span></summary>
+                 :open="opened[part.name] ?? part.open" @toggle="opened[part.name] = $event.target.open">
+          <summary class="title"><h3>{{ part.title }}</h3><span v-if="!(opened[part.name] ?? part.open)" class="quiet small brief">{{ brief(part) }}</span></summary>
           <p v-if="problems[part.name]" class="wrong" role="alert">{{ problems[part.name] }}</p>
           <p v-if="!has(part)" class="quiet small">{{ capital(part.meaning) }}.</p>
           <div v-if="kinded(part)" class="field">
@@ -55,18 +55,17 @@ export default {
               <p :id="id(field.key) + '-wrong'" v-if="problem(field)" class="wrong" role="alert">{{ problem(field) }}
                 <button v-if="remedy(field)" type="button" class="act" @click="use(field, remedy(field))">Use {{ remedy(field) }}</button></p>
             </div></div></template>
-          <button v-if="part.optional && !kinded(part) && (!part.always || (!part.common && present.includes(part.name)))" type="button" class="act" :disabled="!!broken" :aria-label="(has(part) ? 'Remove ' : 'Add ') + part.title"
+          <button v-if="part.optional && !kinded(part) && (!part.always || present.includes(part.name))" type="button" class="act" :disabled="!!broken" :aria-label="(has(part) ? 'Remove ' : 'Add ') + part.title"
                   @click="$emit(has(part) ? 'without' : 'with', { section: part.name })">{{ has(part) ? "Remove" : "Add" }}</button>
         </details>
       </div>
       <p class="told small" aria-hidden="true">{{ telling }}</p>
     </form>`,
-  props: { columns: Array },
+  props: { parts: Array },
   data() {
     return { values: {}, present: [], problems: {}, warnings: {}, refused: {}, drafts: {}, opened: {}, broken: "", told: "", busy: true };
   },
   computed: {
-    parts() { return this.columns.flat().filter(({ name }) => name !== "model"); }, // it is in the head of the page
     loose() {  // what belongs to none of the fields that are shown
       const places = this.parts.filter(this.visible).flatMap((part) => [part.name, `${part.name}.kind`, ...(this.has(part) ? this.fields(part).map((field) => field.key) : [])]);
       return this.broken ? [] : Object.entries(this.problems).filter(([key]) => !places.includes(key)).map(([, words]) => words);

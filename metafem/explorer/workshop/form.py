@@ -8,20 +8,18 @@ from typing import Any
 from metafem.errors import InvalidInput
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.fields import shown
-from metafem.explorer.text.kinds import kind_names
+from metafem.explorer.text.kinds import KINDS
 from metafem.explorer.text.names import form_of, label_of, order_of, title_of
 from metafem.files import KeyForm, SectionForm, section_forms
 
-# Columns of the form: the sections of each column, most frequently used sections first.
-COLUMNS = (
-    ("target", "part"),
-    ("lattice", "tools", "sites", "block"),
-    ("limits", "robust", "layout"),
-    ("model", "contact", "contact.cap", "material", "friction", "checks", "cell", "cap"),
-)
+# Sections of the form, in the order in which a designer needs them. The model is in the header of the page.
+SECTIONS = (
+    "target", "lattice", "limits", "friction", "material", "block", "contact", "contact.cap", "tools",
+    "sites", "layout", "robust", "part", "checks", "cell", "cap",
+)  # fmt: skip
 
-# Sections that are always open.
-COMMON = ("target", "lattice", "limits", "model", "contact", "contact.cap")
+# Sections that are open on a new page.
+OPEN = SECTIONS[:3]
 
 # Further explanations of keys, for readers who do not know the terms of the short meaning.
 FURTHER = {
@@ -44,26 +42,22 @@ FURTHER = {
 }
 
 
-def form() -> list[list[dict[str, Any]]]:
-    """Return the columns of the form with their sections and fields, which the browser needs only once."""
+def form() -> list[dict[str, Any]]:
+    """Return the sections of the form with their fields, which the browser needs only once."""
     forms = {each.name: each for each in section_forms()}
-    return [[_section(forms[name]) for name in column] for column in COLUMNS]
+    return [_section(forms[name]) for name in SECTIONS]
 
 
 def _section(section: SectionForm) -> dict[str, Any]:
     name = section.name
     bare = not section.kinds and not any(key.needed for keys in section.keys.values() for key in keys)
-    return {
-        "name": name,
+    return vars(section) | {
         "title": title_of(name),
-        "meaning": section.meaning,
-        "optional": section.optional,
         "inner": _inner(name),
-        "common": name in COMMON,
+        "open": name in OPEN,
         # Whether the fields are shown even if the specification does not have the section.
         "always": not section.optional or bare or bool(section.kinds),
-        "kinds": section.kinds,
-        "kind_names": kind_names() if name == "target" else {},
+        "kind_names": {kind: KINDS[kind][0] for kind in section.kinds} if name == "target" else {},
         "keys": {
             kind: [_field(name, key) for key in keys if key.value != "section"]
             for kind, keys in section.keys.items()
@@ -81,18 +75,13 @@ def _inner(name: str) -> dict[str, str] | None:
 
 def _field(section: str, key: KeyForm) -> dict[str, Any]:
     name = f"{section}.{key.name}"
-    return {
+    same = ("meaning", "value", "units", "names", "listed", "choice")
+    return {each: getattr(key, each) for each in same} | {
         "key": name,
         "label": label_of(name),
-        "meaning": key.meaning,
         "further": FURTHER.get(name, ""),
         "example": shown(key.example),
         "default": _default(key),
-        "value": key.value,
-        "units": key.units,
-        "names": key.names,
-        "listed": key.listed,
-        "choice": key.choice,
         "needed": not key.optional,
     }
 

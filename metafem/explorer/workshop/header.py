@@ -59,7 +59,14 @@ def header_panel(page: Page) -> Header:
     header.on("part", NewPart(page).open)
     header.on("model", lambda event: choose(event.args))
     header.on("stop", page.stop)
-    shown: dict[str, object] = {}
+    shown: dict[str, object] = {"part": ""}
+
+    def tell(data: Mapping[str, object]) -> None:
+        """Send the data that have changed to the browser."""
+        changed = {name: value for name, value in data.items() if name not in shown or shown[name] != value}
+        if changed:
+            shown.update(changed)
+            header.run_method("show", changed)
 
     async def choose(model: str) -> None:
         """Change the model of the design."""
@@ -71,10 +78,7 @@ def header_panel(page: Page) -> Header:
         data = {**found, "undo": at > 0, "redo": at < last, "late": False}
         if not answer.state.designs_the_same(page.state):
             data.pop("model", None)  # another one has been chosen
-        changed = {name: value for name, value in data.items() if name not in shown or shown[name] != value}
-        if changed:
-            shown.update(changed)
-            header.run_method("show", changed)
+        tell(data)
 
     def wait() -> None:
         """Show that a design, or a change of the specification, takes longer than `LATE`."""
@@ -85,24 +89,13 @@ def header_panel(page: Page) -> Header:
             step = queue.step
             design = f"designing: {step} …" if step else "designing …"
             words = "changing the specification …" if change else design
-            data = {
-                "status": words,
-                "kind": "",
-                "measure": "",
-                "meaning": SEARCH if step else "",
-                "late": True,
-            }
-            for name in data:
-                shown.pop(name, None)
-            header.run_method("show", data)
+            meaning = SEARCH if step else ""
+            tell({"status": words, "kind": "", "measure": "", "meaning": meaning, "late": True})
         waited["for"] = late
 
     def warn(places: Mapping[str, list[str]]) -> None:
         """Show why no part can be made; nothing if a part can be made."""
-        part = " ".join(places.get("take", []))
-        if shown.get("part", "") != part:
-            shown["part"] = part
-            header.run_method("show", {"part": part})
+        tell({"part": " ".join(places.get("take", []))})
 
     waited: dict[str, tuple[int, int]] = {}
     ui.timer(LATE, wait)

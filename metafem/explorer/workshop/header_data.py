@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from typing import Any
 
 from metafem._values import percent
+from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
+from metafem.explorer.text.document import Document
 from metafem.inversion import Design, DesignStatus
 from metafem.inversion.assessment import misfit_text
 
@@ -48,21 +49,18 @@ def _status(answer: Answer) -> tuple[str, str]:
     words, kind = STATUS[answer.design.status]
     if answer.simplified:
         words, kind = f"draft under {answer.design.law.model.name}", ""
-    return words if _exact(answer.design) else f"{words}, misfit {misfit_text(answer.design.misfit)}", kind
-
-
-def _exact(design: Design) -> bool:
-    """Return whether the status alone says all about the misfit."""
-    return design.status is DesignStatus.EXACT
+    if answer.design.status is not DesignStatus.EXACT:
+        words = f"{words}, misfit {misfit_text(answer.design.misfit)}"
+    return words, kind
 
 
 def _misfit(design: Design) -> dict[str, str]:
     """Return what the misfit of a design measures and its largest good value, as a short and a full text."""
-    bound = percent(design.largest_misfit, ".3g")
-    measure, meaning = design.misfit_meaning.partition(" from ")[0], design.misfit_meaning
+    bound, meaning = percent(design.largest_misfit, ".3g"), design.misfit_meaning
+    measure = f"{meaning.partition(' from ')[0]}, good up to {bound}"
     status = f"{design.status.value[:1].upper()}{design.status.value[1:]}"
     return {
-        "measure": "" if _exact(design) else f"{measure}, good up to {bound}",
+        "measure": "" if design.status is DesignStatus.EXACT else measure,
         "meaning": f"{status}. The misfit is the {meaning}; up to {bound} is good.",
     }
 
@@ -70,8 +68,7 @@ def _misfit(design: Design) -> dict[str, str]:
 def _model(text: str) -> str | None:
     """Return the model kind in a text, even if the text has other problems; None if it cannot be read."""
     try:
-        section = tomllib.loads(text).get("model", {})
-    except (ValueError, RecursionError):
+        kind = Document(text).section("model").get("kind", "independent")
+    except InvalidInput:
         return None
-    kind = section.get("kind", "independent") if isinstance(section, dict) else None
     return kind if isinstance(kind, str) else None

@@ -95,11 +95,8 @@ def _built(typed: Typed, tables: Mapping[str, bytes]) -> str:
     text = tomlkit.dumps(sections)
     try:
         specification = parsed(text, tables)
-        template = specification.template
-        height = found.surface.height - part.radius + offset / MICROMETRES
-        position = template.position[found.sites]
-        made = found.surface.replaced(position=position, height=height, block=template.block)
-        planned(made, template, specification.part)
+        template, height = specification.template, found.surface.height - part.radius + offset / MICROMETRES
+        planned(template.only(found.sites, height=height), template, specification.part)
     except MetafemError as error:
         raise Collision("size", on_page(str(error)), FIRST) from None
     return text
@@ -109,8 +106,7 @@ def _sections(part: Wanted) -> Sections:
     """Return the sections of a surface without a block, with an offset that keeps its base clear."""
     kept = tomlkit.parse(part.law).unwrap() if part.law else {"target": _line_of(part)}
     radius, pitch = _um(part.radius), f"{APART * part.radius:.6g} mm"
-    return {
-        **kept,
+    return kept | {
         "material": {"composite_modulus": f"{part.modulus:.6g} MPa", "poisson_ratio": 0.5},
         "friction": {"shear_strength": f"{part.strength:.6g} MPa", "area_ratio": part.ratio},
         "lattice": {"shape": list(part.shape), "pitch": pitch, "radius": radius},

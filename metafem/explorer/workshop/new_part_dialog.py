@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import tomlkit
@@ -17,19 +17,18 @@ if TYPE_CHECKING:
 
 
 class NewPart:
-    """A dialog with the fields of a new part; it is created when it is opened for the first time."""
+    """A dialog with the fields of a new part."""
 
     def __init__(self, page: Page) -> None:
         self.page = page
-        self.dialog: ui.dialog | None = None
 
     def open(self) -> None:
         """Open the dialog with the values that were typed last."""
-        if self.dialog is None:
-            self.dialog = self._created()
         self.dialog.open()
 
-    def _created(self) -> ui.dialog:
+    @cached_property
+    def dialog(self) -> ui.dialog:
+        """The dialog; it is created when it is opened for the first time."""
         with ui.dialog().props('aria-labelledby="new-part"') as dialog, ui.card().classes("new-part"):
             ui.html("<h2 id='new-part'>New part</h2>", sanitize=False)
             ui.label(
@@ -72,28 +71,26 @@ class NewPart:
         finally:
             self.button.props(remove="loading")
         self._show()
-        assert self.dialog is not None
         self.dialog.close()
         await self.page.alter(text=text, load=None)
 
     def _show(self, error: Collision | None = None) -> None:
         """Mark the field of an error, and show the offers of the error as buttons."""
-        for name, field in self.fields.items():
-            field.props(f":error={str(error is not None and name == error.field).lower()}")
-        wrong = [] if error is None else [each for each in FIELDS if each.name == error.field]
-        words = " ".join([*(f"{each.told(self.typed[each.name])}:" for each in wrong), str(error or "")])
+        words, offers = str(error or ""), error.offers if error else ()
+        for field in FIELDS:
+            wrong = error is not None and field.name == error.field
+            self.fields[field.name].props(f":error={str(wrong).lower()}")
+            words = f"{field.told(self.typed[field.name])}: {words}" if wrong else words
         self.words.text = f"{words[:1].upper()}{words[1:]}"
         self.words.set_visibility(error is not None)
         self.offers.clear()
         with self.offers:
-            for offer in () if error is None else error.offers:
+            for offer in offers:
                 ui.button(told(offer), on_click=partial(self.use, offer)).props("no-caps outline")
 
     async def use(self, offer: Typed) -> None:
         """Type the values of an offer, and make the part."""
-        for name in offer:
-            if name in self.fields:
-                self.fields[name].value = offer[name]
-        if "law" in offer:
-            self.kept.value = False
+        for name in self.fields.keys() & offer.keys():
+            self.fields[name].value = offer[name]
+        self.kept.value = self.kept.value and "law" not in offer
         await self.make()

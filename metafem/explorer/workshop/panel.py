@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Coroutine, Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from nicegui.element import Element
@@ -28,7 +29,7 @@ class Fields(Element, component="fields.js"):
 
     def __init__(self) -> None:
         super().__init__()
-        self._props["columns"] = form()
+        self._props["parts"] = form()
 
 
 class Workshop:
@@ -36,7 +37,7 @@ class Workshop:
 
     def __init__(self, page: Page) -> None:
         self.page, self.fields = page, Fields()
-        self.shown: dict[str, Any] = {}
+        self.shown: dict[str, Any] = {"warnings": {}}
         on = self.fields.on
         on("typed", lambda event: self._typed(**event.args))
         on("kind", lambda event: self._kind(event.args["section"], event.args["kind"]))
@@ -84,9 +85,7 @@ class Workshop:
 
     def _warned(self, places: Mapping[str, list[str]]) -> None:
         """Show the warnings for single fields."""
-        warnings = {key: texts for key, texts in places.items() if "." in key}
-        if warnings != self.shown.get("warnings", {}):
-            self._show({"warnings": warnings})
+        self._show({"warnings": {key: texts for key, texts in places.items() if "." in key}})
 
     def _show(self, found: Mapping[str, Any]) -> None:
         """Send the data that have changed to the browser."""
@@ -102,10 +101,9 @@ def _contents(answer: Answer) -> dict[str, Any]:
 
 def _given_by(state: State, section: str, choice: int) -> str:
     """Return the text with another choice of keys; if it has problems, the target becomes an example."""
-    try:
-        specification = specification_of(state) if section == "target" else None
-    except InvalidInput:
-        specification = None
+    specification = None
+    with suppress(InvalidInput):
+        specification = specification_of(state)
     return with_choice(state.text, section, choice, specification)
 
 

@@ -15,6 +15,9 @@ from metafem.files import quantity
 # range takes seconds.
 FEWEST, MOST = 4, 2500
 
+# The units inside of those that the package does not use.
+INSIDE = {"µm": "mm"}
+
 # A number with a decimal point or comma and an optional unit, and what separates two of them.
 ENTRY = re.compile(r"([+-]?(?:\d+(?:[.,]\d+)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\W\d_xX×]*)")
 SEPARATOR = re.compile(r"[\sxX×*,;]*")
@@ -22,13 +25,12 @@ SEPARATOR = re.compile(r"[\sxX×*,;]*")
 
 @dataclass(frozen=True)
 class Field:
-    """A field: its name, label and unit, its first value, that of the paper's part, and the unit inside."""
+    """A field: its name, label and unit, and its first value, that of the paper's part."""
 
     name: str
     label: str
     unit: str
     first: str
-    inside: str = ""
 
     def told(self, text: str) -> str:
         """Return the words for a value of the field."""
@@ -37,13 +39,13 @@ class Field:
 
 
 FIELDS = (
-    Field("size", "Block: width × length × thickness", "mm", "20 × 20 × 7.2", "mm"),
+    Field("size", "Block: width × length × thickness", "mm", "20 × 20 × 7.2"),
     Field("asperities", "Asperities: rows × columns", "", "8 × 8"),
     Field("coefficient", "Friction coefficient μ", "", "1.5"),
-    Field("height", "Largest height of the summits", "µm", "270", "mm"),
-    Field("radius", "Radius of curvature", "µm", "526", "mm"),
-    Field("modulus", "Composite modulus E*", "MPa", "1.36", "MPa"),
-    Field("strength", "Shear strength σ", "MPa", "0.37", "MPa"),
+    Field("height", "Largest height of the summits", "µm", "270"),
+    Field("radius", "Radius of curvature", "µm", "526"),
+    Field("modulus", "Composite modulus E*", "MPa", "1.36"),
+    Field("strength", "Shear strength σ", "MPa", "0.37"),
     Field("ratio", "Area ratio B", "", "0.85"),
 )
 
@@ -96,20 +98,17 @@ def wanted(typed: Typed) -> Wanted:
 
 def _numbers(field: Field, text: str) -> list[float]:
     """Return the numbers in the text of a field, in mm and MPa; one without a unit has that of the field."""
-    found, count, values = ENTRY.findall(text), len(ENTRY.findall(field.first)), list[float]()
-    if SEPARATOR.fullmatch(ENTRY.sub("", text)):
-        given = [f"{number.replace(',', '.')} {unit or field.unit}".strip() for number, unit in found]
-        with suppress(InvalidInput, ValueError):  # a unit of another kind
-            values = [
-                quantity(field.label, each, field.inside) if field.inside else float(each) for each in given
-            ]
-    if len(values) == count and all(0.0 < value < math.inf for value in values):
-        return values
-    words = "a number" if count == 1 else f"{count} numbers"
+    count, inside = len(ENTRY.findall(field.first)), INSIDE.get(field.unit, field.unit)
+    with suppress(InvalidInput, ValueError):  # a unit of another kind
+        given = [f"{number.replace(',', '.')} {unit or field.unit}" for number, unit in ENTRY.findall(text)]
+        values = [quantity(field.label, each, inside) if inside else float(each) for each in given]
+        plain = SEPARATOR.fullmatch(ENTRY.sub("", text)) and all(0.0 < value < math.inf for value in values)
+        if plain and len(values) == count:
+            return values
+    numbers = "a number above 0" if count == 1 else f"{count} numbers above 0"
     unit = f" in {field.unit}" if field.unit else ""
-    raise Collision(
-        field.name, f"must be {words} above 0{unit}, such as {field.first}", {field.name: field.first}
-    )
+    words = f"must be {numbers}{unit}, such as {field.first}"
+    raise Collision(field.name, words, {field.name: field.first})
 
 
 def told(offer: Typed) -> str:

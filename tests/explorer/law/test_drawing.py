@@ -6,7 +6,7 @@ import pytest
 from metafem.explorer.answer import answered
 from metafem.explorer.law.nearest import reachable, with_point
 from metafem.explorer.session import State
-from metafem.explorer.text.handles import added, handles, moved, removed
+from metafem.explorer.text.handles import added, moved, removed, scene_of
 from metafem.explorer.text.kinds import with_kind
 from metafem.files import demo_text
 
@@ -51,12 +51,12 @@ class Drawing:
     def drag(self, reach):
         """Drag a handle to a place at a relative distance, as the pointer and the plot do."""
         base, stuck, design = self.base, bool(self.shown.refusal), self.shown.design
-        marks = handles(*base)
+        marks = scene_of(*base).handles()
         mark = marks[self.rng.integers(len(marks))]
         good, last = None, self.shown
         for share in (0.5, 1.0):
             by = 1.0 + share * reach * self.rng.uniform(-1.0, 1.0, 2)
-            text = moved(*base, mark.id, mark.load * by[0], mark.friction * by[1])
+            text = moved(scene_of(*base), mark.id, mark.load * by[0], mark.friction * by[1])
             last = answered(State(text), last.number + 1, last, draft=True)
             good = text if last.current else good
         if last.current:
@@ -69,9 +69,9 @@ class Drawing:
 
     def remove(self):
         text, specification, _ = self.base
-        marks = handles(*self.base)
+        marks = scene_of(*self.base).handles()
         if len(marks) > 1:
-            self.commit(removed(text, specification, marks[self.rng.integers(len(marks))].id))
+            self.commit(removed(scene_of(text, specification, None), marks[self.rng.integers(len(marks))].id))
 
     def undo(self):
         if len(self.states) > 1:
@@ -101,7 +101,7 @@ def test_a_refused_law_is_left_by_a_drag():
     for seed in range(4):
         drawing = Drawing(demo_text("operating-points"), seed)
         text, specification, _ = drawing.base
-        drawing.commit(added(text, specification, 0.5, 0.5))
+        drawing.commit(added(scene_of(text, specification, None), 0.5, 0.5))
         assert drawing.shown.refusal
         drawing.drag(0.2)
         assert drawing.shown.current

@@ -1,20 +1,15 @@
-"""The kind of a target, and the nearest law of a refusal as the target."""
+"""The nearest law of a refusal as the target."""
 
 import pytest
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import answered
-from metafem.explorer.law.kinds import kind_of
 from metafem.explorer.law.nearest import with_nearest
 from metafem.explorer.session import State
+from metafem.explorer.text.document import Document
 from metafem.files import demo_text
 
 TEXT = demo_text("operating-points")
-
-
-def test_the_kind_of_a_text_is_read():
-    assert kind_of(TEXT) == "operating-points"
-    assert kind_of("[limits]") == kind_of("[target") == ""
 
 
 @pytest.mark.parametrize(
@@ -40,5 +35,5 @@ def test_the_nearest_law_of_a_refusal_can_be_taken_as_the_target(target):
         return
     found = answered(State(with_nearest(refused)), 2)
     assert found.current, found.refused
-    assert kind_of(found.state.text) == kind_of(text)
+    assert Document(found.state.text).value("target.kind") == Document(text).value("target.kind")
     assert ("mN" in found.state.text) == ("mN" in text)

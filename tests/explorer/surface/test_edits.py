@@ -3,9 +3,7 @@
 import pytest
 
 from metafem.errors import InvalidInput
-from metafem.explorer.surface.edits import edited, typed_height
-from metafem.explorer.surface.sites_text import asked_sites
-from metafem.explorer.surface.surface_data import kept_height
+from metafem.explorer.surface.sites_text import asked_sites, edited, kept_height, typed_height
 from metafem.files import demo_text, parsed
 
 TEXT = demo_text("operating-points")

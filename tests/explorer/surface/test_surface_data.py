@@ -5,9 +5,8 @@ import pytest
 
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.session import State
-from metafem.explorer.surface.sites_text import with_sites
+from metafem.explorer.surface.sites_text import kept_height, with_sites
 from metafem.explorer.surface.surface_data import (
-    kept_height,
     layout_data,
     least_distance,
     same_layout,

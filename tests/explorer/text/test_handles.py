@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import metafem as mf
-from metafem.explorer.text.handles import MOST, added, crowd, handles, moved, removed
+from metafem.explorer.text.handles import added, drawn, moved, removed, scene_of
+from metafem.explorer.text.points import MOST
 from metafem.explorer.text.written import between, digits_of, rounded, stated
 from metafem.files import demo_text, parsed
 
@@ -61,7 +62,7 @@ def target_of(text):
 @pytest.mark.parametrize("name", TARGETS)
 def test_handles_are_on_the_target_law(name):
     text, specification, design = scene(name)
-    found = handles(text, specification, design)
+    found = scene_of(text, specification, design).handles()
     assert len({handle.id for handle in found}) == len(found) >= 1
     target = specification.target
     if target.last_load is not None:
@@ -72,16 +73,15 @@ def test_handles_are_on_the_target_law(name):
             assert handle.friction == pytest.approx(np.interp(handle.load, law.load, friction), rel=0.02)
     ends = getattr(target, "load_range", None)
     assert ends is None or {"range-low", "range-high"} <= {handle.id for handle in found}
-    assert handles(text, None, design) == ()
 
 
 @pytest.mark.parametrize("name", TARGETS)
 def test_a_handle_that_stays_changes_its_value_by_rounding_alone(name):
     text, specification, design = scene(name)
-    for handle in handles(text, specification, design):
-        new = moved(text, specification, design, handle.id, handle.load, handle.friction, 1e-9)
-        before = handles(text, specification, design)
-        for old, now in zip(before, handles(new, parsed(new, TABLES), design), strict=True):
+    for handle in scene_of(text, specification, design).handles():
+        new = moved(scene_of(text, specification, design), handle.id, handle.load, handle.friction, 1e-9)
+        before = scene_of(text, specification, design).handles()
+        for old, now in zip(before, scene_of(new, parsed(new, TABLES), design).handles(), strict=True):
             assert (now.id, now.moves) == (old.id, old.moves)
             assert now.load == pytest.approx(old.load, rel=1e-7)
             assert now.friction == pytest.approx(old.friction, rel=1e-6)
@@ -90,11 +90,11 @@ def test_a_handle_that_stays_changes_its_value_by_rounding_alone(name):
 @pytest.mark.parametrize("name", TARGETS)
 def test_a_handle_goes_where_it_is_moved(name):
     text, specification, design = scene(name)
-    for handle in handles(text, specification, design):
+    for handle in scene_of(text, specification, design).handles():
         load = handle.load * (1.02 if "x" in handle.moves else 1.0)
         friction = handle.friction * (1.03 if "y" in handle.moves else 1.0)
-        new = moved(text, specification, design, handle.id, load, friction, RESOLUTION)
-        (now,) = [h for h in handles(new, parsed(new, TABLES), design) if h.id == handle.id]
+        new = moved(scene_of(text, specification, design), handle.id, load, friction, RESOLUTION)
+        (now,) = [h for h in scene_of(new, parsed(new, TABLES), design).handles() if h.id == handle.id]
         assert now.load == pytest.approx(load, rel=RESOLUTION)
         if "y" in handle.moves and not is_open(specification.target):  # differences lose digits
             assert now.friction == pytest.approx(friction, rel=5 * RESOLUTION)
@@ -108,20 +108,22 @@ def is_open(target):
 
 def test_a_line_with_a_free_intercept_turns_about_that_of_the_design():
     text, specification, design = scene("multilinear")
-    first, second, *_ = handles(text, specification, design)
-    target = target_of(moved(text, specification, design, "slope-0", first.load, 1.02 * first.friction, 1e-9))
+    first, second, *_ = scene_of(text, specification, design).handles()
+    target = target_of(
+        moved(scene_of(text, specification, design), "slope-0", first.load, 1.02 * first.friction, 1e-9)
+    )
     assert target.slopes[0] == pytest.approx(9.5 + 0.02 * first.friction / first.load)
     target = target_of(
-        moved(text, specification, design, "slope-1", second.load, second.friction + 0.1, 1e-9)
+        moved(scene_of(text, specification, design), "slope-1", second.load, second.friction + 0.1, 1e-9)
     )
     assert target.slopes[1] == pytest.approx(8.0 + 0.1 / (second.load - 0.07))
 
 
 def test_a_power_law_turns_about_the_middle_of_its_range():
     text, specification, design = scene("power")
-    handle, *_ = handles(text, specification, design)
+    handle, *_ = scene_of(text, specification, design).handles()
     target = target_of(
-        moved(text, specification, design, handle.id, handle.load, 1.1 * handle.friction, 1e-9)
+        moved(scene_of(text, specification, design), handle.id, handle.load, 1.1 * handle.friction, 1e-9)
     )
     assert target.exponent == pytest.approx(0.9 + math.log(1.1) / math.log(handle.load / 0.2))
 
@@ -135,8 +137,10 @@ def test_units_and_keys_stay(name):
             return [units(entry) for entry in value]
         return value.lstrip("0123456789.e+-") if isinstance(value, str) else type(value)
 
-    for handle in handles(text, specification, design):
-        new = moved(text, specification, design, handle.id, 1.01 * handle.load, 1.01 * handle.friction)
+    for handle in scene_of(text, specification, design).handles():
+        new = moved(
+            scene_of(text, specification, design), handle.id, 1.01 * handle.load, 1.01 * handle.friction
+        )
         before, after = (tomllib.loads(each)["target"] for each in (text, new))
         if name != "table":
             assert before.keys() == after.keys()
@@ -148,7 +152,7 @@ def test_units_and_keys_stay(name):
 def test_digits_are_those_that_the_resolution_needs():
     text, specification, _ = scene("points")
     for resolution, load in ((1e-2, "0.234 mm^2"), (1e-3, "0.2345 mm^2"), (1e-5, "0.234457 mm^2")):
-        new = moved(text, specification, None, "point-1", 0.234457, 1.6, resolution)
+        new = moved(scene_of(text, specification, None), "point-1", 0.234457, 1.6, resolution)
         assert tomllib.loads(new)["target"]["rescaled_load"][1] == load
     assert [digits_of(r) for r in (0.1, 1e-3, 1e-30)] == [2, 4, 15]
     assert rounded(12345.6, 1e-3) == 12350.0
@@ -157,13 +161,13 @@ def test_digits_are_those_that_the_resolution_needs():
 
 def test_a_point_stays_between_its_neighbours():
     text, specification, _ = scene("points")
-    target = target_of(moved(text, specification, None, "point-1", 9.0, 9.0))
+    target = target_of(moved(scene_of(text, specification, None), "point-1", 9.0, 9.0))
     assert 0.336 < target.rescaled_load[1] < 0.649
     assert target.rescaled_load[1] == pytest.approx(0.649, rel=4e-3)
     assert target.rescaled_friction[1] == pytest.approx(4.12, rel=4e-3)
-    target = target_of(moved(text, specification, None, "point-1", 0.0, 0.0))
+    target = target_of(moved(scene_of(text, specification, None), "point-1", 0.0, 0.0))
     assert target.rescaled_load[1] == pytest.approx(0.144, rel=4e-3)
-    target = target_of(moved(text, specification, None, "point-0", 0.0, 0.0))
+    target = target_of(moved(scene_of(text, specification, None), "point-0", 0.0, 0.0))
     assert 0.0 < target.rescaled_load[0] < 1e-3
 
 
@@ -180,7 +184,7 @@ def test_a_value_between_two_others_is_written_between_them(value, low, gap, res
 
 def test_points_of_a_table_are_written_into_the_text():
     text, specification, _ = scene("table")
-    new = moved(text, specification, None, "point-1", 0.15, 0.9)
+    new = moved(scene_of(text, specification, None), "point-1", 0.15, 0.9)
     section = tomllib.loads(new)["target"]
     assert "file" not in section
     assert section["load"] == ["0.1 N", "0.204 N", "0.3 N"]
@@ -193,7 +197,7 @@ def test_points_of_a_table_are_written_into_the_text():
 @pytest.mark.parametrize(("load", "friction"), [(0.01, 0.02), (0.3, 1.5), (0.9, 5.0), (0.336, 1.68), (0, 0)])
 def test_a_point_is_added_and_removed_again(name, load, friction):
     text, specification, _ = scene(name)
-    new = added(text, specification, load, friction)
+    new = added(scene_of(text, specification, None), load, friction)
     before, after = specification.target, parsed(new).target
     assert len(after.rescaled_load) == len(before.rescaled_load) + 1
     (i,) = set(range(len(after.rescaled_load))) - {
@@ -201,7 +205,7 @@ def test_a_point_is_added_and_removed_again(name, load, friction):
     }
     if (load, friction) == (0.9, 5.0):
         np.testing.assert_allclose([after.rescaled_load[i], after.rescaled_friction[i]], [0.9, 5.0], 1e-3)
-    again = parsed(removed(new, parsed(new), f"point-{i}")).target
+    again = parsed(removed(scene_of(new, parsed(new), None), f"point-{i}")).target
     np.testing.assert_allclose(again.rescaled_load, before.rescaled_load, rtol=1e-13)
     if name == "samples":
         np.testing.assert_array_equal(again.weight, before.weight)
@@ -210,26 +214,26 @@ def test_a_point_is_added_and_removed_again(name, load, friction):
 def test_what_cannot_be_added_or_removed_is_said():
     text, specification, _ = scene("one")
     with pytest.raises(mf.InvalidInput, match="the last point cannot be removed"):
-        removed(text, specification, "point-0")
+        removed(scene_of(text, specification, None), "point-0")
     text, specification, _ = scene("multilinear")
     with pytest.raises(mf.InvalidInput, match="a multilinear law is not given by points"):
-        added(text, specification, 0.1, 1.0)
+        added(scene_of(text, specification, None), 0.1, 1.0)
     with pytest.raises(mf.InvalidInput, match="cannot be removed"):
-        removed(text, specification, "range-low")
+        removed(scene_of(text, specification, None), "range-low")
     with pytest.raises(mf.InvalidInput, match='no handle "point-7"'):
-        moved(*scene("points"), "point-7", 0.1, 1.0)
+        moved(scene_of(*scene("points")), "point-7", 0.1, 1.0)
     with pytest.raises(mf.InvalidInput, match="has problems"):
-        moved(text, None, None, "point-0", 0.1, 1.0)
+        moved(scene_of(text, None, None), "point-0", 0.1, 1.0)
     for load, friction in ((-0.1, 1.0), (0.1, math.nan), (math.inf, 1.0)):
         with pytest.raises(mf.InvalidInput, match="must be a finite number of at least 0"):
-            moved(*scene("points"), "point-0", load, friction)
+            moved(scene_of(*scene("points")), "point-0", load, friction)
 
 
 def test_what_is_optional_is_removed_by_its_handle():
     text, specification, _ = scene("line")
-    assert target_of(removed(text, specification, "range-low")).load_range is None
+    assert target_of(removed(scene_of(text, specification, None), "range-low")).load_range is None
     text, specification, _ = scene("prefactor")
-    assert target_of(removed(text, specification, "prefactor")).prefactor is None
+    assert target_of(removed(scene_of(text, specification, None), "prefactor")).prefactor is None
 
 
 DRAGS = st.lists(
@@ -253,11 +257,11 @@ def assert_valid_or_clear(name, steps):
     text, specification, design = scene(name)
     problems, extreme = [], False
     for which, load, friction in steps:
-        found = handles(text, specification, design)
+        found = scene_of(text, specification, design).handles()
         values = [value for value in (load, friction) if value != 0.0]
         extreme |= max(values, default=1.0) > 1e6 or min(values, default=1.0) < 1e-30
         try:
-            text = moved(text, specification, design, found[which % len(found)].id, load, friction)
+            text = moved(scene_of(text, specification, design), found[which % len(found)].id, load, friction)
             specification = parsed(text, TABLES)
         except mf.InvalidInput as error:
             problems.extend(error.problems or [error.within("target")])
@@ -271,7 +275,7 @@ def test_a_power_below_the_smallest_number_is_not_moved_by_hand(id):
     text, _, design = scene("prefactor")
     text = text.replace("exponent = 0.9", "exponent = 500")
     with pytest.raises(mf.InvalidInput, match=r"target\.load_range: .* cannot be moved by hand"):
-        moved(text, parsed(text, TABLES), design, id, 0.1, 1.0)
+        moved(scene_of(text, parsed(text, TABLES), design), id, 0.1, 1.0)
 
 
 def test_a_crowd_of_points_has_no_handles():
@@ -282,5 +286,6 @@ def test_a_crowd_of_points_has_no_handles():
         text = f'[target]\nkind = "sampled"\nfile = "wanted.csv"\n[material]{REST}'
         specification = parsed(text, {"wanted.csv": table.encode()})
         many = count > MOST
-        assert len(handles(text, specification, None)) == (0 if many else count)
-        assert crowd(specification) == (count if many else 0)
+        scene = scene_of(text, specification, None)
+        assert len(drawn(scene)[0]) == (0 if many else count)
+        assert scene.crowd == (count if many else 0)

@@ -32,7 +32,7 @@ def test_all_kinds_are_known():
 
 
 def test_the_kinds_have_names_in_the_order_of_the_manual():
-    (section,) = [part for column in form() for part in column if part["name"] == "target"]
+    (section,) = [part for part in form() if part["name"] == "target"]
     assert [[kind, section["kind_names"][kind]] for kind in section["kinds"]] == [
         [kind, KINDS[kind][0]] for kind in section_forms()[0].kinds
     ]

@@ -20,7 +20,7 @@ WRONG = ("-1", "12 12", ".8", "abc", "1e9 mm", "100 um", "0 mm", "5 N", "0.1, 0.
 
 
 def test_form_and_messages_use_the_same_names():
-    for section in (section for column in form() for section in column):
+    for section in form():
         assert section["title"] == title_of(section["name"])
         for field in (field for keys in section["keys"].values() for field in keys):
             assert field["label"] == label_of(field["key"])

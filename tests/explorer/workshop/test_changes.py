@@ -10,7 +10,7 @@ from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.fields import with_field
 from metafem.explorer.workshop.changes import with_choice, with_section, without_section
-from metafem.explorer.workshop.form import contents, form
+from metafem.explorer.workshop.form import SECTIONS, contents, form
 from metafem.files import demo_text, parsed, section_forms
 
 TEXT = demo_text("operating-points")
@@ -47,12 +47,11 @@ def test_what_is_shown_is_what_was_typed():
     """Typing what a field shows changes nothing, for the example of every key of every kind."""
     examples = {
         (kind, field["key"]): field["example"]
-        for column in form()
-        for part in column
+        for part in form()
         for kind, fields in part["keys"].items()
         for field in fields
     }
-    for section in section_forms():
+    for section in (each for each in section_forms() if each.name in SECTIONS):
         for kind in section.kinds or [""]:
             text = TEXT
             if section.name == "contact.cap":
@@ -122,20 +121,19 @@ def test_a_text_that_cannot_be_read_locks_the_fields():
     assert found["problems"] == {}
 
 
+def test_the_form_has_all_sections_without_the_model_which_is_in_the_header():
+    assert {*SECTIONS, "model"} == {section.name for section in section_forms()}
+    assert [part["name"] for part in form() if part["open"]] == ["target", "lattice", "limits"]
+
+
 def test_every_key_has_a_field():
-    keys = {
-        field["key"]
-        for column in form()
-        for part in column
-        for fields in part["keys"].values()
-        for field in fields
-    }
+    keys = {field["key"] for part in form() for fields in part["keys"].values() for field in fields}
     assert keys == {
         f"{section.name}.{key.name}"
         for section in section_forms()
         for keys in section.keys.values()
         for key in keys
-        if key.value != "section"
+        if key.value != "section" and section.name in SECTIONS
     }
 
 
