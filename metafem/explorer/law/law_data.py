@@ -63,26 +63,17 @@ def law_data(answer: Answer) -> dict[str, Any]:
     return data
 
 
-def band_data(band: Band, units: Units) -> dict[str, Any]:
+def band_data(band: Band, units: Units, **more: Any) -> dict[str, Any]:
     """Return loads, lowest and highest friction of a band of laws, in the units of the axes."""
     load, low, high = band
-    return {
-        "x": numbers(units.load * load),
-        "low": numbers(units.friction * low),
-        "high": numbers(units.friction * high),
-    }
+    x, y = numbers(units.load * load), units.friction
+    return {"x": x, "low": numbers(y * low), "high": numbers(y * high), **more}
 
 
 def _handle(handle: Handle, units: Units) -> dict[str, Any]:
+    """Return a handle at its place in the units of the axes."""
     x, y = numbers([units.load * handle.load, units.friction * handle.friction], EDITED)
-    return {
-        "id": handle.id,
-        "x": x,
-        "y": y,
-        "moves": handle.moves,
-        "label": handle.label,
-        "carried": handle.carried,
-    }
+    return {**vars(handle), "x": x, "y": y}
 
 
 def _follows(follows: Follows, units: Units) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,14 +13,13 @@ from nicegui import ui
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, specification_of
-from metafem.explorer.law.beside import Beside
 from metafem.explorer.law.dropped import Measured, as_target, read_points
+from metafem.explorer.law.further import Further, tools_data
 from metafem.explorer.law.law_data import band_data, law_data
-from metafem.explorer.law.law_plot import LawPlot
 from metafem.explorer.law.nearest import reachable, with_nearest, with_point
-from metafem.explorer.law.reach import Reach
+from metafem.explorer.law.reach import reach_of
 from metafem.explorer.law.shown import Units
-from metafem.explorer.law.tools import block_data, tools_data
+from metafem.explorer.picture import Picture
 from metafem.explorer.session import State
 from metafem.explorer.text.handles import moved, removed
 from metafem.explorer.text.names import on_page
@@ -40,6 +40,10 @@ def law_panel(page: Page) -> None:
     LawPanel(page)
 
 
+class LawPlot(Picture, component="law_plot.js", esm={"metafem-law": "js"}):
+    """Draws the data of `law_data` and `Further`."""
+
+
 class LawPanel:
     """The plot of one page."""
 
@@ -47,10 +51,9 @@ class LawPanel:
         self.page = page
         handlers = [name for name in dir(type(self)) if name.startswith("on_")]
         self.plot = LawPlot(**{name[3:]: self.told(getattr(self, name)) for name in handlers})
-        self.reach = Reach()
-        self.band_shown: Any = None
+        self.band: dict[str, Any] | None = None  # what the surfaces within the limits can have
         self.measured = Measured()
-        self.beside = Beside(page.tasks, self.plot.more)
+        self.further = Further(page.tasks, partial(self.plot.call, "more"))
         # number of the plot for each change of the page by a drag, and for the newest one that is answered
         self.requests: dict[int, int] = {}
         self.request = 0
@@ -67,7 +70,7 @@ class LawPanel:
             try:
                 await handler(event)
             except InvalidInput as error:
-                self.plot.say(on_page(str(error)), wrong=True)
+                self.say(on_page(str(error)), wrong=True)
 
         return handle
 
@@ -79,9 +82,10 @@ class LawPanel:
         data["tools"] = tools_data(answer)
         data["measured"] = self.measured.data(answer, units)
         if specification is not None:
-            band = self.reach.of(specification)
-            if (self.reach.key, units) != self.band_shown:
-                data["band"] = None if band is None else band_data(band, units)
+            reach = reach_of(specification)
+            band = None if reach is None else band_data(reach, units)
+            if band != self.band:
+                data["band"] = band
         return data
 
     def show(self, answer: Answer, data: dict[str, Any]) -> None:
@@ -94,14 +98,17 @@ class LawPanel:
             self.stuck = answer.refusal != "" and not answer.undecided
         if answer.nearest_target is not None:
             self.refused = answer
-        if "band" in data:
-            self.band_shown = self.reach.key, Units.of(answer, answer.state.newtons)
+        self.band = data.get("band", self.band)
         tools = data["tools"]
-        tools["block"] = block_data(self.beside.block, answer.design) if tools["block"] else None
-        self.plot.draw(data | {"request": self.request})
+        tools["block"] = self.further.block.data(answer.design) if tools["block"] else None
+        self.plot.call("draw", data | {"request": self.request})
         if self.measured.problem:
-            self.plot.say(self.measured.problem, wrong=True)
-        self.beside.put(answer)
+            self.say(self.measured.problem, wrong=True)
+        self.further.put(answer)
+
+    def say(self, words: str, *, wrong: bool = False) -> None:
+        """Show a message below the plot, as an error if `wrong`."""
+        self.plot.call("say", words, wrong)
 
     async def on_drag(self, event: Event) -> None:
         """Move a handle."""
@@ -117,7 +124,7 @@ class LawPanel:
         try:
             await self.page.make(dragged, draft=not event["released"])
         except InvalidInput as error:
-            self.plot.refuse(number, on_page(str(error)))
+            self.plot.call("refuse", number, on_page(str(error)))
 
     async def on_add(self, event: Event) -> None:
         """Add a point; close to the achieved law it is on this law."""
@@ -164,9 +171,9 @@ class LawPanel:
         """Start the computation of the law under the block model, or stop it and hide its law."""
         design = self.page.answer.design
         if event["on"] and design is not None:
-            await self.beside.block.start(design)
+            await self.further.block.start(design)
         else:
-            self.beside.block.stop()
+            self.further.block.stop()
 
     async def on_dropped(self, event: Event) -> None:
         """Show the points of a table."""
@@ -178,7 +185,7 @@ class LawPanel:
         found = await self.page.in_thread(read_points, name, text, template.material, template.friction)
         await self.page.alter(measured=text, measured_name=name)
         told = [f"{len(found.load)} points of {name} are shown.", *[left] * bool(left), *found.remarks]
-        self.plot.say(" ".join(told))
+        self.say(" ".join(told))
 
     async def on_measured(self, event: Event) -> None:
         """Use the measured points as the target, or remove them."""

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 
 from metafem.explorer.answer import Answer, pinned_answer
+from metafem.explorer.picture import Picture
 from metafem.explorer.queue import Queue
 from metafem.explorer.session import State
-from metafem.explorer.surface.contact_data import contact_data
+from metafem.explorer.surface.contact_data import contact_data, press_data
 from metafem.explorer.surface.edits import edited
-from metafem.explorer.surface.press_data import press_data
 from metafem.explorer.surface.surface_data import (
     difference,
     layout_data,
@@ -20,7 +20,6 @@ from metafem.explorer.surface.surface_data import (
     same_layout,
     site_data,
 )
-from metafem.explorer.surface.surface_view import SurfaceView
 from metafem.inversion import Design
 from metafem.surface import Surface
 
@@ -36,12 +35,16 @@ Shown = tuple[Design, bool, dict[str, Any]]
 STYLE = Path(__file__).with_name("surface.css")
 
 
+class SurfaceView(Picture, component="surface_view.js", esm={"metafem-surface": "js"}):
+    """Draws the data of `site_data`, `contact_data` and `press_data`."""
+
+
 class Views:
     """The pictures of the surface: sends changed data to the browser, heights first and contacts second."""
 
     def __init__(self, page: Page) -> None:
         self.page = page
-        self.view = SurfaceView()
+        self.view = SurfaceView(sites=self._edit, colour=self._colour)
         self.contacts: Queue[Request, Shown] = Queue(
             self._contacts, self._shown, lambda _, error: page.wrong(error), better=self._pressed_of
         )
@@ -49,8 +52,6 @@ class Views:
         self.template: Surface | None = None
         self.shown: tuple[Design | None, str] = (None, "")
         self.sensitive = False
-        self.view.on_event("sites", self._edit)
-        self.view.on_event("colour", self._colour)
         page.listen_prepared(self.prepared, self.show)
 
     def prepared(self, answer: Answer) -> dict[str, Any]:
@@ -72,7 +73,7 @@ class Views:
             self.template = answer.design.template
             self.contacts.put((answer, False))
         self.shown = answer.design, answer.state.text
-        self.view.show(data)
+        self.view.call("show", data)
 
     def _contacts(self, request: Request) -> Shown:
         answer, pressed = request
@@ -84,10 +85,10 @@ class Views:
     def _shown(self, found: Shown) -> None:
         design, pressed, data = found
         if not pressed:
-            self.view.contact(data)
+            self.view.call("contact", data)
         elif design is self.shown[0]:
             self.pressed = design
-            self.view.press(data)
+            self.view.call("pressed", data)
 
     def _pressed_of(self, request: Request) -> Request | None:
         """Return the request for the contacts at all loads, which follows when the surface stays as it is."""
