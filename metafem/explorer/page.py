@@ -20,16 +20,15 @@ from metafem.explorer.browser import Browser, record_of
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.panel import certainty_panel, place_warnings
 from metafem.explorer.law.comparison import COMPARED, comparison_panel
-from metafem.explorer.law.panel import law_panel
+from metafem.explorer.law.panel import LawPanel
 from metafem.explorer.queue import LOG, PATIENCE, Queue, in_words
 from metafem.explorer.session import Session, State
-from metafem.explorer.surface.panel import surface_panel
+from metafem.explorer.surface.panel import SurfacePanel
 from metafem.explorer.take.panel import take_panel
 from metafem.explorer.text.document import loses_comments
 from metafem.explorer.text.kinds import with_kind
 from metafem.explorer.text.link import from_link, restored
 from metafem.explorer.text.names import on_page
-from metafem.explorer.tour import Tour
 from metafem.explorer.workshop.editor import editor_panel
 from metafem.explorer.workshop.header import header_panel
 from metafem.explorer.workshop.panel import workshop_panel
@@ -47,8 +46,15 @@ PATIENCE_WITH_DRAFTS = 5.0
 # Said once, when an edit by hand ends the comments that the user wrote.
 COMMENTS_END = "The comments in your specification end with this first edit by hand. Undo brings them back."
 
-# Style sheets of the page, and of its header and fields.
-STYLES = ("page.css", "workshop/workshop.css")
+# Style sheets of the page and its parts.
+STYLES = (
+    *("page.css", "workshop/workshop.css", "law/law.css", "surface/surface.css"),
+    *("certainty/certainty.css", "take/take.css"),
+)
+
+
+class Tour(Element, component="tour.js"):
+    """Explains parts of the page in five steps, after the event ``metafem-tour`` of the window."""
 
 
 class Request(NamedTuple):
@@ -102,12 +108,13 @@ class Page:
         def prepared(answer: Answer) -> Show:
             nonlocal due
             if answer.draft and time.monotonic() < due:
-                return nothing
+                return lambda: None
             due = time.monotonic() + pace
             try:
                 return partial(show, answer, prepare(answer))
             except Exception as error:
-                return partial(_fail, error)
+                LOG.exception("a part of the page was not shown")
+                return partial(self.wrong, error)
 
         self.panels.append(prepared)
 
@@ -232,12 +239,12 @@ class Page:
 
     def _failed(self, request: Request, error: Exception) -> None:
         """Show a program error together with the last surface that was found."""
-        number, state, _ = request
-        failed = Answer(number, state, None, self.answer.design, {"": in_words(error)}, failed=True)
+        problems = {"": in_words(error)}
+        failed = Answer(request.number, request.state, None, self.answer.design, problems, failed=True)
         self._show(self._prepared(failed))
 
     def wrong(self, error: Exception) -> None:
-        """Show a program error that an event handler or a timer raised; the error is already logged."""
+        """Show a program error; the error is already logged."""
         self.say(in_words(error))
 
     def _tell(self, shows: Iterable[Show]) -> None:
@@ -277,14 +284,6 @@ class Page:
             self.say(problem)
 
 
-def nothing() -> None:
-    """Show nothing."""
-
-
-def _fail(error: Exception) -> None:
-    raise error
-
-
 def all_told(shows: Iterable[Show]) -> str:
     """Call functions; return the errors of those that failed in words, "" if none failed.
 
@@ -321,15 +320,15 @@ def whole_of(request: Request) -> Request | None:
 def build(first: State) -> Page:
     """Create the elements of a page that begins with a state; return the page."""
     for style in STYLES:
-        ui.add_css(Path(__file__).parent.joinpath(style).read_text("utf-8"))
+        ui.add_css(Path(__file__).parent / style)
     page = Page(first)
     header_panel(page)
     with ui.element().classes("explorer"):
         with _part("law", "Law"):
-            law_panel(page)
+            LawPanel(page)
             place_warnings(page, "law")
         with _part("surface", "Surface"):
-            surface_panel(page)
+            SurfacePanel(page)
             place_warnings(page, "surface")
         with _part("inspector", "Inspector"):
             _tabs(page)
@@ -364,4 +363,4 @@ def _tabs(page: Page) -> None:
     with ui.tab_panels(tabs, value="Workshop", animated=False).props("keep-alive").classes("panels"):
         for name, make in panels.items():
             with ui.tab_panel(name):
-                partial(make, page)()
+                make(page)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from metafem.explorer.answer import answered
-from metafem.explorer.certainty.panel_data import figure_data
+from metafem.explorer.certainty.panel import figure_data
 from metafem.explorer.law.law_data import law_data
 from metafem.explorer.session import State
 from metafem.explorer.surface.contact_data import contact_data, press_data

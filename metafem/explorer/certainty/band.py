@@ -10,7 +10,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeVar
 from weakref import finalize
 
 import numpy as np
@@ -20,7 +19,6 @@ from metafem._values import MICROMETRES, percent
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
 from metafem.inversion import Design
-from metafem.models import Model
 from metafem.prediction import Tolerances
 from metafem.surface import Surface
 
@@ -61,26 +59,10 @@ class Drawn:
         return float(np.sqrt(((self.linear - self.sd) ** 2).sum() / (self.sd**2).sum()))
 
 
-Value = TypeVar("Value")
-
-
-class Known(dict[int, Value]):
-    """Values by the identity of a design, each stored as long as its design exists.
-
-    The key is the identity, because hashing a design would compute all of its notes.
-    """
-
-    def keep(self, design: Design, value: Value) -> Value:
-        """Store a value for a design, and return the value."""
-        if id(design) not in self:
-            finalize(design, self.pop, id(design), None)
-        self[id(design)] = value
-        return value
-
-
-# Linear responses and finished draws of the designs on open pages.
-_LINEAR: Known[Linear | None] = Known()
-_DRAWN: Known[Drawn] = Known()
+# Linear responses and finished draws of the designs on open pages, by the identity of the design, because
+# hashing a design would compute all of its notes. Each is stored as long as its design exists.
+_LINEAR: dict[int, Linear | None] = {}
+_DRAWN: dict[int, Drawn] = {}
 
 
 def tolerances_of(answer: Answer) -> Tolerances | None:
@@ -159,9 +141,10 @@ def linear(answer: Answer) -> Linear | None:
     design, tolerances = answer.design, tolerances_of(answer)
     if design is None or tolerances is None:
         return None
-    if id(design) in _LINEAR:
-        return _LINEAR[id(design)]
-    return _LINEAR.keep(design, _linear(design, tolerances))
+    if id(design) not in _LINEAR:
+        finalize(design, _LINEAR.pop, id(design), None)
+        _LINEAR[id(design)] = _linear(design, tolerances)
+    return _LINEAR[id(design)]
 
 
 def _linear(design: Design, tolerances: Tolerances) -> Linear | None:
@@ -204,7 +187,8 @@ def draw(answer: Answer, wanted: Callable[[], bool]) -> Drawn | None:
         if not wanted():
             return None
         try:
-            parts.append(_areas(model, design.surface, load, tolerances, unit[done : done + size]))
+            drawn = tolerances.perturbed(design.surface, unit[done : done + size])
+            parts.append(np.asarray(model.areas(design.surface, load, *drawn)))  # nan without a solution
         except MetafemError:  # the model is not valid for a drawn surface
             return None
         done += size
@@ -218,12 +202,6 @@ def draw(answer: Answer, wanted: Callable[[], bool]) -> Drawn | None:
         return None
     first = linear(answer)
     sd = np.zeros(len(load)) if first is None else first[2]
-    return _DRAWN.keep(design, Drawn(load, area.mean(axis=0), area.std(axis=0, ddof=1), sd, len(area)))
-
-
-def _areas(
-    model: Model, surface: Surface, load: FloatArray, tolerances: Tolerances, unit: FloatArray
-) -> FloatArray:
-    """Return A0 of random surfaces [mm^2], (m, k); nan where there is no solution."""
-    heights, radii, positions = tolerances.perturbed(surface, unit)
-    return np.asarray(model.areas(surface, load, heights, radii, positions))
+    finalize(design, _DRAWN.pop, id(design), None)
+    _DRAWN[id(design)] = Drawn(load, area.mean(axis=0), area.std(axis=0, ddof=1), sd, len(area))
+    return drawn_of(answer)

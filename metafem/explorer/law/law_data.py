@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 from zlib import crc32
 
@@ -10,7 +11,7 @@ from metafem.explorer.law.nearest import offer
 from metafem.explorer.law.reach import Band
 from metafem.explorer.law.shown import EDITED, Units, numbers
 from metafem.explorer.text.handles import Handle, crowd, drawn
-from metafem.explorer.text.shape import Follows, Shift
+from metafem.explorer.text.shape import Shape, Shift
 from metafem.inversion import OperatingPoints
 
 # Labels of the shaded band. Its bounds are proven for independent asperities.
@@ -28,18 +29,20 @@ def law_data(answer: Answer) -> dict[str, Any]:
     own = Units.of_design(answer, answer.state.newtons)
     target = None if answer.specification is None else answer.specification.target
     many = 0 if answer.specification is None else crowd(answer.specification)
-    data: dict[str, Any] = {
+    marked = isinstance(target, OperatingPoints) and not many
+    law = None if answer.design is None else answer.design.law
+    return {
         "number": answer.number,
         # checksum of the text: messages below the plot are valid for this text only
         "state": crc32(answer.state.text.encode()),
         **units.axes(),
-        "achieved": None,
-        "model": "",
-        "reach": INDEPENDENT,
-        "wanted": None,
-        "marked": isinstance(target, OperatingPoints) and not many,
+        "achieved": None if law is None else own.curve(law.rescaled_load, law.rescaled_friction),
+        "model": "" if law is None else law.model.name + ", draft" * answer.simplified,
+        "reach": COUPLED if law is not None and law.model.couples else INDEPENDENT,
+        "wanted": None if shape is None else _wanted(shape, units),
+        "marked": marked,
         "crowd": f"{many:,} points, too many to drag" if many else "",
-        "nearest": None,
+        "nearest": None if answer.nearest is None else units.curve(*answer.nearest) | {"marked": marked},
         "offer": offer(answer),  # label of the button that adopts the nearest law
         "refusal": f"{answer.refused} {SEARCHED}" if answer.undecided else answer.refused,
         "undecided": answer.undecided,
@@ -48,19 +51,6 @@ def law_data(answer: Answer) -> dict[str, Any]:
         "load_scale": own.load,  # units of the load axis per rescaled load
         "cursor": None if answer.state.load is None else numbers([own.load * answer.state.load], EDITED)[0],
     }
-    if answer.design is not None:
-        law = answer.design.law
-        data["achieved"] = own.curve(law.rescaled_load, law.rescaled_friction)
-        data["model"] = f"{law.model.name}, draft" if answer.simplified else law.model.name
-        data["reach"] = COUPLED if law.model.couples else INDEPENDENT
-    if answer.nearest is not None:
-        data["nearest"] = units.curve(*answer.nearest) | {"marked": data["marked"]}
-    if shape is not None:
-        data["wanted"] = {
-            **units.curve(shape.load, shape.friction),
-            "follows": {id: _follows(each, units) for id, each in shape.follows.items()},
-        }
-    return data
 
 
 def band_data(band: Band, units: Units, **more: Any) -> dict[str, Any]:
@@ -76,13 +66,16 @@ def _handle(handle: Handle, units: Units) -> dict[str, Any]:
     return {**vars(handle), "x": x, "y": y}
 
 
-def _follows(follows: Follows, units: Units) -> dict[str, Any]:
-    """Return the factors by which corners and handles follow a move of a handle, in the units of the axes."""
+def _wanted(shape: Shape, units: Units) -> dict[str, Any]:
+    """Return the target law, and how its corners and handles follow a move of each handle."""
 
-    def factors(shift: Shift) -> list[float | None]:
-        return numbers([shift.x, shift.across * units.friction / units.load, shift.y], EDITED)
+    across = units.friction / units.load
 
-    return {
-        "corners": [[number, *factors(shift)] for number, shift in follows.corners.items()],
-        "handles": [[id, *factors(shift)] for id, shift in follows.handles.items()],
+    def factors(moves: Mapping[Any, Shift]) -> list[list[Any]]:
+        return [[name, *numbers((x, by * across, y), EDITED)] for name, (x, by, y) in moves.items()]
+
+    follows = {
+        id: {"corners": factors(each.corners), "handles": factors(each.handles)}
+        for id, each in shape.follows.items()
     }
+    return units.curve(shape.load, shape.friction) | {"follows": follows}

@@ -6,41 +6,30 @@ import math
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-from nicegui import ui
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, specification_of
-from metafem.explorer.law.dropped import Measured, as_target, read_points
+from metafem.explorer.law.dropped import as_target, measured_of, read_points
 from metafem.explorer.law.further import Further, tools_data
 from metafem.explorer.law.law_data import band_data, law_data
 from metafem.explorer.law.nearest import reachable, with_nearest, with_point
 from metafem.explorer.law.reach import reach_of
 from metafem.explorer.law.shown import Units
-from metafem.explorer.picture import Picture
 from metafem.explorer.session import State
 from metafem.explorer.text.handles import moved, removed
 from metafem.explorer.text.names import on_page
+from metafem.explorer.widget import Widget
 from metafem.files import Specification
 from metafem.inversion import Design
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
 
-STYLE = Path(__file__).with_name("law.css")
-
 Event = dict[str, Any]
 
 
-def law_panel(page: Page) -> None:
-    """Create the plot of the law."""
-    ui.add_css(STYLE.read_text("utf-8"))
-    LawPanel(page)
-
-
-class LawPlot(Picture, component="law_plot.js", esm={"metafem-law": "js"}):
+class LawPlot(Widget, component="law_plot.js", esm={"metafem-law": "js"}):
     """Draws the data of `law_data` and `Further`."""
 
 
@@ -52,7 +41,6 @@ class LawPanel:
         handlers = [name for name in dir(type(self)) if name.startswith("on_")]
         self.plot = LawPlot(**{name[3:]: self.told(getattr(self, name)) for name in handlers})
         self.band: dict[str, Any] | None = None  # what the surfaces within the limits can have
-        self.measured = Measured()
         self.further = Further(page.tasks, partial(self.plot.call, "more"))
         # number of the plot for each change of the page by a drag, and for the newest one that is answered
         self.requests: dict[int, int] = {}
@@ -80,7 +68,11 @@ class LawPanel:
         data = law_data(answer)
         units = Units.of(answer, answer.state.newtons)
         data["tools"] = tools_data(answer)
-        data["measured"] = self.measured.data(answer, units)
+        try:
+            points = measured_of(answer)
+        except InvalidInput as error:
+            points, data["problem"] = None, str(error)
+        data["measured"] = None if points is None else points.data(units, answer.design)
         if specification is not None:
             reach = reach_of(specification)
             band = None if reach is None else band_data(reach, units)
@@ -102,8 +94,8 @@ class LawPanel:
         tools = data["tools"]
         tools["block"] = self.further.block.data(answer.design) if tools["block"] else None
         self.plot.call("draw", data | {"request": self.request})
-        if self.measured.problem:
-            self.say(self.measured.problem, wrong=True)
+        if "problem" in data:
+            self.say(data["problem"], wrong=True)
         self.further.put(answer)
 
     def say(self, words: str, *, wrong: bool = False) -> None:
@@ -189,10 +181,10 @@ class LawPanel:
 
     async def on_measured(self, event: Event) -> None:
         """Use the measured points as the target, or remove them."""
-        answer, points = self.page.answer, self.measured.points
+        answer = self.page.answer
         if event["action"] == "remove":
             await self.page.alter(measured="", measured_name="")
-        elif points is not None:
+        elif (points := measured_of(answer)) is not None:
             await self.page.make(lambda state: as_target(replace(answer, state=state), points))
 
     def _units(self) -> Units:

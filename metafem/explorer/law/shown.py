@@ -18,10 +18,13 @@ MOST_POINTS = 200
 # Significant digits of plotted curves (finer than a tenth of a pixel) and of values that are edited.
 DRAWN, EDITED = 5, 9
 
-# Explanations of the rescaled axes.
-RESCALED = {
-    "x": "Load P divided by the composite modulus E*: an area",
-    "y": "Friction force F divided by the shear strength σ and the area ratio B: an area",
+# The axes: name, label in newtons, and label and explanation of the rescaled values.
+AXES = {
+    "x": ("load", "load P", "load P/E*", "Load P divided by the composite modulus E*: an area"),
+    "y": (
+        *("friction", "friction force F", "friction F/(σB)"),
+        "Friction force F divided by the shear strength σ and the area ratio B: an area",
+    ),
 }
 
 
@@ -59,17 +62,11 @@ class Units:
 
     def axes(self) -> dict[str, dict[str, str]]:
         """Return names, labels, units and explanations of both axes."""
-        unit = "N" if self.newtons else "mm²"
-        labels = ("load P", "friction force F") if self.newtons else ("load P/E*", "friction F/(σB)")
-        names = {"x": ("load", labels[0]), "y": ("friction", labels[1])}
         return {
-            axis: {
-                "name": name,
-                "label": label,
-                "unit": unit,
-                "meaning": "" if self.newtons else RESCALED[axis],
-            }
-            for axis, (name, label) in names.items()
+            axis: {"name": name, "label": forces, "unit": "N", "meaning": ""}
+            if self.newtons
+            else {"name": name, "label": label, "unit": "mm²", "meaning": meaning}
+            for axis, (name, forces, label, meaning) in AXES.items()
         }
 
     def curve(self, load: FloatArray, friction: FloatArray) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem._values import MICROMETRES, three_digits
 from metafem.errors import MetafemError
+from metafem.explorer.law.shown import numbers
 from metafem.explorer.surface.surface_data import at_sites
 from metafem.inversion import Design
 from metafem.models.curve import Curve
@@ -23,8 +24,8 @@ PERCENT = 100.0
 # Decimals of contact radii [mm], pressures [MPa], loads [mN] and sensitivities [% per um].
 RADIUS_DECIMALS, PRESSURE_DECIMALS, LOAD_DECIMALS, SENSITIVITY_DECIMALS = 4, 5, 3, 5
 
-# Decimals of contact areas [mm^2], and significant digits of rescaled loads.
-AREA_DECIMALS, DIGITS = 6, 6
+# Decimals of contact areas and of entry loads [mm^2], and significant digits of rescaled loads.
+AREA_DECIMALS, ENTRY_DECIMALS, DIGITS = 6, 12, 6
 
 # Largest number of intervals between the loads, a power of two. On a straight line between two loads, the
 # contact radii of the demo differ from the computed ones by at most 1 % of the largest, on a layer by 4 %.
@@ -106,17 +107,18 @@ def press_data(design: Design) -> dict[str, Any]:
         entry[reached] = model.curve(surface, approach=gap).load[row]
     else:
         entry = _interpolated_entry(curves, None if adhesive else surface.height - top)
+    loads = np.array([curve.load[0] for curve in curves])
     return {
         "exact": exact,
-        "entry": [_rounded(load) for load in at_sites(design, entry, 12)],
+        "entry": numbers(np.array(at_sites(design, entry, ENTRY_DECIMALS), dtype=float), DIGITS),
         "states": [
             {
-                "load": _rounded(float(curve.load[0])),
+                "load": load,
                 "separation": MICROMETRES * (top - float(curve.approach[0])),
                 "area": at_sites(design, curve.last.area, AREA_DECIMALS),
                 "force": at_sites(design, MILLINEWTONS * modulus * curve.last.load, LOAD_DECIMALS),
             }
-            for curve in curves
+            for load, curve in zip(numbers(loads, DIGITS), curves, strict=True)
         ],
     }
 
@@ -163,7 +165,3 @@ def _interpolated_entry(curves: list[Curve], open_indentation: FloatArray | None
     share = np.divide(-low, high - low, out=np.ones_like(low), where=(low <= 0.0) & (high > 0.0))
     entry = loads[before] + share * (loads[after] - loads[before])
     return np.where(closed.any(axis=0), entry, np.nan)
-
-
-def _rounded(load: float | None) -> float | None:
-    return None if load is None or np.isnan(load) else float(f"{load:.{DIGITS}g}")

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from nicegui import ui
-
 from metafem.explorer.answer import Answer, pinned_answer
-from metafem.explorer.picture import Picture
 from metafem.explorer.queue import Queue
 from metafem.explorer.session import State
 from metafem.explorer.surface.contact_data import contact_data, press_data
@@ -20,6 +18,7 @@ from metafem.explorer.surface.surface_data import (
     same_layout,
     site_data,
 )
+from metafem.explorer.widget import Widget
 from metafem.inversion import Design
 from metafem.surface import Surface
 
@@ -29,24 +28,19 @@ if TYPE_CHECKING:
 # An answer, and whether its contacts at all loads are computed, or those at the load of its state.
 Request = tuple[Answer, bool]
 
-# The design of a request, whether it is pressed, and the data of its contacts.
-Shown = tuple[Design, bool, dict[str, Any]]
 
-STYLE = Path(__file__).with_name("surface.css")
-
-
-class SurfaceView(Picture, component="surface_view.js", esm={"metafem-surface": "js"}):
+class SurfaceView(Widget, component="surface_view.js", esm={"metafem-surface": "js"}):
     """Draws the data of `site_data`, `contact_data` and `press_data`."""
 
 
-class Views:
+class SurfacePanel:
     """The pictures of the surface: sends changed data to the browser, heights first and contacts second."""
 
     def __init__(self, page: Page) -> None:
         self.page = page
         self.view = SurfaceView(sites=self._edit, colour=self._colour)
-        self.contacts: Queue[Request, Shown] = Queue(
-            self._contacts, self._shown, lambda _, error: page.wrong(error), better=self._pressed_of
+        self.contacts: Queue[Request, Callable[[], None]] = Queue(
+            self._contacts, lambda show: show(), lambda _, error: page.wrong(error), better=self._pressed_of
         )
         self.pressed: Design | None = None
         self.template: Surface | None = None
@@ -75,18 +69,17 @@ class Views:
         self.shown = answer.design, answer.state.text
         self.view.call("show", data)
 
-    def _contacts(self, request: Request) -> Shown:
+    def _contacts(self, request: Request) -> Callable[[], None]:
+        """Return a function that shows the contacts of a request."""
         answer, pressed = request
         design = answer.design
         assert design is not None
-        data = press_data(design) if pressed else contact_data(design, answer.state.load, self.sensitive)
-        return design, pressed, data
+        if pressed:
+            return partial(self._press, design, press_data(design))
+        return partial(self.view.call, "contact", contact_data(design, answer.state.load, self.sensitive))
 
-    def _shown(self, found: Shown) -> None:
-        design, pressed, data = found
-        if not pressed:
-            self.view.call("contact", data)
-        elif design is self.shown[0]:
+    def _press(self, design: Design, data: dict[str, Any]) -> None:
+        if design is self.shown[0]:
             self.pressed = design
             self.view.call("pressed", data)
 
@@ -107,9 +100,3 @@ class Views:
         self.sensitive = given == "sensitivity"
         if self.sensitive and self.page.answer.design is not None:
             self.contacts.put((self.page.answer, False))
-
-
-def surface_panel(page: Page) -> None:
-    """Create the map and the three-dimensional picture."""
-    ui.add_css(STYLE.read_text("utf-8"))
-    Views(page)

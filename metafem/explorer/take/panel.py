@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Mapping
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nicegui import ui
@@ -18,7 +17,6 @@ from metafem.explorer.certainty.places import part_problem
 from metafem.explorer.session import State
 from metafem.explorer.take import files
 from metafem.explorer.take.figure import FORMATS, HEIGHT, WIDTH, figure_files
-from metafem.explorer.take.hindrance import NEEDS_DESIGN, NEEDS_PART, hindrance, said_above
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
@@ -130,11 +128,15 @@ class Taking:
     def _offer(self) -> None:
         """Enable the available files, and show why the other files are not available."""
         for name, (button, label) in self.offered.items():
-            reason = "" if name == files.SPECIFICATION else hindrance(name, self.answer, self.problem)
-            own = reason not in ("", NEEDS_DESIGN, NEEDS_PART)  # these reasons appear above the files
+            reason = "" if name == files.SPECIFICATION else files.hindrance(name, self.answer, self.problem)
+            own = reason not in (
+                "",
+                files.NEEDS_DESIGN,
+                files.NEEDS_PART,
+            )  # these reasons appear above the files
             label.text = f"{MEANINGS[name]}: {reason}" if own else MEANINGS[name]
             button.set_enabled(not reason)
-        self.above.text = said_above(self.answer, self.problem)
+        self.above.text = files.said_above(self.answer, self.problem)
         self.above.set_visibility(bool(self.above.text))
 
     async def take(self, name: str) -> None:
@@ -155,18 +157,18 @@ class Taking:
             raise MetafemError(NOTHING)
         if name == FIGURE:
             size = self.width.value, self.height.value
-            found = await asyncio.to_thread(figure_files, answer, self.format.value, *size)
-            return name, files.archive(found)
+            figure = await asyncio.to_thread(figure_files, answer, self.format.value, *size)
+            return name, files.archive(figure)
         if name == PICTURE:
             return name, await asyncio.to_thread(files.law_picture, answer.design)
-        if name not in TABLES:
-            found = await self._made(answer.state)
-            if name == ARCHIVE:
-                return name, await asyncio.to_thread(files.archive, found)
-        else:
-            if name == "mould.csv" and (problem := await asyncio.to_thread(part_problem, answer)):
-                raise MetafemError(problem)
+        if name == "mould.csv" and (problem := await asyncio.to_thread(part_problem, answer)):
+            raise MetafemError(problem)
+        if name in TABLES:
             found = await asyncio.to_thread(files.tables_of, answer)
+        else:
+            found = await self._made(answer.state)
+        if name == ARCHIVE:
+            return name, await asyncio.to_thread(files.archive, found)
         if name not in found:
             raise MetafemError(f"it is not a file of this specification, which has {', '.join(found)}")
         return name, found[name]
@@ -199,7 +201,6 @@ class Taking:
 
 def take_panel(page: Page) -> None:
     """Create the buttons that download the design, and the command that produces the same result."""
-    ui.add_css(Path(__file__).with_name("take.css"))
     panel = Taking(page.tasks, page.answer)
     page.listen(panel.show)
     page.listen_warnings(panel.warn)

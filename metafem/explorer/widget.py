@@ -1,4 +1,4 @@
-"""The base class of the elements that draw numbers."""
+"""The base class of elements with events and many numbers."""
 
 from __future__ import annotations
 
@@ -9,11 +9,8 @@ from nicegui import json
 from nicegui.element import Element
 
 
-class Picture(Element):
-    """Draws data, and emits an event for each action of the pointer or the keyboard.
-
-    Each keyword argument is the handler of the event with its name.
-    """
+class Widget(Element):
+    """An element that shows data and emits events; each keyword argument is the handler of an event."""
 
     def __init__(self, **handlers: Callable[[Any], Any]) -> None:
         super().__init__()
