@@ -36,7 +36,7 @@ from metafem.explorer.workshop.panel import workshop_panel
 Result = TypeVar("Result")
 
 # What shows an answer, with the data that were prepared for it.
-Show = Callable[[], None]
+Show = Callable[[], object]
 
 # Time after which a draft is dropped if a newer draft waits [s]. A drag requests drafts faster than a large
 # surface can be designed. With a shorter time, nothing would be shown until the pointer rests; with a longer
@@ -48,9 +48,9 @@ COMMENTS_END = "The comments in your specification end with this first edit by h
 
 # Style sheets of the page and its parts.
 STYLES = (
-    *("page.css", "workshop/workshop.css", "law/law.css", "surface/surface.css"),
-    *("certainty/certainty.css", "take/take.css"),
-)
+    "page.css", "workshop/workshop.css", "law/law.css", "surface/surface.css", "certainty/certainty.css",
+    "take/take.css",
+)  # fmt: skip
 
 
 class Tour(Element, component="tour.js"):
@@ -75,7 +75,7 @@ class Page:
         self.number = 0  # of the last request
         self.tabs: ui.tabs
         self.panels: list[Callable[[Answer], Show]] = []
-        self.warned: list[Callable[[Mapping[str, list[str]]], None]] = []
+        self.warned: list[Callable[[Mapping[str, list[str]]], object]] = []
         self.messages: list[ui.notification] = []
         self.comments_ended = False
         self.queue: Queue[Request, tuple[Answer, list[Show]]] = Queue(
@@ -118,7 +118,7 @@ class Page:
 
         self.panels.append(prepared)
 
-    def listen_warnings(self, callback: Callable[[Mapping[str, list[str]]], None]) -> None:
+    def listen_warnings(self, callback: Callable[[Mapping[str, list[str]]], object]) -> None:
         """Call a function with the warnings of an answer, by part of the page, when they are known."""
         self.warned.append(callback)
 
@@ -248,16 +248,20 @@ class Page:
         self.say(in_words(error))
 
     def _tell(self, shows: Iterable[Show]) -> None:
-        """Call functions, and show the errors that they raised."""
-        if failures := all_told(shows):
-            self.say(failures)
+        """Call functions; an error of one is shown, and the remaining ones are still called."""
+        for show in shows:
+            try:
+                show()
+            except Exception as error:
+                LOG.exception("a part of the page was not shown")
+                self.wrong(error)
 
-    async def told(self, change: Awaitable[object]) -> None:
-        """Make a change, or show why it is impossible."""
+    async def told(self, change: Awaitable[object], say: Callable[[str], object] | None = None) -> None:
+        """Make a change, or show why it is impossible, by a message over the page or by `say`."""
         try:
             await change
         except InvalidInput as error:
-            self.say(str(error))
+            (say or self.say)(str(error))
 
     def say(self, words: str, passing: bool = True) -> None:
         """Show a message over the page until it is closed or, if `passing`, a later answer has a design."""
@@ -282,21 +286,6 @@ class Page:
         await self.change(begun)
         if problem:
             self.say(problem)
-
-
-def all_told(shows: Iterable[Show]) -> str:
-    """Call functions; return the errors of those that failed in words, "" if none failed.
-
-    An error is logged, and the remaining functions are still called.
-    """
-    failures: list[str] = []
-    for show in shows:
-        try:
-            show()
-        except Exception as error:
-            LOG.exception("a part of the page was not shown")
-            failures.append(in_words(error))
-    return " ".join(failures)
 
 
 def patience(running: Request, waiting: Request) -> float:

@@ -192,7 +192,7 @@ def measured_of(answer: Answer) -> Points | None:
     InvalidInput
         If the table cannot be read.
     """
-    state, known = answer.state, answer.design if answer.specification is None else answer.specification
-    if not state.measured or known is None:
+    state, template = answer.state, answer.template
+    if not state.measured or template is None:
         return None
-    return _read(state.measured_name, state.measured, known.template.material, known.template.friction)
+    return _read(state.measured_name, state.measured, template.material, template.friction)

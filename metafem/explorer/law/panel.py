@@ -38,8 +38,8 @@ class LawPanel:
 
     def __init__(self, page: Page) -> None:
         self.page = page
-        handlers = [name for name in dir(type(self)) if name.startswith("on_")]
-        self.plot = LawPlot(**{name[3:]: self.told(getattr(self, name)) for name in handlers})
+        names = [name for name in dir(type(self)) if name.startswith("on_")]
+        self.plot = LawPlot(**{name[3:]: partial(self._handle, getattr(self, name)) for name in names})
         self.band: dict[str, Any] | None = None  # what the surfaces within the limits can have
         self.further = Further(page.tasks, partial(self.plot.call, "more"))
         # number of the plot for each change of the page by a drag, and for the newest one that is answered
@@ -50,17 +50,6 @@ class LawPanel:
         self.refused: Answer | None = None
         self.stuck = False  # whether the state from which a drag starts is refused
         page.listen_prepared(self.prepared, self.show)
-
-    def told(self, handler: Callable[[Event], Awaitable[None]]) -> Callable[[Event], Awaitable[None]]:
-        """Return an event handler that shows each InvalidInput error of `handler` below the plot."""
-
-        async def handle(event: Event) -> None:
-            try:
-                await handler(event)
-            except InvalidInput as error:
-                self.say(on_page(str(error)), wrong=True)
-
-        return handle
 
     def prepared(self, answer: Answer) -> dict[str, Any]:
         """Return the data of an answer that the plot draws."""
@@ -101,6 +90,10 @@ class LawPanel:
     def say(self, words: str, *, wrong: bool = False) -> None:
         """Show a message below the plot, as an error if `wrong`."""
         self.plot.call("say", words, wrong)
+
+    async def _handle(self, handler: Callable[[Event], Awaitable[None]], event: Event) -> None:
+        """Handle an event; an InvalidInput error is shown below the plot."""
+        await self.page.told(handler(event), lambda words: self.say(on_page(words), wrong=True))
 
     async def on_drag(self, event: Event) -> None:
         """Move a handle."""

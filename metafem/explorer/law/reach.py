@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -34,7 +35,7 @@ def reach_of(specification: Specification) -> Band | None:
     """
     template = specification.template
     count = template.count - sum(height is None for height in specification.pinned.values())
-    contact = contact_of(specification.model)
+    contact: Any = contact_of(specification.model)  # a frozen value, which can be hashed
     return _band(template.only(slice(count)), specification.limits, specification.tools, contact)
 
 

@@ -22,10 +22,10 @@ DRAWN, EDITED = 5, 9
 AXES = {
     "x": ("load", "load P", "load P/E*", "Load P divided by the composite modulus E*: an area"),
     "y": (
-        *("friction", "friction force F", "friction F/(σB)"),
+        "friction", "friction force F", "friction F/(σB)",
         "Friction force F divided by the shear strength σ and the area ratio B: an area",
     ),
-}
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -42,8 +42,7 @@ class Units:
 
         If the text of the answer has problems, the units are those of the last design.
         """
-        known = answer.design if answer.specification is None else answer.specification
-        return cls._of_template(None if known is None else known.template, newtons)
+        return cls._of_template(answer.template, newtons)
 
     @classmethod
     def of_design(cls, answer: Answer, newtons: bool) -> Units:

@@ -36,8 +36,10 @@ NO_DESIGN = (
     "The specification itself can be downloaded."
 )
 NO_PART = "The tables of the design and the specification can be downloaded."
-# Short reasons shown beside a file. For the first two, a message above the files gives the full reason.
+# Reasons why a file cannot be downloaded. For those in `ABOVE`, a message above the files gives the full reason;
+# the others are shown beside the file.
 NEEDS_DESIGN, NEEDS_PART = "needs a surface", "needs a part that can be made"
+ABOVE = ("", NEEDS_DESIGN, NEEDS_PART)
 NO_BLOCK = "needs “Block” with its width, length and thickness"
 
 

@@ -129,12 +129,7 @@ class Taking:
         """Enable the available files, and show why the other files are not available."""
         for name, (button, label) in self.offered.items():
             reason = "" if name == files.SPECIFICATION else files.hindrance(name, self.answer, self.problem)
-            own = reason not in (
-                "",
-                files.NEEDS_DESIGN,
-                files.NEEDS_PART,
-            )  # these reasons appear above the files
-            label.text = f"{MEANINGS[name]}: {reason}" if own else MEANINGS[name]
+            label.text = MEANINGS[name] if reason in files.ABOVE else f"{MEANINGS[name]}: {reason}"
             button.set_enabled(not reason)
         self.above.text = files.said_above(self.answer, self.problem)
         self.above.set_visibility(bool(self.above.text))
@@ -176,11 +171,12 @@ class Taking:
     async def _made(self, state: State) -> dict[str, bytes]:
         """Return all files of a state, which a background process writes once."""
         if self.made is None or not self.made[0].designs_the_same(state):
+            told = "The files are being written"
             task = self.tasks.start(
-                TASK, files.made_files, (state,), lambda step, done: self._writing(f": {step}")
+                TASK, files.made_files, (state,), lambda step, done: self.say(f"{told}: {step}.")
             )
             self.stop.set_visibility(True)
-            self._writing()
+            self.say(f"{told}.")
             try:
                 self.made = state, await task
             except asyncio.CancelledError:
@@ -190,9 +186,6 @@ class Taking:
             finally:
                 self.stop.set_visibility(self.tasks.running(TASK))
         return self.made[1]
-
-    def _writing(self, step: str = "") -> None:
-        self.say(f"The files are being written{step}.")
 
     def say(self, text: str) -> None:
         """Show a message about the current design."""
