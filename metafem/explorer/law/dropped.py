@@ -111,12 +111,15 @@ def read_points(name: str, text: str, material: Material, friction: Friction | N
     return replace(found, remarks=tuple(remarks))
 
 
-def as_target(answer: Answer, found: Points) -> str:
-    """Return the text of an answer with the points as a sampled target law, to be met by least squares.
+def as_target(answer: Answer) -> str:
+    """Return the text of an answer with its points as a sampled target law, to be met by least squares.
 
     Points with equal loads are replaced by one point with their mean friction. Points are omitted if their
     load or friction is not positive.
     """
+    found = measured_of(answer)
+    if found is None:
+        raise InvalidInput("there are no measured points that could be the target")
     rows = (found.load > 0.0) & (found.friction > 0.0)
     load = np.unique(found.load[rows])
     if not load.size:

@@ -177,8 +177,8 @@ class LawPanel:
         answer = self.page.answer
         if event["action"] == "remove":
             await self.page.alter(measured="", measured_name="")
-        elif (points := measured_of(answer)) is not None:
-            await self.page.make(lambda state: as_target(replace(answer, state=state), points))
+        else:
+            await self.page.make(lambda state: as_target(replace(answer, state=state)))
 
     def _units(self) -> Units:
         return Units.of(self.page.answer, self.page.state.newtons)

@@ -36,8 +36,9 @@ NO_DESIGN = (
     "The specification itself can be downloaded."
 )
 NO_PART = "The tables of the design and the specification can be downloaded."
-# Reasons why a file cannot be downloaded. For those in `ABOVE`, a message above the files gives the full reason;
-# the others are shown beside the file.
+
+# Reasons why a file cannot be downloaded. The message above the files states those in `ABOVE` in full; the
+# others are shown beside the file.
 NEEDS_DESIGN, NEEDS_PART = "needs a surface", "needs a part that can be made"
 ABOVE = ("", NEEDS_DESIGN, NEEDS_PART)
 NO_BLOCK = "needs “Block” with its width, length and thickness"

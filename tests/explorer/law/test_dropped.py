@@ -62,13 +62,16 @@ def test_the_difference_is_the_rms_of_relative_differences(answer):
 
 
 def test_points_become_a_target_with_its_units(answer):
-    found = read_points("m.csv", FORCES + "400,550\n0,0\n", *PAIR)
-    text = as_target(answer, found)
+    table = {"measured": FORCES + "400,550\n0,0\n", "measured_name": "m.csv"}
+    text = as_target(answered(State(TEXT, **table), 1))
+    found = read_points("m.csv", table["measured"], *PAIR)
     target = answered(State(text), 2).specification.target
     np.testing.assert_allclose(target.rescaled_load, found.load[[1, 2, 3]])
     # two values at one load are replaced by their mean
     assert target.rescaled_friction[-1] == pytest.approx(0.54 / (0.37 * 0.85))
-    assert ' N"' in as_target(answered(State(TEXT, newtons=True), 1), found)
+    assert ' N"' in as_target(answered(State(TEXT, newtons=True, **table), 1))
+    with pytest.raises(InvalidInput, match="no measured points"):
+        as_target(answer)
 
 
 @pytest.mark.parametrize(
