@@ -39,30 +39,24 @@ FIRST, PART, LONGEST = 2, 0.05, 20.0
 
 Band = tuple[FloatArray, FloatArray, FloatArray]
 
-# Rescaled load, A0 and the standard deviation of A0 [mm^2].
-Linear = tuple[FloatArray, FloatArray, FloatArray]
-
 
 @dataclass(frozen=True, eq=False)
-class Drawn:
-    """Mean and standard deviation of A0 of random surfaces at each rescaled load [mm^2], arrays (k,)."""
+class Scatter:
+    """Mean and standard deviation of A0 of made surfaces at each rescaled load [mm^2], arrays (k,).
+
+    `count` is the number of drawn surfaces; it is 0 for linear response.
+    """
 
     load: FloatArray
-    mean: FloatArray  # of A0 [mm^2]
+    mean: FloatArray
     sd: FloatArray
-    linear: FloatArray  # standard deviation by linear response
-    count: int
-
-    @property
-    def difference(self) -> float:
-        """Rms error of the standard deviation by linear response, relative to the rms value by draws."""
-        return float(np.sqrt(((self.linear - self.sd) ** 2).sum() / (self.sd**2).sum()))
+    count: int = 0
 
 
 # Linear responses and finished draws of the designs on open pages, by the identity of the design, because
 # hashing a design would compute all of its notes. Each is stored as long as its design exists.
-_LINEAR: dict[int, Linear | None] = {}
-_DRAWN: dict[int, Drawn] = {}
+_LINEAR: dict[int, Scatter | None] = {}
+_DRAWN: dict[int, Scatter] = {}
 
 
 def tolerances_of(answer: Answer) -> Tolerances | None:
@@ -108,14 +102,8 @@ def tolerance_band(answer: Answer) -> Band | None:
     result is None without draws if the specification states no errors, the surface has too many asperities or
     the model has no solution.
     """
-    drawn = drawn_of(answer)
-    if drawn is not None:
-        return drawn.load, drawn.mean - drawn.sd, drawn.mean + drawn.sd
-    found = linear(answer)
-    if found is None:
-        return None
-    load, area, sd = found
-    return load, area - sd, area + sd
+    found = drawn_of(answer) or linear(answer)
+    return None if found is None else (found.load, found.mean - found.sd, found.mean + found.sd)
 
 
 def band_words(answer: Answer) -> str:
@@ -126,18 +114,21 @@ def band_words(answer: Answer) -> str:
     drawn = drawn_of(answer)
     if drawn is None:
         return f"± 1 SD of made surfaces, linear response to {tolerance_words(tolerances)}"
-    apart = f"; linear response differs by {percent(drawn.difference)} of it" if drawn.linear.any() else ""
     made = f"{drawn.count} made surfaces, drawn with {tolerance_words(tolerances)}"
+    first, apart = linear(answer), ""
+    if first is not None and first.sd.any():
+        rms = float(np.sqrt(((first.sd - drawn.sd) ** 2).sum() / (drawn.sd**2).sum()))
+        apart = f"; linear response differs by {percent(rms)} of it"
     return f"± 1 SD about the mean of {made}{apart}"
 
 
-def drawn_of(answer: Answer) -> Drawn | None:
+def drawn_of(answer: Answer) -> Scatter | None:
     """Return the finished draws for the design of an answer, or None."""
     return _DRAWN.get(id(answer.design))
 
 
-def linear(answer: Answer) -> Linear | None:
-    """Return rescaled load, A0 and its standard deviation by linear response [mm^2]; None if unavailable."""
+def linear(answer: Answer) -> Scatter | None:
+    """Return the scatter by linear response; None if it is not available."""
     design, tolerances = answer.design, tolerances_of(answer)
     if design is None or tolerances is None:
         return None
@@ -147,14 +138,15 @@ def linear(answer: Answer) -> Linear | None:
     return _LINEAR[id(design)]
 
 
-def _linear(design: Design, tolerances: Tolerances) -> Linear | None:
+def _linear(design: Design, tolerances: Tolerances) -> Scatter | None:
     model, surface = design.law.model.gradient_model, design.surface
     if surface.count > (MOST_COUPLED if model.couples else MOST_ALONE):
         return None
     load = loads_of(design)
     try:
         found = model.sensitivity(surface, load)
-        return load, found.curve.checked().rescaled_friction, deviations(tolerances, surface, found.gradient)
+        mean = found.curve.checked().rescaled_friction
+        return Scatter(load, mean, deviations(tolerances, surface, found.gradient))
     except MetafemError:  # the model has no solution at these loads
         return None
 
@@ -170,7 +162,7 @@ def loads_of(design: Design) -> FloatArray:
     return np.asarray(design.law.rescaled_load[::-EVERY][::-1])
 
 
-def draw(answer: Answer, wanted: Callable[[], bool]) -> Drawn | None:
+def draw(answer: Answer, wanted: Callable[[], bool]) -> Scatter | None:
     """Draw random surfaces within the tolerances; store and return the mean and scatter of their laws.
 
     Returns None, and stores nothing, if `wanted()` becomes False, the draws would take too long, no errors
@@ -200,8 +192,6 @@ def draw(answer: Answer, wanted: Callable[[], bool]) -> Drawn | None:
     area = area[np.isfinite(area).all(axis=1)]
     if len(area) < FEWEST:
         return None
-    first = linear(answer)
-    sd = np.zeros(len(load)) if first is None else first[2]
     finalize(design, _DRAWN.pop, id(design), None)
-    _DRAWN[id(design)] = Drawn(load, area.mean(axis=0), area.std(axis=0, ddof=1), sd, len(area))
+    _DRAWN[id(design)] = Scatter(load, area.mean(axis=0), area.std(axis=0, ddof=1), len(area))
     return drawn_of(answer)

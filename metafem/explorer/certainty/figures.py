@@ -158,15 +158,15 @@ def _scatter(answer: Answer, design: Design) -> list[Figure]:
         return _judged(name, f"{percent(sd)} SD", bound, sd <= ALLOWED, words, remedy, places)
 
     drawn, linear = band.drawn_of(answer), band.linear(answer)
-    found = []
-    if drawn is not None:
-        error = percent(1.0 / math.sqrt(2.0 * drawn.count), ".1g")
-        words = f"Of {drawn.count} drawn surfaces with {errors}, rms over the loads; sampling error {error}."
-        found.append(judged(name, _rms(drawn.sd / drawn.mean), words))
-    elif linear is not None:
-        _, area, sd = linear
+    shown, found = drawn or linear, []
+    if shown is not None:
         words = f"By linear response to {errors}, rms over the loads. Draws follow when nothing changes."
-        found.append(judged(name, _rms(sd / area), words))
+        if drawn is not None:
+            error = percent(1.0 / math.sqrt(2.0 * drawn.count), ".1g")
+            words = (
+                f"Of {drawn.count} drawn surfaces with {errors}, rms over the loads; sampling error {error}."
+            )
+        found.append(judged(name, _rms(shown.sd / shown.mean), words))
     if linear is None:
         words = "It is not computed at once for so many asperities; draw surfaces below."
         return found or [_unknown(name, words)]
