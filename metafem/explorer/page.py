@@ -150,11 +150,11 @@ class Page:
             session, record = made
             if not draft:
                 self.session = session
-                self.browser.keep(record)
+                self.browser.run_method("keep", record)
             self._ask(number, session.state, draft)
 
         if not draft:
-            self.browser.asks(number)
+            self.browser.run_method("asks", number)
         try:
             return await self.queue.change(make, use, replaceable=draft or replaceable)
         except Exception:

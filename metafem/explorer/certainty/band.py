@@ -37,6 +37,7 @@ DRAWS, FEWEST, SEED = 200, 100, 0
 # needed [s], which can delay a newer law by this time; and longest time of all draws [s].
 FIRST, PART, LONGEST = 2, 0.05, 20.0
 
+# Rescaled load, and lowest and highest friction [mm^2].
 Band = tuple[FloatArray, FloatArray, FloatArray]
 
 
@@ -81,15 +82,12 @@ def tolerance_words(tolerances: Tolerances) -> str:
     >>> tolerance_words(Tolerances(height_sd=0.0009, angle=0.001))
     'errors of the heights of 0.9 µm (SD) and tilts within ±0.057°'
     """
-    parts = [
-        f"{words} of {MICROMETRES * value:.3g} µm (SD)"
-        for words, value in (
-            ("errors of the heights", tolerances.height_sd),
-            ("errors of the radii", tolerances.radius_sd),
-            ("errors of the sites", tolerances.position_sd),
-        )
-        if value
-    ]
+    sds = {
+        "heights": tolerances.height_sd,
+        "radii": tolerances.radius_sd,
+        "sites": tolerances.position_sd,
+    }
+    parts = [f"errors of the {name} of {MICROMETRES * sd:.3g} µm (SD)" for name, sd in sds.items() if sd]
     if tolerances.angle:
         parts.append(f"tilts within ±{np.degrees(tolerances.angle):.2g}°")
     return ", ".join(parts[:-1]) + " and " * (len(parts) > 1) + parts[-1]

@@ -7,8 +7,8 @@ from typing import Any
 from zlib import crc32
 
 from metafem.explorer.answer import Answer
+from metafem.explorer.certainty.band import Band
 from metafem.explorer.law.nearest import offer
-from metafem.explorer.law.reach import Band
 from metafem.explorer.law.shown import EDITED, Units, numbers
 from metafem.explorer.text.handles import Handle, crowd, drawn
 from metafem.explorer.text.shape import Shape, Shift

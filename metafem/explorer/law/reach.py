@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from metafem._validate import FloatArray
 from metafem.contact import Contact
+from metafem.explorer.certainty.band import Band
 from metafem.files import Specification
 from metafem.inversion import Limits, feasible_region
 from metafem.inversion.feasibility import bounds_of
@@ -23,8 +23,6 @@ LOADS, LEAST = 120, 1e-4
 
 # Number of bands that are stored: those of the open pages, which are few.
 BANDS = 4
-
-Band = tuple[FloatArray, FloatArray, FloatArray]
 
 
 def reach_of(specification: Specification) -> Band | None:
