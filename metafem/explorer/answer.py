@@ -19,6 +19,7 @@ from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import Wording
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of
+from metafem.surface import Surface
 
 # Largest number of asperities whose interaction is computed while a handle is dragged. On two cores a draft
 # under "layer" takes 20 to 150 ms for 64 asperities and 130 to 1300 ms for 400; without interaction it takes
@@ -84,6 +85,12 @@ class Answer:
         if self.design is None or self.specification is None or not self.current:
             return False
         return self.design.law.model != self.specification.model
+
+    @property
+    def template(self) -> Surface | None:
+        """The template of this state or, if its text has problems, of the last design."""
+        known = self.design if self.specification is None else self.specification
+        return None if known is None else known.template
 
     @property
     def refused(self) -> str:

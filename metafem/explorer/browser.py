@@ -12,20 +12,21 @@ from nicegui.element import Element
 from metafem.explorer.session import Session
 from metafem.explorer.text.link import to_link
 
+Handler = Callable[[Any], Awaitable[None]]
+
 
 class Browser(Element, component="browser.js"):
     """Element that reads the stored history and the address when the page opens, and stores each later state.
 
     The fragment of the address is a link to the current state. The element also shows a message while the
-    connection to the server is lost.
+    connection to the server is lost. Its methods are ``keep``, which stores a record of the current state,
+    and ``asks`` with the number of the last change, to which the pictures are not yet the answer.
     """
 
-    def __init__(
-        self, restored: Callable[[Any], Awaitable[None]], linked: Callable[[str], Awaitable[None]]
-    ) -> None:
+    def __init__(self, restored: Handler, linked: Handler) -> None:
         super().__init__()
         self.parts: dict[int, dict[int, str]] = {}
-        self.told: dict[str, Callable[[Any], Awaitable[None]]] = {"stored": restored, "linked": linked}
+        self.told: dict[str, Handler] = {"stored": restored, "linked": linked}
         self.on("part", lambda event: self._part(event.args))
 
     async def _part(self, part: dict[str, Any]) -> None:
@@ -36,14 +37,6 @@ class Browser(Element, component="browser.js"):
             del self.parts[part["number"]]
             text = "".join(parts[i] for i in range(len(parts)))
             await self.told[part["name"]](await asyncio.to_thread(json.loads, text))
-
-    def asks(self, number: int) -> None:
-        """Tell the browser the number of the last change, to which the pictures are not yet the answer."""
-        self.run_method("asks", number)
-
-    def keep(self, record: dict[str, Any]) -> None:
-        """Store in the browser a record of the current state."""
-        self.run_method("keep", record)
 
 
 def record_of(session: Session) -> dict[str, Any]:

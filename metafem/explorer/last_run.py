@@ -42,15 +42,13 @@ def token_and_port(wanted: int | None) -> tuple[str, int]:
 
 def _is_first() -> bool:
     """Acquire the lock and return True; return False if another run holds it or its file is unusable."""
-    try:
-        path = cache_folder() / "explorer.lock"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        lock = FileLock(path)
+    with suppress(OSError):  # another run holds the lock, or the file cannot be created
+        cache_folder().mkdir(parents=True, exist_ok=True)
+        lock = FileLock(cache_folder() / "explorer.lock")
         lock.acquire(timeout=0.0)
-    except OSError:  # another run holds the lock, or the file cannot be created
-        return False
-    _HELD.append(lock)
-    return True
+        _HELD.append(lock)
+        return True
+    return False
 
 
 def _kept() -> tuple[str, int]:

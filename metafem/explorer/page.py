@@ -20,16 +20,15 @@ from metafem.explorer.browser import Browser, record_of
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.panel import certainty_panel, place_warnings
 from metafem.explorer.law.comparison import COMPARED, comparison_panel
-from metafem.explorer.law.panel import law_panel
+from metafem.explorer.law.panel import LawPanel
 from metafem.explorer.queue import LOG, PATIENCE, Queue, in_words
 from metafem.explorer.session import Session, State
-from metafem.explorer.surface.panel import surface_panel
+from metafem.explorer.surface.panel import SurfacePanel
 from metafem.explorer.take.panel import take_panel
 from metafem.explorer.text.document import loses_comments
 from metafem.explorer.text.kinds import with_kind
 from metafem.explorer.text.link import from_link, restored
 from metafem.explorer.text.names import on_page
-from metafem.explorer.tour import Tour
 from metafem.explorer.workshop.editor import editor_panel
 from metafem.explorer.workshop.header import header_panel
 from metafem.explorer.workshop.panel import workshop_panel
@@ -37,7 +36,7 @@ from metafem.explorer.workshop.panel import workshop_panel
 Result = TypeVar("Result")
 
 # What shows an answer, with the data that were prepared for it.
-Show = Callable[[], None]
+Show = Callable[[], object]
 
 # Time after which a draft is dropped if a newer draft waits [s]. A drag requests drafts faster than a large
 # surface can be designed. With a shorter time, nothing would be shown until the pointer rests; with a longer
@@ -47,8 +46,15 @@ PATIENCE_WITH_DRAFTS = 5.0
 # Said once, when an edit by hand ends the comments that the user wrote.
 COMMENTS_END = "The comments in your specification end with this first edit by hand. Undo brings them back."
 
-# Style sheets of the page, and of its header and fields.
-STYLES = ("page.css", "workshop/workshop.css")
+# Style sheets of the page and its parts.
+STYLES = (
+    "page.css", "workshop/workshop.css", "law/law.css", "surface/surface.css", "certainty/certainty.css",
+    "take/take.css",
+)  # fmt: skip
+
+
+class Tour(Element, component="tour.js"):
+    """Explains parts of the page in five steps, after the event ``metafem-tour`` of the window."""
 
 
 class Request(NamedTuple):
@@ -69,7 +75,7 @@ class Page:
         self.number = 0  # of the last request
         self.tabs: ui.tabs
         self.panels: list[Callable[[Answer], Show]] = []
-        self.warned: list[Callable[[Mapping[str, list[str]]], None]] = []
+        self.warned: list[Callable[[Mapping[str, list[str]]], object]] = []
         self.messages: list[ui.notification] = []
         self.comments_ended = False
         self.queue: Queue[Request, tuple[Answer, list[Show]]] = Queue(
@@ -102,16 +108,17 @@ class Page:
         def prepared(answer: Answer) -> Show:
             nonlocal due
             if answer.draft and time.monotonic() < due:
-                return nothing
+                return lambda: None
             due = time.monotonic() + pace
             try:
                 return partial(show, answer, prepare(answer))
             except Exception as error:
-                return partial(_fail, error)
+                LOG.exception("a part of the page was not shown")
+                return partial(self.wrong, error)
 
         self.panels.append(prepared)
 
-    def listen_warnings(self, callback: Callable[[Mapping[str, list[str]]], None]) -> None:
+    def listen_warnings(self, callback: Callable[[Mapping[str, list[str]]], object]) -> None:
         """Call a function with the warnings of an answer, by part of the page, when they are known."""
         self.warned.append(callback)
 
@@ -143,11 +150,11 @@ class Page:
             session, record = made
             if not draft:
                 self.session = session
-                self.browser.keep(record)
+                self.browser.run_method("keep", record)
             self._ask(number, session.state, draft)
 
         if not draft:
-            self.browser.asks(number)
+            self.browser.run_method("asks", number)
         try:
             return await self.queue.change(make, use, replaceable=draft or replaceable)
         except Exception:
@@ -233,25 +240,29 @@ class Page:
 
     def _failed(self, request: Request, error: Exception) -> None:
         """Show a program error together with the last surface that was found."""
-        number, state, _ = request
-        failed = Answer(number, state, None, self.answer.design, {"": in_words(error)}, failed=True)
+        problems = {"": in_words(error)}
+        failed = Answer(request.number, request.state, None, self.answer.design, problems, failed=True)
         self._show(self._prepared(failed))
 
     def wrong(self, error: Exception) -> None:
-        """Show a program error that an event handler or a timer raised; the error is already logged."""
+        """Show a program error; the error is already logged."""
         self.say(in_words(error))
 
     def _tell(self, shows: Iterable[Show]) -> None:
-        """Call functions, and show the errors that they raised."""
-        if failures := all_told(shows):
-            self.say(failures)
+        """Call functions; an error of one is shown, and the remaining ones are still called."""
+        for show in shows:
+            try:
+                show()
+            except Exception as error:
+                LOG.exception("a part of the page was not shown")
+                self.wrong(error)
 
-    async def told(self, change: Awaitable[object]) -> None:
-        """Make a change, or show why it is impossible."""
+    async def told(self, change: Awaitable[object], say: Callable[[str], object] | None = None) -> None:
+        """Make a change, or show why it is impossible, by a message over the page or by `say`."""
         try:
             await change
         except InvalidInput as error:
-            self.say(str(error))
+            (say or self.say)(str(error))
 
     def say(self, words: str, passing: bool = True) -> None:
         """Show a message over the page until it is closed or, if `passing`, a later answer has a design."""
@@ -278,29 +289,6 @@ class Page:
             self.say(problem)
 
 
-def nothing() -> None:
-    """Show nothing."""
-
-
-def _fail(error: Exception) -> None:
-    raise error
-
-
-def all_told(shows: Iterable[Show]) -> str:
-    """Call functions; return the errors of those that failed in words, "" if none failed.
-
-    An error is logged, and the remaining functions are still called.
-    """
-    failures: list[str] = []
-    for show in shows:
-        try:
-            show()
-        except Exception as error:
-            LOG.exception("a part of the page was not shown")
-            failures.append(in_words(error))
-    return " ".join(failures)
-
-
 def patience(running: Request, waiting: Request) -> float:
     """Return how long a computation may run while a newer request waits [s].
 
@@ -322,15 +310,15 @@ def whole_of(request: Request) -> Request | None:
 def build(first: State) -> Page:
     """Create the elements of a page that begins with a state; return the page."""
     for style in STYLES:
-        ui.add_css(Path(__file__).parent.joinpath(style).read_text("utf-8"))
+        ui.add_css(Path(__file__).parent / style)
     page = Page(first)
     header_panel(page)
     with ui.element().classes("explorer"):
         with _part("law", "Law"):
-            law_panel(page)
+            LawPanel(page)
             place_warnings(page, "law")
         with _part("surface", "Surface"):
-            surface_panel(page)
+            SurfacePanel(page)
             place_warnings(page, "surface")
         with _part("inspector", "Inspector"):
             _tabs(page)
@@ -365,4 +353,4 @@ def _tabs(page: Page) -> None:
     with ui.tab_panels(tabs, value="Workshop", animated=False).props("keep-alive").classes("panels"):
         for name, make in panels.items():
             with ui.tab_panel(name):
-                partial(make, page)()
+                make(page)

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from metafem.explorer.answer import answered
-from metafem.explorer.certainty.panel_data import figure_data
+from metafem.explorer.certainty.panel import figure_data
 from metafem.explorer.law.law_data import law_data
 from metafem.explorer.session import State
-from metafem.explorer.surface.contact_data import contact_data
-from metafem.explorer.surface.press_data import press_data
+from metafem.explorer.surface.contact_data import contact_data, press_data
 from metafem.explorer.surface.surface_data import layout_data, site_data
 from metafem.explorer.text.document import Document
 from metafem.files import demo_text

@@ -103,13 +103,11 @@ async def _called(function: Callable[..., Any], given: tuple[Any, ...], on_step:
         await process.communicate()  # reads what is left, so that the pipe closes
 
 
-def _folder() -> str | None:
-    """Return the working folder for a new process: None for the current one, or another if it was removed."""
-    try:
-        os.getcwd()
-    except OSError:
-        return tempfile.gettempdir()
-    return None
+def _folder() -> str:
+    """Return the working folder for a new process: the current one, or another if it was removed."""
+    with suppress(OSError):
+        return os.getcwd()
+    return tempfile.gettempdir()
 
 
 def main() -> None:

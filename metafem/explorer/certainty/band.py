@@ -10,7 +10,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeVar
 from weakref import finalize
 
 import numpy as np
@@ -20,7 +19,6 @@ from metafem._values import MICROMETRES, percent
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
 from metafem.inversion import Design
-from metafem.models import Model
 from metafem.prediction import Tolerances
 from metafem.surface import Surface
 
@@ -39,48 +37,27 @@ DRAWS, FEWEST, SEED = 200, 100, 0
 # needed [s], which can delay a newer law by this time; and longest time of all draws [s].
 FIRST, PART, LONGEST = 2, 0.05, 20.0
 
+# Rescaled load, and lowest and highest friction [mm^2].
 Band = tuple[FloatArray, FloatArray, FloatArray]
-
-# Rescaled load, A0 and the standard deviation of A0 [mm^2].
-Linear = tuple[FloatArray, FloatArray, FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
-class Drawn:
-    """Mean and standard deviation of A0 of random surfaces at each rescaled load [mm^2], arrays (k,)."""
+class Scatter:
+    """Mean and standard deviation of A0 of made surfaces at each rescaled load [mm^2], arrays (k,).
 
-    load: FloatArray
-    mean: FloatArray  # of A0 [mm^2]
-    sd: FloatArray
-    linear: FloatArray  # standard deviation by linear response
-    count: int
-
-    @property
-    def difference(self) -> float:
-        """Rms error of the standard deviation by linear response, relative to the rms value by draws."""
-        return float(np.sqrt(((self.linear - self.sd) ** 2).sum() / (self.sd**2).sum()))
-
-
-Value = TypeVar("Value")
-
-
-class Known(dict[int, Value]):
-    """Values by the identity of a design, each stored as long as its design exists.
-
-    The key is the identity, because hashing a design would compute all of its notes.
+    `count` is the number of drawn surfaces; it is 0 for linear response.
     """
 
-    def keep(self, design: Design, value: Value) -> Value:
-        """Store a value for a design, and return the value."""
-        if id(design) not in self:
-            finalize(design, self.pop, id(design), None)
-        self[id(design)] = value
-        return value
+    load: FloatArray
+    mean: FloatArray
+    sd: FloatArray
+    count: int = 0
 
 
-# Linear responses and finished draws of the designs on open pages.
-_LINEAR: Known[Linear | None] = Known()
-_DRAWN: Known[Drawn] = Known()
+# Linear responses and finished draws of the designs on open pages, by the identity of the design, because
+# hashing a design would compute all of its notes. Each is stored as long as its design exists.
+_LINEAR: dict[int, Scatter | None] = {}
+_DRAWN: dict[int, Scatter] = {}
 
 
 def tolerances_of(answer: Answer) -> Tolerances | None:
@@ -105,15 +82,12 @@ def tolerance_words(tolerances: Tolerances) -> str:
     >>> tolerance_words(Tolerances(height_sd=0.0009, angle=0.001))
     'errors of the heights of 0.9 µm (SD) and tilts within ±0.057°'
     """
-    parts = [
-        f"{words} of {MICROMETRES * value:.3g} µm (SD)"
-        for words, value in (
-            ("errors of the heights", tolerances.height_sd),
-            ("errors of the radii", tolerances.radius_sd),
-            ("errors of the sites", tolerances.position_sd),
-        )
-        if value
-    ]
+    sds = {
+        "heights": tolerances.height_sd,
+        "radii": tolerances.radius_sd,
+        "sites": tolerances.position_sd,
+    }
+    parts = [f"errors of the {name} of {MICROMETRES * sd:.3g} µm (SD)" for name, sd in sds.items() if sd]
     if tolerances.angle:
         parts.append(f"tilts within ±{np.degrees(tolerances.angle):.2g}°")
     return ", ".join(parts[:-1]) + " and " * (len(parts) > 1) + parts[-1]
@@ -126,14 +100,8 @@ def tolerance_band(answer: Answer) -> Band | None:
     result is None without draws if the specification states no errors, the surface has too many asperities or
     the model has no solution.
     """
-    drawn = drawn_of(answer)
-    if drawn is not None:
-        return drawn.load, drawn.mean - drawn.sd, drawn.mean + drawn.sd
-    found = linear(answer)
-    if found is None:
-        return None
-    load, area, sd = found
-    return load, area - sd, area + sd
+    found = drawn_of(answer) or linear(answer)
+    return None if found is None else (found.load, found.mean - found.sd, found.mean + found.sd)
 
 
 def band_words(answer: Answer) -> str:
@@ -144,34 +112,39 @@ def band_words(answer: Answer) -> str:
     drawn = drawn_of(answer)
     if drawn is None:
         return f"± 1 SD of made surfaces, linear response to {tolerance_words(tolerances)}"
-    apart = f"; linear response differs by {percent(drawn.difference)} of it" if drawn.linear.any() else ""
     made = f"{drawn.count} made surfaces, drawn with {tolerance_words(tolerances)}"
+    first, apart = linear(answer), ""
+    if first is not None and first.sd.any():
+        rms = float(np.sqrt(((first.sd - drawn.sd) ** 2).sum() / (drawn.sd**2).sum()))
+        apart = f"; linear response differs by {percent(rms)} of it"
     return f"± 1 SD about the mean of {made}{apart}"
 
 
-def drawn_of(answer: Answer) -> Drawn | None:
+def drawn_of(answer: Answer) -> Scatter | None:
     """Return the finished draws for the design of an answer, or None."""
     return _DRAWN.get(id(answer.design))
 
 
-def linear(answer: Answer) -> Linear | None:
-    """Return rescaled load, A0 and its standard deviation by linear response [mm^2]; None if unavailable."""
+def linear(answer: Answer) -> Scatter | None:
+    """Return the scatter by linear response; None if it is not available."""
     design, tolerances = answer.design, tolerances_of(answer)
     if design is None or tolerances is None:
         return None
-    if id(design) in _LINEAR:
-        return _LINEAR[id(design)]
-    return _LINEAR.keep(design, _linear(design, tolerances))
+    if id(design) not in _LINEAR:
+        finalize(design, _LINEAR.pop, id(design), None)
+        _LINEAR[id(design)] = _linear(design, tolerances)
+    return _LINEAR[id(design)]
 
 
-def _linear(design: Design, tolerances: Tolerances) -> Linear | None:
+def _linear(design: Design, tolerances: Tolerances) -> Scatter | None:
     model, surface = design.law.model.gradient_model, design.surface
     if surface.count > (MOST_COUPLED if model.couples else MOST_ALONE):
         return None
     load = loads_of(design)
     try:
         found = model.sensitivity(surface, load)
-        return load, found.curve.checked().rescaled_friction, deviations(tolerances, surface, found.gradient)
+        mean = found.curve.checked().rescaled_friction
+        return Scatter(load, mean, deviations(tolerances, surface, found.gradient))
     except MetafemError:  # the model has no solution at these loads
         return None
 
@@ -187,7 +160,7 @@ def loads_of(design: Design) -> FloatArray:
     return np.asarray(design.law.rescaled_load[::-EVERY][::-1])
 
 
-def draw(answer: Answer, wanted: Callable[[], bool]) -> Drawn | None:
+def draw(answer: Answer, wanted: Callable[[], bool]) -> Scatter | None:
     """Draw random surfaces within the tolerances; store and return the mean and scatter of their laws.
 
     Returns None, and stores nothing, if `wanted()` becomes False, the draws would take too long, no errors
@@ -204,7 +177,8 @@ def draw(answer: Answer, wanted: Callable[[], bool]) -> Drawn | None:
         if not wanted():
             return None
         try:
-            parts.append(_areas(model, design.surface, load, tolerances, unit[done : done + size]))
+            drawn = tolerances.perturbed(design.surface, unit[done : done + size])
+            parts.append(np.asarray(model.areas(design.surface, load, *drawn)))  # nan without a solution
         except MetafemError:  # the model is not valid for a drawn surface
             return None
         done += size
@@ -216,14 +190,6 @@ def draw(answer: Answer, wanted: Callable[[], bool]) -> Drawn | None:
     area = area[np.isfinite(area).all(axis=1)]
     if len(area) < FEWEST:
         return None
-    first = linear(answer)
-    sd = np.zeros(len(load)) if first is None else first[2]
-    return _DRAWN.keep(design, Drawn(load, area.mean(axis=0), area.std(axis=0, ddof=1), sd, len(area)))
-
-
-def _areas(
-    model: Model, surface: Surface, load: FloatArray, tolerances: Tolerances, unit: FloatArray
-) -> FloatArray:
-    """Return A0 of random surfaces [mm^2], (m, k); nan where there is no solution."""
-    heights, radii, positions = tolerances.perturbed(surface, unit)
-    return np.asarray(model.areas(surface, load, heights, radii, positions))
+    finalize(design, _DRAWN.pop, id(design), None)
+    _DRAWN[id(design)] = Scatter(load, area.mean(axis=0), area.std(axis=0, ddof=1), len(area))
+    return drawn_of(answer)

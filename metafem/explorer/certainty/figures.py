@@ -12,6 +12,7 @@ from enum import StrEnum
 
 import numpy as np
 
+from metafem._validate import FloatArray
 from metafem._values import percent, three_digits
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
@@ -76,63 +77,57 @@ def figures(answer: Answer) -> tuple[Figure, ...]:
     design = answer.design
     if design is None:
         return ()
-    parts: tuple[tuple[str, Callable[[], list[Figure]]], ...] = (
-        ("misfit", lambda: [_misfit(design)]),
-        ("fitted slopes", lambda: _slopes(design)),
-        ("estimated error of the model", lambda: [_model_error(design)]),
-        ("scatter of made surfaces", lambda: _scatter(answer, design)),
-        ("load at which the plane touches the base", lambda: [_base(design)]),
-        ("largest contacts", lambda: _widths(design)),
-        ("plasticity index", lambda: _plasticity(design)),
-    )
+    parts: dict[str, Callable[[Design], list[Figure]]] = {
+        "misfit": _misfit,
+        "fitted slopes": _slopes,
+        "estimated error of the model": _model_error,
+        "scatter of made surfaces": lambda design: _scatter(answer, design),
+        "load at which the plane touches the base": _base,
+        "largest contacts": _widths,
+        "plasticity index": _plasticity,
+    }
     found: list[Figure] = []
-    for name, part in parts:
+    for name, part in parts.items():
         try:
-            found += part()
+            found += part(design)
         except MetafemError as error:
-            found.append(Figure(name, "unknown", "", Standing.UNKNOWN, _sentence(str(error))))
+            found.append(_unknown(name, str(error)))
     return tuple(found)
 
 
-def _misfit(design: Design) -> Figure:
+def _misfit(design: Design) -> list[Figure]:
     name, value = misfit_words(design)
-    missed = design.status is DesignStatus.MISSED
-    remedy = " Move the target towards the achieved law, or widen the limits." if missed else ""
-    bound = design.largest_misfit
-    return Figure(
-        name, value, f"at most {percent(bound, '.3g')}", _judged(not missed),
-        _sentence(design.status.value) + remedy, ("law",),
-    )  # fmt: skip
+    bound = f"at most {percent(design.largest_misfit, '.3g')}"
+    remedy = "Move the target towards the achieved law, or widen the limits."
+    reached = design.status is not DesignStatus.MISSED
+    return [_judged(name, value, bound, reached, design.status.value, remedy, ("law",))]
 
 
 def _slopes(design: Design) -> list[Figure]:
     columns, rows = fit_table(design)
     name, (loads, unit) = design.target.wording.name(), columns[0].rstrip("]").split(" [")
-    bound = design.largest_misfit
-    found = []
-    for (branch, fit), row in zip(design.fits, rows, strict=True):
+    bound, found = design.largest_misfit, []
+    remedy = "Give target.load_range, widen the limits, or change the target."
+    for (branch, fit), (range_of_loads, target, value, difference, *_) in zip(design.fits, rows, strict=True):
         near = abs(fit.slope / branch.slope - 1.0) <= bound
-        remedy = "" if near else " Give target.load_range, widen the limits, or change the target."
-        found.append(
-            Figure(
-                f"fitted {name}, {loads} {row[0]} {unit}", row[2], f"target {row[1]}", _judged(near),
-                f"It differs from the target by {row[3]}; up to {percent(bound, '.3g')} counts as reached."
-                + remedy,
-                ("law",),
-            )
-        )  # fmt: skip
+        name_of_fit = f"fitted {name}, {loads} {range_of_loads} {unit}"
+        words = (
+            f"It differs from the target by {difference}; up to {percent(bound, '.3g')} counts as reached."
+        )
+        found.append(_judged(name_of_fit, value, f"target {target}", near, words, remedy, ("law",)))
     return found
 
 
-def _model_error(design: Design) -> Figure:
+def _model_error(design: Design) -> list[Figure]:
     """Return the figure for the estimated error of the law by its model."""
     name, error, model = "estimated error of the model", design.law.model_error, design.law.model
     if math.isnan(error):
-        return Figure(name, "unknown", "", Standing.UNKNOWN, _sentence(error.source))
-    words, remedy, places = f"Estimated by {error.source}.", "", ("law", "model.kind", "lattice.pitch")
+        return [_unknown(name, error.source)]
+    words, remedy = f"Estimated by {error.source}.", ""
     size, value = float(error), percent(error)
-    substrate = "half-space" if reference_of(design.surface, model).substrate == HalfSpace() else "layer"
     if not model.couples and error.load.size:
+        near = reference_of(design.surface, model).substrate == HalfSpace()
+        substrate = "half-space" if near else "layer"
         most, size = int(np.abs(error.change).argmax()), math.sqrt(float((error.change**2).mean()))
         value = f"{percent(size)} rms"
         way = "lowers" if error.change[most] < 0.0 else "raises"
@@ -141,10 +136,9 @@ def _model_error(design: Design) -> Figure:
             f"Elastic interaction on the {substrate}, which this design leaves out, {way} the friction at a "
             f"given load by up to {percent(abs(error.change[most]))}, at {three_digits(newtons)} N."
         )
-        remedy = f" Use the model {substrate}, or a larger pitch."
-    good = size <= BOUND
-    bound = f"at most {percent(BOUND, 'g')}"
-    return Figure(name, value, bound, _judged(good), words + remedy * (not good), places)
+        remedy = f"Use the model {substrate}, or a larger pitch."
+    bound, places = f"at most {percent(BOUND, 'g')}", ("law", "model.kind", "lattice.pitch")
+    return [_judged(name, value, bound, size <= BOUND, words, remedy, places)]
 
 
 def _scatter(answer: Answer, design: Design) -> list[Figure]:
@@ -153,30 +147,29 @@ def _scatter(answer: Answer, design: Design) -> list[Figure]:
     if tolerances is None:
         words = 'State the errors of the part, for example limits.height_sd = "0.9 um".'
         return [Figure(name, "not stated", "", Standing.REMARK, words, ("limits.height_sd",))]
-    bound, errors = f"at most {percent(ALLOWED, 'g')}", band.tolerance_words(tolerances)
-    key = "robust" if tolerances == design.robust else "limits.height_sd"
-    places, finer = ("law", key), " Make the part more exactly, or use more asperities."
+    errors = band.tolerance_words(tolerances)
+    places = "law", "robust" if tolerances == design.robust else "limits.height_sd"
 
     def judged(name: str, sd: float, words: str) -> Figure:
-        within = sd <= ALLOWED
-        return Figure(
-            name, f"{percent(sd)} SD", bound, _judged(within), words + ("" if within else finer), places
+        bound, remedy = (
+            f"at most {percent(ALLOWED, 'g')}",
+            "Make the part more exactly, or use more asperities.",
         )
+        return _judged(name, f"{percent(sd)} SD", bound, sd <= ALLOWED, words, remedy, places)
 
     drawn, linear = band.drawn_of(answer), band.linear(answer)
-    found = []
-    if drawn is not None:
-        rms = math.sqrt(float(((drawn.sd / drawn.mean) ** 2).mean()))
-        error = percent(1.0 / math.sqrt(2.0 * drawn.count), ".1g")
-        words = f"Of {drawn.count} drawn surfaces with {errors}, rms over the loads; sampling error {error}."
-        found.append(judged(name, rms, words))
-    elif linear is not None:
-        _, area, sd = linear
+    shown, found = drawn or linear, []
+    if shown is not None:
         words = f"By linear response to {errors}, rms over the loads. Draws follow when nothing changes."
-        found.append(judged(name, math.sqrt(float(((sd / area) ** 2).mean())), words))
+        if drawn is not None:
+            error = percent(1.0 / math.sqrt(2.0 * drawn.count), ".1g")
+            words = (
+                f"Of {drawn.count} drawn surfaces with {errors}, rms over the loads; sampling error {error}."
+            )
+        found.append(judged(name, _rms(shown.sd / shown.mean), words))
     if linear is None:
         words = "It is not computed at once for so many asperities; draw surfaces below."
-        return found or [Figure(name, "unknown", "", Standing.UNKNOWN, words)]
+        return found or [_unknown(name, words)]
     if np.ptp(design.surface.height) == 0.0:  # with equal heights a slope has no default load range
         return found
     fit = Slope.of(design.surface, None, design.law.model)
@@ -189,20 +182,16 @@ def _scatter(answer: Answer, design: Design) -> list[Figure]:
     return [*found, judged("scatter of the slope of made surfaces", float(sd / abs(slope)), words)]
 
 
-def _base(design: Design) -> Figure:
+def _base(design: Design) -> list[Figure]:
     """Return the figure for the load at which the plane touches the base between the summits."""
-    modulus, last = design.surface.material.composite_modulus, design.law.load[-1]
-    onset = modulus * base_contact_load(design.surface, design.law.model)
-    free = onset > last
+    name, last = "load at which the plane touches the base", design.law.load[-1]
+    onset = design.surface.material.composite_modulus * base_contact_load(design.surface, design.law.model)
+    value, bound, free = f"{three_digits(onset)} N", f"largest load {three_digits(last)} N", onset > last
     words = "The plane stays clear of the base up to the largest load." if free else (
         "Beyond this load the base carries a part that the law does not count: raise limits.offset, or use "
         "lighter loads."
     )  # fmt: skip
-    return Figure(
-        "load at which the plane touches the base", f"{three_digits(onset)} N",
-        f"largest load {three_digits(last)} N",
-        _judged(free), words, ("surface", "limits.offset"),
-    )  # fmt: skip
+    return [_judged(name, value, bound, free, words, "", ("surface", "limits.offset"))]
 
 
 def _widths(design: Design) -> list[Figure]:
@@ -218,21 +207,19 @@ def _widths(design: Design) -> list[Figure]:
     newtons = f"at {three_digits(design.law.load[-1])} N"
     # `near` is 0 if no pair is close enough to be evaluated
     ratio = f"{near:.2f}" if near else f"below {COMPARED:g}"
-    words = f"Small strain holds up to about {WIDEST:g}, with a fitted modulus."
-    remedy = " Use lighter loads, more asperities or larger radii."
-    far = f" Order 3 of the interaction was compared with resolved contacts up to {COMPARED:g}."
-    merged = f" {overlaps} pairs overlap, where real contacts merge: use a larger pitch or lighter loads."
+    far = f"Order 3 of the interaction was compared with resolved contacts up to {COMPARED:g}."
+    merged = f"{overlaps} pairs overlap, where real contacts merge: use a larger pitch or lighter loads."
     return [
-        Figure(
-            "widest contact, a/R", f"{wide:.2f} {newtons}", f"at most {WIDEST:g}",
-            _judged(wide <= WIDEST, wide <= TOO_WIDE), words + remedy * (wide > WIDEST),
-            ("surface", "lattice.radius"),
+        _judged(
+            "widest contact, a/R", f"{wide:.2f} {newtons}", f"at most {WIDEST:g}", wide <= WIDEST,
+            f"Small strain holds up to about {WIDEST:g}, with a fitted modulus.",
+            "Use lighter loads, more asperities or larger radii.",
+            ("surface", "lattice.radius"), wide <= TOO_WIDE,
         ),
-        Figure(
+        _judged(
             "contact radius over the distance to its neighbour", f"{ratio} {newtons}",
-            f"at most {COMPARED:g}", _judged(near <= COMPARED, not overlaps),
-            "Contacts that are far apart stay separate." + far * (near > COMPARED) + merged * (overlaps > 0),
-            ("surface", "lattice.pitch"),
+            f"at most {COMPARED:g}", near <= COMPARED, "Contacts that are far apart stay separate.",
+            f"{far} {merged}" if overlaps else far, ("surface", "lattice.pitch"), not overlaps,
         ),
     ]  # fmt: skip
 
@@ -242,21 +229,35 @@ def _plasticity(design: Design) -> list[Figure]:
     index = design.parameters.get("plasticity_index")
     if index is None:
         return []
-    psi = float(np.asarray(index))
-    elastic = psi < ELASTIC_LIMIT
-    remedy = "" if elastic else " Use larger radii, closer heights or a material with a smaller E*/H."
-    return [
-        Figure(
-            "plasticity index", f"{psi:.2g}", f"below {ELASTIC_LIMIT:g}", _judged(elastic),
-            f"Contacts of a surface with a smaller index stay elastic.{remedy}",
-            ("surface", "checks.hardness"),
-        )
-    ]  # fmt: skip
+    psi, words = float(np.asarray(index)), "Contacts of a surface with a smaller index stay elastic."
+    remedy = "Use larger radii, closer heights or a material with a smaller E*/H."
+    bound, places = f"below {ELASTIC_LIMIT:g}", ("surface", "checks.hardness")
+    return [_judged("plasticity index", f"{psi:.2g}", bound, psi < ELASTIC_LIMIT, words, remedy, places)]
 
 
-def _judged(good: bool, tolerable: bool = False) -> Standing:
-    return Standing.GOOD if good else Standing.REMARK if tolerable else Standing.WARNING
+def _judged(
+    name: str,
+    value: str,
+    bound: str,
+    good: bool,
+    words: str,
+    remedy: str,
+    places: tuple[str, ...],
+    tolerable: bool = False,
+) -> Figure:
+    """Return a figure with its rating; a figure that is not good names the remedy."""
+    standing = Standing.GOOD if good else Standing.REMARK if tolerable else Standing.WARNING
+    sentence = _sentence(words) if good else f"{_sentence(words)} {remedy}".rstrip()
+    return Figure(name, value, bound, standing, sentence, places)
+
+
+def _unknown(name: str, words: str) -> Figure:
+    return Figure(name, "unknown", "", Standing.UNKNOWN, _sentence(words))
 
 
 def _sentence(words: str) -> str:
     return words[:1].upper() + words[1:].rstrip(".") + "."
+
+
+def _rms(values: FloatArray) -> float:
+    return math.sqrt(float((values**2).mean()))

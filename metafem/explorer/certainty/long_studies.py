@@ -62,10 +62,9 @@ def made_surfaces(design: Design, tolerances: Tolerances | None) -> Found:
     from metafem.report.study_figures import manufacturing_figure
     from metafem.studies import manufacturing, summary
 
-    sd = 0.0 if tolerances is None else tolerances.height_sd
-    others = Tolerances() if tolerances is None else replace(tolerances, angle=0.0)
-    levels = [factor * sd for factor in MULTIPLES] if sd else list(DEVIATIONS)
-    study = manufacturing(design.surface, levels, draws=DRAWS, model=design.law.model, others=others)
+    stated = replace(tolerances or Tolerances(), angle=0.0)
+    levels = [factor * stated.height_sd for factor in MULTIPLES] if stated.height_sd else list(DEVIATIONS)
+    study = manufacturing(design.surface, levels, draws=DRAWS, model=design.law.model, others=stated)
     return _found(summary(study), manufacturing_figure({"": study}))
 
 

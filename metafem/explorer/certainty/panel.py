@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from collections.abc import Callable, Mapping
-from pathlib import Path
+from hashlib import sha256
 from typing import TYPE_CHECKING, Any
 
 from nicegui import background_tasks, ui
@@ -14,14 +15,13 @@ from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
 from metafem.explorer.certainty import band
 from metafem.explorer.certainty.background import Tasks
-from metafem.explorer.certainty.long_studies import STUDIES, run
-from metafem.explorer.certainty.panel_data import at_once, figure_data, found_data, list_data, study_data
-from metafem.explorer.certainty.places import part_warnings, warnings_by_place
+from metafem.explorer.certainty.figures import Standing, figures
+from metafem.explorer.certainty.long_studies import STUDIES, Found, run
+from metafem.explorer.certainty.places import note_data, part_warnings, remarks, warnings_by_place
+from metafem.explorer.widget import Widget
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
-
-STYLE = Path(__file__).with_name("certainty.css")
 
 TAB = "How sure"
 
@@ -29,21 +29,63 @@ TAB = "How sure"
 # tolerances are drawn [s].
 PAUSE, REST = 0.3, 1.0
 
+# Messages above the table.
+NO_DESIGN = "No surface has been found yet, so there is nothing to judge."
+NOT_CURRENT = "These are the figures of the last surface that was found, not of the target law that is shown."
+
+# Order of the rows: figures that need attention come first.
+ORDER = (Standing.WARNING, Standing.REMARK, Standing.UNKNOWN, Standing.GOOD)
+
+
+def figure_data(answer: Answer) -> dict[str, Any]:
+    """Return the rows of the table, the notes, the text above them and the description of the band."""
+    return {
+        "words": NO_DESIGN if answer.design is None else "" if answer.current else NOT_CURRENT,
+        "rows": sorted(map(vars, figures(answer)), key=lambda row: ORDER.index(row["standing"])),
+        "notes": note_data(remarks(answer)),
+        "band": band.band_words(answer),
+    }
+
+
+def at_once(answer: Answer) -> bool:
+    """Return whether the figures of an answer can be computed within some tens of milliseconds."""
+    return answer.design is not None and answer.design.surface.count <= band.MOST_COUPLED
+
+
+def study_data(answer: Answer) -> dict[str, Any]:
+    """Return a hash of what determines the design, and for each study why it cannot run, "" if it can."""
+    design, state = answer.design, answer.state
+    reason = "It needs a surface: correct the specification or the target first."
+    hindered = {
+        name: reason if design is None or not answer.current else study.hindered(design)
+        for name, study in STUDIES.items()
+    }
+    shown = json.dumps((state.text, sorted(state.tables.items())))
+    return {"shown": sha256(shown.encode()).hexdigest(), "hindered": hindered}
+
+
+def found_data(found: Found, shown: str) -> dict[str, Any]:
+    """Return the result of a study as data, with the hash of the state that was studied."""
+    return {**vars(found), "notes": note_data(found.notes), "of": shown}
+
 
 class SureFigures(Element, component="sure_figures.js"):
     """The table of the figures; emits ``ready`` when it can receive data."""
 
 
-class SureStudies(Element, component="sure_studies.js"):
+class SureStudies(Widget, component="sure_studies.js"):
     """The long studies; emits ``ready``, ``start`` and ``stop`` with the name of a study."""
 
-    def __init__(self) -> None:
-        super().__init__()
-        self._props["studies"] = list_data()
+    def __init__(self, **handlers: Callable[[Any], Any]) -> None:
+        super().__init__(**handlers)
+        self._props["studies"] = [
+            {"key": key, "title": each.title, "question": each.question, "duration": each.duration}
+            for key, each in STUDIES.items()
+        ]
 
 
 class PlaceWarnings(Element, component="place_warnings.js"):
-    """The warnings for one part of the page."""
+    """The warning line of a part of the page, "law" or "surface"."""
 
 
 class Certainty:
@@ -62,10 +104,8 @@ class Certainty:
         self.client = ui.context.client
         self.following: asyncio.Task[None] | None = None
         with ui.element("div").classes("certainty"):
-            self.table, self.studies = SureFigures(), SureStudies()
-        self.studies.on("ready", self._opened)
-        self.studies.on("start", lambda event: self._start(event.args))
-        self.studies.on("stop", lambda event: self._stop(event.args))
+            self.table = SureFigures()
+            self.studies = SureStudies(ready=self._opened, start=self._start, stop=self._stop)
         self.client.on_delete(self._left)
 
     def show(self, answer: Answer) -> None:
@@ -79,7 +119,7 @@ class Certainty:
         if self.visible:
             self._follow(PAUSE)
 
-    def _opened(self) -> None:
+    def _opened(self, _: object) -> None:
         """Show the figures; the browser creates these elements only when the tab is first opened."""
         self.ready = self.visible = True
         self._follow(0.0)
@@ -133,17 +173,17 @@ class Certainty:
             return
         self._tell(name, running=True, step="starting a process", done=None, error="")
         given = name, answer.design, band.tolerances_of(answer)
-        result: dict[str, Any] = {}
+        end: dict[str, Any] = {}
         try:
-            study = await self.tasks.start(
+            task = self.tasks.start(
                 name, run, given, lambda step, done: self._tell(name, step=step, done=done)
             )
-            result = {"found": found_data(study, found["shown"])}
+            end = {"found": found_data(await task, found["shown"])}
         except MetafemError as error:
-            result = {"error": str(error)}
+            end = {"error": str(error)}
         finally:
             if not self.tasks.running(name):  # otherwise it was started again
-                self._tell(name, running=False, **result)
+                self._tell(name, running=False, **end)
 
     def _stop(self, name: Any) -> None:
         if name in STUDIES:
@@ -151,13 +191,11 @@ class Certainty:
 
     def _tell(self, name: str, **change: Any) -> None:
         """Send changed data of a study to the browser."""
-        if not self.client.is_deleted:
-            self.studies.run_method("change", name, change)
+        self.studies.run_method("change", name, change)
 
 
 def certainty_panel(page: Page) -> None:
     """Create the table of the figures and the list of long studies."""
-    ui.add_css(STYLE.read_text("utf-8"))
     panel = Certainty(page.tasks, page.warn, page.again)
     page.listen(panel.show)
     page.tabs.on_value_change(lambda event: panel.turned(event.value))
@@ -166,8 +204,4 @@ def certainty_panel(page: Page) -> None:
 def place_warnings(page: Page, place: str) -> None:
     """Create the warning line of a part of the page, "law" or "surface"."""
     line = PlaceWarnings()
-
-    def show(places: Mapping[str, list[str]]) -> None:
-        line.run_method("show", places.get(place, []))
-
-    page.listen_warnings(show)
+    page.listen_warnings(lambda places: line.run_method("show", places.get(place, [])))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
 from metafem.explorer.certainty.figures import Figure, figures
@@ -42,6 +44,11 @@ def remarks(answer: Answer) -> tuple[Note, ...]:
         return ()
     hardness = None if answer.specification is None else answer.specification.hardness
     return all_notes(answer.design, hardness)
+
+
+def note_data(notes: tuple[Note, ...]) -> list[dict[str, Any]]:
+    """Return notes as data."""
+    return [{"text": str(note), "warns": note.warns} for note in notes]
 
 
 def part_problem(answer: Answer) -> str:

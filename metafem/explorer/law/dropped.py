@@ -103,20 +103,22 @@ def read_points(name: str, text: str, material: Material, friction: Friction | N
     if "\0" in text:
         raise InvalidInput(f"{name} is not a table: it holds null characters")
     with listening(lambda step, done: None, remarks.append):
-        first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
-        rescaled = RESCALED in first.lower().replace(" ", "_")
+        rescaled = RESCALED in _header(text).lower().replace(" ", "_")
         found = _rescaled(name, text) if rescaled else _measured(name, text, material, friction)
     if len(found.load) > MOST:
         raise InvalidInput(f"{name} has {len(found.load):,} points; at most {MOST:,} are shown")
     return replace(found, remarks=tuple(remarks))
 
 
-def as_target(answer: Answer, found: Points) -> str:
-    """Return the text of an answer with the points as a sampled target law, to be met by least squares.
+def as_target(answer: Answer) -> str:
+    """Return the text of an answer with its points as a sampled target law, to be met by least squares.
 
     Points with equal loads are replaced by one point with their mean friction. Points are omitted if their
     load or friction is not positive.
     """
+    found = measured_of(answer)
+    if found is None:
+        raise InvalidInput("there are no measured points that could be the target")
     rows = (found.load > 0.0) & (found.friction > 0.0)
     load = np.unique(found.load[rows])
     if not load.size:
@@ -153,10 +155,14 @@ def better_titles(header: Sequence[str]) -> dict[str, str]:
     return found
 
 
+def _header(text: str) -> str:
+    """Return the line that names the columns; "" if there is none."""
+    return next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
+
+
 def _offer(text: str) -> str:
     """Return the suggestion to rename columns that follows the error message; "" if there is none."""
-    header = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
-    titles = [title.strip() for title in re.split(r"[,;\t]", header)]
+    titles = [title.strip() for title in re.split(r"[,;\t]", _header(text))]
     offers = [f"{better} instead of {title[:40]}" for title, better in better_titles(titles).items()]
     return f" Do you mean {' and '.join(offers)}? Change the first line of the file." if offers else ""
 
@@ -173,8 +179,7 @@ def _measured(name: str, text: str, material: Material, friction: Friction | Non
         )
     except InvalidInput as error:
         raise InvalidInput(f"{error}.{_offer(text)}") from None
-    header = next(line for line in text.splitlines() if line.strip() and not line.startswith("#"))
-    header = header.lower().replace(" ", "_")
+    header = _header(text).lower().replace(" ", "_")
     stated = ("load_sd" in header, "friction_force_sd" in header or "area_sd" in header)
     known = np.isfinite(law.rescaled_friction)
     sds = (law.rescaled_load_sd, law.rescaled_friction_sd)
@@ -182,27 +187,19 @@ def _measured(name: str, text: str, material: Material, friction: Friction | Non
     return Points(name, law.rescaled_load[known], law.rescaled_friction[known], x_sd, y_sd)
 
 
-class Measured:
-    """The measured points of the newest answer, and why a table cannot be read, "" if it can."""
-
-    def __init__(self) -> None:
-        self.points: Points | None = None
-        self.problem = ""
-
-    def data(self, answer: Answer, units: Units) -> dict[str, Any] | None:
-        """Return the measured points of an answer in the units of the axes; None if no points can be read."""
-        state, known = answer.state, answer.design if answer.specification is None else answer.specification
-        self.points, self.problem = None, ""
-        if not state.measured or known is None:
-            return None
-        template = known.template
-        try:
-            self.points = _read(state.measured_name, state.measured, template.material, template.friction)
-        except InvalidInput as error:
-            self.problem = str(error)
-            return None
-        return self.points.data(units, answer.design)
-
-
 # the points of the last few tables, which every answer shows
 _read = lru_cache(TABLES)(read_points)
+
+
+def measured_of(answer: Answer) -> Points | None:
+    """Return the measured points of an answer; None without a table or a specification.
+
+    Raises
+    ------
+    InvalidInput
+        If the table cannot be read.
+    """
+    state, template = answer.state, answer.template
+    if not state.measured or template is None:
+        return None
+    return _read(state.measured_name, state.measured, template.material, template.friction)

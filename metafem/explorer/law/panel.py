@@ -5,38 +5,31 @@ from __future__ import annotations
 import math
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
-from pathlib import Path
+from functools import partial
 from typing import TYPE_CHECKING, Any
-
-from nicegui import ui
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, specification_of
-from metafem.explorer.law.beside import Beside
-from metafem.explorer.law.dropped import Measured, as_target, read_points
+from metafem.explorer.law.dropped import as_target, measured_of, read_points
+from metafem.explorer.law.further import Further, tools_data
 from metafem.explorer.law.law_data import band_data, law_data
-from metafem.explorer.law.law_plot import LawPlot
 from metafem.explorer.law.nearest import reachable, with_nearest, with_point
-from metafem.explorer.law.reach import Reach
+from metafem.explorer.law.reach import reach_of
 from metafem.explorer.law.shown import Units
-from metafem.explorer.law.tools import block_data, tools_data
 from metafem.explorer.session import State
 from metafem.explorer.text.handles import moved, removed, scene_of
 from metafem.explorer.text.marks import Scene
 from metafem.explorer.text.names import on_page
+from metafem.explorer.widget import Widget
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
 
-STYLE = Path(__file__).with_name("law.css")
-
 Event = dict[str, Any]
 
 
-def law_panel(page: Page) -> None:
-    """Create the plot of the law."""
-    ui.add_css(STYLE.read_text("utf-8"))
-    LawPanel(page)
+class LawPlot(Widget, component="law_plot.js", esm={"metafem-law": "js"}):
+    """Draws the data of `law_data` and `Further`."""
 
 
 class LawPanel:
@@ -44,32 +37,17 @@ class LawPanel:
 
     def __init__(self, page: Page) -> None:
         self.page = page
-        handlers = [name for name in dir(type(self)) if name.startswith("on_")]
-        self.plot = LawPlot(**{name[3:]: self.told(getattr(self, name)) for name in handlers})
-        self.reach = Reach()
-        self.band_shown: Any = None
-        self.measured = Measured()
-        self.beside = Beside(page.tasks, self.plot.more)
+        names = [name for name in dir(type(self)) if name.startswith("on_")]
+        self.plot = LawPlot(**{name[3:]: partial(self._handle, getattr(self, name)) for name in names})
+        self.band: dict[str, Any] | None = None  # what the surfaces within the limits can have
+        self.further = Further(page.tasks, partial(self.plot.call, "more"))
         # number of the plot for each change of the page by a drag, and for the newest one that is answered
         self.requests: dict[int, int] = {}
         self.request = 0
-        self.base: Scene | None = (
-            None  # the target of the current state, from which every step of a drag starts
-        )
+        self.base: Scene | None = None  # the target of the current state, where every step of a drag starts
         self.refused: Answer | None = None
         self.stuck = False  # whether the state from which a drag starts is refused
         page.listen_prepared(self.prepared, self.show)
-
-    def told(self, handler: Callable[[Event], Awaitable[None]]) -> Callable[[Event], Awaitable[None]]:
-        """Return an event handler that shows each InvalidInput error of `handler` below the plot."""
-
-        async def handle(event: Event) -> None:
-            try:
-                await handler(event)
-            except InvalidInput as error:
-                self.plot.say(on_page(str(error)), wrong=True)
-
-        return handle
 
     def prepared(self, answer: Answer) -> dict[str, Any]:
         """Return the data of an answer that the plot draws."""
@@ -77,13 +55,18 @@ class LawPanel:
         data = law_data(answer)
         units = Units.of(answer, answer.state.newtons)
         data["tools"] = tools_data(answer)
-        data["measured"] = self.measured.data(answer, units)
+        try:
+            points = measured_of(answer)
+        except InvalidInput as error:
+            points, data["problem"] = None, str(error)
+        data["measured"] = None if points is None else points.data(units, answer.design)
         data["base"] = None
         if specification is not None:
             data["base"] = scene_of(answer.state.text, specification, answer.design)
-            band = self.reach.of(specification)
-            if (self.reach.key, units) != self.band_shown:
-                data["band"] = None if band is None else band_data(band, units)
+            reach = reach_of(specification)
+            band = None if reach is None else band_data(reach, units)
+            if band != self.band:
+                data["band"] = band
         return data
 
     def show(self, answer: Answer, data: dict[str, Any]) -> None:
@@ -96,14 +79,21 @@ class LawPanel:
             self.stuck = answer.refusal != "" and not answer.undecided
         if answer.nearest_target is not None:
             self.refused = answer
-        if "band" in data:
-            self.band_shown = self.reach.key, Units.of(answer, answer.state.newtons)
+        self.band = data.get("band", self.band)
         tools = data["tools"]
-        tools["block"] = block_data(self.beside.block, answer.design) if tools["block"] else None
-        self.plot.draw(data | {"request": self.request})
-        if self.measured.problem:
-            self.plot.say(self.measured.problem, wrong=True)
-        self.beside.put(answer)
+        tools["block"] = self.further.block.data(answer.design) if tools["block"] else None
+        self.plot.call("draw", data | {"request": self.request})
+        if "problem" in data:
+            self.say(data["problem"], wrong=True)
+        self.further.put(answer)
+
+    def say(self, words: str, *, wrong: bool = False) -> None:
+        """Show a message below the plot, as an error if `wrong`."""
+        self.plot.call("say", words, wrong)
+
+    async def _handle(self, handler: Callable[[Event], Awaitable[None]], event: Event) -> None:
+        """Handle an event; an InvalidInput error is shown below the plot."""
+        await self.page.told(handler(event), lambda words: self.say(on_page(words), wrong=True))
 
     async def on_drag(self, event: Event) -> None:
         """Move a handle."""
@@ -119,7 +109,7 @@ class LawPanel:
         try:
             await self.page.make(dragged, draft=not event["released"])
         except InvalidInput as error:
-            self.plot.refuse(number, on_page(str(error)))
+            self.plot.call("refuse", number, on_page(str(error)))
 
     async def on_add(self, event: Event) -> None:
         """Add a point; close to the achieved law it is on this law."""
@@ -166,9 +156,9 @@ class LawPanel:
         """Start the computation of the law under the block model, or stop it and hide its law."""
         design = self.page.answer.design
         if event["on"] and design is not None:
-            await self.beside.block.start(design)
+            await self.further.block.start(design)
         else:
-            self.beside.block.stop()
+            self.further.block.stop()
 
     async def on_dropped(self, event: Event) -> None:
         """Show the points of a table."""
@@ -180,15 +170,15 @@ class LawPanel:
         found = await self.page.in_thread(read_points, name, text, template.material, template.friction)
         await self.page.alter(measured=text, measured_name=name)
         told = [f"{len(found.load)} points of {name} are shown.", *[left] * bool(left), *found.remarks]
-        self.plot.say(" ".join(told))
+        self.say(" ".join(told))
 
     async def on_measured(self, event: Event) -> None:
         """Use the measured points as the target, or remove them."""
-        answer, points = self.page.answer, self.measured.points
+        answer = self.page.answer
         if event["action"] == "remove":
             await self.page.alter(measured="", measured_name="")
-        elif points is not None:
-            await self.page.make(lambda state: as_target(replace(answer, state=state), points))
+        else:
+            await self.page.make(lambda state: as_target(replace(answer, state=state)))
 
     def _units(self) -> Units:
         return Units.of(self.page.answer, self.page.state.newtons)

@@ -18,11 +18,14 @@ MOST_POINTS = 200
 # Significant digits of plotted curves (finer than a tenth of a pixel) and of values that are edited.
 DRAWN, EDITED = 5, 9
 
-# Explanations of the rescaled axes.
-RESCALED = {
-    "x": "Load P divided by the composite modulus E*: an area",
-    "y": "Friction force F divided by the shear strength σ and the area ratio B: an area",
-}
+# The axes: name, label in newtons, and label and explanation of the rescaled values.
+AXES = {
+    "x": ("load", "load P", "load P/E*", "Load P divided by the composite modulus E*: an area"),
+    "y": (
+        "friction", "friction force F", "friction F/(σB)",
+        "Friction force F divided by the shear strength σ and the area ratio B: an area",
+    ),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -39,8 +42,7 @@ class Units:
 
         If the text of the answer has problems, the units are those of the last design.
         """
-        known = answer.design if answer.specification is None else answer.specification
-        return cls._of_template(None if known is None else known.template, newtons)
+        return cls._of_template(answer.template, newtons)
 
     @classmethod
     def of_design(cls, answer: Answer, newtons: bool) -> Units:
@@ -59,17 +61,11 @@ class Units:
 
     def axes(self) -> dict[str, dict[str, str]]:
         """Return names, labels, units and explanations of both axes."""
-        unit = "N" if self.newtons else "mm²"
-        labels = ("load P", "friction force F") if self.newtons else ("load P/E*", "friction F/(σB)")
-        names = {"x": ("load", labels[0]), "y": ("friction", labels[1])}
         return {
-            axis: {
-                "name": name,
-                "label": label,
-                "unit": unit,
-                "meaning": "" if self.newtons else RESCALED[axis],
-            }
-            for axis, (name, label) in names.items()
+            axis: {"name": name, "label": forces, "unit": "N", "meaning": ""}
+            if self.newtons
+            else {"name": name, "label": label, "unit": "mm²", "meaning": meaning}
+            for axis, (name, forces, label, meaning) in AXES.items()
         }
 
     def curve(self, load: FloatArray, friction: FloatArray) -> dict[str, Any]:

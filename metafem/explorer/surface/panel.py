@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
-
-from nicegui import ui
 
 from metafem.explorer.answer import Answer, pinned_answer
 from metafem.explorer.queue import Queue
 from metafem.explorer.session import State
-from metafem.explorer.surface.contact_data import contact_data
-from metafem.explorer.surface.press_data import press_data
+from metafem.explorer.surface.contact_data import contact_data, press_data
 from metafem.explorer.surface.sites_text import edited
 from metafem.explorer.surface.surface_data import (
     difference,
@@ -20,7 +18,7 @@ from metafem.explorer.surface.surface_data import (
     same_layout,
     site_data,
 )
-from metafem.explorer.surface.surface_view import SurfaceView
+from metafem.explorer.widget import Widget
 from metafem.inversion import Design
 from metafem.surface import Surface
 
@@ -30,27 +28,24 @@ if TYPE_CHECKING:
 # An answer, and whether its contacts at all loads are computed, or those at the load of its state.
 Request = tuple[Answer, bool]
 
-# The design of a request, whether it is pressed, and the data of its contacts.
-Shown = tuple[Design, bool, dict[str, Any]]
 
-STYLE = Path(__file__).with_name("surface.css")
+class SurfaceView(Widget, component="surface_view.js", esm={"metafem-surface": "js"}):
+    """Draws the data of `site_data`, `contact_data` and `press_data`."""
 
 
-class Views:
+class SurfacePanel:
     """The pictures of the surface: sends changed data to the browser, heights first and contacts second."""
 
     def __init__(self, page: Page) -> None:
         self.page = page
-        self.view = SurfaceView()
-        self.contacts: Queue[Request, Shown] = Queue(
-            self._contacts, self._shown, lambda _, error: page.wrong(error), better=self._pressed_of
+        self.view = SurfaceView(sites=self._edit, colour=self._colour)
+        self.contacts: Queue[Request, Callable[[], None]] = Queue(
+            self._contacts, lambda show: show(), lambda _, error: page.wrong(error), better=self._pressed_of
         )
         self.pressed: Design | None = None
         self.template: Surface | None = None
         self.shown: tuple[Design | None, str] = (None, "")
         self.sensitive = False
-        self.view.on_event("sites", self._edit)
-        self.view.on_event("colour", self._colour)
         page.listen_prepared(self.prepared, self.show)
 
     def prepared(self, answer: Answer) -> dict[str, Any]:
@@ -72,22 +67,21 @@ class Views:
             self.template = answer.design.template
             self.contacts.put((answer, False))
         self.shown = answer.design, answer.state.text
-        self.view.show(data)
+        self.view.call("show", data)
 
-    def _contacts(self, request: Request) -> Shown:
+    def _contacts(self, request: Request) -> Callable[[], None]:
+        """Return a function that shows the contacts of a request."""
         answer, pressed = request
         design = answer.design
         assert design is not None
-        data = press_data(design) if pressed else contact_data(design, answer.state.load, self.sensitive)
-        return design, pressed, data
+        if pressed:
+            return partial(self._press, design, press_data(design))
+        return partial(self.view.call, "contact", contact_data(design, answer.state.load, self.sensitive))
 
-    def _shown(self, found: Shown) -> None:
-        design, pressed, data = found
-        if not pressed:
-            self.view.contact(data)
-        elif design is self.shown[0]:
+    def _press(self, design: Design, data: dict[str, Any]) -> None:
+        if design is self.shown[0]:
             self.pressed = design
-            self.view.press(data)
+            self.view.call("pressed", data)
 
     def _pressed_of(self, request: Request) -> Request | None:
         """Return the request for the contacts at all loads, which follows when the surface stays as it is."""
@@ -106,9 +100,3 @@ class Views:
         self.sensitive = given == "sensitivity"
         if self.sensitive and self.page.answer.design is not None:
             self.contacts.put((self.page.answer, False))
-
-
-def surface_panel(page: Page) -> None:
-    """Create the map and the three-dimensional picture."""
-    ui.add_css(STYLE.read_text("utf-8"))
-    Views(page)

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem._values import MICROMETRES
 from metafem.explorer.answer import Answer
-from metafem.explorer.surface.sites_text import Asked, asked_sites
+from metafem.explorer.surface.sites_text import asked_sites
 from metafem.inversion import Design, DesignStatus
 from metafem.inversion.assessment import misfit_text
 from metafem.surface import Surface
@@ -92,21 +92,20 @@ def message(answer: Answer) -> str:
         of_sites = [words for key, words in answer.problems.items() if key.startswith("sites")]
         reason = "\n".join(of_sites) or "The reason is given in the plot of the law."
         return f"These are the heights of the last surface that was found. {reason}"
-    if _any(asked) and answer.design.status is DesignStatus.MISSED:
+    if (asked.empty or asked.pinned) and answer.design.status is DesignStatus.MISSED:
         return (
             f"With these sites kept or empty the target law is missed by {misfit_text(answer.design.misfit)}."
         )
     return ""
 
 
-def _any(asked: Asked) -> bool:
-    return bool(asked.empty or asked.pinned)
-
-
-def at_sites(design: Design, values: FloatArray, decimals: int) -> list[float | None]:
-    """Return values of the asperities by site of the template, None at sites without an asperity."""
+def at_sites(
+    design: Design, values: FloatArray, decimals: int, sites: IntArray | None = None
+) -> list[float | None]:
+    """Return values by site of the template, None elsewhere; default: at the sites of the asperities."""
     listed: list[float | None] = [None] * design.template.count
-    for site, value in zip(design.sites.tolist(), _rounded(values, decimals), strict=True):
+    at = (design.sites if sites is None else sites).tolist()
+    for site, value in zip(at, _rounded(values, decimals), strict=True):
         listed[site] = value
     return listed
 
@@ -116,18 +115,13 @@ def difference(design: Design | None, pinned: Design | None) -> list[float | Non
 
     None without a pinned design that has the same sites.
     """
-    if (
-        design is None
-        or pinned is None
-        or not np.array_equal(design.template.position, pinned.template.position)
-    ):
+    if design is None or pinned is None:
+        return None
+    if not np.array_equal(design.template.position, pinned.template.position):
         return None
     there, row, own = np.intersect1d(pinned.sites, design.sites, assume_unique=True, return_indices=True)
-    listed: list[float | None] = [None] * design.template.count
     heights = MICROMETRES * (design.surface.height[own] - pinned.surface.height[row])
-    for site, height in zip(there.tolist(), _rounded(heights, HEIGHT_DECIMALS), strict=True):
-        listed[site] = height
-    return listed
+    return at_sites(design, heights, HEIGHT_DECIMALS, there)
 
 
 def _rounded(values: ArrayLike, decimals: int) -> list[float]:

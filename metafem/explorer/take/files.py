@@ -1,4 +1,4 @@
-"""Files of a design, as ``metafem design`` writes them, and the command that does so."""
+"""Files of a design, as ``metafem design`` writes them, and why some of them cannot be downloaded."""
 
 from __future__ import annotations
 
@@ -26,6 +26,22 @@ DATE = (1980, 1, 1, 0, 0, 0)
 
 # Python script that computes the design from the downloaded specification.
 SCRIPT = 'import metafem as mf\n\nspec = mf.read_spec("spec.toml")\nprint(spec.design())\n'
+
+# Files that need only the design. All other files describe the part, or are written together with it.
+OF_THE_DESIGN = ("heights.csv", "law.csv", "law.svg", "figure.zip")
+
+# Messages above the files.
+NO_DESIGN = (
+    "There is no surface for the specification as it stands, and so there are no files of one. "
+    "The specification itself can be downloaded."
+)
+NO_PART = "The tables of the design and the specification can be downloaded."
+
+# Reasons why a file cannot be downloaded. The message above the files states those in `ABOVE` in full; the
+# others are shown beside the file.
+NEEDS_DESIGN, NEEDS_PART = "needs a surface", "needs a part that can be made"
+ABOVE = ("", NEEDS_DESIGN, NEEDS_PART)
+NO_BLOCK = "needs “Block” with its width, length and thickness"
 
 
 def specification_file(state: State) -> tuple[str, bytes]:
@@ -90,3 +106,30 @@ def archive(files: Mapping[str, bytes]) -> bytes:
         for name, each in files.items():
             written.writestr(zipfile.ZipInfo(name, DATE), each, zipfile.ZIP_DEFLATED)
     return content.getvalue()
+
+
+def hindrance(name: str, answer: Answer, problem: str = "") -> str:
+    """Return why a file of an answer cannot be downloaded; "" if it can.
+
+    `problem` states why no part can be made; it is "" if a part can be made.
+    """
+    if not answer.current:
+        return NEEDS_DESIGN
+    if problem and name not in OF_THE_DESIGN:
+        return NEEDS_PART
+    stem, _, kind = name.partition(".")
+    specification = answer.specification
+    if specification is None or stem not in ("block", "mould") or kind == "csv":
+        return ""
+    if specification.template.block is None:
+        return NO_BLOCK
+    if kind != "svg" and kind not in specification.part.formats:
+        return f"needs “{kind}” among the “formats” of “Part files”"
+    return ""
+
+
+def said_above(answer: Answer, problem: str = "") -> str:
+    """Return the message above the files: why none or some of them can be downloaded; "" if all can."""
+    if not answer.current:
+        return f"{NO_DESIGN} {answer.refused}".strip()
+    return f"{problem[:1].upper()}{problem[1:]}. {NO_PART}" if problem else ""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Mapping
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nicegui import ui
@@ -18,7 +17,6 @@ from metafem.explorer.certainty.places import part_problem
 from metafem.explorer.session import State
 from metafem.explorer.take import files
 from metafem.explorer.take.figure import FORMATS, HEIGHT, WIDTH, figure_files
-from metafem.explorer.take.hindrance import NEEDS_DESIGN, NEEDS_PART, hindrance, said_above
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
@@ -130,11 +128,10 @@ class Taking:
     def _offer(self) -> None:
         """Enable the available files, and show why the other files are not available."""
         for name, (button, label) in self.offered.items():
-            reason = "" if name == files.SPECIFICATION else hindrance(name, self.answer, self.problem)
-            own = reason not in ("", NEEDS_DESIGN, NEEDS_PART)  # these reasons appear above the files
-            label.text = f"{MEANINGS[name]}: {reason}" if own else MEANINGS[name]
+            reason = "" if name == files.SPECIFICATION else files.hindrance(name, self.answer, self.problem)
+            label.text = MEANINGS[name] if reason in files.ABOVE else f"{MEANINGS[name]}: {reason}"
             button.set_enabled(not reason)
-        self.above.text = said_above(self.answer, self.problem)
+        self.above.text = files.said_above(self.answer, self.problem)
         self.above.set_visibility(bool(self.above.text))
 
     async def take(self, name: str) -> None:
@@ -155,18 +152,18 @@ class Taking:
             raise MetafemError(NOTHING)
         if name == FIGURE:
             size = self.width.value, self.height.value
-            found = await asyncio.to_thread(figure_files, answer, self.format.value, *size)
-            return name, files.archive(found)
+            figure = await asyncio.to_thread(figure_files, answer, self.format.value, *size)
+            return name, files.archive(figure)
         if name == PICTURE:
             return name, await asyncio.to_thread(files.law_picture, answer.design)
-        if name not in TABLES:
-            found = await self._made(answer.state)
-            if name == ARCHIVE:
-                return name, await asyncio.to_thread(files.archive, found)
-        else:
-            if name == "mould.csv" and (problem := await asyncio.to_thread(part_problem, answer)):
-                raise MetafemError(problem)
+        if name == "mould.csv" and (problem := await asyncio.to_thread(part_problem, answer)):
+            raise MetafemError(problem)
+        if name in TABLES:
             found = await asyncio.to_thread(files.tables_of, answer)
+        else:
+            found = await self._made(answer.state)
+        if name == ARCHIVE:
+            return name, await asyncio.to_thread(files.archive, found)
         if name not in found:
             raise MetafemError(f"it is not a file of this specification, which has {', '.join(found)}")
         return name, found[name]
@@ -174,11 +171,12 @@ class Taking:
     async def _made(self, state: State) -> dict[str, bytes]:
         """Return all files of a state, which a background process writes once."""
         if self.made is None or not self.made[0].designs_the_same(state):
+            told = "The files are being written"
             task = self.tasks.start(
-                TASK, files.made_files, (state,), lambda step, done: self._writing(f": {step}")
+                TASK, files.made_files, (state,), lambda step, done: self.say(f"{told}: {step}.")
             )
             self.stop.set_visibility(True)
-            self._writing()
+            self.say(f"{told}.")
             try:
                 self.made = state, await task
             except asyncio.CancelledError:
@@ -189,9 +187,6 @@ class Taking:
                 self.stop.set_visibility(self.tasks.running(TASK))
         return self.made[1]
 
-    def _writing(self, step: str = "") -> None:
-        self.say(f"The files are being written{step}.")
-
     def say(self, text: str) -> None:
         """Show a message about the current design."""
         self.told, self.label.text = self.answer.state, text
@@ -199,7 +194,6 @@ class Taking:
 
 def take_panel(page: Page) -> None:
     """Create the buttons that download the design, and the command that produces the same result."""
-    ui.add_css(Path(__file__).with_name("take.css"))
     panel = Taking(page.tasks, page.answer)
     page.listen(panel.show)
     page.listen_warnings(panel.warn)

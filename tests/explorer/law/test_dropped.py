@@ -5,7 +5,7 @@ import pytest
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import answered
-from metafem.explorer.law.dropped import MOST, Measured, as_target, better_titles, read_points
+from metafem.explorer.law.dropped import MOST, as_target, better_titles, measured_of, read_points
 from metafem.explorer.law.shown import Units
 from metafem.explorer.session import State
 from metafem.files import demo_text
@@ -62,13 +62,16 @@ def test_the_difference_is_the_rms_of_relative_differences(answer):
 
 
 def test_points_become_a_target_with_its_units(answer):
-    found = read_points("m.csv", FORCES + "400,550\n0,0\n", *PAIR)
-    text = as_target(answer, found)
+    table = {"measured": FORCES + "400,550\n0,0\n", "measured_name": "m.csv"}
+    text = as_target(answered(State(TEXT, **table), 1))
+    found = read_points("m.csv", table["measured"], *PAIR)
     target = answered(State(text), 2).specification.target
     np.testing.assert_allclose(target.rescaled_load, found.load[[1, 2, 3]])
     # two values at one load are replaced by their mean
     assert target.rescaled_friction[-1] == pytest.approx(0.54 / (0.37 * 0.85))
-    assert ' N"' in as_target(answered(State(TEXT, newtons=True), 1), found)
+    assert ' N"' in as_target(answered(State(TEXT, newtons=True, **table), 1))
+    with pytest.raises(InvalidInput, match="no measured points"):
+        as_target(answer)
 
 
 @pytest.mark.parametrize(
@@ -103,18 +106,14 @@ def test_forces_without_a_friction_say_what_is_missing():
 
 
 def test_points_are_read_again_only_where_they_or_the_material_pair_changed(answer):
-    measured = Measured()
     shown = answered(State(TEXT, measured=FORCES, measured_name="m.csv"), 2, answer)
-    assert measured.data(answer, Units()) is None
-    assert len(measured.data(shown, Units())["x"]) == 3
-    points = measured.points
-    measured.data(
-        answered(State(TEXT.replace("0.84", "0.85"), measured=FORCES, measured_name="m.csv"), 3), Units()
-    )
-    assert measured.points is points
-    broken = answered(State(TEXT, measured="x", measured_name="m.csv"), 4, answer)
-    assert measured.data(broken, Units()) is None
-    assert "m.csv" in measured.problem
+    assert measured_of(answer) is None
+    points = measured_of(shown)
+    assert len(points.data(Units(), shown.design)["x"]) == 3
+    changed = State(TEXT.replace("0.84", "0.85"), measured=FORCES, measured_name="m.csv")
+    assert measured_of(answered(changed, 3)) is points
+    with pytest.raises(InvalidInput, match=r"m\.csv"):
+        measured_of(answered(State(TEXT, measured="x", measured_name="m.csv"), 4, answer))
 
 
 def test_columns_that_are_not_known_are_named_as_they_would_be_read():

@@ -6,7 +6,7 @@ import pytest
 import metafem as mf
 from metafem.explorer.answer import answered
 from metafem.explorer.law.law_data import band_data, law_data
-from metafem.explorer.law.reach import Reach
+from metafem.explorer.law.reach import reach_of
 from metafem.explorer.law.shown import Units, numbers
 from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
@@ -74,23 +74,22 @@ def test_a_text_with_problems_keeps_the_units_of_the_last_design(answer):
 
 
 def test_the_reach_contains_the_law_and_is_computed_once(answer):
-    reach = Reach()
-    load, low, high = reach.of(answer.specification)
+    band = reach_of(answer.specification)
+    load, low, high = band
     law = answer.design.law
     inside = np.interp(law.rescaled_load, load, high) >= law.area
     assert inside.all()
     assert (np.interp(law.rescaled_load, load, low) <= 1.001 * law.area).all()
-    band = reach.band
     moved = answered(State(TEXT.replace('"0.84 mm^2"', '"0.85 mm^2"')), 1)
-    assert reach.of(moved.specification) is band
+    assert reach_of(moved.specification) is band
     higher = answered(State(TEXT.replace('"270 um"', '"280 um"')), 1)
-    assert reach.of(higher.specification) is not band
-    shown = band_data(reach.band, Units())
+    assert reach_of(higher.specification) is not band
+    shown = band_data(band, Units())
     assert len(shown["x"]) == len(shown["low"]) == len(shown["high"]) <= 200
 
 
 def test_the_reach_of_n_equal_asperities_is_that_of_hertz(answer):
-    load, low, high = Reach().of(answer.specification)
+    load, low, high = reach_of(answer.specification)
     radius = 0.526
     single = np.pi * radius * (0.75 * load / np.sqrt(radius)) ** (2 / 3)
     np.testing.assert_allclose(low, single, rtol=1e-9)
@@ -101,13 +100,13 @@ def test_the_reach_of_n_equal_asperities_is_that_of_hertz(answer):
 
 def test_empty_sites_narrow_the_reach():
     text = TEXT + "\n[sites]\nempty = [0, 1, 2, 3]\n"
-    _load, low, high = Reach().of(answered(State(text), 1).specification)
+    _load, low, high = reach_of(answered(State(text), 1).specification)
     np.testing.assert_allclose(high / low, 60 ** (1 / 3), rtol=1e-9)
 
 
 def test_adhesion_has_no_proven_reach():
     text = TEXT + '\n[contact]\nkind = "jkr"\nadhesion_energy = "9 mJ/m^2"\n'
-    assert Reach().of(answered(State(text), 1).specification) is None
+    assert reach_of(answered(State(text), 1).specification) is None
 
 
 def test_the_reach_is_told_as_that_of_independent_asperities_where_they_interact(answer):

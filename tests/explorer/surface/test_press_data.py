@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.explorer.surface import press_data as module
-from metafem.explorer.surface.press_data import INTERVALS, press_data
+from metafem.explorer.surface import contact_data as module
+from metafem.explorer.surface.contact_data import INTERVALS, press_data
 from metafem.files import demo_text, parsed
 
 # Largest error of the interpolated radii over the largest radius, see `INTERVALS`.

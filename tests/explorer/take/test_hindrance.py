@@ -4,7 +4,7 @@ import pytest
 
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.session import State
-from metafem.explorer.take.hindrance import NO_DESIGN, hindrance, said_above
+from metafem.explorer.take.files import NO_DESIGN, hindrance, said_above
 from metafem.explorer.workshop.changes import without_section
 from metafem.files import demo_text
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.explorer.law.reach import Reach
+from metafem.explorer.law.reach import reach_of
 from metafem.explorer.text.fields import shown, typed_value
 from metafem.explorer.text.handles import drawn, scene_of
 from metafem.files import all_keys, demo_text, parsed, read_surface
@@ -130,4 +130,4 @@ def test_the_explorer_reads_and_shows_a_list():
     found = parsed(text())
     handles, _ = drawn(scene_of(text(), found, found.design()))
     assert len(handles) == 2
-    assert Reach().of(found) is None  # the bounds are those of one friction
+    assert reach_of(found) is None  # the bounds are those of one friction

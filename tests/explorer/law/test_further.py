@@ -8,9 +8,15 @@ import pytest
 import metafem as mf
 from metafem.explorer.answer import answered
 from metafem.explorer.certainty.background import Tasks
-from metafem.explorer.law.beside import Beside
-from metafem.explorer.law.others import Block, other_law, own_name
-from metafem.explorer.law.tools import NO_BLOCK, NO_FORCES, block_data, tools_data
+from metafem.explorer.law.further import (
+    NO_BLOCK,
+    NO_FORCES,
+    Block,
+    Further,
+    other_law,
+    own_name,
+    tools_data,
+)
 from metafem.explorer.session import State
 from metafem.files import demo_text
 from metafem.substrate import BondedLayer
@@ -51,20 +57,20 @@ def test_the_plot_gets_the_newest_band_and_laws(answer):
     drawn = []
 
     async def run():
-        beside = Beside(Tasks(), drawn.append)
-        beside.put(answer)
-        while beside.newest.running:
+        further = Further(Tasks(), drawn.append)
+        further.put(answer)
+        while further.newest.running:
             await asyncio.sleep(0)
-        return beside
+        return further
 
-    beside = asyncio.run(run())
+    further = asyncio.run(run())
     (data,) = drawn
     assert data["number"] == 5
     assert [each["name"].split(",")[0] for each in data["others"]] == ["half-space"]
     tolerance = data["tolerance"]
     assert (np.array(tolerance["low"]) <= np.array(tolerance["high"])).all()
     assert "SD" in tolerance["name"]
-    assert set(beside.laws) == {"half-space"}
+    assert [law.name for law in further.last.laws] == ["half-space"]
 
 
 class Answering:
@@ -106,11 +112,11 @@ def test_the_law_under_the_block_belongs_to_one_surface(answer):
 
 @pytest.mark.slow
 def test_the_law_under_the_block_is_computed_in_a_process_that_can_be_stopped(answer, monkeypatch):
-    monkeypatch.setattr("metafem.explorer.law.others.SLOW", "layer")
+    monkeypatch.setattr("metafem.explorer.law.further.SLOW", "layer")
 
     async def run(end):
         states = []
-        block = Block(Tasks(), lambda: states.append(block.state(answer.design)))
+        block = Block(Tasks(), lambda: states.append(block.data(answer.design)))
         task = asyncio.create_task(block.start(answer.design))
         await asyncio.sleep(0)
         if end:
@@ -119,9 +125,14 @@ def test_the_law_under_the_block_is_computed_in_a_process_that_can_be_stopped(an
         return states
 
     first, *_, last = asyncio.run(run(end=False))
-    assert first == {"running": True, "step": "The law under the block: starting …", "shown": False}
-    assert last == {"running": False, "step": "", "shown": True}
-    assert asyncio.run(run(end=True))[-1] == {"running": False, "step": "", "shown": False}
+    assert first == {
+        "running": True,
+        "step": "The law under the block: starting …",
+        "shown": False,
+        "missing": "",
+    }
+    assert last == {"running": False, "step": "", "shown": True, "missing": ""}
+    assert asyncio.run(run(end=True))[-1] == {"running": False, "step": "", "shown": False, "missing": ""}
 
 
 def test_choices_say_what_they_need(answer):
@@ -130,9 +141,9 @@ def test_choices_say_what_they_need(answer):
     assert tools["no_forces"] == ""
     assert tools["models"] == [{"name": "half-space", "on": True}, {"name": "layer", "on": False}]
     assert tools["block"]
-    assert block_data(block, answer.design) == {"running": False, "step": "", "shown": False, "missing": ""}
+    assert block.data(answer.design) == {"running": False, "step": "", "shown": False, "missing": ""}
     text = TEXT.replace("[friction]", "").replace("shear_strength", "# ").replace("area_ratio", "# ")
     text = text[: text.index("[block]")] + text[text.index("[limits]") :].split("[part]")[0]
     bare = answered(State(text), 1)
     assert tools_data(bare)["no_forces"] == NO_FORCES
-    assert block_data(block, bare.design)["missing"] == NO_BLOCK
+    assert block.data(bare.design)["missing"] == NO_BLOCK
