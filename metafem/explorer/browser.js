@@ -1,5 +1,7 @@
 // What the browser keeps of the page as long as its tab is open: the history, one entry for each state.
 // A reload, and a server that was started again, find it here.
+import { tell } from "metafem-page/linked.js";
+
 const KEY = "metafem";
 const entry = (number) => `${KEY}.${number}`;
 
@@ -46,17 +48,23 @@ function restored() {
 
 export default {
   template: `<div>
-    <div ref="lost" role="alert" class="lost" hidden>
+    <div role="alert" class="lost" :hidden="!lost">
       The connection to the server is lost. What you see is kept by this browser. If the server has stopped, run <code>metafem explore</code> again, and this page goes on.
     </div>
-    <div ref="full" role="status" class="lost" hidden></div>
+    <div role="status" class="lost" :hidden="!full">{{ full }}</div>
   </div>`,
+  data() {
+    return { lost: false, full: "" };
+  },
+  watch: {
+    lost(lost) { tell("lost", lost); },
+  },
   mounted() {
     this.tell("stored", { ...restored(), link: location.hash.slice(1) });
     addEventListener("hashchange", this.linked);
     this.$nextTick(() => { // the socket is made when all elements are mounted
-      window.socket.on("disconnect", () => { this.$refs.lost.hidden = false; });
-      window.socket.on("connect", () => { this.$refs.lost.hidden = true; });
+      window.socket.on("disconnect", () => { this.lost = true; });
+      window.socket.on("connect", () => { this.lost = false; });
     });
   },
   unmounted() {
@@ -84,10 +92,8 @@ export default {
       for (const old of numbers()) if (old < first || old >= end) sessionStorage.removeItem(entry(old));
       const why = store(entry(at), state, at) || store(KEY, JSON.stringify({ first, end, at }), at);
       if (why) console.info(`The history of this page cannot be kept by the browser: ${why}`);
-      const { full } = this.$refs;
-      full.hidden = !why || link !== "";
       const size = (state.length / 1e6).toFixed(1);
-      full.textContent = full.hidden ? "" : `This browser cannot keep a state of ${size} MB: a reload of the page loses it. Take the specification first.`;
+      this.full = !why || link ? "" : `This browser cannot keep a state of ${size} MB: a reload of the page loses it. Take the specification first.`;
       try {
         history.replaceState(null, "", link ? `#${link}` : location.pathname);
       } catch {

@@ -61,12 +61,16 @@ class Certainty:
         self.visible = self.ready = False
         self.client = ui.context.client
         self.following: asyncio.Task[None] | None = None
+        self.client.on_delete(self._left)
+
+    def create(self, page: Page) -> None:
+        """Create the table of the figures and the list of long studies, when their tab is first opened."""
         with ui.element("div").classes("certainty"):
             self.table, self.studies = SureFigures(), SureStudies()
         self.studies.on("ready", self._opened)
         self.studies.on("start", lambda event: self._start(event.args))
         self.studies.on("stop", lambda event: self._stop(event.args))
-        self.client.on_delete(self._left)
+        page.tabs.on_value_change(lambda event: self.turned(event.value))
 
     def show(self, answer: Answer) -> None:
         """Follow a new answer."""
@@ -80,7 +84,7 @@ class Certainty:
             self._follow(PAUSE)
 
     def _opened(self) -> None:
-        """Show the figures; the browser creates these elements only when the tab is first opened."""
+        """Show the figures: the browser has created their elements."""
         self.ready = self.visible = True
         self._follow(0.0)
 
@@ -155,12 +159,12 @@ class Certainty:
             self.studies.run_method("change", name, change)
 
 
-def certainty_panel(page: Page) -> None:
-    """Create the table of the figures and the list of long studies."""
+def certainty_panel(page: Page) -> Callable[[Page], None]:
+    """Follow the answers, for the warnings; return the function that creates the table and the studies."""
     ui.add_css(STYLE.read_text("utf-8"))
     panel = Certainty(page.tasks, page.warn, page.again)
     page.listen(panel.show)
-    page.tabs.on_value_change(lambda event: panel.turned(event.value))
+    return panel.create
 
 
 def place_warnings(page: Page, place: str) -> None:

@@ -1,8 +1,7 @@
 // The surface: map and picture in three dimensions, with a menu for the sites that are selected.
-import { Chosen, hear, tell } from "metafem-law/linked.js";
+import { Chosen, hear, tell } from "metafem-page/linked.js";
+import { Press, told, words } from "metafem-surface/contacts.js";
 import { SiteMap } from "metafem-surface/map.js";
-import { Press, told } from "metafem-surface/press.js";
-import { words } from "metafem-surface/values.js";
 
 // First and largest exaggeration of the heights in 3D.
 const EXAGGERATION = { first: 4, most: 20 };

@@ -1,7 +1,6 @@
 // The head of the page: the target in words, the status, the model, undo and redo, the colours, help.
 // It also takes the files that are dropped, but for tables on the plot of the law.
-import { filesOf, holdsSpecification } from "metafem-workshop/files.js";
-import { remember } from "metafem-workshop/remember.js";
+import { hear, remember } from "metafem-page/linked.js";
 
 const THEMES = { light: "Light", auto: "Auto", dark: "Dark" };
 const CALM = 700;  // milliseconds without a new status, after which screen readers are told
@@ -92,18 +91,15 @@ export default {
   },
   mounted() {
     this.choose(this.theme in THEMES ? this.theme : "auto");
-    document.addEventListener("keydown", this.key);
-    document.addEventListener("dragover", this.over);
-    document.addEventListener("drop", this.drop, true);
-    this.$nextTick(() => { // the socket is made when all elements are mounted
-      window.socket.on("disconnect", () => this.wait(true));
-      window.socket.on("connect", () => this.wait(false));
-    });
+    this.closed = new AbortController();
+    const { signal } = this.closed;
+    document.addEventListener("keydown", this.key, { signal });
+    document.addEventListener("dragover", this.over, { signal });
+    document.addEventListener("drop", this.drop, { signal, capture: true });
+    hear("lost", this.wait, signal);
   },
   unmounted() {
-    document.removeEventListener("keydown", this.key);
-    document.removeEventListener("dragover", this.over);
-    document.removeEventListener("drop", this.drop, true);
+    this.closed.abort();
     clearTimeout(this.timer);
   },
   watch: {
@@ -132,9 +128,9 @@ export default {
     help() {
       if (!this.$refs.dialog.open) this.$refs.dialog.showModal();
     },
-    tour() {
+    async tour() {
       this.$refs.dialog.close();
-      window.dispatchEvent(new Event("metafem-tour"));
+      (await import("metafem-page/tour.js")).start();
     },
     outside(event) {  // the ground behind the dialog is the dialog itself
       if (event.target === this.$refs.dialog) this.$refs.dialog.close();
@@ -144,11 +140,16 @@ export default {
     },
     async drop(event) {  // the browser would leave the page and open the file
       if (!event.dataTransfer?.types.includes("Files")) return;
-      if (event.target.closest?.(".law-plot") && !holdsSpecification(event.dataTransfer)) return;  // a measured law
+      // taken before the first wait: the browser empties the transfer afterwards
+      const files = [...event.dataTransfer.files];
+      const folder = [...event.dataTransfer.items ?? []].map((item) => item.webkitGetAsEntry?.()).find((entry) => entry?.isDirectory);
+      const given = folder || files.some((file) => /\.toml$/i.test(file.name));
+      if (event.target.closest?.(".law-plot") && !given) return;  // a measured law
       event.preventDefault();
       event.stopPropagation();
       event.target.closest?.(".dropping")?.dispatchEvent(new Event("dragleave"));
-      this.$emit("load", { files: await filesOf(event.dataTransfer) });
+      const { textsIn, textsOf } = await import("metafem-workshop/files.js");
+      this.$emit("load", { files: await (folder ? textsIn(folder) : textsOf(files)) });
     },
     wait(lost) {  // a server that is started again knows no change that was made meanwhile
       this.lost = lost;

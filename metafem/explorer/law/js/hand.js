@@ -1,7 +1,6 @@
 // Handles of the target: dragged by a pointer, moved by keys. What is dragged follows at once; the law follows
 // with the answers.
-import { made, set } from "./svg.js";
-import { told } from "./view.js";
+import { made, set, told } from "./svg.js";
 
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 // Steps of the arrow keys along an axis, with Shift ten times as long, and radii of a handle [px]: the area that

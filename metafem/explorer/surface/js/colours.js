@@ -1,3 +1,30 @@
+// What is shown at the sites by colours: values and their scale.
+import { radiusOf } from "./contacts.js";
+
+const NAMES = {
+  height: ["height", "µm"],
+  radius: ["radius of curvature", "µm"],
+  pressure: ["mean contact pressure", "MPa"],
+  difference: ["height, B − A", "µm"],
+  sensitivity: ["change of friction per height", "%/µm"],
+};
+
+// The values at the sites, which of them are shown, and their scale; `spread` is "value" or "quantile".
+export function colouring(what, surface, contacts, { dark = false, spread = "value" } = {}) {
+  const [name, unit] = NAMES[what];
+  const filled = (i) => surface.height[i] !== null;
+  const own = { height: surface.height, radius: surface.height.map((_, i) => (filled(i) ? 1e3 * radiusOf(surface, i) : null)), difference: surface.difference };
+  const values = own[what] ?? contacts?.[what];
+  if (!values) return { name, unit, values: [], scale: null, shown: () => false };
+  const shown = own[what] ? (i) => values[i] !== null : (i) => values[i] !== null && contacts.radius[i] > 0;
+  const present = values.filter((_, i) => shown(i));
+  const [low, high] = present.reduce(([least, most], each) => [Math.min(least, each), Math.max(most, each)], [0, 0]);
+  const signed = low < 0 && what !== "height";
+  const most = Math.max(high, -low);
+  const range = what === "height" ? surface.limits : [signed ? -most : 0, most];
+  return { name, unit, values, present, shown, scale: scaleOf(...range, { signed, dark, values: spread === "quantile" && !signed ? present : null }) };
+}
+
 // Scales of colour whose lightness rises in equal steps, in the colour space Oklab; along blue and yellow, and blue and
 // orange, they are told apart by people who do not tell red from green.
 
@@ -40,7 +67,7 @@ const twoSided = { true: diverging(true), false: diverging(false) };
 
 // A scale of colours over a range; `rgb` answers from 0 to 1, `css` for drawing. With `values` it is by quantile: each
 // colour has as many of them.
-export function scaleOf(low, high, { signed = false, dark = false, values = null } = {}) {
+function scaleOf(low, high, { signed = false, dark = false, values = null } = {}) {
   const colours = signed ? twoSided[dark] : rising;
   const sorted = values?.toSorted((a, b) => a - b);
   const edges = sorted?.length ? colours.map((_, i) => sorted[Math.round((i / (STEPS - 1)) * (sorted.length - 1))]) : null;

@@ -1,7 +1,6 @@
 // The frame of the map: scale, axes in mm and the bar of the colours, as SVG.
-import { made } from "metafem-law/svg.js";
-import { ticks as roundTicks } from "metafem-law/view.js";
-import { digits } from "./values.js";
+import { made, ticks as roundTicks } from "metafem-law/svg.js";
+import { digits } from "./contacts.js";
 
 const [LEFT, BOTTOM, TOP, BAR] = [38, 34, 8, 104];
 

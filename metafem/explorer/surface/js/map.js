@@ -1,9 +1,8 @@
 // The map of the sites: draws them, finds the one under the pointer, moves between them by keys.
 import { made } from "metafem-law/svg.js";
+import { colouring } from "./colours.js";
 import { drawAxes, drawBar, viewOf } from "./frame.js";
-import { MARKER, MOST_ELEMENTS, SvgMarks } from "./marks.js";
-import { PixelMarks } from "./pixels.js";
-import { colouring } from "./values.js";
+import { MARKER, MOST_ELEMENTS, PixelMarks, SvgMarks } from "./marks.js";
 
 // Fill of sites without a value, in both themes.
 const PLAIN = { light: "rgb(236 239 242)", dark: "rgb(52 60 69)" };

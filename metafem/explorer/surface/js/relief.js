@@ -1,5 +1,6 @@
 // The surface in three dimensions: undeformed caps on the block, cut off at the glass, with the contacts on it.
-import { colouring, radiusOf } from "./values.js";
+import { colouring } from "./colours.js";
+import { radiusOf } from "./contacts.js";
 
 // Most caps: more would be smaller than a pixel, and hold up a browser without a graphics card for seconds.
 export const MOST_CAPS = 20000;

@@ -1,7 +1,8 @@
-// What the pictures of law and surface tell each other in the browser. Events:
+// What the parts of the page tell each other in the browser, and what it keeps for them. Events:
 //   load     { load, moving }   rescaled load [mm²] at which the contacts are shown; `moving` while it is dragged or played
 //   entries  { entry, exact }   rescaled load at which each site comes into contact; null while it is not known
 //   sites    sites              the sites under the pointer or in focus
+//   lost     lost               whether the connection to the server is lost
 const links = new EventTarget();
 
 export function tell(name, detail) { links.dispatchEvent(new CustomEvent(name, { detail })); }
@@ -23,5 +24,14 @@ export class Chosen {
     const shown = this.asked === null || Math.abs(load - this.asked) <= SAME * this.asked;
     if (shown) this.asked = null;
     return shown;
+  }
+}
+
+// Keeps a text in the browser, of the tab or beyond it. A full or forbidden store forgets, and nothing else.
+export function remember(key, text, store = localStorage) {
+  try {
+    store.setItem(key, text);
+  } catch (error) {
+    console.info(`${key} cannot be kept by the browser: ${error.message}`);
   }
 }

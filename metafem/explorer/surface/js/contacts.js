@@ -1,30 +1,4 @@
-// What is shown at the sites: the values of a colouring with their scale, and the words for a site.
-import { scaleOf } from "./colours.js";
-import { areaOf } from "./press.js";
-
-const NAMES = {
-  height: ["height", "µm"],
-  radius: ["radius of curvature", "µm"],
-  pressure: ["mean contact pressure", "MPa"],
-  difference: ["height, B − A", "µm"],
-  sensitivity: ["change of friction per height", "%/µm"],
-};
-
-// The values at the sites, which of them are shown, and their scale; `spread` is "value" or "quantile".
-export function colouring(what, surface, contacts, { dark = false, spread = "value" } = {}) {
-  const [name, unit] = NAMES[what];
-  const filled = (i) => surface.height[i] !== null;
-  const own = { height: surface.height, radius: surface.height.map((_, i) => (filled(i) ? 1e3 * radiusOf(surface, i) : null)), difference: surface.difference };
-  const values = own[what] ?? contacts?.[what];
-  if (!values) return { name, unit, values: [], scale: null, shown: () => false };
-  const shown = own[what] ? (i) => values[i] !== null : (i) => values[i] !== null && contacts.radius[i] > 0;
-  const present = values.filter((_, i) => shown(i));
-  const [low, high] = present.reduce(([least, most], each) => [Math.min(least, each), Math.max(most, each)], [0, 0]);
-  const signed = low < 0 && what !== "height";
-  const most = Math.max(high, -low);
-  const range = what === "height" ? surface.limits : [signed ? -most : 0, most];
-  return { name, unit, values, present, shown, scale: scaleOf(...range, { signed, dark, values: spread === "quantile" && !signed ? present : null }) };
-}
+// The contacts between the loads at which they are computed, and what is said of them and of a site.
 
 // Radius of the summit at a site [mm]; most surfaces have one for all.
 export const radiusOf = (surface, i) => (typeof surface.radius === "number" ? surface.radius : surface.radius[i]);
@@ -57,4 +31,44 @@ export function words(i, surface, contacts, press) {
   const sensitivity = contacts?.sensitivity?.[i];
   if (sensitivity !== undefined && sensitivity !== null) lines.push(`sensitivity ${sensitivity > 0 ? "+" : ""}${digits(sensitivity)} % of friction per µm`);
   return lines;
+}
+
+export class Press {
+  constructor({ states, entry, exact }) { Object.assign(this, { states, entry, exact }); }
+
+  // Contacts at a rescaled load, linear in the load between two states. A site that comes into contact between them has
+  // no contact up to its entry load.
+  at(load) {
+    const { states, entry } = this;
+    const above = states.findIndex((each) => each.load >= load);
+    const [from, to] = above < 0 ? [states.at(-1), states.at(-1)] : [states[Math.max(0, above - 1)], states[above]];
+    const share = (start) => Math.max(0, Math.min(1, (load - start) / (to.load - start || 1)));
+    const all = share(from.load);
+    const between = (name) => to[name].map((end, i) => {
+      if (!end) return end;
+      const start = from[name][i];
+      return start === 0 ? end * share(Math.max(from.load, Math.min(entry[i] ?? from.load, to.load))) : start + all * (end - start);
+    });
+    const [area, force] = [between("area"), between("force")];
+    return {
+      load,
+      separation: from.separation + all * (to.separation - from.separation),
+      radius: area.map((each) => (each === null ? null : Math.sqrt(each / Math.PI))),
+      pressure: area.map((each, i) => (each ? force[i] / (1e3 * each) : each)),
+      force,
+    };
+  }
+}
+
+function areaOf({ radius }) { return radius.reduce((sum, each) => sum + Math.PI * (each ?? 0) ** 2, 0); }
+
+// Number of contacts, mean pressure over them, and load.
+export function told(contacts, modulus) {
+  const filled = contacts.radius.filter((each) => each !== null);
+  const closed = filled.filter((each) => each > 0).length;
+  const newtons = modulus * contacts.load;
+  const area = areaOf(contacts);
+  const pressure = area ? ` · mean pressure ${digits(newtons / area)} MPa` : "";
+  const empty = contacts.radius.length - filled.length;
+  return `${closed.toLocaleString("en")} of ${filled.length.toLocaleString("en")} in contact${pressure} · ${digits(newtons)} N${empty ? ` · ${empty.toLocaleString("en")} empty` : ""}`;
 }
