@@ -33,6 +33,7 @@ export default {
       </div>
       <div class="law-stage" ref="stage">
         <svg class="law-svg" ref="svg" role="group" aria-label="Target law and achieved law. Points can be dragged, or moved with the arrow keys; the key a adds one, Delete removes one."></svg>
+        <q-resize-observer debounce="0" @resize="plot?.resize()"></q-resize-observer>
         <output class="law-readout" ref="readout" aria-hidden="true"></output>
       </div>
       <div class="law-dock">

@@ -7,34 +7,6 @@ const CALM = 700;  // milliseconds without a new status, after which screen read
 const THEME = "metafem-theme";
 const MAC = navigator.platform.startsWith("Mac");
 const CTRL = MAC ? "⌘" : "Ctrl+";
-const HELP = [
-  ["Law", [
-    ["drag a point", "changes the target law; the heights follow"],
-    ["double click, double tap", "adds a point; the line below the plot has a button that removes the selected one"],
-    ["Tab, arrow keys", "select a point and move it; with Shift ten times as far"],
-    ["a, Delete", "add a point after the selected one, remove the selected one"],
-    ["click, drag the triangle", "choose the load at which contacts are shown"],
-    ["drop a CSV file", "draws a measured law beside the others"],
-  ]],
-  ["Surface", [
-    ["click or tap a site", "opens its menu: keep its height, leave it empty"],
-    ["drag across sites, Shift+click", "selects several"],
-    ["arrow keys, Enter", "move between sites and open the menu; with Shift select several"],
-    ["p, e, r", "keep the height, leave the site empty, let the design choose"],
-    ["3D: drag, pinch, arrow keys, + −", "turn the picture and change the distance; Home resets the view"],
-  ]],
-  ["Workshop", [
-    ["Enter, Tab", "use the value that was typed; Esc restores the one before"],
-    ["↑, ↓", "change a number by a step; with Shift by ten"],
-  ]],
-  ["Page", [
-    [`${CTRL}Z`, "undo"],
-    [MAC ? "⌘⇧Z" : "Ctrl+Shift+Z, Ctrl+Y", "redo"],
-    ["←, →", "on a tab: the next one"],
-    ["drop a specification", "opens a .toml file or a result folder"],
-    ["?", "shows this help"],
-  ]],
-];
 
 // Whether keys that are typed belong to an element. A field in which nothing has been typed leaves undo to the page.
 const TEXTS = "input:not([type=checkbox], [type=radio], [type=range], [data-clean]), textarea, [contenteditable='true'], .cm-editor";
@@ -73,21 +45,22 @@ export default {
         <span class="choice" role="group" aria-label="Colours of the page">
           <button v-for="(word, name) in themes" :key="name" :aria-pressed="theme === name" @click="choose(name)">{{ word }}</button>
         </span>
-        <button class="act" title="Mouse, touch and keys (?)" @click="help">Help</button>
+        <button class="act" title="Mouse, touch and keys (?)" @click="open">Help</button>
       </span>
       <dialog ref="dialog" aria-labelledby="help-title" @click="outside">
         <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" @click="tour">Tour of a minute</button><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>
-        <table class="figure-table" v-for="[part, rows] in topics" :key="part"><caption>{{ part }}</caption>
-          <tbody><tr v-for="[keys, words] in rows" :key="keys"><th scope="row"><b>{{ keys }}</b></th><td>{{ words }}</td></tr></tbody>
-        </table>
+        <div v-html="keys"></div>
       </dialog>
     </header>`,
-  props: { models: Array, first: String, demos: Array },
+  props: { models: Array, first: String, demos: Array, help: String },
   data() {
     return {
       title: "", status: "designing …", kind: "", measure: "", meaning: "", part: "", announced: "", model: this.first, solved: this.first, late: false, undo: false, redo: false,
-      theme: localStorage.getItem(THEME) ?? "auto", lost: false, themes: THEMES, topics: HELP,
+      theme: localStorage.getItem(THEME) ?? "auto", lost: false, themes: THEMES,
     };
+  },
+  computed: {
+    keys() { return MAC ? this.help.replaceAll("Ctrl+Shift+", "⌘⇧").replaceAll("Ctrl+", "⌘") : this.help; },
   },
   mounted() {
     this.choose(this.theme in THEMES ? this.theme : "auto");
@@ -118,14 +91,14 @@ export default {
     key(event) {
       if (event.altKey || event.defaultPrevented || typing(event.target)) return;
       const [name, control] = [event.key.toLowerCase(), event.ctrlKey || event.metaKey];
-      if (event.key === "?" && !control && !writing(event.target)) this.help();
+      if (event.key === "?" && !control && !writing(event.target)) this.open();
       else if (this.lost) return;
       else if (control && (name === "y" || (name === "z" && event.shiftKey))) this.$emit("redo");
       else if (control && name === "z") this.$emit("undo");
       else return;
       event.preventDefault();
     },
-    help() {
+    open() {
       if (!this.$refs.dialog.open) this.$refs.dialog.showModal();
     },
     async tour() {

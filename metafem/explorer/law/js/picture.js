@@ -1,5 +1,5 @@
 // The picture of the law: axes, bands, curves, points, and its legend. The handles are drawn by `hand.js`.
-import { area, made, MARGIN, path, set, ticks } from "./svg.js";
+import { area, label, made, MARGIN, path, set, ticks } from "./svg.js";
 
 // Pixels for a label of an axis.
 const [BETWEEN_X, BETWEEN_Y] = [85, 48];
@@ -66,8 +66,8 @@ export class Picture {
 
   drawAxes(view, data) {
     const { right, bottom } = view;
-    const x = ticks(view.x, view.wide / BETWEEN_X);
-    const y = ticks(view.y, view.tall / BETWEEN_Y);
+    const x = ticks(0, view.x, view.wide / BETWEEN_X);
+    const y = ticks(0, view.y, view.tall / BETWEEN_Y);
     replace(this.grid, [...x.values.map((each) => ["x", each]), ...y.values.map((each) => ["y", each])], ([axis, value]) =>
       axis === "x"
         ? made("line", { x1: view.px(value), x2: view.px(value), y1: MARGIN.top, y2: bottom })
@@ -102,9 +102,3 @@ export class Picture {
 function zip(curve) { return curve.x.map((x, i) => [x, curve.y[i]]); }
 
 function replace(group, values, make) { group.replaceChildren(...(values ?? []).map(make)); }
-
-function label(text, x, y, anchor) {
-  const node = made("text", { x, y, "text-anchor": anchor });
-  node.textContent = text;
-  return node;
-}

@@ -42,8 +42,7 @@ export class Plot {
     this.cursor = new Cursor(this, made("g", {}, this.svg), element.$refs.readout, this.closed.signal); // after the points in the order of Tab
     this.listen();
     hear("lost", (lost) => (lost ? this.lose() : setTimeout(() => this.resume(), SAME)), this.closed.signal);
-    this.observer = new ResizeObserver(() => this.resize());
-    this.observer.observe(this.stage);
+    this.resize();
   }
 
   // A drag that a lost connection ends is made when the server answers again, also on a page that was loaded anew.
@@ -305,8 +304,5 @@ export class Plot {
     this.paint();
   }
 
-  close() {
-    this.closed.abort();
-    this.observer.disconnect();
-  }
+  close() { this.closed.abort(); }
 }

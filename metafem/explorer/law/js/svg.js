@@ -53,22 +53,21 @@ function rounded(value, pixel) {
   return power < 0 ? Number(value.toFixed(Math.min(100, -power))) : Math.round(value / 10 ** power) * 10 ** power;
 }
 
-// Round values from 0 to the end of an axis, with the number of decimals that tells them apart.
-export function ticks(end, most) {
-  const rough = end / Math.max(1, most);
+// Round values within a range, at most about so many, with the number of decimals that tells them apart.
+export function ticks(low, high, most) {
+  const rough = (high - low) / Math.max(1, most);
   const power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].find((each) => each * power >= rough) * power;
-  const decimals = Math.min(20, Math.max(0, -Math.floor(Math.log10(step * 1.0001))));
-  const values = [];
-  for (let i = 0; i * step <= end * (1 + 1e-9); i += 1) values.push(i * step);
-  return { values, step, decimals };
+  const first = Math.ceil(low / step - 1e-9);
+  const count = Math.floor(high / step + 1e-9) - first + 1;
+  return { values: Array.from({ length: count }, (_, i) => (first + i) * step), decimals: decimalsOf(step * 1.0001) };
 }
 
+// The decimals of a value of which so much can be seen.
+const decimalsOf = (least) => Math.min(20, Math.max(0, -Math.floor(Math.log10(least))));
+
 // A value for people: with the digits that a pixel resolves.
-export function told(value, pixel) {
-  const decimals = Math.min(20, Math.max(0, -Math.floor(Math.log10(pixel))));
-  return value.toFixed(decimals);
-}
+export const told = (value, pixel) => value.toFixed(decimalsOf(pixel));
 
 // The value of a curve at x, on the line between its points; null outside.
 export function valueAt(curve, x) {
@@ -92,6 +91,12 @@ export function set(node, attributes) {
     if (value === null) node.removeAttribute(name);
     else if (node.getAttribute(name) !== String(value)) node.setAttribute(name, value);
   }
+  return node;
+}
+
+export function label(words, x, y, anchor, parent = null) {
+  const node = made("text", { x, y, "text-anchor": anchor }, parent);
+  node.textContent = words;
   return node;
 }
 

@@ -5,6 +5,8 @@ export const radiusOf = (surface, i) => (typeof surface.radius === "number" ? su
 
 export const digits = (value, count = 3) => Number(value.toPrecision(count)).toLocaleString("en", { maximumSignificantDigits: count, useGrouping: false }).replace("-", "−");
 
+export const range = (values) => values.reduce(([low, high], each) => [Math.min(low, each), Math.max(high, each)], [Infinity, -Infinity]);
+
 const percent = (share) => `${digits(100 * share, 2)} %`;
 
 // What is known of a site; `press` has the load at which it comes into contact.

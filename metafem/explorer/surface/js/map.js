@@ -23,18 +23,12 @@ export class SiteMap {
     this.selected = new Set();
     this.active = null;
     this.pointed = new Set(); // those under the pointer, here or at their tick of the law
-    this.what = "height";
-    this.spread = "value";
     for (const name of ["pointerdown", "pointermove", "pointerup", "pointercancel", "pointerleave"]) {
       this.svg.addEventListener(name, (event) => this[name](event));
     }
     this.svg.addEventListener("keydown", (event) => this.on.key(event));
-    this.observer = new ResizeObserver(() => this.resize());
-    this.observer.observe(box);
     this.box = box;
   }
-
-  end() { this.observer.disconnect(); }
 
   resize() {
     const { clientWidth: width, clientHeight: height } = this.box;
@@ -51,17 +45,16 @@ export class SiteMap {
   }
 
   // The data of the server; `contacts` may be those of the surface before for some milliseconds.
-  show(layout, surface, contacts) {
+  show(layout, surface, contacts, look) {
     const placed = this.layout === layout && this.view;
-    Object.assign(this, { layout, surface, contacts });
+    Object.assign(this, { layout, surface, contacts, look });
     if (placed) this.draw(); else this.resize();
   }
 
   draw() {
     if (!this.surface || !this.view) return;
-    const { surface, contacts, view, selected } = this;
-    const dark = document.body.classList.contains("body--dark");
-    const colours = colouring(this.what, surface, contacts, { dark, spread: this.spread });
+    const { surface, contacts, view, selected, look: { dark, spread } } = this;
+    const colours = colouring(surface, contacts, this.look);
     const disc = contacts?.radius ? (i) => view.scale * (contacts.radius[i] ?? 0) : () => 0;
     this.used.draw((i) => {
       const height = surface.height[i];
@@ -75,7 +68,7 @@ export class SiteMap {
       return { fill, classes: names.join(" "), contact: height === null ? 0 : disc(i) };
     });
     const { name, scale, present } = colours;
-    const drawn = scale && [name, scale.low, scale.high, dark, this.spread, view.bar.top, view.bar.bottom, view.box.right, ...present].join();
+    const drawn = scale && [name, scale.low, scale.high, dark, spread, view.bar.top, view.bar.bottom, view.box.right, ...present].join();
     if (drawn !== this.drawnBar) drawBar(this.bar, view, colours);
     this.drawnBar = drawn;
   }
