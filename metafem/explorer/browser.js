@@ -1,6 +1,6 @@
 // What the browser keeps of the page as long as its tab is open: the history, one entry for each state.
 // A reload, and a server that was started again, find it here.
-import { tell } from "metafem-page/linked.js";
+import { kept, tell } from "metafem-page/linked.js";
 
 const KEY = "metafem";
 const entry = (number) => `${KEY}.${number}`;
@@ -8,14 +8,6 @@ const entry = (number) => `${KEY}.${number}`;
 // A history is sent to the server in parts of so many characters: NiceGUI drops messages of a megabyte, and the escapes
 // of a text can double its length.
 const PART = 400_000;
-
-function place() {
-  try {
-    return JSON.parse(sessionStorage.getItem(KEY)) ?? {};
-  } catch { // damaged: the address has the state, too
-    return {};
-  }
-}
 
 // The numbers of the states that are kept, in their order.
 const numbers = () => Object.keys(sessionStorage).filter((key) => key.startsWith(entry(""))).map((key) => Number(key.slice(entry("").length))).sort((a, b) => a - b);
@@ -37,12 +29,12 @@ function store(key, text, at) {
 
 // The states that are kept around the one that is shown, without a gap between them.
 function restored() {
-  const { first, end, at } = place();
-  const kept = (number) => (number >= first && number < end ? sessionStorage.getItem(entry(number)) : null);
+  const { first, end, at } = kept(KEY); // if it is damaged, the address has the state, too
+  const state = (number) => (number >= first && number < end ? sessionStorage.getItem(entry(number)) : null);
   let low = at;
-  while (kept(low - 1) !== null) low--;
+  while (state(low - 1) !== null) low--;
   const states = [];
-  for (let text, number = low; (text = kept(number)) !== null; number++) states.push(text);
+  for (let text, number = low; (text = state(number)) !== null; number++) states.push(text);
   return { first: low, at, states };
 }
 

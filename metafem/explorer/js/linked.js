@@ -3,6 +3,7 @@
 //   entries  { entry, exact }   rescaled load at which each site comes into contact; null while it is not known
 //   sites    sites              the sites under the pointer or in focus
 //   lost     lost               whether the connection to the server is lost
+//   table    files              files that were dropped onto the plot of the law
 const links = new EventTarget();
 
 export function tell(name, detail) { links.dispatchEvent(new CustomEvent(name, { detail })); }
@@ -35,3 +36,15 @@ export function remember(key, text, store = localStorage) {
     console.info(`${key} cannot be kept by the browser: ${error.message}`);
   }
 }
+
+// Returns the values that the tab keeps at a key, {} if there are none or if they are damaged.
+export function kept(key) {
+  try {
+    return JSON.parse(sessionStorage.getItem(key)) ?? {};
+  } catch {
+    return {};
+  }
+}
+
+// Directions of the arrow keys: to the right and up.
+export const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };

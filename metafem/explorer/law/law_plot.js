@@ -1,6 +1,6 @@
 // The element of the law: the choices above the plot and the words below it. NiceGUI calls its methods with answers, and
 // receives its events.
-import { remember } from "metafem-page/linked.js";
+import { hear, remember } from "metafem-page/linked.js";
 import { Plot } from "metafem-law/plot.js";
 
 // What the line below the plot says at the first visit.
@@ -14,7 +14,7 @@ const ACTS = {
 
 export default {
   template: `
-    <div :class="['law-plot', { dropping }]" data-answered="0" @dragover="dropping = $event.dataTransfer?.types.includes('Files')" @dragleave="dropping = false" @drop="drop">
+    <div :class="['law-plot', { dropping }]" data-answered="0" @dragover="dropping = $event.dataTransfer?.types.includes('Files')" @dragleave="dropping = false">
       <div class="law-tools head"><h2>Law</h2>
         <span class="choice law-axes" role="group" aria-label="Axes">
           <button type="button" title="Load P/E* and friction F/(σB), rescaled" :aria-pressed="!newtons" @click="$emit('axes', { newtons: false })">mm²</button>
@@ -64,7 +64,9 @@ export default {
     this.welcome = !localStorage.getItem(HINT);
     if (this.welcome) this.words = WELCOME;
     remember(HINT, "seen");
-    document.addEventListener("pointerdown", (event) => this.leave(event.target), { signal: this.plot.closed.signal });
+    const { signal } = this.plot.closed;
+    hear("table", this.read, signal);
+    document.addEventListener("pointerdown", (event) => this.leave(event.target), { signal });
   },
   unmounted() { this.plot.close(); },
   methods: {
@@ -97,13 +99,8 @@ export default {
       if (target.files.length) this.read([...target.files]);
       target.value = ""; // the same file can be chosen again
     },
-    drop(event) {
-      this.dropping = false;
-      if (!event.dataTransfer?.types.includes("Files")) return;
-      event.preventDefault();
-      this.read([...event.dataTransfer.files]);
-    },
     async read(files) {
+      this.dropping = false;
       const { measured } = await import("metafem-law/measured.js");
       const { wrong, ...table } = await measured(files);
       if (wrong) this.say(wrong, true);

@@ -1,5 +1,5 @@
 // The surface: map and picture in three dimensions, with a menu for the sites that are selected.
-import { Chosen, hear, tell } from "metafem-page/linked.js";
+import { ARROWS, Chosen, hear, tell } from "metafem-page/linked.js";
 import { Press, told, words } from "metafem-surface/contacts.js";
 import { SiteMap } from "metafem-surface/map.js";
 
@@ -10,7 +10,6 @@ const EXAGGERATION = { first: 4, most: 20 };
 const [PLAY, SLIDER, STILL] = [6000, 250, 5];
 
 const HELP = "Arrow keys move between the sites, with Shift they select. Enter opens the menu, p keeps the height, e leaves the site empty, r lets the design choose, Escape ends the selection.";
-const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 // Room beside a site that the menu needs [pixels].
 const MENU = 270;
@@ -309,7 +308,7 @@ export default {
       const { map } = this.views;
       const actions = { p: "pin", e: "empty", r: "release" };
       if (event.ctrlKey || event.metaKey || event.altKey || !this.layout) return;
-      if (MOVES[event.key]) this.go(map.next(...MOVES[event.key]), event.shiftKey);
+      if (ARROWS[event.key]) this.go(map.next(...ARROWS[event.key]), event.shiftKey);
       else if (event.key === "Enter" && map.active !== null) {
         map.selected.add(map.active);
         this.openMenu();

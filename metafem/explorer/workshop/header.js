@@ -1,6 +1,6 @@
 // The head of the page: the target in words, the status, the model, undo and redo, the colours, help.
-// It also takes the files that are dropped, but for tables on the plot of the law.
-import { hear, remember } from "metafem-page/linked.js";
+// It also takes the files that are dropped, and hands those on the plot of the law to it.
+import { hear, remember, tell } from "metafem-page/linked.js";
 
 const THEMES = { light: "Light", auto: "Auto", dark: "Dark" };
 const CALM = 700;  // milliseconds without a new status, after which screen readers are told
@@ -116,11 +116,11 @@ export default {
       // taken before the first wait: the browser empties the transfer afterwards
       const files = [...event.dataTransfer.files];
       const folder = [...event.dataTransfer.items ?? []].map((item) => item.webkitGetAsEntry?.()).find((entry) => entry?.isDirectory);
-      const given = folder || files.some((file) => /\.toml$/i.test(file.name));
-      if (event.target.closest?.(".law-plot") && !given) return;  // a measured law
       event.preventDefault();
       event.stopPropagation();
       event.target.closest?.(".dropping")?.dispatchEvent(new Event("dragleave"));
+      const given = folder || files.some((file) => /\.toml$/i.test(file.name));
+      if (event.target.closest?.(".law-plot") && !given) return tell("table", files);
       const { textsIn, textsOf } = await import("metafem-workshop/files.js");
       this.$emit("load", { files: await (folder ? textsIn(folder) : textsOf(files)) });
     },

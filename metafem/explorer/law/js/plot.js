@@ -3,7 +3,7 @@ import { Chosen, hear, remember } from "metafem-page/linked.js";
 import { Cursor } from "./cursor.js";
 import { Hand } from "./hand.js";
 import { Picture, entries } from "./picture.js";
-import { made, MARGIN, View } from "./svg.js";
+import { made, MARGIN, told, View } from "./svg.js";
 
 // Pixels that a pointer may move during a click.
 const STILL = 4;
@@ -282,6 +282,13 @@ export class Plot {
     if (refusal && offer) element.offer = offer; // after a drag the target is back, and the last offer stays
     if (refusal && !held) element.offered = false; // the box has it
     Object.assign(element, { held, refusal, nearest: nearest !== null });
+  }
+
+  // A place in words; without the friction where it is null.
+  words({ x, y }) {
+    const { data, view } = this;
+    const load = `${data.x.name} ${told(x, view.x / view.wide)} ${data.x.unit}`;
+    return y === null ? load : `${load}, ${data.y.name} ${told(y, view.y / view.tall)} ${data.y.unit}`;
   }
 
   // Shows below the plot where a handle is, which it tells screen readers itself, and a button for hands without keys.

@@ -1,5 +1,5 @@
 // The map of the sites: draws them, finds the one under the pointer, moves between them by keys.
-import { made } from "metafem-law/svg.js";
+import { made, set } from "metafem-law/svg.js";
 import { colouring } from "./colours.js";
 import { drawAxes, drawBar, viewOf } from "./frame.js";
 import { MARKER, MOST_ELEMENTS, PixelMarks, SvgMarks } from "./marks.js";
@@ -113,8 +113,7 @@ export class SiteMap {
     const { left, top } = this.svg.getBoundingClientRect();
     const [x, y] = [Math.min(event.clientX, this.from.x) - left, Math.min(event.clientY, this.from.y) - top];
     this.drawn = { x, y, width: Math.abs(event.clientX - this.from.x), height: Math.abs(event.clientY - this.from.y) };
-    for (const [name, value] of Object.entries(this.drawn)) this.rectangle.setAttribute(name, value);
-    this.rectangle.setAttribute("visibility", "visible");
+    set(this.rectangle, { ...this.drawn, visibility: "visible" });
   }
 
   pointerup(event) {
