@@ -8,7 +8,7 @@ const [MOST, MOST_ROWS] = [100_000, 2000];
 const LARGEST = 50_000_000;
 
 // Returns a table with every n-th of its rows, and n.
-export function thinned(text) {
+function thinned(text) {
   const lines = text.split(/\r?\n/).filter((line) => line.trim());
   const head = lines.findIndex((line) => !line.startsWith("#"));
   const rows = lines.slice(head + 1).filter((line) => !line.startsWith("#"));
