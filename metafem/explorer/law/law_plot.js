@@ -37,7 +37,7 @@ export default {
         <output class="law-readout" ref="readout" aria-hidden="true"></output>
       </div>
       <div class="law-dock">
-        <ul class="law-legend" aria-label="Legend"><li v-for="[kind, words, more] in legend" :key="words" :title="more || null"><span :class="['key', kind]"></span>{{ words }}
+        <ul :key="legend.join()" class="law-legend" aria-label="Legend"><li v-for="[kind, words, more] in legend" :key="words" :title="more || null"><span :class="['key', kind]"></span>{{ words }}
           <button v-for="[act, name, event] in acts[kind]" :key="act" type="button" @click="$emit(name, event)">{{ act }}</button></li></ul>
         <div :class="['law-refusal', { away }]" :hidden="!refusal">
           <button type="button" class="law-away" :hidden="held" :aria-label="away ? 'Show the reason of the refusal' : 'Put the reason away'" @click="away = !away">{{ away ? "Why refused?" : "✕" }}</button>
