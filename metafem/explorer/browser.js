@@ -1,19 +1,13 @@
 // What the browser keeps of the page as long as its tab is open: the history, one entry for each state.
 // A reload, and a server that was started again, find it here.
+import { kept, tell } from "metafem-page/linked.js";
+
 const KEY = "metafem";
 const entry = (number) => `${KEY}.${number}`;
 
 // A history is sent to the server in parts of so many characters: NiceGUI drops messages of a megabyte, and the escapes
 // of a text can double its length.
 const PART = 400_000;
-
-function place() {
-  try {
-    return JSON.parse(sessionStorage.getItem(KEY)) ?? {};
-  } catch { // damaged: the address has the state, too
-    return {};
-  }
-}
 
 // The numbers of the states that are kept, in their order.
 const numbers = () => Object.keys(sessionStorage).filter((key) => key.startsWith(entry(""))).map((key) => Number(key.slice(entry("").length))).sort((a, b) => a - b);
@@ -35,28 +29,34 @@ function store(key, text, at) {
 
 // The states that are kept around the one that is shown, without a gap between them.
 function restored() {
-  const { first, end, at } = place();
-  const kept = (number) => (number >= first && number < end ? sessionStorage.getItem(entry(number)) : null);
+  const { first, end, at } = kept(KEY); // if it is damaged, the address has the state, too
+  const state = (number) => (number >= first && number < end ? sessionStorage.getItem(entry(number)) : null);
   let low = at;
-  while (kept(low - 1) !== null) low--;
+  while (state(low - 1) !== null) low--;
   const states = [];
-  for (let text, number = low; (text = kept(number)) !== null; number++) states.push(text);
+  for (let text, number = low; (text = state(number)) !== null; number++) states.push(text);
   return { first: low, at, states };
 }
 
 export default {
   template: `<div>
-    <div ref="lost" role="alert" class="lost" hidden>
+    <div role="alert" class="lost" :hidden="!lost">
       The connection to the server is lost. What you see is kept by this browser. If the server has stopped, run <code>metafem explore</code> again, and this page goes on.
     </div>
-    <div ref="full" role="status" class="lost" hidden></div>
+    <div role="status" class="lost" :hidden="!full">{{ full }}</div>
   </div>`,
+  data() {
+    return { lost: false, full: "" };
+  },
+  watch: {
+    lost(lost) { tell("lost", lost); },
+  },
   mounted() {
     this.tell("stored", { ...restored(), link: location.hash.slice(1) });
     addEventListener("hashchange", this.linked);
     this.$nextTick(() => { // the socket is made when all elements are mounted
-      window.socket.on("disconnect", () => { this.$refs.lost.hidden = false; });
-      window.socket.on("connect", () => { this.$refs.lost.hidden = true; });
+      window.socket.on("disconnect", () => { this.lost = true; });
+      window.socket.on("connect", () => { this.lost = false; });
     });
   },
   unmounted() {
@@ -84,10 +84,8 @@ export default {
       for (const old of numbers()) if (old < first || old >= end) sessionStorage.removeItem(entry(old));
       const why = store(entry(at), state, at) || store(KEY, JSON.stringify({ first, end, at }), at);
       if (why) console.info(`The history of this page cannot be kept by the browser: ${why}`);
-      const { full } = this.$refs;
-      full.hidden = !why || link !== "";
       const size = (state.length / 1e6).toFixed(1);
-      full.textContent = full.hidden ? "" : `This browser cannot keep a state of ${size} MB: a reload of the page loses it. Take the specification first.`;
+      this.full = !why || link ? "" : `This browser cannot keep a state of ${size} MB: a reload of the page loses it. Take the specification first.`;
       try {
         history.replaceState(null, "", link ? `#${link}` : location.pathname);
       } catch {

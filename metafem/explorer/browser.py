@@ -15,7 +15,7 @@ from metafem.explorer.text.link import to_link
 Handler = Callable[[Any], Awaitable[None]]
 
 
-class Browser(Element, component="browser.js"):
+class Browser(Element, component="browser.js", esm={"metafem-page": "js"}):
     """Element that reads the stored history and the address when the page opens, and stores each later state.
 
     The fragment of the address is a link to the current state. The element also shows a message while the

@@ -322,7 +322,6 @@ def build(first: State) -> Page:
             place_warnings(page, "surface")
         with _part("inspector", "Inspector"):
             _tabs(page)
-    Tour()
     return page
 
 
@@ -332,17 +331,18 @@ def _part(name: str, label: str) -> Element:
 
 
 def _tabs(page: Page) -> None:
-    panels = {
+    """Create the tabs of the inspector; what a tab holds is created when it is first opened."""
+    late = {
         "Workshop": workshop_panel,
         "Specification": editor_panel,
-        "How sure": certainty_panel,
+        "How sure": certainty_panel(page),
         "Take it": take_panel,
         COMPARED: comparison_panel,
     }
     with ui.tabs().props(
         'dense no-caps align=left outside-arrows mobile-arrows aria-label="Inspector"'
     ) as tabs:
-        made = {name: ui.tab(name).props(f'data-tour="{name}"') for name in panels}
+        made = {name: ui.tab(name).props(f'data-tour="{name}"') for name in late}
     page.tabs = tabs
 
     def compare(answer: Answer) -> None:
@@ -351,6 +351,14 @@ def _tabs(page: Page) -> None:
     compare(page.answer)
     page.listen(compare)
     with ui.tab_panels(tabs, value="Workshop", animated=False).props("keep-alive").classes("panels"):
-        for name, make in panels.items():
-            with ui.tab_panel(name):
-                make(page)
+        panels = {name: ui.tab_panel(name) for name in late}
+
+    def opened(name: str) -> None:
+        if name in late:
+            with panels[name]:
+                late.pop(name)(page)
+            if page.number:  # otherwise the first answer follows
+                page.again()
+
+    opened("Workshop")
+    tabs.on_value_change(lambda event: opened(event.value))

@@ -129,7 +129,7 @@ def test_a_large_table_is_thinned(visit):
 def test_models_that_are_computed_stand_in_the_legend(visit):
     words = visit.page.evaluate(
         """async () => {
-          const { entries } = await import('metafem-law/legend.js');
+          const { entries } = await import('metafem-law/picture.js');
           return entries({ handles: [], crowd: '', pending: ['layer'] }).map(each => each[1]);
         }"""
     )

@@ -8,7 +8,7 @@ from nicegui.page import page as page_of
 
 from metafem.errors import InvalidInput
 from metafem.explorer import queue
-from metafem.explorer.page import Page, Request, patience, whole_of
+from metafem.explorer.page import Page, Request, build, patience, whole_of
 from metafem.explorer.queue import in_words
 from metafem.explorer.session import State
 from metafem.files import demo_text
@@ -165,3 +165,20 @@ def test_a_full_search_ends_when_the_drag_goes_on_and_is_finished_where_it_ended
     )
     assert whole_of(one) is None
     assert whole_of(one._replace(draft=True)) == one
+
+
+def test_what_a_tab_holds_is_created_when_it_is_first_opened():
+    async def scene():
+        client = Client(page_of("/"))
+        with client:
+            page = build(State(TEXT))
+        counts = [len(client.elements)]
+        for name in ("Take it", "Workshop", "Take it"):
+            page.tabs.set_value(name)
+            counts.append(len(client.elements))
+        client.delete()
+        return counts
+
+    first, opened, *later = asyncio.run(scene())
+    assert opened > first
+    assert later == [opened, opened]

@@ -103,10 +103,14 @@ class Certainty:
         self.visible = self.ready = False
         self.client = ui.context.client
         self.following: asyncio.Task[None] | None = None
+        self.client.on_delete(self._left)
+
+    def create(self, page: Page) -> None:
+        """Create the table of the figures and the list of long studies, when their tab is first opened."""
         with ui.element("div").classes("certainty"):
             self.table = SureFigures()
             self.studies = SureStudies(ready=self._opened, start=self._start, stop=self._stop)
-        self.client.on_delete(self._left)
+        page.tabs.on_value_change(lambda event: self.turned(event.value))
 
     def show(self, answer: Answer) -> None:
         """Follow a new answer."""
@@ -120,7 +124,7 @@ class Certainty:
             self._follow(PAUSE)
 
     def _opened(self, _: object) -> None:
-        """Show the figures; the browser creates these elements only when the tab is first opened."""
+        """Show the figures: the browser has created their elements."""
         self.ready = self.visible = True
         self._follow(0.0)
 
@@ -194,11 +198,11 @@ class Certainty:
         self.studies.run_method("change", name, change)
 
 
-def certainty_panel(page: Page) -> None:
-    """Create the table of the figures and the list of long studies."""
+def certainty_panel(page: Page) -> Callable[[Page], None]:
+    """Follow the answers, for the warnings; return the function that creates the table and the studies."""
     panel = Certainty(page.tasks, page.warn, page.again)
     page.listen(panel.show)
-    page.tabs.on_value_change(lambda event: panel.turned(event.value))
+    return panel.create
 
 
 def place_warnings(page: Page, place: str) -> None:

@@ -1,5 +1,7 @@
 // Studies that run beside the page: a button, the progress, and what they found. The browser keeps what they found,
 // so that a reload does not lose minutes of work; a result of another state than the one shown is marked.
+import { kept, remember } from "metafem-page/linked.js";
+
 const KEY = "metafem-studies";
 
 export default {
@@ -38,7 +40,7 @@ export default {
     </section>`,
   props: { studies: Array },
   data() {
-    return { states: kept(), hindered: {}, shown: "", now: 0 };
+    return { states: kept(KEY), hindered: {}, shown: "", now: 0 };
   },
   mounted() {
     // The time that has passed is shown also while a step takes long.
@@ -65,18 +67,8 @@ export default {
     },
     keep() {
       const found = Object.entries(this.states).filter(([, state]) => state.found).map(([key, state]) => [key, { found: state.found }]);
-      try {
-        sessionStorage.setItem(KEY, JSON.stringify(Object.fromEntries(found)));
-      } catch { /* the browser's storage is full: the history goes first */ }
+      remember(KEY, JSON.stringify(Object.fromEntries(found)), sessionStorage);
     },
     capital(text) { return text[0].toUpperCase() + text.slice(1); },
   },
 };
-
-function kept() {
-  try {
-    return JSON.parse(sessionStorage.getItem(KEY) ?? "{}");
-  } catch {
-    return {};
-  }
-}

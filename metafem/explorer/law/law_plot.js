@@ -1,21 +1,72 @@
-// The element of the law: NiceGUI calls its methods with answers, and receives its events.
+// The element of the law: the choices above the plot and the words below it. NiceGUI calls its methods with answers, and
+// receives its events.
+import { hear, remember } from "metafem-page/linked.js";
 import { Plot } from "metafem-law/plot.js";
+
+// What the line below the plot says at the first visit.
+const [HINT, WELCOME] = ["metafem-hint", "Drag the points of the target law: the heights follow. The tab “Take it” has the mould table. Help lists gestures and keys."];
+// Buttons in the legend: their words, and the event that they emit.
+const ACTS = {
+  achieved: [["Pin as A", "pin", { on: true }]],
+  pinned: [["Unpin", "pin", { on: false }]],
+  measured: [["Use as target", "measured", { action: "use" }], ["Remove", "measured", { action: "remove" }]],
+};
 
 export default {
   template: `
-    <div class="law-plot" data-answered="0">
-      <div class="law-tools head"></div>
-      <div class="law-stage">
-        <svg class="law-svg" role="group" aria-label="Target law and achieved law. Points can be dragged, or moved with the arrow keys; the key a adds one, Delete removes one."></svg>
-        <output class="law-readout" aria-hidden="true"></output>
+    <div :class="['law-plot', { dropping }]" data-answered="0" @dragover="dropping = $event.dataTransfer?.types.includes('Files')" @dragleave="dropping = false">
+      <div class="law-tools head"><h2>Law</h2>
+        <span class="choice law-axes" role="group" aria-label="Axes">
+          <button type="button" title="Load P and friction F in newtons" :aria-pressed="newtons" :aria-disabled="tools.no_forces !== ''" @click="forces">N</button>
+          <button type="button" title="Load P/E* and friction F/(σB), rescaled" :aria-pressed="!newtons" @click="$emit('axes', { newtons: false })">mm²</button>
+        </span>
+        <details ref="models" class="law-beside" @keydown.esc="close" @focusout="$event.relatedTarget && leave($event.relatedTarget)">
+          <summary ref="summary">{{ block.running ? "Other models (block is computed …)" : "Other models" }}</summary>
+          <div class="law-models">
+            <label v-for="{ name, on } in tools.models" :key="name"><input type="checkbox" :name="name" :checked="on" @change="$emit('model', { name, on: $event.target.checked })"> {{ name }}</label>
+            <div v-if="tools.block" class="row"><button type="button" class="act law-block" :aria-disabled="block.missing !== ''" @click="compute">{{ block.running ? "Stop" : block.shown ? "Hide" : "Compute" }} the block</button></div>
+            <span v-if="tools.block" class="small quiet law-step">{{ block.step }}</span>
+          </div>
+        </details>
+        <button type="button" class="act law-choose" title="Show a CSV table of a measured law; it can also be dropped onto the plot. Its first line names the columns with their units: load_N,friction_force_N or load_mN,area_mm2, optionally with load_sd_N and friction_force_sd_N." @click="$refs.file.click()">Measured points…</button>
+        <input ref="file" type="file" accept=".csv,.tsv,.txt,text/csv" hidden @change="choose">
       </div>
-      <div class="law-dock"><ul class="law-legend" aria-label="Legend"></ul>
-        <div class="law-refusal" hidden><button type="button" class="law-away"></button><em class="law-nearest" hidden><i></i>nearest law that can be designed</em><span></span><button type="button" class="law-use">Use the nearest law</button></div></div>
-      <div class="law-live"><span aria-live="polite"></span><button type="button" class="law-drop" hidden title="Remove this point (Delete)">Remove the point</button><button type="button" class="law-use" hidden>Use the nearest law</button><button type="button" class="law-tour" hidden>Take a tour of a minute</button></div>
+      <div class="law-stage" ref="stage">
+        <svg class="law-svg" ref="svg" role="group" aria-label="Target law and achieved law. Points can be dragged, or moved with the arrow keys; the key a adds one, Delete removes one."></svg>
+        <q-resize-observer debounce="0" @resize="plot?.resize()"></q-resize-observer>
+        <output class="law-readout" ref="readout" aria-hidden="true"></output>
+      </div>
+      <div class="law-dock">
+        <ul :key="legend.join()" class="law-legend" aria-label="Legend"><li v-for="[kind, words, more] in legend" :key="words" :title="more || null"><span :class="['key', kind]"></span>{{ words }}
+          <button v-for="[act, name, event] in acts[kind]" :key="act" type="button" @click="$emit(name, event)">{{ act }}</button></li></ul>
+        <div :class="['law-refusal', { away }]" :hidden="!refusal">
+          <button type="button" class="law-away" :hidden="held" :aria-label="away ? 'Show the reason of the refusal' : 'Put the reason away'" @click="away = !away">{{ away ? "Why refused?" : "✕" }}</button>
+          <em class="law-nearest" :hidden="!nearest"><i></i>nearest law that can be designed</em><span>{{ refusal }}</span>
+          <button type="button" class="law-use" :hidden="!nearest || held" @click="use">{{ offer }}</button></div>
+      </div>
+      <div :class="['law-live', { wrong }]"><span :aria-live="live">{{ words }}</span>
+        <button type="button" class="law-drop" :hidden="!pointed" title="Remove this point (Delete)" @click="plot.remove(pointed)">Remove the point</button>
+        <button type="button" class="law-use" :hidden="!offered" @click="use">{{ offer }}</button>
+        <button type="button" class="law-tour" :hidden="!welcome" @click="tour">Take a tour of a minute</button></div>
     </div>`,
+  data() {
+    return {
+      tools: { models: [], no_forces: "" }, block: {}, dropping: false, legend: [], acts: ACTS,
+      refusal: "", away: false, held: false, nearest: false, offer: "Use the nearest law", // the words of the button
+      words: "", wrong: false, live: "polite", pointed: "", offered: false, welcome: false,
+    };
+  },
+  computed: {
+    newtons() { return Boolean(this.tools.newtons && !this.tools.no_forces); },
+  },
   mounted() {
-    this.plot = new Plot(this.$el, (name, data) => this.$emit(name, data));
-    this.$nextTick(() => this.plot.connect()); // the socket is made when all elements are mounted
+    this.plot = new Plot(this);
+    this.welcome = !localStorage.getItem(HINT);
+    if (this.welcome) this.words = WELCOME;
+    remember(HINT, "seen");
+    const { signal } = this.plot.closed;
+    hear("table", this.read, signal);
+    document.addEventListener("pointerdown", (event) => this.leave(event.target), { signal });
   },
   unmounted() { this.plot.close(); },
   methods: {
@@ -23,5 +74,37 @@ export default {
     refuse(number, words) { this.plot.refuse(number, words); },
     say(words, wrong) { this.plot.say(words, wrong); },
     more(data) { this.plot.more(data); },
+    use() {
+      this.plot.offer = false;
+      this.$emit("nearest", {});
+    },
+    async tour() { (await import("metafem-page/tour.js")).start(); },
+    forces() {
+      if (this.tools.no_forces) this.say(this.tools.no_forces, true);
+      else this.$emit("axes", { newtons: true });
+    },
+    // A choice beside the plot is left by Escape, or for another element.
+    close() {
+      this.$refs.models.open = false;
+      this.$refs.summary.focus();
+    },
+    leave(other) { this.$refs.models.open &&= this.$refs.models.contains(other); },
+    // The law under the block takes seconds to a minute, in a process that can be stopped.
+    compute() {
+      const { missing, running, shown } = this.block;
+      if (missing) this.say(missing, true);
+      else this.$emit("block", { on: !running && !shown });
+    },
+    choose({ target }) {
+      if (target.files.length) this.read([...target.files]);
+      target.value = ""; // the same file can be chosen again
+    },
+    async read(files) {
+      this.dropping = false;
+      const { measured } = await import("metafem-law/measured.js");
+      const { wrong, ...table } = await measured(files);
+      if (wrong) this.say(wrong, true);
+      else this.$emit("dropped", table);
+    },
   },
 };

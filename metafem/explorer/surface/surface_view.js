@@ -1,8 +1,7 @@
 // The surface: map and picture in three dimensions, with a menu for the sites that are selected.
-import { Chosen, hear, tell } from "metafem-law/linked.js";
+import { ARROWS, Chosen, hear, tell } from "metafem-page/linked.js";
+import { Press, told, words } from "metafem-surface/contacts.js";
 import { SiteMap } from "metafem-surface/map.js";
-import { Press, told } from "metafem-surface/press.js";
-import { words } from "metafem-surface/values.js";
 
 // First and largest exaggeration of the heights in 3D.
 const EXAGGERATION = { first: 4, most: 20 };
@@ -11,7 +10,6 @@ const EXAGGERATION = { first: 4, most: 20 };
 const [PLAY, SLIDER, STILL] = [6000, 250, 5];
 
 const HELP = "Arrow keys move between the sites, with Shift they select. Enter opens the menu, p keeps the height, e leaves the site empty, r lets the design choose, Escape ends the selection.";
-const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 // Room beside a site that the menu needs [pixels].
 const MENU = 270;
@@ -30,19 +28,21 @@ export default {
       </div>
       <div class="small line" role="status"><p v-if="message" class="wrong">{{ message }}</p><p v-if="(line || note) && !(message && old)">{{ line }} {{ note }}</p></div>
       <div class="box fill" ref="map" v-show="tab === 'map'" @keydown.esc="close">
+        <q-resize-observer debounce="0" @resize="views.map?.resize()"></q-resize-observer>
         <div v-if="tip" class="tip" :style="tip.style"><div v-for="each in tip.lines">{{ each }}</div></div>
-        <div v-if="menu" class="menu" role="dialog" :aria-label="title" :style="menu" ref="menu">
-          <b>{{ title }}</b>
+        <div v-if="menu" class="menu" role="dialog" :aria-label="menu.title" :style="menu.style" ref="menu">
+          <b>{{ menu.title }}</b>
           <button type="button" class="away" aria-label="Close" @click="close">×</button>
-          <button v-if="filled" type="button" class="act" data-action="pin" @click="send('pin')">{{ kept ? "Keep this height: " + kept : "Keep these heights" }}</button>
-          <button v-if="asked" type="button" class="act" data-action="release" @click="send('release')">{{ filled ? "Let the design choose" : "Fill " + these }}</button>
-          <form @submit.prevent="send('pin', typed)"><label>Height <input class="text" v-model="typed" required inputmode="decimal" :placeholder="kept || '150.0 µm'" aria-label="Height in micrometres"></label>
+          <button v-if="menu.filled" type="button" class="act" data-action="pin" @click="send('pin')">{{ menu.kept ? "Keep this height: " + menu.kept : "Keep these heights" }}</button>
+          <button v-if="menu.asked" type="button" class="act" data-action="release" @click="send('release')">{{ menu.filled ? "Let the design choose" : "Fill " + menu.these }}</button>
+          <form @submit.prevent="send('pin', typed)"><label>Height <input class="text" v-model="typed" required inputmode="decimal" :placeholder="menu.kept || '150.0 µm'" aria-label="Height in micrometres"></label>
             <button type="submit" class="act" data-action="type">Set</button></form>
-          <button v-if="filled" type="button" class="act" data-action="empty" @click="send('empty')">Leave {{ these }} empty</button>
+          <button v-if="menu.filled" type="button" class="act" data-action="empty" @click="send('empty')">Leave {{ menu.these }} empty</button>
           <label class="small"><input type="checkbox" v-model="adding"> Select more sites</label>
         </div>
       </div>
       <div class="box fill" ref="relief" v-show="tab === 'relief'">
+        <q-resize-observer debounce="0" @resize="views.relief?.resize()"></q-resize-observer>
         <p v-if="missing" class="note">{{ missing }}</p>
         <div class="row small" v-else>
           <label>Heights × {{ times }} <input type="range" min="1" :max="most" step="0.5" v-model.number="times" @input="exaggerate" aria-label="Exaggeration of the heights"></label>
@@ -62,7 +62,7 @@ export default {
     </div>`,
   data() {
     return {
-      tab: "map", what: "height", line: "", message: "", old: false, note: "", tip: null, menu: null, title: "", these: "", kept: "", filled: false, asked: false,
+      tab: "map", what: "height", line: "", message: "", old: false, note: "", tip: null, menu: null,
       typed: "", adding: false, missing: "", times: EXAGGERATION.first, most: EXAGGERATION.most, spoken: "",
       radii: false, compared: false, part: "", spread: "value", ready: false, known: false, playing: false, running: false, steps: SLIDER, place: 0, told: "",
     };
@@ -82,15 +82,14 @@ export default {
     map.svg.addEventListener("focus", () => { if (!map.from) this.go(map.active ?? map.next(0, 0)); }); // not by a click
     map.svg.addEventListener("blur", () => tell("sites", []));
     this.views.map = map;
-    // The switch between light and dark.
-    this.theme = new MutationObserver(() => this.draw());
-    this.theme.observe(document.body, { attributes: true, attributeFilter: ["class"] });
   },
   unmounted() {
     this.playing = false;
     this.closed.abort();
-    this.theme.disconnect();
-    Object.values(this.views).forEach((each) => each.end());
+    this.views.relief?.end();
+  },
+  watch: {
+    "$q.dark.isActive"() { this.draw(); },
   },
   methods: {
     show(data) {
@@ -106,14 +105,10 @@ export default {
         tell("entries", null);
         if (this.playing) tell("load", { load: Math.min(this.contacts.load, data.loads[1]), moving: false });
         this.radii = typeof data.radius !== "number";
-        if (!this.radii && this.what === "radius") {
-          this.what = "height";
-          this.recolour();
-        }
       }
       if (this.surface) this.surface.difference = data.difference;
       this.compared = Boolean(data.difference);
-      if (!this.compared && this.what === "difference") {
+      if ({ radius: !this.radii, difference: !this.compared }[this.what]) {
         this.what = "height";
         this.recolour();
       }
@@ -183,10 +178,10 @@ export default {
         const { layout, surface, contacts } = this;
         if (layout && surface) {
           const fitting = contacts?.radius?.length === layout.x.length ? contacts : null;
-          if (this.tab === "map") this.views.map.show(layout, surface, fitting);
-          else this.views.relief?.show(layout, surface, fitting, { what: this.what, spread: this.spread, moves: this.chosen.moving });
+          const look = { what: this.what, spread: this.spread, dark: this.$q.dark.isActive };
+          this.views[this.tab]?.show(layout, surface, fitting, look, this.chosen.moving);
           this.part = this.views.relief?.left(layout.x.length) ?? "";
-          if (this.menu) this.describe();
+          if (this.menu) Object.assign(this.menu, this.described());
           if (this.tip) this.tip.lines = this.words(this.tip.site);
           if (this.spoken && !this.chosen.moving) this.speak(); // not with each frame of a play
         }
@@ -216,7 +211,6 @@ export default {
       }
     },
     recolour() {
-      Object.assign(this.views.map, { what: this.what, spread: this.spread });
       this.$emit("colour", this.what);
       this.draw();
     },
@@ -267,21 +261,23 @@ export default {
     openMenu() {
       const { map } = this.views;
       this.typed = "";
-      this.describe();
       const x = map.view.px(this.layout.x[map.active]);
       const room = Math.max(x, this.$refs.map.clientWidth - x);
-      this.menu = this.beside(x, map.view.py(this.layout.y[map.active]), map.selected.size > 1 || room < MENU);
+      const style = this.beside(x, map.view.py(this.layout.y[map.active]), map.selected.size > 1 || room < MENU);
+      this.menu = { style, ...this.described() };
     },
-    describe() {
+    described() {
       const { surface, views: { map } } = this;
       const sites = [...map.selected];
-      const single = sites.length === 1 ? sites[0] : null;
-      this.title = single === null ? `${sites.length} sites` : `Site ${single}`;
-      this.these = single === null ? "these sites" : "this site";
-      this.filled = sites.some((i) => surface.height[i] !== null && !surface.empty.has(i));
-      this.asked = sites.some((i) => surface.empty.has(i) || surface.pinned[i] !== undefined);
-      const height = single === null ? null : surface.height[single];
-      this.kept = height === null ? "" : `${height.toFixed(1)} µm`;
+      const single = sites.length === 1;
+      const height = single ? surface.height[sites[0]] : null;
+      return {
+        title: single ? `Site ${sites[0]}` : `${sites.length} sites`,
+        these: single ? "this site" : "these sites",
+        filled: sites.some((i) => surface.height[i] !== null && !surface.empty.has(i)),
+        asked: sites.some((i) => surface.empty.has(i) || surface.pinned[i] !== undefined),
+        kept: height === null ? "" : `${height.toFixed(1)} µm`,
+      };
     },
     close() {
       const { map } = this.views;
@@ -312,7 +308,7 @@ export default {
       const { map } = this.views;
       const actions = { p: "pin", e: "empty", r: "release" };
       if (event.ctrlKey || event.metaKey || event.altKey || !this.layout) return;
-      if (MOVES[event.key]) this.go(map.next(...MOVES[event.key]), event.shiftKey);
+      if (ARROWS[event.key]) this.go(map.next(...ARROWS[event.key]), event.shiftKey);
       else if (event.key === "Enter" && map.active !== null) {
         map.selected.add(map.active);
         this.openMenu();

@@ -2,17 +2,6 @@
 import { LARGEST, sent, textsOf } from "metafem-workshop/files.js";
 
 const PAUSE = 500;
-const LOOK = {
-  "&": { height: "100%", color: "var(--ink)", backgroundColor: "var(--paper)" },
-  "&.cm-focused": { outline: "2px solid var(--accent)", outlineOffset: "-2px" },
-  ".cm-scroller": { overflow: "auto", fontFamily: "ui-monospace, 'DejaVu Sans Mono', monospace", fontSize: "13px" },
-  ".cm-gutters": { color: "var(--quiet)", backgroundColor: "var(--shade)", borderRight: "1px solid var(--line)" },
-  ".cm-activeLine, .cm-activeLineGutter": { backgroundColor: "color-mix(in srgb, var(--accent) 9%, transparent)" },
-  ".cm-cursor": { borderLeftColor: "var(--ink)" },
-  "&.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground, .cm-selectionBackground": { backgroundColor: "color-mix(in srgb, var(--accent) 30%, transparent)" },
-  ".cm-wrong": { backgroundColor: "var(--tint-warn)" },
-  ".cm-panels": { color: "var(--ink)", backgroundColor: "var(--shade)" },
-};
 // Colours by the names of syntax tags: sections, values, remarks.
 const COLOURS = [
   [["comment"], { color: "var(--quiet)", fontStyle: "italic" }],
@@ -74,7 +63,7 @@ export default {
       CM.languages.find(({ name }) => name === "TOML").load().then((toml) => this.editor?.dispatch({ effects: language.reconfigure(toml) }));
       return [
         CM.Prec.high(CM.syntaxHighlighting(CM.HighlightStyle.define(styles))), CM.basicSetup, wrong, language.of([]),
-        CM.EditorView.theme(LOOK), CM.EditorView.contentAttributes.of({ "aria-label": "Specification" }),
+        CM.EditorView.contentAttributes.of({ "aria-label": "Specification" }),
         CM.EditorView.updateListener.of((update) => { if (update.docChanged && !this.showing) this.typed(); }),
         CM.EditorView.domEventHandlers({ blur: () => this.use() }),
       ];

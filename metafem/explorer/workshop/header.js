@@ -1,41 +1,12 @@
 // The head of the page: the target in words, the status, the model, undo and redo, the colours, help.
-// It also takes the files that are dropped, but for tables on the plot of the law.
-import { filesOf, holdsSpecification } from "metafem-workshop/files.js";
-import { remember } from "metafem-workshop/remember.js";
+// It also takes the files that are dropped, and hands those on the plot of the law to it.
+import { hear, remember, tell } from "metafem-page/linked.js";
 
 const THEMES = { light: "Light", auto: "Auto", dark: "Dark" };
 const CALM = 700;  // milliseconds without a new status, after which screen readers are told
 const THEME = "metafem-theme";
 const MAC = navigator.platform.startsWith("Mac");
 const CTRL = MAC ? "⌘" : "Ctrl+";
-const HELP = [
-  ["Law", [
-    ["drag a point", "changes the target law; the heights follow"],
-    ["double click, double tap", "adds a point; the line below the plot has a button that removes the selected one"],
-    ["Tab, arrow keys", "select a point and move it; with Shift ten times as far"],
-    ["a, Delete", "add a point after the selected one, remove the selected one"],
-    ["click, drag the triangle", "choose the load at which contacts are shown"],
-    ["drop a CSV file", "draws a measured law beside the others"],
-  ]],
-  ["Surface", [
-    ["click or tap a site", "opens its menu: keep its height, leave it empty"],
-    ["drag across sites, Shift+click", "selects several"],
-    ["arrow keys, Enter", "move between sites and open the menu; with Shift select several"],
-    ["p, e, r", "keep the height, leave the site empty, let the design choose"],
-    ["3D: drag, pinch, arrow keys, + −", "turn the picture and change the distance; Home resets the view"],
-  ]],
-  ["Workshop", [
-    ["Enter, Tab", "use the value that was typed; Esc restores the one before"],
-    ["↑, ↓", "change a number by a step; with Shift by ten"],
-  ]],
-  ["Page", [
-    [`${CTRL}Z`, "undo"],
-    [MAC ? "⌘⇧Z" : "Ctrl+Shift+Z, Ctrl+Y", "redo"],
-    ["←, →", "on a tab: the next one"],
-    ["drop a specification", "opens a .toml file or a result folder"],
-    ["?", "shows this help"],
-  ]],
-];
 
 // Whether keys that are typed belong to an element. A field in which nothing has been typed leaves undo to the page.
 const TEXTS = "input:not([type=checkbox], [type=radio], [type=range], [data-clean]), textarea, [contenteditable='true'], .cm-editor";
@@ -74,36 +45,34 @@ export default {
         <span class="choice" role="group" aria-label="Colours of the page">
           <button v-for="(word, name) in themes" :key="name" :aria-pressed="theme === name" @click="choose(name)">{{ word }}</button>
         </span>
-        <button class="act" title="Mouse, touch and keys (?)" @click="help">Help</button>
+        <button class="act" title="Mouse, touch and keys (?)" @click="open">Help</button>
       </span>
       <dialog ref="dialog" aria-labelledby="help-title" @click="outside">
         <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" @click="tour">Tour of a minute</button><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>
-        <table class="figure-table" v-for="[part, rows] in topics" :key="part"><caption>{{ part }}</caption>
-          <tbody><tr v-for="[keys, words] in rows" :key="keys"><th scope="row"><b>{{ keys }}</b></th><td>{{ words }}</td></tr></tbody>
-        </table>
+        <div v-html="keys"></div>
       </dialog>
     </header>`,
-  props: { models: Array, first: String, demos: Array },
+  props: { models: Array, first: String, demos: Array, help: String },
   data() {
     return {
       title: "", status: "designing …", kind: "", measure: "", meaning: "", part: "", announced: "", model: this.first, solved: this.first, late: false, undo: false, redo: false,
-      theme: localStorage.getItem(THEME) ?? "auto", lost: false, themes: THEMES, topics: HELP,
+      theme: localStorage.getItem(THEME) ?? "auto", lost: false, themes: THEMES,
     };
+  },
+  computed: {
+    keys() { return MAC ? this.help.replaceAll("Ctrl+Shift+", "⌘⇧").replaceAll("Ctrl+", "⌘") : this.help; },
   },
   mounted() {
     this.choose(this.theme in THEMES ? this.theme : "auto");
-    document.addEventListener("keydown", this.key);
-    document.addEventListener("dragover", this.over);
-    document.addEventListener("drop", this.drop, true);
-    this.$nextTick(() => { // the socket is made when all elements are mounted
-      window.socket.on("disconnect", () => this.wait(true));
-      window.socket.on("connect", () => this.wait(false));
-    });
+    this.closed = new AbortController();
+    const { signal } = this.closed;
+    document.addEventListener("keydown", this.key, { signal });
+    document.addEventListener("dragover", this.over, { signal });
+    document.addEventListener("drop", this.drop, { signal, capture: true });
+    hear("lost", this.wait, signal);
   },
   unmounted() {
-    document.removeEventListener("keydown", this.key);
-    document.removeEventListener("dragover", this.over);
-    document.removeEventListener("drop", this.drop, true);
+    this.closed.abort();
     clearTimeout(this.timer);
   },
   watch: {
@@ -122,19 +91,19 @@ export default {
     key(event) {
       if (event.altKey || event.defaultPrevented || typing(event.target)) return;
       const [name, control] = [event.key.toLowerCase(), event.ctrlKey || event.metaKey];
-      if (event.key === "?" && !control && !writing(event.target)) this.help();
+      if (event.key === "?" && !control && !writing(event.target)) this.open();
       else if (this.lost) return;
       else if (control && (name === "y" || (name === "z" && event.shiftKey))) this.$emit("redo");
       else if (control && name === "z") this.$emit("undo");
       else return;
       event.preventDefault();
     },
-    help() {
+    open() {
       if (!this.$refs.dialog.open) this.$refs.dialog.showModal();
     },
-    tour() {
+    async tour() {
       this.$refs.dialog.close();
-      window.dispatchEvent(new Event("metafem-tour"));
+      (await import("metafem-page/tour.js")).start();
     },
     outside(event) {  // the ground behind the dialog is the dialog itself
       if (event.target === this.$refs.dialog) this.$refs.dialog.close();
@@ -144,11 +113,16 @@ export default {
     },
     async drop(event) {  // the browser would leave the page and open the file
       if (!event.dataTransfer?.types.includes("Files")) return;
-      if (event.target.closest?.(".law-plot") && !holdsSpecification(event.dataTransfer)) return;  // a measured law
+      // taken before the first wait: the browser empties the transfer afterwards
+      const files = [...event.dataTransfer.files];
+      const folder = [...event.dataTransfer.items ?? []].map((item) => item.webkitGetAsEntry?.()).find((entry) => entry?.isDirectory);
       event.preventDefault();
       event.stopPropagation();
       event.target.closest?.(".dropping")?.dispatchEvent(new Event("dragleave"));
-      this.$emit("load", { files: await filesOf(event.dataTransfer) });
+      const given = folder || files.some((file) => /\.toml$/i.test(file.name));
+      if (event.target.closest?.(".law-plot") && !given) return tell("table", files);
+      const { textsIn, textsOf } = await import("metafem-workshop/files.js");
+      this.$emit("load", { files: await (folder ? textsIn(folder) : textsOf(files)) });
     },
     wait(lost) {  // a server that is started again knows no change that was made meanwhile
       this.lost = lost;

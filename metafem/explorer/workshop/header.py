@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
@@ -19,6 +20,8 @@ from metafem.files import DEMOS, MODELS, demo_text
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
 
+# What the mouse, touch and keys do.
+HELP = Path(__file__).with_name("help.html")
 
 # Time after which the header announces an unfinished design [s].
 LATE = 0.5
@@ -36,6 +39,7 @@ class Header(Element, component="header.js", esm={"metafem-workshop": "js"}):
         self._props["models"] = list(MODELS)
         self._props["first"] = "independent"
         self._props["demos"] = list(DEMOS)
+        self._props["help"] = HELP.read_text("utf-8")
 
 
 async def begin(page: Page, name: str) -> None:

@@ -1,12 +1,49 @@
-// The line under the pointer with the values there, and the load at which the contacts are shown.
-import { Chosen, hear, tell } from "./linked.js";
-import { Rug } from "./rug.js";
-import { made, set } from "./svg.js";
-import { MARGIN, told, valueAt } from "./view.js";
+// What is shown at a load: the values under the pointer, the load of the contacts, and the loads at which sites touch.
+import { ARROWS, Chosen, hear, tell } from "metafem-page/linked.js";
+import { made, MARGIN, set, valueAt } from "./svg.js";
 
-const ARROWS = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 };
 // Steps of the arrow keys along the axis, and of those with Shift.
 const [STEPS, LONG] = [100, 10];
+
+// Length of a tick, of a marked one, and how near to it a pointer is on it [pixels].
+const [LENGTH, MARKED, NEAR] = [7, 12, 4];
+
+// Ticks below the load axis: the loads at which the sites come into contact.
+class Rug {
+  entry = [];
+  sites = []; // those that are marked
+  pointed = ""; // those whose tick is under the pointer
+
+  constructor(group, changed, signal) {
+    this.ticks = made("path", { class: "rug", "aria-hidden": "true" }, group);
+    this.marks = made("path", { class: "rug-mark", "aria-hidden": "true" }, group);
+    hear("entries", (entries) => { changed(Object.assign(this, entries ?? { entry: [] })); }, signal);
+    hear("sites", (sites) => { changed(this.sites = sites); }, signal);
+  }
+
+  // Marks the sites whose tick is under the pointer: a level of heights has one tick.
+  follow(at, view, scale) {
+    const on = at && at.y >= view.bottom - NEAR && at.y <= view.bottom + LENGTH + NEAR;
+    const away = this.entry.map((load) => (on && load !== null ? Math.abs(view.px(scale * load) - at.x) : Infinity));
+    const least = Math.min(NEAR, ...away) + 0.5;
+    const sites = [...away.keys()].filter((i) => away[i] < least && away[i] <= NEAR);
+    if (sites.join() === this.pointed) return;
+    this.pointed = sites.join();
+    tell("sites", sites);
+  }
+
+  // Returns in words what the marked ticks are.
+  draw(view, { load_scale: scale, x: { unit } }) {
+    const ticks = (loads, length) => loads.filter((load) => load !== null && scale * load <= view.x)
+      .map((load) => `M${view.px(scale * load).toFixed(1)} ${view.bottom}v${length}`).join("");
+    set(this.ticks, { d: ticks(this.entry, LENGTH) });
+    const marked = this.sites.map((site) => this.entry[site] ?? null).filter((load) => load !== null);
+    set(this.marks, { d: ticks(marked, MARKED) });
+    if (!marked.length) return "";
+    const who = marked.length === 1 ? `site ${this.sites[0]} comes` : `${marked.length} sites come`;
+    return `${who} into contact at ${this.exact ? "" : "about "}${Number((scale * marked[0]).toPrecision(3))} ${unit}`;
+  }
+}
 
 export class Cursor {
   over = null; // where the pointer is [px], or null
@@ -33,10 +70,10 @@ export class Cursor {
       plot.svg.setPointerCapture(event.pointerId);
     });
     this.knob.addEventListener("keydown", (event) => {
-      const way = ARROWS[event.key];
-      if (!way) return;
+      if (!ARROWS[event.key]) return;
+      const [right, up] = ARROWS[event.key];
       event.preventDefault();
-      this.choose(this.load + (way * (event.shiftKey ? LONG : 1) * plot.view.x) / STEPS);
+      this.choose(this.load + ((right + up) * (event.shiftKey ? LONG : 1) * plot.view.x) / STEPS);
     });
   }
 
@@ -70,27 +107,27 @@ export class Cursor {
     this.draw(view, data);
   }
 
-  values(x) {
-    const { view, data } = this.plot;
-    const y = valueAt(data.achieved, x);
-    const load = `${data.x.name} ${told(x, view.x / view.wide)} ${data.x.unit}`;
-    return y === null ? load : `${load}, ${data.y.name} ${told(y, view.y / view.tall)} ${data.y.unit}`;
+  values(x) { return this.plot.words({ x, y: valueAt(this.plot.data.achieved, x) }); }
+
+  // Puts a line and a dot at a load, or hides those for which there is no place.
+  place(line, dot, x, y) {
+    const { view } = this.plot;
+    const px = view.px(x ?? 0);
+    set(line, { x1: px, x2: px, y1: MARGIN.top, y2: view.bottom, visibility: x === null ? "hidden" : null });
+    set(dot, { cx: px, cy: view.py(y ?? 0), visibility: y === null ? "hidden" : null });
   }
 
   draw(view, data) {
     const inside = this.over && this.over.x >= MARGIN.left && this.over.x <= view.right && data;
     const x = inside ? view.atX(this.over.x) : null;
     const y = inside ? valueAt(data.achieved, x) : null;
-    set(this.hair, { x1: view.px(x ?? 0), x2: view.px(x ?? 0), y1: MARGIN.top, y2: view.bottom, visibility: inside ? null : "hidden" });
-    set(this.dot, { cx: view.px(x ?? 0), cy: view.py(y ?? 0), visibility: y === null ? "hidden" : null });
+    this.place(this.hair, this.dot, x, y);
     if (data) this.rug.follow(this.over, view, data.load_scale);
     const entry = data ? this.rug.draw(view, data) : "";
     this.readout.textContent = entry || (inside ? `${this.values(x)}${y === null ? "" : " (achieved law)"}` : "");
     const load = this.load;
     const shown = load !== null && load <= view.x;
-    set(this.line, { x1: view.px(load ?? 0), x2: view.px(load ?? 0), y1: MARGIN.top, y2: view.bottom, visibility: shown ? null : "hidden" });
-    const height = shown ? valueAt(data?.achieved, load) : null;
-    set(this.reached, { cx: view.px(load ?? 0), cy: view.py(height ?? 0), visibility: height === null ? "hidden" : null });
+    this.place(this.line, this.reached, shown ? load : null, shown ? valueAt(data?.achieved, load) : null);
     set(this.knob, {
       transform: `translate(${view.px(load ?? 0).toFixed(2)} ${view.bottom})`, visibility: shown ? null : "hidden",
       "aria-label": "load at which contacts are shown", "aria-valuenow": load ?? 0, "aria-valuemin": 0,

@@ -1,9 +1,8 @@
 // Handles of the target: dragged by a pointer, moved by keys. What is dragged follows at once; the law follows
 // with the answers.
+import { ARROWS } from "metafem-page/linked.js";
 import { made, set } from "./svg.js";
-import { told } from "./view.js";
 
-const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 // Steps of the arrow keys along an axis, with Shift ten times as long, and radii of a handle [px]: the area that
 // takes a pointer, 44 px wide for a finger, and the mark.
 const [STEPS, LONG, MARK] = [400, 10, 6.5];
@@ -132,12 +131,7 @@ export class Hand {
     if (this.held && !this.current) this.held = null;
   }
 
-  words(handle) {
-    const { view, data } = this.plot;
-    const x = `${data.x.name} ${told(handle.x, view.x / view.wide)} ${data.x.unit}`;
-    const y = `${data.y.name} ${told(handle.y, view.y / view.tall)} ${data.y.unit}`;
-    return `${handle.label}: ${x}, ${y}`;
-  }
+  words(handle) { return `${handle.label}: ${this.plot.words(handle)}`; }
 
   draw(view, refused) {
     const kept = new Set(this.handles.map((each) => each.id));

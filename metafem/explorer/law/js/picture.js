@@ -1,9 +1,26 @@
-// The picture of the law: axes, bands, curves, points. The handles are drawn by `hand.js`.
-import { made, set, path, area } from "./svg.js";
-import { MARGIN, ticks } from "./view.js";
+// The picture of the law: axes, bands, curves, points, and its legend. The handles are drawn by `hand.js`.
+import { area, label, made, MARGIN, path, set, ticks } from "./svg.js";
 
 // Pixels for a label of an axis.
 const [BETWEEN_X, BETWEEN_Y] = [85, 48];
+
+// Returns [class of the key, words, further words] of all that an answer shows.
+export function entries(data) {
+  const found = [];
+  const add = (shown, kind, words, more = "") => { if (shown) found.push([kind, words, more]); };
+  add(data.wanted || data.handles.length, data.marked ? "point" : "wanted", `target law${data.crowd && ` (${data.crowd})`}`,
+    data.crowd && "Change them in the specification or its table, or choose another kind of target law.");
+  add(data.achieved, data.refusal ? "achieved old" : "achieved", data.refusal ? "last law that was found" : `achieved law (${data.model})`);
+  add(data.pinned, "pinned", "A");
+  add(data.nearest, "nearest", "nearest law that can be designed");
+  add(data.band, "band", data.reach, "What the surfaces within the limits can have at one load. A law inside is refused where no single surface meets all of its loads.");
+  // the errors of the part are told where the pointer rests
+  add(data.tolerance, "tolerance", data.tolerance?.name.split(",")[0], data.tolerance?.name);
+  (data.others ?? []).forEach((each, i) => add(true, `other other-${i}`, each.name));
+  (data.pending ?? []).forEach((name) => add(true, "pending", `${name}: being computed …`));
+  add(data.measured, "measured", data.measured?.name);
+  return found;
+}
 
 export class Picture {
   constructor(svg) {
@@ -49,8 +66,8 @@ export class Picture {
 
   drawAxes(view, data) {
     const { right, bottom } = view;
-    const x = ticks(view.x, view.wide / BETWEEN_X);
-    const y = ticks(view.y, view.tall / BETWEEN_Y);
+    const x = ticks(0, view.x, view.wide / BETWEEN_X);
+    const y = ticks(0, view.y, view.tall / BETWEEN_Y);
     replace(this.grid, [...x.values.map((each) => ["x", each]), ...y.values.map((each) => ["y", each])], ([axis, value]) =>
       axis === "x"
         ? made("line", { x1: view.px(value), x2: view.px(value), y1: MARGIN.top, y2: bottom })
@@ -85,9 +102,3 @@ export class Picture {
 function zip(curve) { return curve.x.map((x, i) => [x, curve.y[i]]); }
 
 function replace(group, values, make) { group.replaceChildren(...(values ?? []).map(make)); }
-
-function label(text, x, y, anchor) {
-  const node = made("text", { x, y, "text-anchor": anchor });
-  node.textContent = text;
-  return node;
-}

@@ -1,15 +1,9 @@
 // The law: draws answers, and turns what hands and keys do into events.
+import { Chosen, hear, remember } from "metafem-page/linked.js";
 import { Cursor } from "./cursor.js";
-import { Files } from "./files.js";
 import { Hand } from "./hand.js";
-import { drawLegend } from "./legend.js";
-import { Chosen } from "./linked.js";
-import { Picture } from "./picture.js";
-import { Refusal } from "./refusal.js";
-import { remember } from "metafem-workshop/remember.js";
-import { made } from "./svg.js";
-import { Tools } from "./tools.js";
-import { MARGIN, View } from "./view.js";
+import { Picture, entries } from "./picture.js";
+import { made, MARGIN, told, View } from "./svg.js";
 
 // Pixels that a pointer may move during a click.
 const STILL = 4;
@@ -18,8 +12,6 @@ const SNAP = 8;
 // Two taps are one double tap within these milliseconds and pixels, the width of a finger.
 const TWICE = { time: 500, far: 40 };
 
-// What the line below the plot says at the first visit.
-const [HINT, WELCOME] = ["metafem-hint", "Drag the points of the target law: the heights follow. The tab “Take it” has the mould table. Help lists gestures and keys."];
 // What the browser keeps of a drag that the server did not take.
 const UNSENT = "metafem-unsent";
 // Milliseconds after which a page that is connected again is not loaded anew.
@@ -40,25 +32,17 @@ export class Plot {
   unsent = null; // the move that waits behind the request under way
   closed = new AbortController();
 
-  constructor(root, emit) {
-    const find = (name) => root.querySelector(`.${name}`);
-    [this.root, this.emit] = [root, emit];
-    [this.stage, this.svg, this.legend, this.live] = [find("law-stage"), find("law-svg"), find("law-legend"), find("law-live")];
-    this.refusal = new Refusal(find("law-refusal"), () => this.paint());
+  // The element has the words around the plot.
+  constructor(element) {
+    this.element = element;
+    this.emit = (name, data) => element.$emit(name, data);
+    [this.root, this.stage, this.svg] = [element.$el, element.$refs.stage, element.$refs.svg];
     this.picture = new Picture(this.svg);
     this.hand = new Hand(this, made("g", {}, this.svg));
-    this.cursor = new Cursor(this, made("g", {}, this.svg), find("law-readout"), this.closed.signal); // after the points in the order of Tab
-    this.files = new Files(root, emit, (words, wrong) => this.say(words, wrong));
-    this.tools = new Tools(find("law-tools"), emit, this.files, (words, wrong) => this.say(words, wrong));
-    for (const button of root.querySelectorAll(".law-use")) button.addEventListener("click", () => this.use());
-    find("law-drop").addEventListener("click", () => this.remove(this.pointed));
+    this.cursor = new Cursor(this, made("g", {}, this.svg), element.$refs.readout, this.closed.signal); // after the points in the order of Tab
     this.listen();
-    if (!localStorage.getItem(HINT)) this.say(WELCOME);
-    find("law-tour").hidden = Boolean(localStorage.getItem(HINT));
-    find("law-tour").addEventListener("click", () => window.dispatchEvent(new Event("metafem-tour")));
-    remember(HINT, "seen");
-    this.observer = new ResizeObserver(() => this.resize());
-    this.observer.observe(this.stage);
+    hear("lost", (lost) => (lost ? this.lose() : setTimeout(() => this.resume(), SAME)), this.closed.signal);
+    this.resize();
   }
 
   // A drag that a lost connection ends is made when the server answers again, also on a page that was loaded anew.
@@ -76,11 +60,6 @@ export class Plot {
     const place = sessionStorage.getItem(UNSENT);
     sessionStorage.removeItem(UNSENT);
     if (place) this.hand.put(JSON.parse(place));
-  }
-
-  connect() {
-    window.socket.on("disconnect", () => this.lose());
-    window.socket.on("connect", () => setTimeout(() => this.resume(), SAME));
   }
 
   listen() {
@@ -168,11 +147,6 @@ export class Plot {
     else this.say("Point removed.");
   }
 
-  use() {
-    this.offer = false;
-    this.emit("nearest", {});
-  }
-
   // Sends a move; while a request is under way, the newest move waits.
   move(request) {
     this.unsent = request;
@@ -222,7 +196,7 @@ export class Plot {
     if (this.hand.held) this.offer = data.refusal !== "" && data.nearest !== null;
     if (!this.hand.held) this.fit();
     if (this.cursor.chosen.isShownBy(data.cursor / data.load_scale)) this.cursor.x = data.cursor;
-    this.tools.draw(data.tools);
+    Object.assign(this.element, { tools: data.tools, block: data.tools.block ?? this.element.block });
     this.drawLegend();
     this.paint();
     this.changed();
@@ -232,7 +206,7 @@ export class Plot {
 
   // Draws what comes a moment after an answer: the tolerance band and the laws under further models.
   more({ number, errors, block, ...curves }) {
-    this.tools.drawBlock(block);
+    if (block) this.element.block = block;
     if (number !== this.data?.number) return;
     Object.assign(this.data, curves, { pending: [] });
     this.beside = curves;
@@ -270,7 +244,7 @@ export class Plot {
 
   // A legend of other lines would change the height of the plot, and so the scale under the hand.
   drawLegend() {
-    if (!this.hand.held) drawLegend(this.legend, this.data, this.emit);
+    if (!this.hand.held) this.element.legend = entries(this.data);
   }
 
   // What follows the handle that is held, and how far it is from where the last answer has it; null for nothing.
@@ -302,11 +276,19 @@ export class Plot {
   }
 
   drawRefusal() {
-    const { data, hand } = this;
-    // after a drag the target is back, and the last offer stays
-    for (const button of this.root.querySelectorAll(".law-use")) if (data.refusal && data.offer) button.textContent = data.offer;
-    const shown = this.refusal.draw(data, Boolean(hand.held));
-    if (shown && !hand.held) this.live.querySelector(".law-use").hidden = true; // the box has it
+    const { element, data: { refusal, offer, nearest } } = this;
+    const held = Boolean(this.hand.held);
+    if (refusal !== element.refusal || held) element.away = false; // another reason has not been read
+    if (refusal && offer) element.offer = offer; // after a drag the target is back, and the last offer stays
+    if (refusal && !held) element.offered = false; // the box has it
+    Object.assign(element, { held, refusal, nearest: nearest !== null });
+  }
+
+  // A place in words; without the friction where it is null.
+  words({ x, y }) {
+    const { data, view } = this;
+    const load = `${data.x.name} ${told(x, view.x / view.wide)} ${data.x.unit}`;
+    return y === null ? load : `${load}, ${data.y.name} ${told(y, view.y / view.tall)} ${data.y.unit}`;
   }
 
   // Shows below the plot where a handle is, which it tells screen readers itself, and a button for hands without keys.
@@ -317,15 +299,9 @@ export class Plot {
   // Says something below the plot, also to screen readers.
   say(words, wrong = false, id = "", live = "polite") {
     this.said = this.data?.state;
-    this.pointed = id;
-    const line = this.live.querySelector("span");
-    line.setAttribute("aria-live", live);
-    if (line.textContent !== words) line.textContent = words;
     const removable = id.startsWith("point") && this.hand.handles.length > 1 && !this.hand.inactive;
-    this.live.querySelector(".law-drop").hidden = !removable;
-    this.live.querySelector(".law-tour").hidden = true;
-    this.live.classList.toggle("wrong", wrong);
-    this.live.querySelector(".law-use").hidden = !(wrong && this.offer);
+    const offered = wrong && Boolean(this.offer);
+    Object.assign(this.element, { words, wrong, live, offered, pointed: removable ? id : "", welcome: false });
   }
 
   resize() {
@@ -335,9 +311,5 @@ export class Plot {
     this.paint();
   }
 
-  close() {
-    this.closed.abort();
-    this.observer.disconnect();
-    this.tools.forget();
-  }
+  close() { this.closed.abort(); }
 }

@@ -1,7 +1,6 @@
 // The frame of the map: scale, axes in mm and the bar of the colours, as SVG.
-import { made } from "metafem-law/svg.js";
-import { ticks as roundTicks } from "metafem-law/view.js";
-import { digits } from "./values.js";
+import { label, made, ticks } from "metafem-law/svg.js";
+import { digits, range } from "./contacts.js";
 
 const [LEFT, BOTTOM, TOP, BAR] = [38, 34, 8, 104];
 
@@ -11,7 +10,6 @@ const [COLOURS, FREQUENT, CLASSES] = [10, 22, 48];
 // From mm to pixels; one scale for both directions.
 export function viewOf(layout, width, height) {
   const edge = 0.62 * layout.spacing;
-  const range = (values) => values.reduce(([low, high], each) => [Math.min(low, each), Math.max(high, each)], [Infinity, -Infinity]);
   const [[west, east], [south, north]] = [range(layout.x), range(layout.y)];
   const [across, along] = [east - west + 2 * edge, north - south + 2 * edge];
   const scale = Math.max(1e-9, Math.min((width - LEFT - BAR) / across, (height - TOP - BOTTOM) / along));
@@ -28,15 +26,7 @@ export function viewOf(layout, width, height) {
   };
 }
 
-function ticks(low, high, count) {
-  const { step } = roundTicks(high - low, count);
-  const first = Math.ceil(low / step - 1e-9);
-  return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, k) => Number(((first + k) * step).toPrecision(12)));
-}
-
-function text(parent, x, y, words, anchor = "middle", turned = "") {
-  made("text", { x, y, "text-anchor": anchor, ...(turned && { transform: turned }) }, parent).textContent = words;
-}
+function upward(words, x, y, parent) { label(words, x, y, "middle", parent).setAttribute("transform", `rotate(-90 ${x} ${y})`); }
 
 export function drawAxes(parent, view) {
   parent.replaceChildren();
@@ -44,11 +34,10 @@ export function drawAxes(parent, view) {
   const [west, east, south, north] = view.range;
   made("rect", { x: left, y: top, width: right - left, height: bottom - top, class: "frame" }, parent);
   const room = (pixels) => Math.max(2, Math.min(8, Math.floor(pixels / 45)));
-  for (const x of ticks(west, east, room(right - left))) text(parent, view.px(x), bottom + 14, digits(x));
-  for (const y of ticks(south, north, room(bottom - top))) text(parent, left - 5, view.py(y) + 4, digits(y), "end");
-  text(parent, (left + right) / 2, bottom + 29, "x [mm]");
-  const [x, y] = [left - 29, (top + bottom) / 2];
-  text(parent, x, y, "y [mm]", "middle", `rotate(-90 ${x} ${y})`);
+  for (const x of ticks(west, east, room(right - left)).values) label(digits(x), view.px(x), bottom + 14, "middle", parent);
+  for (const y of ticks(south, north, room(bottom - top)).values) label(digits(y), left - 5, view.py(y) + 4, "end", parent);
+  label("x [mm]", (left + right) / 2, bottom + 29, "middle", parent);
+  upward("y [mm]", left - 29, (top + bottom) / 2, parent);
 }
 
 // The power of ten that is left out of the numbers of a bar, where they would be too long for it.
@@ -72,8 +61,9 @@ export function drawBar(parent, view, colours) {
   });
   const right = x + COLOURS + FREQUENT;
   const power = powerOf(Math.max(Math.abs(low), Math.abs(high)));
-  if (high > low) for (const value of ticks(low, high, 5)) text(parent, right + 4, bottom - ((value - low) / (high - low)) * (bottom - top) + 4, digits(value / 10 ** power), "start");
-  const middle = (top + bottom) / 2;
+  if (high > low) {
+    for (const value of ticks(low, high, 5).values) label(digits(value / 10 ** power), right + 4, bottom - ((value - low) / (high - low)) * (bottom - top) + 4, "start", parent);
+  }
   const unit = power ? `10${superscript(power)} ${colours.unit}` : colours.unit;
-  text(parent, right + 52, middle, `${colours.name} [${unit}]`, "middle", `rotate(-90 ${right + 52} ${middle})`);
+  upward(`${colours.name} [${unit}]`, right + 52, (top + bottom) / 2, parent);
 }

@@ -1,9 +1,8 @@
 // The map of the sites: draws them, finds the one under the pointer, moves between them by keys.
-import { made } from "metafem-law/svg.js";
+import { made, set } from "metafem-law/svg.js";
+import { colouring } from "./colours.js";
 import { drawAxes, drawBar, viewOf } from "./frame.js";
-import { MARKER, MOST_ELEMENTS, SvgMarks } from "./marks.js";
-import { PixelMarks } from "./pixels.js";
-import { colouring } from "./values.js";
+import { MARKER, MOST_ELEMENTS, PixelMarks, SvgMarks } from "./marks.js";
 
 // Fill of sites without a value, in both themes.
 const PLAIN = { light: "rgb(236 239 242)", dark: "rgb(52 60 69)" };
@@ -24,18 +23,12 @@ export class SiteMap {
     this.selected = new Set();
     this.active = null;
     this.pointed = new Set(); // those under the pointer, here or at their tick of the law
-    this.what = "height";
-    this.spread = "value";
     for (const name of ["pointerdown", "pointermove", "pointerup", "pointercancel", "pointerleave"]) {
       this.svg.addEventListener(name, (event) => this[name](event));
     }
     this.svg.addEventListener("keydown", (event) => this.on.key(event));
-    this.observer = new ResizeObserver(() => this.resize());
-    this.observer.observe(box);
     this.box = box;
   }
-
-  end() { this.observer.disconnect(); }
 
   resize() {
     const { clientWidth: width, clientHeight: height } = this.box;
@@ -52,17 +45,16 @@ export class SiteMap {
   }
 
   // The data of the server; `contacts` may be those of the surface before for some milliseconds.
-  show(layout, surface, contacts) {
+  show(layout, surface, contacts, look) {
     const placed = this.layout === layout && this.view;
-    Object.assign(this, { layout, surface, contacts });
+    Object.assign(this, { layout, surface, contacts, look });
     if (placed) this.draw(); else this.resize();
   }
 
   draw() {
     if (!this.surface || !this.view) return;
-    const { surface, contacts, view, selected } = this;
-    const dark = document.body.classList.contains("body--dark");
-    const colours = colouring(this.what, surface, contacts, { dark, spread: this.spread });
+    const { surface, contacts, view, selected, look: { dark, spread } } = this;
+    const colours = colouring(surface, contacts, this.look);
     const disc = contacts?.radius ? (i) => view.scale * (contacts.radius[i] ?? 0) : () => 0;
     this.used.draw((i) => {
       const height = surface.height[i];
@@ -76,7 +68,7 @@ export class SiteMap {
       return { fill, classes: names.join(" "), contact: height === null ? 0 : disc(i) };
     });
     const { name, scale, present } = colours;
-    const drawn = scale && [name, scale.low, scale.high, dark, this.spread, view.bar.top, view.bar.bottom, view.box.right, ...present].join();
+    const drawn = scale && [name, scale.low, scale.high, dark, spread, view.bar.top, view.bar.bottom, view.box.right, ...present].join();
     if (drawn !== this.drawnBar) drawBar(this.bar, view, colours);
     this.drawnBar = drawn;
   }
@@ -121,8 +113,7 @@ export class SiteMap {
     const { left, top } = this.svg.getBoundingClientRect();
     const [x, y] = [Math.min(event.clientX, this.from.x) - left, Math.min(event.clientY, this.from.y) - top];
     this.drawn = { x, y, width: Math.abs(event.clientX - this.from.x), height: Math.abs(event.clientY - this.from.y) };
-    for (const [name, value] of Object.entries(this.drawn)) this.rectangle.setAttribute(name, value);
-    this.rectangle.setAttribute("visibility", "visible");
+    set(this.rectangle, { ...this.drawn, visibility: "visible" });
   }
 
   pointerup(event) {

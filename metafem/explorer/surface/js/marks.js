@@ -1,4 +1,4 @@
-// The sites of the map as SVG.
+// The sites of the map: as SVG, or on a canvas where there are too many for elements.
 import { made, set } from "metafem-law/svg.js";
 
 // Above this number a redraw of SVG takes longer than a frame of a slow machine.
@@ -44,6 +44,62 @@ export class SvgMarks {
       set(site.marker, { fill });
       set(site.group, { class: classes });
       set(site.contact, { r: contact });
+    });
+  }
+}
+
+// Cells below this size [pixels] fill the map without gaps.
+const GAPLESS = 8;
+
+// Smallest radius of a contact that is drawn [pixels].
+const SEEN = 0.5;
+
+// A square for each site, its contact as a disc.
+export class PixelMarks {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.context = canvas.getContext("2d");
+  }
+
+  place(layout, view, width, height) {
+    const fine = window.devicePixelRatio || 1;
+    Object.assign(this.canvas, { width: fine * width, height: fine * height });
+    this.context.scale(fine, fine);
+    const cell = layout.spacing * view.scale;
+    this.side = cell < GAPLESS ? cell + 1 / fine : 2 * MARKER * cell;
+    this.at = layout.x.map((x, i) => [view.px(x), view.py(layout.y[i])]);
+  }
+
+  clear() {
+    this.canvas.width = 0;
+    this.at = [];
+  }
+
+  // `look(i)`: fill, classes and the radius of the contact [pixels] of a site. Empty and selected sites have frames,
+  // kept ones corners.
+  draw(look) {
+    const { canvas, context, side, at } = this;
+    context.clearRect(0, 0, canvas.width, canvas.height);
+    const style = getComputedStyle(canvas);
+    const [ink, accent, faint] = ["--ink", "--accent", "--faint"].map((name) => style.getPropertyValue(name));
+    at.forEach(([x, y], i) => {
+      const { fill, classes, contact } = look(i);
+      const [left, top] = [x - side / 2, y - side / 2];
+      context.fillStyle = fill;
+      if (fill !== "none") context.fillRect(left, top, side, side);
+      if (contact > SEEN) {
+        context.fillStyle = "white";
+        context.beginPath();
+        context.arc(x, y, contact, 0, 2 * Math.PI);
+        context.fill();
+      }
+      if (classes === "site") return;
+      const chosen = /selected|active/.test(classes);
+      context.lineWidth = chosen ? 2 : 1;
+      context.strokeStyle = chosen ? accent : classes.includes("asked") ? ink : faint;
+      if (chosen || classes.includes("empty")) context.strokeRect(left + 0.5, top + 0.5, side - 1, side - 1);
+      context.fillStyle = ink;
+      if (classes.includes("pinned")) context.fillRect(x, top, side / 2, side / 2);
     });
   }
 }

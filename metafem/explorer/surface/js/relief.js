@@ -1,5 +1,6 @@
 // The surface in three dimensions: undeformed caps on the block, cut off at the glass, with the contacts on it.
-import { colouring, radiusOf } from "./values.js";
+import { colouring } from "./colours.js";
+import { radiusOf, range } from "./contacts.js";
 
 // Most caps: more would be smaller than a pixel, and hold up a browser without a graphics card for seconds.
 export const MOST_CAPS = 20000;
@@ -15,8 +16,6 @@ const [QUIET, LONGEST] = [200, 1000];
 
 // Segments of a cap: fewer for many, of which each is small.
 const segments = (count) => (count > 5000 ? [8, 3] : count > 1500 ? [12, 4] : count > 200 ? [20, 6] : [40, 12]);
-
-const range = (values) => values.reduce(([low, high], each) => [Math.min(low, each), Math.max(high, each)], [Infinity, -Infinity]);
 
 // The sites that are drawn: all, or those in a square around the middle.
 export function nearest({ x, y }) {
@@ -59,17 +58,15 @@ export class Relief {
     canvas.addEventListener("keydown", (event) => this.key(event));
     this.controls.listenToKeyEvents(canvas);
     this.controls.keyRotateSpeed = TURN;
-    this.observer = new ResizeObserver(() => this.resize());
-    this.observer.observe(this.box);
+    this.resize();
     this.cut = { base: new THREE.Plane(new THREE.Vector3(0, 0, 1), 0), glass: new THREE.Plane(new THREE.Vector3(0, 0, -1), 1) };
   }
 
   end() {
     clearTimeout(this.timer);
-    this.observer?.disconnect();
-    this.controls?.dispose();
+    this.controls.dispose();
     this.clear();
-    this.renderer?.dispose();
+    this.renderer.dispose();
   }
 
   clear() {
@@ -104,8 +101,8 @@ export class Relief {
 
   // Takes the newest data when none have come for a while: a picture with each step of a drag would delay the law where
   // the graphics are computed by the processor. What `moves` is drawn at once.
-  show(layout, surface, contacts, { what, spread, moves }) {
-    this.newest = { layout, surface, contacts, what, spread };
+  show(layout, surface, contacts, look, moves) {
+    this.newest = { layout, surface, contacts, look };
     clearTimeout(this.timer);
     if (moves && layout === this.layout) return this.draw();
     const now = performance.now();
@@ -117,15 +114,14 @@ export class Relief {
   }
 
   draw() {
-    const { layout, surface, contacts, what, spread } = this.newest;
+    const { layout, surface, contacts, look } = this.newest;
     if (layout !== this.layout) {
       this.layout = layout;
       this.build();
       this.reset();
     }
     const { THREE, exaggeration: e } = this;
-    const dark = document.body.classList.contains("body--dark");
-    const colours = colouring(what, surface, contacts, { dark, spread });
+    const colours = colouring(surface, contacts, look);
     const separation = (contacts?.separation ?? 1e3 * layout.spacing) / 1e3;
     const top = e * separation;
     this.cut.glass.constant = top;
@@ -148,8 +144,7 @@ export class Relief {
       this.lids.setMatrixAt(i, at.makeScale(lid, lid, 1).setPosition(x, y, top));
       const radius = contacts?.radius?.[site] ?? 0;
       this.contacts.setMatrixAt(i, at.makeScale(radius, radius, 1).setPosition(x, y, top));
-      if (colours.shown(site)) colour.setRGB(...colours.scale.rgb(colours.values[site]), THREE.SRGBColorSpace);
-      else colour.set(plain);
+      colour.set(colours.shown(site) ? colours.scale.css(colours.values[site]) : plain);
       this.caps.setColorAt(i, colour);
       this.lids.setColorAt(i, colour);
     });

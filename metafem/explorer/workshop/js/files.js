@@ -27,16 +27,7 @@ const inFolder = (entry) => new Promise((done) => {
   next();
 });
 
-// Whether what was dropped is a specification or a folder.
-export function holdsSpecification(transfer) {
-  return [...transfer.files].some((file) => /\.toml$/i.test(file.name)) || [...transfer.items ?? []].some((item) => item.webkitGetAsEntry?.()?.isDirectory);
-}
-
-export async function filesOf(transfer) {
-  // Entries must be taken before the first wait: the browser empties the transfer afterwards.
-  const entries = [...transfer.items ?? []].map((item) => item.webkitGetAsEntry?.()).filter(Boolean);
-  const [files, folder] = [[...transfer.files], entries.find((entry) => entry.isDirectory)];
-  if (!folder) return textsOf(files);
+export async function textsIn(folder) {
   const found = await inFolder(folder);
   if (!found.some((entry) => entry.name.toLowerCase() === "spec.toml")) return [{ name: folder.name, why: "is a folder without a spec.toml" }];
   return textsOf(await Promise.all(found.map((entry) => new Promise((done, failed) => entry.file(done, failed)))));

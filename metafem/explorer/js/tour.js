@@ -1,4 +1,7 @@
-// A tour of five steps, each beside the element of which it speaks; the page can be used meanwhile.
+// A tour of five steps, each beside the element of which it speaks; the page can be used meanwhile. This module is
+// loaded when the tour is taken.
+import { createApp } from "vue";
+
 const STEPS = [
   [".law-svg .handle", "Drag a point", "These are points of the target law: how much friction there is at a load. Drag one up or down."],
   [".surface-view .fill", "The heights follow", "The surface is designed anew for each law. A circle is an asperity; its colour is its height."],
@@ -10,7 +13,7 @@ const STEPS = [
 const [GAP, EDGE] = [12, 8];
 const px = (values) => Object.fromEntries(Object.entries(values).map(([name, value]) => [name, `${Math.round(value)}px`]));
 
-export default {
+const Tour = {
   template: `
     <div class="tour"><template v-if="at !== null">
       <div class="tour-ring" :style="ring"></div>
@@ -23,13 +26,7 @@ export default {
   data() {
     return { at: null, ring: {}, place: {}, steps: STEPS };
   },
-  mounted() { window.addEventListener("metafem-tour", this.start); },
-  unmounted() {
-    window.removeEventListener("metafem-tour", this.start);
-    this.leave();
-  },
   methods: {
-    start() { this.go(0); },
     leave() { this.at = null; },
     async go(at) {
       this.at = at < STEPS.length ? at : null;
@@ -51,3 +48,7 @@ export default {
     },
   },
 };
+
+const tour = createApp(Tour).mount(document.body.appendChild(document.createElement("div")));
+
+export const start = () => tour.go(0);
