@@ -18,13 +18,13 @@ export default {
   template: `
     <div :class="['surface-view', 'fill', { old }]" data-answered="0">
       <div class="head"><h2>Surface</h2>
-        <label class="small">Colour <select class="text" v-model="what" @change="recolour" aria-label="Colour of the sites">
-          <option value="height">height</option><option v-if="radii" value="radius">radius</option><option value="pressure">contact pressure</option><option value="sensitivity">sensitivity</option><option v-if="compared" value="difference">difference from A</option>
-        </select> <select class="text" v-model="spread" @change="recolour" aria-label="Spread of the colours"><option value="value">by value</option><option value="quantile">by quantile</option></select></label>
         <div class="choice" role="tablist" aria-label="View of the surface" @keydown.left.prevent="turn($event)" @keydown.right.prevent="turn($event)">
           <button v-for="[name, label] in [['map', 'Map'], ['relief', '3D']]" type="button" role="tab" :aria-selected="tab === name ? 'true' : 'false'" :tabindex="tab === name ? 0 : -1"
                   @click="open(name)">{{ label }}</button>
         </div>
+        <label class="small">Colour <select class="text" v-model="what" @change="recolour" aria-label="Colour of the sites">
+          <option value="height">height</option><option v-if="radii" value="radius">radius</option><option value="pressure">contact pressure</option><option value="sensitivity">sensitivity</option><option v-if="compared" value="difference">difference from A</option>
+        </select> <select class="text" v-model="spread" @change="recolour" aria-label="Spread of the colours"><option value="value">by value</option><option value="quantile">by quantile</option></select></label>
       </div>
       <div class="small line" role="status"><p v-if="message" class="wrong">{{ message }}</p><p v-if="(line || note) && !(message && old)">{{ line }} {{ note }}</p></div>
       <div class="box fill" ref="map" v-show="tab === 'map'" @keydown.esc="close">
