@@ -88,7 +88,10 @@ export default {
       this.$refs.models.open = false;
       this.$refs.summary.focus();
     },
-    leave(other) { this.$refs.models.open &&= this.$refs.models.contains(other); },
+    leave(other) {
+      const { models } = this.$refs;
+      if (!other.contains(models)) models.open &&= models.contains(other); // a press on a label gives the focus to the part around it
+    },
     // The law under the block takes seconds to a minute, in a process that can be stopped.
     compute() {
       const { missing, running, shown } = this.block;
