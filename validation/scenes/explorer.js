@@ -6,11 +6,13 @@ window.probe = {
   taken: () => socket.timeout(30000).emitWithAck(
     'ack', { client_id: clientId, next_message_id: nextMessageId }),
 
-  // The number of the last step of the history, and whether both pictures show its answer.
+  // The number of the last step of the history, and whether both pictures show its answer, no longer search follows, and
+  // no drag waits for the answer that decides where it ends.
   settled: before => {
     const asked = Number(document.querySelector('[data-asked]')?.dataset.asked ?? 0);
     const shown = [...document.querySelectorAll('[data-answered]')].filter(each => each.checkVisibility());
-    return asked > before && shown.length > 0 && shown.every(each => Number(each.dataset.answered) >= asked);
+    const searched = document.querySelector('.law-refusal')?.textContent.includes('A longer search follows');
+    return asked > before && shown.length > 0 && !searched && shown.every(each => Number(each.dataset.answered) >= asked);
   },
 
   // Types a text into a field and leaves it.
