@@ -188,8 +188,12 @@ def test_law_and_surface_are_large(visit):
     row = visit.page.locator(".sure-figures tbody tr").first
     row.wait_for()
     assert row.bounding_box()["width"] > 0.8 * box[".inspector"]["width"]
-    tops = {each.bounding_box()["y"] for each in visit.page.locator(".inspector [role=tab]:visible").all()}
-    assert len(tops) == 1
+    visit.page.get_by_role("button", name="Pin as A").click()
+    visit.page.get_by_role("tab", name="A and B").wait_for()
+    tabs = [each.bounding_box() for each in visit.page.locator(".inspector [role=tab]").all()]
+    assert len({each["y"] for each in tabs}) == 1
+    assert tabs[0]["x"] >= box[".inspector"]["x"]
+    assert tabs[-1]["x"] + tabs[-1]["width"] <= box[".inspector"]["x"] + box[".inspector"]["width"]
 
 
 def test_keys_lead_through_the_head_of_the_page(visit):
