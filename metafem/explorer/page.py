@@ -53,10 +53,6 @@ STYLES = (
 )  # fmt: skip
 
 
-class Tour(Element, component="tour.js"):
-    """Explains parts of the page in five steps, after the event ``metafem-tour`` of the window."""
-
-
 class Request(NamedTuple):
     """A state to answer, the number of the change that made it, and whether a draft is enough."""
 
