@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import re
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import tomlkit
@@ -17,6 +18,13 @@ from metafem.files import DEMOS, KeyForm, demo_text, toml_table
 COMMENT = re.compile(
     r"'''[\s\S]*?'''|\"\"\"(?:\\[\s\S]|[^\\])*?\"\"\"|'[^'\n]*'|\"(?:\\.|[^\"\\\n])*\"|(#.*)"
 )
+
+
+# Number of texts whose values are stored: the newest ones of the open pages, which are few. Each part of a
+# page reads the text of an answer again.
+TEXTS = 8
+
+_table_of = lru_cache(TEXTS)(toml_table)
 
 
 class Document:
@@ -49,7 +57,7 @@ class Document:
 
     def __init__(self, text: str) -> None:
         self.text = text
-        self.table = toml_table(text)
+        self.table = _table_of(text)  # shared, and never changed
 
     def value(self, key: str) -> Any:
         """Return the value of a dotted key; None if the text does not have the key."""
