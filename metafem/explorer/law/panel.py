@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, specification_of
+from metafem.explorer.certainty.band import Band
 from metafem.explorer.law.dropped import as_target, measured_of, read_points
 from metafem.explorer.law.further import Further, tools_data
 from metafem.explorer.law.law_data import band_data, law_data
@@ -39,7 +40,7 @@ class LawPanel:
         self.page = page
         names = [name for name in dir(type(self)) if name.startswith("on_")]
         self.plot = LawPlot(**{name[3:]: partial(self._handle, getattr(self, name)) for name in names})
-        self.band: dict[str, Any] | None = None  # what the surfaces within the limits can have
+        self.reach: tuple[Band | None, Units] | None = None  # the band that is shown, and its units
         self.further = Further(page.tasks, partial(self.plot.call, "more"))
         # number of the plot for each change of the page by a drag, and for the newest one that is answered
         self.requests: dict[int, int] = {}
@@ -63,10 +64,9 @@ class LawPanel:
         data["base"] = None
         if specification is not None:
             data["base"] = scene_of(answer.state.text, specification, answer.design)
-            reach = reach_of(specification)
-            band = None if reach is None else band_data(reach, units)
-            if band != self.band:
-                data["band"] = band
+            reach = reach_of(specification)  # the same object while the band is the same
+            if self.reach is None or reach is not self.reach[0] or units != self.reach[1]:
+                data["band"], data["reached"] = reach and band_data(reach, units), (reach, units)
         return data
 
     def show(self, answer: Answer, data: dict[str, Any]) -> None:
@@ -79,7 +79,7 @@ class LawPanel:
             self.stuck = answer.refusal != "" and not answer.undecided
         if answer.nearest_target is not None:
             self.refused = answer
-        self.band = data.get("band", self.band)
+        self.reach = data.pop("reached", self.reach)
         tools = data["tools"]
         tools["block"] = self.further.block.data(answer.design) if tools["block"] else None
         self.plot.call("draw", data | {"request": self.request})
