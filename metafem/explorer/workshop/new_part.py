@@ -15,6 +15,7 @@ from metafem._values import MICROMETRES
 from metafem.caps import SPHERE
 from metafem.errors import MetafemError
 from metafem.explorer.text.names import on_page
+from metafem.explorer.workshop.changes import EDGE, reached_loads
 from metafem.explorer.workshop.part_fields import FIRST, Collision, Typed, Wanted, wanted
 from metafem.files import parsed, planned
 from metafem.inversion import (
@@ -22,7 +23,6 @@ from metafem.inversion import (
     Limits,
     LinearLaw,
     achievable_friction_coefficients,
-    achievable_load_range,
     design,
 )
 from metafem.surface import Friction, Material, Surface
@@ -32,9 +32,6 @@ HEIGHT_SD = 0.9e-3
 
 # Highest summit relative to the radius. Alignment caps are higher, and at most as high as the radius.
 HIGHEST = 0.95
-
-# Distance of a load range from the ends of the reached loads, relative to them, for rounding.
-EDGE = 0.01
 
 # Most collisions that one offer mends; a mended value can collide with another one.
 MOST_MENDED = 4
@@ -143,8 +140,7 @@ def _line(count: int) -> tuple[tuple[float, float], float]:
     For another radius R and slope m, loads P/E* are proportional to R^2/m^3, and heights to R/m^2 [mm].
     """
     template, limits = _template(count, 1.0, material=Material(1.0)), Limits(FREE)
-    low, high = achievable_load_range(LinearLaw(1.0), template, limits)
-    loads = low * (1.0 + EDGE), high * (1.0 - EDGE)
+    loads = reached_loads(LinearLaw(1.0), template, limits)
     found = design(LinearLaw(1.0, load_range=loads), template, limits=limits)
     return loads, float(np.ptp(found.surface.height)) * (1.0 + EDGE)
 
