@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import math
 import time
 from collections.abc import Awaitable, Callable, Iterable, Mapping
@@ -209,10 +208,6 @@ class Page:
             return session
 
         await self.change(back)
-
-    async def in_thread(self, function: Callable[..., Result], *given: Any) -> Result:
-        """Call a function in a thread, outside the event loop; return its value."""
-        return await asyncio.to_thread(function, *given)
 
     def _ask(self, number: int, state: State, draft: bool) -> None:
         self.number = number

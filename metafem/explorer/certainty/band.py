@@ -22,7 +22,8 @@ from metafem.inversion import Design
 from metafem.prediction import Tolerances
 from metafem.surface import Surface
 
-# A band is computed at every n-th load of the law: at 34 of 100 loads.
+# A band, or a further law beside it, is computed at every n-th load of the law: at 34 of 100 loads. Straight
+# lines are drawn between them.
 EVERY = 3
 
 # Largest numbers of independent and of coupled asperities for a band by linear response. Coupled asperities

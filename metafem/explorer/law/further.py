@@ -13,7 +13,7 @@ from metafem._values import percent
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer, pinned_answer
 from metafem.explorer.certainty.background import Tasks
-from metafem.explorer.certainty.band import Band, band_words, tolerance_band
+from metafem.explorer.certainty.band import EVERY, Band, band_words, tolerance_band
 from metafem.explorer.law.law_data import band_data
 from metafem.explorer.law.shown import Units
 from metafem.explorer.queue import Queue, in_words
@@ -24,10 +24,6 @@ from metafem.prediction import friction_law
 # Models whose laws take milliseconds, and the model whose law is computed in a separate process that takes
 # between seconds and a minute the first time.
 QUICK, SLOW = ("independent", "half-space", "layer"), "block"
-
-# The further laws are solved at every n-th load of the design's law: at 34 of 100 loads. Straight lines are
-# drawn between them.
-EVERY = 3
 
 # Why the axes cannot be in newtons, and why the law under the block model cannot be computed.
 NO_FORCES = "Newtons need “Friction” with its shear strength and area ratio in the workshop."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
@@ -167,7 +168,7 @@ class LawPanel:
             raise InvalidInput("measured points can be shown once the specification has a design")
         name, text, left = (str(event[key]) for key in ("name", "text", "left"))
         template = design.template
-        found = await self.page.in_thread(read_points, name, text, template.material, template.friction)
+        found = await asyncio.to_thread(read_points, name, text, template.material, template.friction)
         await self.page.alter(measured=text, measured_name=name)
         told = [f"{len(found.load)} points of {name} are shown.", *[left] * bool(left), *found.remarks]
         self.say(" ".join(told))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
@@ -64,7 +65,7 @@ class NewPart:
         """Show the part as one step of the history, or the values that collide."""
         self.button.props("loading")
         try:
-            text = await self.page.in_thread(new_part, self.typed, self.page.state.tables)
+            text = await asyncio.to_thread(new_part, self.typed, self.page.state.tables)
         except Collision as error:
             self._show(error)
             return
