@@ -24,7 +24,9 @@ CONTRAST = """node => {
 @pytest.mark.parametrize("theme", ["Light", "Dark"])
 def test_a_message_can_be_read_and_goes_with_the_next_success(visit, theme):
     page = visit.page
-    page.get_by_role("button", name=theme, exact=True).click()
+    page.get_by_role("button", name="Menu").click()
+    page.get_by_role("menuitemradio", name=theme).click()
+    page.keyboard.press("Escape")
     page.evaluate("() => { location.hash = 'm1.damaged'; }")
     message = page.locator(".q-notification")
     message.wait_for()

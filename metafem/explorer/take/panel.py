@@ -5,21 +5,17 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import TYPE_CHECKING
 
 from nicegui import ui
 from nicegui.element import Element
 
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
-from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.places import part_problem
+from metafem.explorer.control import Control, Panel
 from metafem.explorer.session import State
 from metafem.explorer.take import files
 from metafem.explorer.take.figure import FORMATS, HEIGHT, WIDTH, figure_files
-
-if TYPE_CHECKING:
-    from metafem.explorer.page import Page
 
 # Names of the archives and of the picture.
 ARCHIVE, FIGURE, PICTURE = "surface.zip", "figure.zip", "law.svg"
@@ -56,11 +52,12 @@ NOTHING = "there is no design; change the target or a field first"
 TASK = "files"
 
 
-class Taking:
-    """The buttons that download the files of the newest answer; `shown` is the answer at the start."""
+class Taking(Panel):
+    """The buttons that download the files of the newest answer, and the command that repeats the design."""
 
-    def __init__(self, tasks: Tasks, shown: Answer) -> None:
-        self.tasks, self.answer, self.problem = tasks, shown, ""
+    def __init__(self, page: Control) -> None:
+        super().__init__(page)
+        self.tasks, self.answer, self.problem = page.tasks, page.answer, ""
         self.made: tuple[State, dict[str, bytes]] | None = None  # all files of a state
         self.told: State | None = None  # the state that the message is about
         self.offered: dict[str, tuple[ui.button, ui.label]] = {}
@@ -68,7 +65,7 @@ class Taking:
         self.above.set_visibility(False)
         with ui.row().classes("row"):
             self.label = ui.label().props('role="status"')
-            self.stop = ui.button("Stop", on_click=lambda: tasks.stop(TASK)).props("flat dense no-caps")
+            self.stop = ui.button("Stop", on_click=lambda: self.tasks.stop(TASK)).props("flat dense no-caps")
         self.stop.set_visibility(False)
         with ui.element("div").classes("cards"):
             self._cards()
@@ -112,7 +109,7 @@ class Taking:
             _copying(copy, f"getHtmlElement({lines.id}).innerText", told)
         return lines
 
-    def show(self, answer: Answer) -> None:
+    def show(self, answer: Answer, _: object) -> None:
         """Offer the files of an answer; a message about another design goes, except about running work."""
         self.answer = answer
         self.command.text = files.command_of(answer.state)
@@ -190,13 +187,6 @@ class Taking:
     def say(self, text: str) -> None:
         """Show a message about the current design."""
         self.told, self.label.text = self.answer.state, text
-
-
-def take_panel(page: Page) -> None:
-    """Create the buttons that download the design, and the command that produces the same result."""
-    panel = Taking(page.tasks, page.answer)
-    page.listen(panel.show)
-    page.listen_warnings(panel.warn)
 
 
 def _card(title: str) -> Element:
