@@ -93,6 +93,7 @@ class Control:
         self.tasks = Tasks()
         self.client = ui.context.client
         self.client.on_delete(self.tasks.stop_all)
+        self.client.on_delete(self.queue.stop)
         self.client.on_exception(self.wrong)
 
     @property
@@ -115,10 +116,6 @@ class Control:
         """Show the current answer once more, because what is shown with it has changed."""
         if not self.queue.running:  # otherwise a newer answer follows
             self.queue.put(Request(self.number, self.answer.state, self.answer.draft, self.answer.stopped))
-
-    def compute(self) -> None:
-        """Answer the current state by a full search."""
-        self._ask(self.number, self.state)
 
     async def renew(self, panel: Panel) -> None:
         """Show the newest answer in a panel that was opened."""
@@ -198,15 +195,19 @@ class Control:
         """Undo (-1) or redo (1) a step of the history."""
         await self.change(lambda session: session.moved(steps))
 
+    async def compute(self) -> None:
+        """Answer the current state, whose computation was stopped."""
+        await self.change(lambda session: session)
+
     async def stop(self) -> None:
-        """End the computations of the page, and go back to the last state whose answer is shown, if any."""
+        """End the computations of the page, and go to the nearest state whose answer is shown, if any."""
         self.queue.stop()
         shown = self.answer
 
         def back(session: Session) -> Session:
-            earlier = range(session.at, -1, -1) if shown.number else ()
-            same = (at for at in earlier if session.states[at].designs_the_same(shown.state))
-            return replace(session, at=next(same, session.at))
+            states = session.states if shown.number else ()
+            same = (at for at, state in enumerate(states) if state.designs_the_same(shown.state))
+            return replace(session, at=min(same, key=lambda at: abs(at - session.at), default=session.at))
 
         await self.change(back, stopped=True)
 
@@ -299,12 +300,9 @@ class Control:
 def patience(running: Request, waiting: Request) -> float:
     """Return how long a computation may run while a newer request waits [s].
 
-    A full search ends at once when the user has stopped it or the drag has gone on, because a draft for
-    another state waits. It is finished when the waiting request is for the same state, because the handle was
-    released there.
+    A full search ends at once when a draft for another state waits, because the drag has gone on. It is
+    finished when the waiting request is for the same state, because the handle was released there.
     """
-    if waiting.stopped:
-        return 0.0
     if running.draft:
         return PATIENCE_WITH_DRAFTS if waiting.draft else PATIENCE
     if running.state.designs_the_same(waiting.state):

@@ -77,8 +77,14 @@ class Queue(Generic[Request, Result]):
             self.task = asyncio.get_running_loop().create_task(self._run())
 
     def stop(self) -> None:
-        """End the changes that are not made yet; one that is being made ends at its next progress step."""
+        """Drop the running computation and the changes that are not made yet.
+
+        A computation ends at its next progress step, which can take seconds; newer requests do not wait.
+        """
         self.ended = self.asked
+        if self.task is not None:
+            self.task.cancel()
+            self.task = None
 
     async def change(
         self, make: Callable[[], Made], use: Callable[[int, Made], None], *, replaceable: bool = False
@@ -122,9 +128,11 @@ class Queue(Generic[Request, Result]):
                 self.rest = asyncio.get_running_loop().call_later(REST, self.put, better)
 
     def _computed(self, request: Request) -> Result:
-        start = time.monotonic()
+        start, ended = time.monotonic(), self.ended
 
         def on_step(step: str, done: float | None) -> None:
+            if self.ended > ended:
+                raise Dropped
             self.step = step
             waiting = self.waiting
             if waiting is not None and time.monotonic() - start > self.patience(request, waiting):

@@ -142,7 +142,7 @@ def test_the_first_computation_is_stopped_and_begun_again():
         await shown(page)
         assert page.answer.stopped
         go.set()
-        page.compute()
+        await page.compute()
         await shown(page)
         return running, stopped, history, page.answer
 
@@ -288,7 +288,6 @@ def test_a_full_search_ends_when_the_drag_goes_on_and_is_finished_where_it_ended
         < patience(one._replace(draft=True), other)
         < patience(*[each._replace(draft=True) for each in (one, other)])
     )
-    assert patience(one, one._replace(stopped=True)) == 0.0
     assert whole_of(one) is None
     assert whole_of(one._replace(draft=True)) == one
     assert whole_of(one._replace(draft=True, stopped=True)) is None
