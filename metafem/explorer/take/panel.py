@@ -16,6 +16,7 @@ from metafem.explorer.control import Control, Panel
 from metafem.explorer.session import State
 from metafem.explorer.take import files
 from metafem.explorer.take.figure import FORMATS, HEIGHT, WIDTH, figure_files
+from metafem.inversion import Design
 
 # Names of the archives and of the picture.
 ARCHIVE, FIGURE, PICTURE = "surface.zip", "figure.zip", "law.svg"
@@ -36,7 +37,7 @@ MEANINGS = {
     FIGURE: "Law and map of heights, with a caption and their data",
     ARCHIVE: "Everything: the result folder of metafem design",
 }
-TABLES = ("mould.csv", "heights.csv", "law.csv")
+QUICK = ("mould.csv", "heights.csv", "law.csv", PICTURE, FIGURE)
 
 # Message beside the link, and message after the link is copied.
 LINK = "The address of this page, for this machine; colleagues need spec.toml"
@@ -147,23 +148,25 @@ class Taking(Panel):
             return await asyncio.to_thread(files.specification_file, answer.state)
         if not answer.current or answer.draft or answer.design is None:
             raise MetafemError(NOTHING)
-        if name == FIGURE:
-            size = self.width.value, self.height.value
-            figure = await asyncio.to_thread(figure_files, answer, self.format.value, *size)
-            return name, files.archive(figure)
-        if name == PICTURE:
-            return name, await asyncio.to_thread(files.law_picture, answer.design)
-        if name == "mould.csv" and (problem := await asyncio.to_thread(part_problem, answer)):
-            raise MetafemError(problem)
-        if name in TABLES:
-            found = await asyncio.to_thread(files.tables_of, answer)
-        else:
-            found = await self._made(answer.state)
+        if name in QUICK:
+            return name, await asyncio.to_thread(self._quick, name, answer, answer.design)
+        found = await self._made(answer.state)
         if name == ARCHIVE:
             return name, await asyncio.to_thread(files.archive, found)
         if name not in found:
             raise MetafemError(f"it is not a file of this specification, which has {', '.join(found)}")
         return name, found[name]
+
+    def _quick(self, name: str, answer: Answer, design: Design) -> bytes:
+        """Return the content of one of the files in `QUICK`."""
+        if name == FIGURE:
+            size = self.width.value, self.height.value
+            return files.archive(figure_files(answer, self.format.value, *size))
+        if name == PICTURE:
+            return files.law_picture(design)
+        if name == "mould.csv" and (problem := part_problem(answer)):
+            raise MetafemError(problem)
+        return files.tables_of(answer)[name]
 
     async def _made(self, state: State) -> dict[str, bytes]:
         """Return all files of a state, which a background process writes once."""

@@ -40,15 +40,13 @@ export default {
         </span>
         <button class="act" title="A part of your own from a few values; undo brings back what was" :disabled="lost" @click="$emit('part')">New part</button>
         <button class="act" aria-haspopup="menu" :aria-expanded="opened">Menu
-          <q-menu ref="menu" v-model="opened" class="bar-menu" anchor="bottom right" self="top right" transition-duration="0" @show="step(0)" @keydown="walk">
-            <div role="menu" aria-label="Menu">
-              <div role="group" aria-labelledby="menu-starts"><h3 id="menu-starts">Start over</h3>
-                <button v-for="name in starts" :key="name" role="menuitem" title="Undo brings back what was" :disabled="lost" @click="use('begin', name)">{{ name }}</button></div>
-              <div role="group" aria-labelledby="menu-colours"><h3 id="menu-colours">Colours of the page</h3>
-                <button v-for="(word, name) in themes" :key="name" role="menuitemradio" :aria-checked="theme === name" @click="choose(name)">{{ word }}</button></div>
-              <div role="group" aria-labelledby="menu-help"><h3 id="menu-help">How to use it</h3>
-                <button role="menuitem" @click="tour">Tour of a minute</button><button role="menuitem" @click="open">Help: mouse, touch and keys (?)</button></div>
-            </div></q-menu></button>
+          <q-menu ref="menu" v-model="opened" class="bar-menu" aria-label="Menu" anchor="bottom right" self="top right" transition-duration="0" @show="step(0)" @keydown="walk">
+            <div role="group" aria-labelledby="menu-starts"><h3 id="menu-starts">Start over</h3>
+              <button v-for="name in starts" :key="name" role="menuitem" title="Undo brings back what was" :disabled="lost" @click="use('begin', name)">{{ name }}</button></div>
+            <div role="group" aria-labelledby="menu-colours"><h3 id="menu-colours">Colours of the page</h3>
+              <button v-for="(word, name) in themes" :key="name" role="menuitemradio" :aria-checked="theme === name" @click="choose(name)">{{ word }}</button></div>
+            <div role="group" aria-labelledby="menu-help"><h3 id="menu-help">How to use it</h3>
+              <button role="menuitem" @click="tour">Tour of a minute</button><button role="menuitem" @click="open">Help: mouse, touch and keys (?)</button></div></q-menu></button>
       </span>
       <dialog ref="dialog" aria-labelledby="help-title" @click="outside">
         <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>
