@@ -112,18 +112,13 @@ class Control:
         change, request = self.queue.asked, self.number
         return change * (change > self.queue.made), request * (request > self.answer.number)
 
-    def again(self) -> None:
-        """Show the current answer once more, because what is shown with it has changed."""
-        if not self.queue.running:  # otherwise a newer answer follows
-            self.queue.put(Request(self.number, self.answer.state, self.answer.draft, self.answer.stopped))
-
-    async def renew(self, panel: Panel) -> None:
-        """Show the newest answer in a panel that was opened."""
+    async def renew(self, *panels: Panel) -> None:
+        """Show the newest answer once more in panels in which it looks different now; default: in all."""
         answer = None
         while answer is not self.answer:
             answer = self.answer
-            show = await asyncio.to_thread(self._prepared_for, panel, answer)
-        self._tell([show])
+            shows = await asyncio.to_thread(self._shows, panels or self.panels, answer)
+        self._tell(shows)
 
     async def change(
         self,
@@ -162,7 +157,7 @@ class Control:
             return await self.queue.change(make, use, replaceable=draft or replaceable)
         except Exception:
             if draft:
-                self.again()
+                await self.renew()
             else:
                 self._ask(number, self.state)
             raise
@@ -217,12 +212,13 @@ class Control:
 
     def _work(self, request: Request) -> tuple[Answer, list[Show]]:
         number, state, draft, stopped = request
-        return self._prepared(answered(state, number, self.answer, draft, stopped))
+        answer = answered(state, number, self.answer, draft, stopped)
+        return answer, self._shows(self.panels, answer)
 
-    def _prepared(self, answer: Answer) -> tuple[Answer, list[Show]]:
-        return answer, [self._prepared_for(panel, answer) for panel in self.panels]
+    def _shows(self, panels: Iterable[Panel], answer: Answer) -> list[Show]:
+        return [self._prepared(panel, answer) for panel in panels]
 
-    def _prepared_for(self, panel: Panel, answer: Answer) -> Show:
+    def _prepared(self, panel: Panel, answer: Answer) -> Show:
         if answer.draft and time.monotonic() < panel.due:
             return lambda: None
         panel.due = time.monotonic() + panel.pace
@@ -246,7 +242,7 @@ class Control:
         """Show a program error together with the last surface that was found."""
         problems = {"": in_words(error)}
         failed = Answer(request.number, request.state, None, self.answer.design, problems, failed=True)
-        self._show(self._prepared(failed))
+        self._show((failed, self._shows(self.panels, failed)))
 
     def wrong(self, error: Exception) -> None:
         """Show a program error; the error is already logged."""
@@ -312,4 +308,4 @@ def patience(running: Request, waiting: Request) -> float:
 
 def whole_of(request: Request) -> Request | None:
     """Return the request for the full search that follows a draft when the pointer rests; otherwise None."""
-    return request._replace(draft=False) if request.draft and not request.stopped else None
+    return request._replace(draft=False) if request.draft else None

@@ -13,7 +13,7 @@ from metafem.explorer import queue
 from metafem.explorer.control import Control, Panel, Request, patience, whole_of
 from metafem.explorer.page import build
 from metafem.explorer.queue import in_words
-from metafem.explorer.session import State
+from metafem.explorer.session import Session, State
 from metafem.files import demo_text
 from metafem.progress import doing
 
@@ -138,8 +138,7 @@ def test_the_first_computation_is_stopped_and_begun_again():
         await page.stop()
         await shown(page)
         stopped, history = page.answer, page.session
-        page.again()
-        await shown(page)
+        await page.renew()
         assert page.answer.stopped
         go.set()
         await page.compute()
@@ -154,6 +153,35 @@ def test_the_first_computation_is_stopped_and_begun_again():
     assert len(history.states) == 1
     assert answer.current
     assert not answer.stopped
+
+
+def test_stopping_keeps_the_state_of_a_page_that_has_shown_nothing_yet():
+    async def scene(page):
+        page.session = Session((State(TEXT), State(TEXT, newtons=False), State(demo_text("linear"))), 2)
+        await page.stop()
+        await shown(page)
+        return page
+
+    page = run(scene)
+    assert page.answer.stopped
+    assert page.state == page.answer.state == State(demo_text("linear"))
+
+
+def test_stopping_after_undo_leads_forward_to_what_is_shown():
+    async def scene(page):
+        await page.make(with_friction(1.7))
+        await shown(page)
+        _, begun = waiting(page)
+        await page.moved(-1)
+        await asyncio.to_thread(begun.wait, 10.0)
+        await page.stop()
+        await shown(page)
+        return page
+
+    page = run(scene)
+    assert page.session.at == 1
+    assert page.answer.current
+    assert not page.answer.stopped
 
 
 def test_a_draft_stays_when_the_search_after_it_is_stopped():
@@ -234,8 +262,7 @@ def test_panels_show_answers_with_their_data_and_skip_drafts_that_come_too_fast(
             await shown(page)
         await page.make(with_friction(1.71))
         await shown(page)
-        page.again()
-        await shown(page)
+        await page.renew()
         return [panel.shown for panel in panels]
 
     each, paced, failing = run(scene)
@@ -290,7 +317,6 @@ def test_a_full_search_ends_when_the_drag_goes_on_and_is_finished_where_it_ended
     )
     assert whole_of(one) is None
     assert whole_of(one._replace(draft=True)) == one
-    assert whole_of(one._replace(draft=True, stopped=True)) is None
 
 
 def test_what_a_tab_holds_is_created_when_it_is_first_opened():

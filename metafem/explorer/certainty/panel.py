@@ -144,8 +144,7 @@ class Certainty(Panel):
         if band.drawn_of(answer) is None:
             await asyncio.to_thread(band.draw, answer, lambda: self._wanted(answer))
         if band.drawn_of(answer) is not None and not shown:
-            self.page.again()
-            await self._figures(answer)
+            await self.page.renew()  # this panel then follows the answer anew
 
     def _wanted(self, answer: Answer) -> bool:
         """Return whether the design of an answer is still the newest one."""
