@@ -84,6 +84,7 @@ class Control:
         self.answer = Answer(0, first)
         self.number = 0  # of the last request
         self.panels: list[Panel] = []
+        self.warnings: Mapping[str, list[str]] = {}
         self.messages: list[ui.notification] = []
         self.comments_ended = False
         self.queue: Queue[Request, tuple[Answer, list[Show]]] = Queue(
@@ -113,12 +114,12 @@ class Control:
         return change * (change > self.queue.made), request * (request > self.answer.number)
 
     async def renew(self, *panels: Panel) -> None:
-        """Show the newest answer once more in panels in which it looks different now; default: in all."""
-        answer = None
+        """Show the newest answer and warnings once more in panels that look different; default: in all."""
+        chosen, answer = panels or tuple(self.panels), None
         while answer is not self.answer:
             answer = self.answer
-            shows = await asyncio.to_thread(self._shows, panels or self.panels, answer)
-        self._tell(shows)
+            shows = await asyncio.to_thread(self._shows, chosen, answer)
+        self._tell([*shows, *(partial(panel.warn, self.warnings) for panel in chosen)])
 
     async def change(
         self,
@@ -250,6 +251,7 @@ class Control:
 
     def warn(self, places: Mapping[str, list[str]]) -> None:
         """Show the warnings of the current answer."""
+        self.warnings = places
         self._tell(partial(panel.warn, places) for panel in self.panels)
 
     def _tell(self, shows: Iterable[Show]) -> None:

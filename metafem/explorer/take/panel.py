@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
 
 from nicegui import ui
@@ -77,7 +77,7 @@ class Taking(Panel):
             self._buttons("mould.csv", "block.stl", "mould.stl", "mould.svg")
         with _card("To keep and to repeat the design"):
             self._buttons(ARCHIVE, files.SPECIFICATION)
-            copy = _copying(ui.button("Copy link", icon="link"), "location.href", partial(self.say, COPIED))
+            copy = self._copy("location.href", COPIED, text="Copy link", icon="link")
             copy.props("no-caps flat dense align=left")
             ui.label(LINK).classes("small")
             self._buttons("report.html")
@@ -104,11 +104,16 @@ class Taking(Panel):
         """Return a label that shows the text unchanged, next to a button that copies the text."""
         with ui.element("div").classes("lines"):
             lines = ui.label(text)
-            copy = ui.button(icon="content_copy")
+            inside = f"getHtmlElement({lines.id}).innerText"
+            copy = self._copy(inside, f"The {name} was copied.", icon="content_copy")
             copy.props(f'round flat size=sm aria-label="Copy the {name}" title="Copy the {name}"')
-            told = partial(self.say, f"The {name} was copied.")
-            _copying(copy, f"getHtmlElement({lines.id}).innerText", told)
         return lines
+
+    def _copy(self, value: str, said: str, **look: str) -> ui.button:
+        """Return a button that copies the value of a JavaScript expression, and then says a text."""
+        # in the browser, which allows copying only in the handler of a click
+        copied = f"() => navigator.clipboard.writeText({value})"
+        return ui.button(on_click=partial(self.say, said), **look).on("click", js_handler=copied)
 
     def show(self, answer: Answer, _: object) -> None:
         """Offer the files of an answer; a message about another design goes, except about running work."""
@@ -198,10 +203,3 @@ def _card(title: str) -> Element:
     with card, ui.element("h3"):
         ui.label(title)
     return card
-
-
-def _copying(button: ui.button, text: str, then: Callable[[], None]) -> ui.button:
-    """Let a button copy the value of a JavaScript expression, and then call a function."""
-    # in the browser, which allows copying only in the handler of a click
-    button.on("click", js_handler=f"() => navigator.clipboard.writeText({text})")
-    return button.on_click(then)
