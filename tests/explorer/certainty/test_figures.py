@@ -152,4 +152,7 @@ def test_notes_are_those_of_the_report_warnings_first(shown):
     )
     assert remarks(warned) == mf.report.all_notes(warned.design)
     assert remarks(warned)[0].warns
-    assert warnings_by_place(warned) == {"surface": ["raise the offset"], "limits.offset": ["raise the offset"]}
+    assert warnings_by_place(warned) == {
+        "surface": ["raise the offset"],
+        "limits.offset": ["raise the offset"],
+    }
