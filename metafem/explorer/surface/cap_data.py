@@ -1,4 +1,4 @@
-"""The shapes of the caps of a surface, and what the mould of its part has besides, as data for the pictures."""
+"""The shapes of the caps of a surface, and what its mould has besides, as data for the pictures."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ INTERVALS, DECIMALS = 32, 6
 LOWEST = 1e-3
 
 NO_BLOCK = "the mould needs “Block” with its width, length and thickness"
-NO_SURFACE = "the mould needs a surface that reaches the target"
+NO_SURFACE = "the mould needs a surface"
 
 
 def cap_data(surface: Surface, height: float) -> list[dict[str, Any]]:
@@ -31,11 +31,11 @@ def cap_data(surface: Surface, height: float) -> list[dict[str, Any]]:
     ``across`` contains distances from the axis, and ``depth`` depths below the summit: over the radius of the
     asperity if the cap is ``scaled``, otherwise in mm.
     """
-    cap = surface.cap
-    kinds = cap.kinds if isinstance(cap, Caps) else (cap,)
+    kinds = surface.cap.kinds if isinstance(surface.cap, Caps) else (surface.cap,)
+    index = kind_of_cap(surface)
     return [
-        _meridian(kind, height / float(surface.radius[own].min()) if kind.scaled else height)
-        for kind, own in ((kind, kind_of_cap(surface) == k) for k, kind in enumerate(kinds))
+        _meridian(cap, height / float(surface.radius[index == k].min()) if cap.scaled else height)
+        for k, cap in enumerate(kinds)
     ]
 
 
@@ -59,25 +59,30 @@ def _meridian(cap: Cap, height: float) -> dict[str, Any]:
 def mould_data(answer: Answer) -> dict[str, Any]:
     """Return what the mould has besides the caps of the surface, in the coordinates of the part.
 
-    ``thickness`` is that of the plate [mm]. ``x`` and ``y`` [mm], ``height`` [um], ``radius`` [mm] and the
-    kind of cap describe the alignment asperities. If no mould can be made, only the ``problem`` is returned.
+    ``thickness`` is that of the plate [mm], and ``alignment`` contains position, height [um], radius [mm] and
+    kind of cap of the alignment asperities. If no mould can be made, only the ``problem`` is returned.
     """
     design, specification = answer.design, answer.specification
     if not answer.current or design is None or specification is None:
-        return {"problem": NO_SURFACE}
+        return {"problem": answer.refused or NO_SURFACE}
     try:
         part = planned(design.surface, design.template, specification.part)
     except InvalidInput as error:
         return {"problem": on_page(f"no part can be made: {error}")}
     if part is None:
         return {"problem": NO_BLOCK}
-    whole, own = part.surface, slice(part.asperities, None)
+    whole, kind = part.surface, kind_of_cap(part.surface)
     return {
         "problem": "",
         "thickness": part.block.thickness + float(whole.height.max()),
-        "x": whole.position[own, 0].tolist(),
-        "y": whole.position[own, 1].tolist(),
-        "height": (MICROMETRES * whole.height[own]).tolist(),
-        "radius": whole.radius[own].tolist(),
-        "cap": kind_of_cap(whole)[own].tolist(),
+        "alignment": [
+            {
+                "x": float(whole.position[i, 0]),
+                "y": float(whole.position[i, 1]),
+                "height": MICROMETRES * float(whole.height[i]),
+                "radius": float(whole.radius[i]),
+                "kind": int(kind[i]),
+            }
+            for i in range(part.asperities, whole.count)
+        ],
     }

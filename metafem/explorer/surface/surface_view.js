@@ -13,17 +13,16 @@ const HELP = "Arrow keys move between the sites, with Shift they select. Enter o
 
 const VIEWS = [["map", "Map"], ["relief", "3D"], ["profile", "Profile"]];
 
-// Room beside a site that the menu needs [pixels].
-const MENU = 270;
+// Distance of the tip from the pointer [pixels].
+const GAP = 14;
 
 export default {
   template: `
     <div :class="['surface-view', 'fill', { old }]" data-answered="0">
       <div class="head"><h2>Surface</h2>
-        <div class="choice" role="tablist" aria-label="View of the surface" @keydown.left.prevent="turn($event)" @keydown.right.prevent="turn($event)">
-          <button v-for="[name, label] in views" type="button" role="tab" :aria-selected="tab === name ? 'true' : 'false'" :tabindex="tab === name ? 0 : -1"
-                  @click="open(name)">{{ label }}</button>
-        </div>
+        <q-tabs v-model="tab" dense no-caps aria-label="View of the surface" @update:model-value="open">
+          <q-tab v-for="[name, label] in views" :name="name" :label="label"></q-tab>
+        </q-tabs>
         <label class="small">Colour <select class="text" v-model="what" @change="recolour" aria-label="Colour of the sites">
           <option value="height">height</option><option v-if="radii" value="radius">radius</option><option value="pressure">contact pressure</option><option value="sensitivity">sensitivity</option><option v-if="compared" value="difference">difference from A</option>
         </select> <select class="text" v-model="spread" @change="recolour" aria-label="Spread of the colours"><option value="value">by value</option><option value="quantile">by quantile</option></select></label>
@@ -40,7 +39,7 @@ export default {
           </div>
           <label>Heights × {{ times }} <input type="range" min="1" :max="most" step="0.5" v-model.number="times" @input="draw(true)" aria-label="Exaggeration of the heights"></label>
           <button type="button" class="act" :disabled="times === 1" @click="times = 1; draw(true)">True proportions</button>
-          <button type="button" class="act" @click="pictures.relief.reset()">Reset the view</button>
+          <button type="button" class="act" @click="pictures.relief?.reset()">Reset the view</button>
         </div>
         <div class="row small" v-else-if="tab === 'profile'">
           <button v-for="[up, sign, label] in [[-1, '↓', 'Previous row'], [1, '↑', 'Next row']]" type="button" class="act" :aria-label="label" :title="label" @click="step(0, up)">{{ sign }}</button>
@@ -72,7 +71,7 @@ export default {
     return {
       tab: "map", what: "height", line: "", message: "", old: false, note: "", lines: [], at: null, menu: null,
       typed: "", adding: false, missing: "", times: EXAGGERATION.first, most: EXAGGERATION.most, mould: false, unmade: " ", views: VIEWS,
-      radii: false, compared: false, part: "", spread: "value", ready: false, known: false, playing: false, running: false, steps: SLIDER, place: 0, told: "",
+      radii: false, compared: false, part: "", spread: "value", ready: false, known: false, playing: false, steps: SLIDER, place: 0, told: "",
     };
   },
   computed: {
@@ -83,7 +82,7 @@ export default {
     // Not reactive: thousands of numbers.
     this.pictures = {};
     this.started = { map: true };
-    this.marks = { pointed: new Set(), selected: new Set(), active: null }; // pointed at: here, or at their tick of the law
+    this.marks = {};
     this.layout = this.surface = this.contacts = this.press = null;
     this.chosen = new Chosen();
     this.closed = new AbortController();
@@ -101,7 +100,11 @@ export default {
   },
   methods: {
     show(data) {
-      if (data.layout) this.layout = data.layout;
+      if (data.layout) {
+        this.layout = data.layout;
+        this.menu = null;
+        Object.assign(this.marks, { pointed: new Set(), selected: new Set(), active: null }); // pointed at: here, or at their tick of the law
+      }
       this.message = data.message;
       this.old = data.old;
       this.number = data.number;
@@ -164,22 +167,20 @@ export default {
       if (this.press) this.run();
     },
     run() {
-      if (this.running) return;
+      cancelAnimationFrame(this.playedFrame);
       const [first, last] = this.surface.loads;
       const from = this.contacts.load < last ? this.contacts.load : first;
       const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
       let start = null;
       const frame = (now) => {
-        this.running = this.playing;
         if (!this.playing) return;
         start ??= now - (PLAY * (from - first)) / (last - first || 1);
         let part = Math.min(1, (now - start) / PLAY);
         if (still) part = Math.ceil(STILL * part) / STILL;
         tell("load", { load: first + part * (last - first), moving: part < 1, playing: part < 1 });
-        requestAnimationFrame(frame);
+        this.playedFrame = requestAnimationFrame(frame);
       };
-      this.running = true;
-      requestAnimationFrame(frame);
+      this.playedFrame = requestAnimationFrame(frame);
     },
     // Once for each frame, after the law; `now` also in three dimensions.
     draw(now = this.chosen.moving) {
@@ -198,11 +199,6 @@ export default {
         this.now = false;
         if (this.number) this.$el.dataset.answered = this.number;
       });
-    },
-    turn(event) {  // an arrow key on the tab in focus
-      const next = event.target.nextElementSibling ?? event.target.previousElementSibling;
-      next.focus();
-      next.click();
     },
     async open(tab) {
       this.close();
@@ -241,12 +237,15 @@ export default {
     },
     // Under the pointer, null where there is no site.
     hover(site, event) {
-      const given = this.menu || !this.surface ? null : site;
-      if (given !== null) {
-        const box = this.$refs.box.getBoundingClientRect();
-        this.at = this.beside(event.clientX - box.left, event.clientY - box.top);
-      } else this.at = null;
-      tell("sites", given === null ? [] : [given]);
+      const told = site !== null && this.surface && !this.menu;
+      this.at = told ? this.beside(event) : null;
+      tell("sites", told ? [site] : []);
+    },
+    // Above or below the pointer, where there is more room, and as far to the left as the pointer is to the right.
+    beside({ clientX, clientY }) {
+      const { left, top, width, height } = this.$refs.box.getBoundingClientRect();
+      const [x, y] = [clientX - left, clientY - top];
+      return { left: `${x}px`, transform: `translateX(-${(100 * x) / width}%)`, ...(y > height / 2 ? { bottom: `${height - y + GAP}px` } : { top: `${y + GAP}px` }) };
     },
     // Marks the sites under the pointer, here or at their tick of the law.
     point(sites) {
@@ -262,15 +261,6 @@ export default {
       else if (this.mould && this.tab === "relief") this.lines = hole(first, this.layout, this.surface);
       else this.lines = words(first, this.surface, this.contacts, this.press);
     },
-    // Beside a point, on the side where there is room; or in the corner away from it, where the sites around it stay free.
-    beside(x, y, away = false) {
-      const { clientWidth: width, clientHeight: height } = this.$refs.box;
-      if (away) return { [x > width / 2 ? "left" : "right"]: 0, [y > height / 2 ? "top" : "bottom"]: 0 };
-      return {
-        ...(x > width / 2 ? { right: `${width - x + 14}px`, maxWidth: `${x - 14}px` } : { left: `${x + 14}px`, maxWidth: `${width - x - 14}px` }),
-        ...(y > height / 2 ? { bottom: `${Math.max(0, height - y - 10)}px` } : { top: `${Math.max(0, y - 10)}px` }),
-      };
-    },
     pick(sites, add) {
       const { marks } = this;
       if (!(add || this.adding)) marks.selected = new Set();
@@ -283,11 +273,11 @@ export default {
       this.pictures[this.tab].mark();
     },
     openMenu() {
-      const { selected, active } = this.marks;
+      const [x, y] = this.pictures[this.tab].placeOf(this.marks.active);
+      const { clientWidth: width, clientHeight: height } = this.$refs.box;
       this.typed = "";
-      const [x, y] = this.pictures[this.tab].placeOf(active);
-      const room = Math.max(x, this.$refs.box.clientWidth - x);
-      this.menu = { style: this.beside(x, y, selected.size > 1 || room < MENU), ...this.described() };
+      // in the corner away from the site, where the sites around it stay free
+      this.menu = { style: { [x > width / 2 ? "left" : "right"]: 0, [y > height / 2 ? "top" : "bottom"]: 0 }, ...this.described() };
     },
     described() {
       const { surface } = this;
@@ -325,7 +315,7 @@ export default {
       tell("sites", [site]);
     },
     step(right, up, select) {
-      if (this.surface) this.go(neighbour(this.layout, this.marks.active ?? this.pictures[this.tab].first, right, up), select);
+      if (this.surface) this.go(neighbour(this.layout, this.marks.active ?? this.pictures[this.tab]?.first ?? 0, right, up), select);
     },
     key(event) {
       const { marks } = this;

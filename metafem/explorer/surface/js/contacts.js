@@ -4,10 +4,10 @@ import { valueAt } from "metafem-law/svg.js";
 // Radius of the summit at a site [mm]; most surfaces have one for all.
 export const radiusOf = (surface, i) => (typeof surface.radius === "number" ? surface.radius : surface.radius[i]);
 
-// The shape of a cap: distances from the axis and depths below the summit, both over `scale` [mm].
+// The shape of a cap of a kind: distances from the axis and depths below the summit, both over `scale` [mm].
 export function shapeOf(surface, kind, radius) {
-  const shape = surface.caps[kind];
-  return { ...shape, scale: shape.scaled ? radius : 1 };
+  const shape = surface.caps[kind] ?? surface.caps[0]; // a draft may have fewer kinds than the mould before it
+  return { ...shape, kind, scale: shape.scaled ? radius : 1 };
 }
 
 export const capOf = (surface, i) => shapeOf(surface, surface.cap?.[i] ?? 0, radiusOf(surface, i));

@@ -12,8 +12,9 @@ const [FROM, FIELD] = [[-0.55, -1, 0.8], 32];
 // Speed of the arrow keys, and step of the wheel that plus and minus are.
 const [TURN, WHEEL] = [5, 100];
 
-// Milliseconds without new data after which the picture is drawn, and after which it is drawn in any case.
-const [QUIET, LONGEST] = [200, 1000];
+// Milliseconds between pictures while the surface is changed: one with each step of a drag would delay the law where the
+// graphics are computed by the processor.
+const PACE = 300;
 
 // Segments of a cap, and which part of the points of its meridian: fewer for many caps, of which each is small.
 const FINE = [[200, 40, 1], [1500, 20, 2], [5000, 10, 4], [MOST_CAPS, 8, 8]];
@@ -110,18 +111,14 @@ export class Relief {
     });
   }
 
-  // Takes the newest data when none have come for a while: a picture with each step of a drag would delay the law where
-  // the graphics are computed by the processor. What `moves` is drawn at once.
+  // Takes the newest data; what `moves` is drawn at once.
   show(layout, surface, contacts, look, moves) {
     this.newest = { layout, surface, contacts, look };
-    clearTimeout(this.timer);
     if (moves && layout === this.layout) return this.draw();
-    const now = performance.now();
-    this.since ??= now;
-    this.timer = setTimeout(() => {
-      this.since = null;
+    this.timer ??= setTimeout(() => {
+      this.timer = null;
       this.draw();
-    }, Math.max(0, Math.min(QUIET, this.since + LONGEST - now)));
+    }, PACE);
   }
 
   draw() {
@@ -155,35 +152,27 @@ export class Relief {
     this.block.material.color.set(of("--line"));
     this.contacts.material.color.set(of("--target"));
     this.rings.material.color.set(of("--ink"));
+    const drawn = this.drawn.filter((site) => surface.height[site] !== null).map((site) => [site, layout.x[site], layout.y[site], surface.height[site] / 1e3, capOf(surface, site)]);
+    if (mould) drawn.push(...surface.mould.alignment.map(({ x, y, height, radius, kind }) => [null, x, y, height / 1e3, shapeOf(surface, kind, radius)]));
+    this.sites = drawn.map(([site]) => site);
     const [at, colour] = [new THREE.Matrix4(), new THREE.Color()];
-    const own = this.caps.map(() => 0); // caps of each shape that have their place
-    this.sites = [];
-    const put = (site, x, y, height, kind, cap, css) => {
-      const [k, h, { scale }] = [this.sites.push(site) - 1, height / 1e3, cap];
-      colour.set(css);
-      this.caps[kind].setMatrixAt(own[kind], at.makeScale(scale, scale, e * scale).setPosition(x, y, e * h));
-      this.caps[kind].userData[own[kind]] = site;
-      this.caps[kind].setColorAt(own[kind]++, colour);
-      const lid = widthAt(cap, mould ? h : h - separation);
-      this.lids.setMatrixAt(k, at.makeScale(lid, lid, 1).setPosition(x, y, top));
+    drawn.forEach(([site, x, y, h, shape], k) => {
+      const disc = (mesh, radius) => mesh.setMatrixAt(k, at.makeScale(radius, radius, 1).setPosition(x, y, top));
+      colour.set(site !== null && colours.shown(site) ? colours.scale.css(colours.values[site]) : plain);
+      this.caps.forEach((mesh, kind) => {
+        const size = kind === shape.kind ? shape.scale : 0;
+        mesh.setMatrixAt(k, at.makeScale(size, size, e * size).setPosition(x, y, e * h));
+        mesh.setColorAt(k, colour);
+      });
+      disc(this.lids, widthAt(shape, mould ? h : h - separation));
       this.lids.setColorAt(k, colour);
-      const radius = contacts?.radius?.[site] ?? 0;
-      this.contacts.setMatrixAt(k, at.makeScale(radius, radius, 1).setPosition(x, y, top));
-    };
-    for (const site of this.drawn) {
-      const height = surface.height[site];
-      if (height !== null) put(site, layout.x[site], layout.y[site], height, surface.cap?.[site] ?? 0, capOf(surface, site), colours.shown(site) ? colours.scale.css(colours.values[site]) : plain);
-    }
-    if (mould) {
-      const { x, y, height, radius, cap } = surface.mould;
-      x.forEach((_, i) => put(null, x[i], y[i], height[i], cap[i], shapeOf(surface, cap[i], radius[i]), plain));
-    }
-    this.caps.forEach((each, kind) => { each.count = own[kind]; });
-    this.lids.count = this.contacts.count = this.sites.length;
-    for (const each of [...this.caps, this.lids, this.contacts]) {
-      each.instanceMatrix.needsUpdate = true;
-      each.boundingSphere = null; // where rays look for the caps
-      if (each.instanceColor) each.instanceColor.needsUpdate = true;
+      disc(this.contacts, contacts?.radius?.[site] ?? 0);
+    });
+    for (const mesh of [...this.caps, this.lids, this.contacts]) {
+      mesh.count = drawn.length;
+      mesh.boundingSphere = null; // where rays look for the caps
+      mesh.instanceMatrix.needsUpdate = true;
+      if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
     }
     this.mark();
   }
@@ -205,10 +194,9 @@ export class Relief {
     const { left, top, width, height } = this.renderer.domElement.getBoundingClientRect();
     const place = [(2 * (event.clientX - left)) / width - 1, 1 - (2 * (event.clientY - top)) / height];
     this.ray.setFromCamera(new this.THREE.Vector2(...place), this.camera);
-    if (this.mould) return this.sites[this.ray.intersectObject(this.lids)[0]?.instanceId] ?? null;
-    const seen = ({ point: { z } }) => z >= 0 && z <= this.glass.position.z; // what the planes do not cut off
-    const hit = this.ray.intersectObjects(this.caps).find(seen);
-    return hit ? hit.object.userData[hit.instanceId] : null;
+    const seen = ({ point: { z } }) => this.mould || (z >= 0 && z <= this.glass.position.z); // what the planes do not cut off
+    const hit = this.ray.intersectObjects(this.mould ? [this.lids] : this.caps).find(seen);
+    return this.sites[hit?.instanceId] ?? null;
   }
 
   // Meshes for the sites of a layout and the shapes of caps.
