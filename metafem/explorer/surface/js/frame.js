@@ -55,6 +55,7 @@ export function viewOf(layout, width, height) {
     box,
     bar: { top: TOP, bottom: Math.max(TOP, height - BOTTOM) }, // a map of one row is lower
     range: [west - edge, east + edge, south - edge, north + edge],
+    aside: 29, // of the title of the upward axis
     px: (x) => left + scale * (x - west + edge),
     py: (y) => top + scale * (north + edge - y),
   };
@@ -71,7 +72,7 @@ export function drawAxes(parent, view, upwards) {
   for (const x of ticks(west, east, room(right - left)).values) label(digits(x), view.px(x), bottom + 14, "middle", parent);
   for (const y of ticks(south, north, room(bottom - top)).values) label(digits(y), left - 5, view.py(y) + 4, "end", parent);
   label("x [mm]", (left + right) / 2, bottom + 29, "middle", parent);
-  upward(upwards, left - 29, (top + bottom) / 2, parent);
+  upward(upwards, left - view.aside, (top + bottom) / 2, parent);
 }
 
 // The power of ten that is left out of the numbers of a bar, where they would be too long for it.

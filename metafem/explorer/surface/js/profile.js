@@ -5,7 +5,7 @@ import { capOf, digits, range } from "./contacts.js";
 import { Picture, drawAxes } from "./frame.js";
 
 // Margins [pixels].
-const [LEFT, RIGHT, TOP, BOTTOM] = [46, 12, 40, 34];
+const [LEFT, RIGHT, TOP, BOTTOM] = [54, 12, 40, 34];
 
 // Parts of the largest height that are free above it, and shown of the block.
 const [ABOVE, BELOW] = [0.2, 0.12];
@@ -52,7 +52,7 @@ export class Profile extends Picture {
     const [wide, tall] = [(box.right - LEFT) / (east - west + 2 * edge), (box.bottom - TOP) / (high - low)];
     const px = (each) => LEFT + wide * (each - west + edge);
     const py = (each) => box.bottom - tall * (each - low);
-    this.view = { box, px, py, range: [west - edge, east + edge, low, high] };
+    this.view = { box, px, py, range: [west - edge, east + edge, low, high], aside: 38 };
     drawAxes(this.axes, this.view, "height [µm]");
     this.draw((1e3 * tall) / wide, wide);
   }
@@ -65,7 +65,7 @@ export class Profile extends Picture {
     const filled = row.filter((i) => surface.height[i] !== null);
     const outline = (i, top) => {
       const [{ across, depth, scale }, height] = [capOf(surface, i), surface.height[i]];
-      const right = across.map((each, k) => [scale * each, Math.max(low, Math.min(top, height - 1e3 * scale * depth[k]))]);
+      const right = across.map((each, k) => [scale * each, Math.max(low / 2, Math.min(top, height - 1e3 * scale * depth[k]))]);
       const all = [...right.map(([width, z]) => [-width, z]).reverse(), ...right];
       return path(view, { x: all.map(([width]) => layout.x[i] + width), y: all.map(([, z]) => z) });
     };
