@@ -2,7 +2,10 @@
 import { label, made, ticks } from "metafem-law/svg.js";
 import { digits, range } from "./contacts.js";
 
-const [LEFT, BOTTOM, TOP, BAR] = [38, 34, 8, 104];
+const [LEFT, BOTTOM, TOP, BAR, ASIDE] = [38, 34, 8, 104, 29];
+
+// Part of the least distance between sites that is free around them.
+export const EDGE = 0.62;
 
 // Widths of the colours and of the most frequent class of the histogram [pixels], and number of classes.
 const [COLOURS, FREQUENT, CLASSES] = [10, 22, 48];
@@ -41,24 +44,23 @@ export class Picture {
   }
 }
 
-// From mm to pixels; one scale for both directions.
+// From the units of the axes to the pixels of a box; `aside` is the distance of the title of the upward axis.
+export function viewIn(box, [west, east, low, high], aside) {
+  const [wide, tall] = [(box.right - box.left) / (east - west), (box.bottom - box.top) / (high - low)];
+  return { box, range: [west, east, low, high], aside, wide, tall, px: (x) => box.left + wide * (x - west), py: (y) => box.bottom - tall * (y - low) };
+}
+
+// The view of the map: one scale for both directions.
 export function viewOf(layout, width, height) {
-  const edge = 0.62 * layout.spacing;
+  const edge = EDGE * layout.spacing;
   const [[west, east], [south, north]] = [range(layout.x), range(layout.y)];
   const [across, along] = [east - west + 2 * edge, north - south + 2 * edge];
   const scale = Math.max(1e-9, Math.min((width - LEFT - BAR) / across, (height - TOP - BOTTOM) / along));
   const left = LEFT + Math.max(0, (width - LEFT - BAR - scale * across) / 2);
   const top = TOP + Math.max(0, (height - TOP - BOTTOM - scale * along) / 2);
   const box = { left, top, right: left + scale * across, bottom: top + scale * along };
-  return {
-    scale,
-    box,
-    bar: { top: TOP, bottom: Math.max(TOP, height - BOTTOM) }, // a map of one row is lower
-    range: [west - edge, east + edge, south - edge, north + edge],
-    aside: 29, // of the title of the upward axis
-    px: (x) => left + scale * (x - west + edge),
-    py: (y) => top + scale * (north + edge - y),
-  };
+  const bar = { top: TOP, bottom: Math.max(TOP, height - BOTTOM) }; // a map of one row is lower
+  return { ...viewIn(box, [west - edge, east + edge, south - edge, north + edge], ASIDE), scale, bar };
 }
 
 function upward(words, x, y, parent) { label(words, x, y, "middle", parent).setAttribute("transform", `rotate(-90 ${x} ${y})`); }

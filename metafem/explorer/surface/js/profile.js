@@ -2,10 +2,10 @@
 import { label, made, path } from "metafem-law/svg.js";
 import { colouring } from "./colours.js";
 import { capOf, digits, range } from "./contacts.js";
-import { Picture, drawAxes } from "./frame.js";
+import { EDGE, Picture, drawAxes, viewIn } from "./frame.js";
 
 // Margins [pixels].
-const [LEFT, RIGHT, TOP, BOTTOM] = [54, 12, 40, 34];
+const [LEFT, RIGHT, TOP, BOTTOM, ASIDE] = [54, 12, 40, 34, 38];
 
 // Parts of the largest height that are free above it, and shown of the block.
 const [ABOVE, BELOW] = [0.2, 0.12];
@@ -28,37 +28,32 @@ export class Profile extends Picture {
     this.svg.addEventListener("click", (event) => this.on.pick([this.siteAt(event)].filter((each) => each !== null), event.shiftKey));
   }
 
-  // The site whose row is shown: one that is pointed at, else the active one, else the highest.
+  // A site of the row to show: one that is pointed at, else the active one, else of the row that is shown, else the highest.
   get first() {
     const { marks: { pointed, active }, surface: { height } } = this;
     const [site = active] = pointed;
-    return site ?? height.indexOf(range(height)[1]);
+    return site ?? this.row?.[0] ?? height.indexOf(range(height)[1]);
   }
 
-  place(width, height) { this.size = [width, height]; }
+  place(width, height) { Object.assign(this, { size: [width, height], row: null }); }
 
   mark() {
     if (!this.size || !this.surface) return;
     const { first, layout: { x, y, spacing }, surface } = this;
-    if (this.rowOf !== this.layout || !this.row.includes(first)) {
+    if (!this.row?.includes(first)) {
       this.row = [...x.keys()].filter((i) => Math.abs(y[i] - y[first]) < HALF * spacing).sort((i, j) => x[i] - x[j]);
-      this.rowOf = this.layout;
       this.y = y[first];
     }
     const most = Math.max(surface.limits[1], ...this.row.map((i) => surface.height[i]));
-    const [[west, east], [width, height]] = [range(x), this.size];
-    const [edge, low, high] = [0.62 * spacing, -BELOW * most, (1 + ABOVE) * most];
+    const [[west, east], [width, height], edge] = [range(x), this.size, EDGE * spacing];
     const box = { left: LEFT, top: TOP, right: width - RIGHT, bottom: height - BOTTOM };
-    const [wide, tall] = [(box.right - LEFT) / (east - west + 2 * edge), (box.bottom - TOP) / (high - low)];
-    const px = (each) => LEFT + wide * (each - west + edge);
-    const py = (each) => box.bottom - tall * (each - low);
-    this.view = { box, px, py, range: [west - edge, east + edge, low, high], aside: 38 };
+    this.view = viewIn(box, [west - edge, east + edge, -BELOW * most, (1 + ABOVE) * most], ASIDE);
     drawAxes(this.axes, this.view, "height [µm]");
-    this.draw((1e3 * tall) / wide, wide);
+    this.draw();
   }
 
-  draw(times, wide) {
-    const { content, contacts, surface, row, layout, marks, view, view: { box, px, py, range: [,, low, high] } } = this;
+  draw() {
+    const { content, contacts, surface, row, layout, marks, view, view: { box, px, py, wide, tall, range: [,, low, high] } } = this;
     content.replaceChildren();
     const colours = colouring(surface, contacts, this.look);
     const glass = Math.max(0, contacts?.separation ?? Infinity);
@@ -85,7 +80,7 @@ export class Profile extends Picture {
       if (radius) made("path", { class: "touch", d: `M${px(layout.x[i] - radius)} ${py(glass)}H${px(layout.x[i] + radius)}` }, content);
       if (wide * layout.spacing > ROOM) label(surface.height[i].toFixed(1), px(layout.x[i]), py(surface.height[i]) - 5, "middle", content);
     }
-    label(`y = ${digits(this.y)} mm, heights × ${digits(times, 2)}`, box.right, TOP - 16, "end", content);
+    label(`y = ${digits(this.y)} mm, heights × ${digits((1e3 * tall) / wide, 2)}`, box.right, TOP - 16, "end", content);
   }
 
   // Site nearest to the place of an event along the row, null beside the sites.
