@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from metafem._validate import IntArray
 from metafem._values import MICROMETRES
 from metafem.caps import Cap, Caps
 from metafem.errors import InvalidInput
@@ -39,7 +40,7 @@ def cap_data(surface: Surface, height: float) -> list[dict[str, Any]]:
     ]
 
 
-def kind_of_cap(surface: Surface) -> np.ndarray[Any, np.dtype[np.int64]]:
+def kind_of_cap(surface: Surface) -> IntArray:
     """Return the index of the kind of each asperity's cap, (n,)."""
     cap = surface.cap
     return cap.index if isinstance(cap, Caps) else np.zeros(surface.count, dtype=np.int64)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from metafem._validate import FloatArray, IntArray
+from metafem._validate import IntArray
 from metafem._values import MICROMETRES
 from metafem.explorer.answer import Answer
 from metafem.explorer.surface.cap_data import cap_data, kind_of_cap, mould_data
@@ -109,7 +109,7 @@ def message(answer: Answer) -> str:
 
 
 def at_sites(
-    design: Design, values: FloatArray, decimals: int, sites: IntArray | None = None
+    design: Design, values: ArrayLike, decimals: int, sites: IntArray | None = None
 ) -> list[float | None]:
     """Return values by site of the template, None elsewhere; default: at the sites of the asperities."""
     listed: list[float | None] = [None] * design.template.count

@@ -254,7 +254,7 @@ export class Relief {
     camera.updateProjectionMatrix();
     controls.target.set(...this.middle, 0);
     const room = Math.min(1, camera.aspect);
-    camera.position.copy(controls.target).addScaledVector(from, (0.52 * size) / Math.tan((FIELD * Math.PI) / 360) / room);
+    camera.position.copy(controls.target).addScaledVector(from, (0.58 * size) / Math.tan((FIELD * Math.PI) / 360) / room);
     controls.update();
     this.render();
   }
