@@ -16,7 +16,7 @@ texts:
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from functools import partial
 from typing import Any
@@ -45,6 +45,12 @@ class Note:
     level : Level
         ``Level.WARNING`` if the result may be wrong or the part may not work; ``Level.INFORMATION`` for
         what the program did, chose or left out.
+    quantity : str
+        Name of the number that the note is about; "" without a number.
+    value, bound : float or None
+        This number and the bound with which it is compared, in mm, N and MPa; None if there is none.
+    remedies : tuple of str
+        Names of the arguments whose change mends what a warning states.
 
     Examples
     --------
@@ -53,10 +59,16 @@ class Note:
     >>> (note,) = mf.equilibrium(surface, separation=-0.01).notes
     >>> note.level.value, str(note)[:30]
     ('warning', 'the base plane would touch fro')
+    >>> note.quantity, note.value, note.remedies
+    ('load at which the plane touches the base', 0.08317..., ('offset',))
     """
 
     text: str
     level: Level = Level.WARNING
+    quantity: str = ""
+    value: float | None = field(default=None, compare=False)  # equal texts are said once
+    bound: float | None = field(default=None, compare=False)
+    remedies: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         return self.text
@@ -70,6 +82,12 @@ class Note:
         """Return the note itself, because its text contains no argument names."""
         return self
 
+    def to_json(self) -> dict[str, Any]:
+        """Return the level, the text and the numbers of the note; without those that it does not have."""
+        numbers = {"quantity": self.quantity, "value": self.value, "bound": self.bound}
+        given = {name: value for name, value in numbers.items() if value not in ("", None)}
+        return {"level": self.level.value, "text": self.text, **given}
+
 
 @dataclass(frozen=True)
 class ArgumentNote(Note):
@@ -77,7 +95,7 @@ class ArgumentNote(Note):
 
     Parameters
     ----------
-    text, level
+    text, level, quantity, value, bound, remedies
         As for `Note`; the text contains the Python names.
     template : str
         The text with one field for each argument, as in an error message.
@@ -90,16 +108,17 @@ class ArgumentNote(Note):
     @classmethod
     def of(cls, template: str, *about: Given, level: Level = Level.WARNING) -> ArgumentNote:
         """Return the note with a template and its arguments."""
-        return cls(AS_IN_PYTHON.filled(template, *about), level, template, about)
+        return cls(AS_IN_PYTHON.filled(template, *about), level, template=template, about=about)
 
     def named(self, names: Names) -> Note:
         """Return the note with the reader's names of the arguments."""
-        return Note(names.filled(self.template, *self.about), self.level)
+        text = names.filled(self.template, *self.about)
+        return Note(text, self.level, self.quantity, self.value, self.bound, self.remedies)
 
 
-def information(text: str) -> Note:
-    """Return a note with the level `Level.INFORMATION`."""
-    return Note(text, Level.INFORMATION)
+def information(text: str, **numbers: Any) -> Note:
+    """Return a note with the level `Level.INFORMATION`; `numbers` are further attributes of `Note`."""
+    return Note(text, Level.INFORMATION, **numbers)
 
 
 def counted(notes: Iterable[Note]) -> str:

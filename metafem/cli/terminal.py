@@ -94,9 +94,9 @@ def print_study(
     print_written([path])
 
 
-def notes_data(notes: Iterable[Note]) -> list[dict[str, str]]:
-    """Return level and text of each note, for JSON."""
-    return [{"level": note.level.value, "text": note.text} for note in notes]
+def notes_data(notes: Iterable[Note]) -> list[dict[str, Any]]:
+    """Return level, text and numbers of each note, for JSON."""
+    return [note.to_json() for note in notes]
 
 
 def loaded(folder: Path) -> Design:

@@ -129,5 +129,5 @@ class JacksonGreen(ElasticPlastic):
                 f"S_y/E* = {self._strain:.3g} exceeds {LARGEST_STRAIN:g}, up to which the plastic part of "
                 f"{self!r} holds: its loads and areas are an extrapolation; use KogutEtsion"
             )
-            notes += (Note(text),)
+            notes += (Note(text, quantity="S_y/E*", value=self._strain, bound=LARGEST_STRAIN),)
         return notes

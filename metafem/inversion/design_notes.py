@@ -24,6 +24,9 @@ from metafem.notes import Level, Note, information
 # Each height should be at least this many standard deviations of the height errors.
 HEIGHT_TO_ERROR = 10.0
 
+# Name of the number of summits below that.
+LOW = "summits lower than the errors of their heights allow"
+
 # The heights use the whole allowed range if they leave less than this fraction unused.
 ALL_OF_IT = 1e-6
 
@@ -48,11 +51,12 @@ def design_notes(problem: Problem, candidate: Candidate, found: Design) -> tuple
     if held:
         steps = "" if limits.height_step is None else ", from the lowest to the highest step"
         words = f"the heights use the whole allowed range of {allowed:g} mm{steps}: raise max_height"
-        notes.append(Note(words))
+        notes.append(Note(words, remedies=("max_height",)))
     low = 0 if limits.height_sd is None else int((surface.height < HEIGHT_TO_ERROR * limits.height_sd).sum())
     if low:
         words = f"{low} of {surface.count} summits are lower than {HEIGHT_TO_ERROR:g} times height_sd"
-        notes.append(Note(f"{words} = {limits.height_sd:g} mm: raise the offset"))
+        text = f"{words} = {limits.height_sd:g} mm: raise the offset"
+        notes.append(Note(text, quantity=LOW, value=low, bound=0.0, remedies=("offset",)))
     if found.misfit > REACHED and found.status is not DesignStatus.ROBUST:
         law = candidate.target_law
         if candidate.density is not None:
@@ -63,7 +67,7 @@ def design_notes(problem: Problem, candidate: Candidate, found: Design) -> tuple
             and not by_pins
             and independent_misfit(problem, candidate) > REACHED
         ):
-            notes.append(_line(problem, held))
+            notes.append(_line(problem, found.misfit, held))
     return tuple(dict.fromkeys((*candidate.notes, *notes, *found.law.notes)))
 
 
@@ -74,7 +78,8 @@ def _pins(count: int, unpinned: float, found: Design) -> Note:
     words = f"with {many} given the misfit is {after}; without, it is {before}"
     if found.status is not DesignStatus.MISSED or found.misfit <= unpinned:
         return information(words)
-    return Note(f"{words}: give heights nearer to those designed without, or fewer of them")
+    text = f"{words}: give heights nearer to those designed without, or fewer of them"
+    return Note(text, quantity="misfit", value=found.misfit, bound=unpinned, remedies=("pinned",))
 
 
 def step_note(limits: Limits, before: float, after: float) -> Note:
@@ -96,11 +101,12 @@ def _density(problem: Problem, found: Design) -> Note:
         f"the {name} at large loads and its own intercept. Give load_range: heights are then found whose "
         f"friction is within {percent(REACHED, 'g')} of the line through the origin over those loads",
         Level.INFORMATION if misfit <= MISSED else Level.WARNING,
-    )
+        "misfit", misfit, MISSED, ("load_range",),
+    )  # fmt: skip
 
 
-def _line(problem: Problem, held: bool) -> Note:
-    """Return a note on the loads at which a line can be met, with other remedies.
+def _line(problem: Problem, misfit: float, held: bool) -> Note:
+    """Return a note on the loads at which a line can be met with a misfit, with other remedies.
 
     `held` states whether max_height limits the heights.
     """
@@ -115,4 +121,6 @@ def _line(problem: Problem, held: bool) -> Note:
             f"as the only range, {inside} can be met within {percent(REACHED, 'g')} (independent asperities)"
         )
     ends = wording.loads(*target.load_range)
-    return Note(f"the line is not met within {percent(REACHED, 'g')} from {ends}: {words}")
+    text = f"the line is not met within {percent(REACHED, 'g')} from {ends}: {words}"
+    remedies = ("load_range", *("max_height",) * held)
+    return Note(text, quantity="misfit", value=misfit, bound=REACHED, remedies=remedies)

@@ -10,7 +10,7 @@ from metafem.contact import KogutEtsion
 from metafem.errors import Infeasible
 from metafem.inversion.assessment import DesignStatus
 from metafem.inversion.design import design
-from metafem.inversion.feasibility import ELASTIC_LIMIT, roughness
+from metafem.inversion.feasibility import ELASTIC_LIMIT, INDEX, roughness
 from metafem.inversion.result import Design
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import Message
@@ -125,7 +125,8 @@ def design_for_hardness(
         f"{why}; this design is for the law {law!r} of plastic contacts: the first loading flattens the "
         "summits, and later ones differ (friction_law with unloading=True)"
     )
-    return _noted(plastic, h, Note(text))
+    note = Note(text, quantity=INDEX, value=psi, bound=ELASTIC_LIMIT, remedies=("hardness", "radius"))
+    return _noted(plastic, h, note)
 
 
 def _noted(found: Design, hardness: float, note: Note) -> Design:

@@ -35,6 +35,9 @@ INSIDE = 1e-6
 # Plasticity index below which contacts are mostly elastic, according to Greenwood and Williamson.
 ELASTIC_LIMIT = 0.6
 
+# Its name in notes and figures.
+INDEX = "plasticity index"
+
 
 def broken_bound(
     load: FloatArray, friction: FloatArray, bounds: Bounds, margin: float

@@ -137,7 +137,8 @@ class Automatic(WithoutGradients):
             return curve.with_notes((note, *curve.notes, *unused), error)
         if surface.count > DENSE_LIMIT or not isinstance(self.substrate, Radial):
             curve = curve or self.gradient_model.curve(surface, load, approach=approach)
-            note = Note(f"chosen: order 3; {_stated(error)}: resolved contacts are needed", Level.WARNING)
+            text = f"chosen: order 3; {_stated(error)}: resolved contacts are needed"
+            note = self._note(text, error)
             return curve.with_notes((note, *curve.notes, *unused), error)
         reason = error.source
         if math.isfinite(error):
@@ -164,9 +165,15 @@ class Automatic(WithoutGradients):
         rest = f"contacts of {self.contact!r} cannot be resolved, so the tolerance of {self.tolerance:g} is"
         if self.gradient_model.order == 1:
             text = f"chosen: {order}, as the law has no profile; {rest} not checked"
-            return Note(text, Level.WARNING)
+            return Note(text, Level.WARNING, bound=self.tolerance, remedies=("contact",))
         text = f"chosen: {order}; {_stated(error)}; {rest} checked by this alone"
-        return Note(text, Level.INFORMATION if error <= self.tolerance else Level.WARNING)
+        return self._note(text, error)
+
+    def _note(self, text: str, error: ModelError) -> Note:
+        """Return a note with an estimated error, a warning unless this is within the tolerance."""
+        level = Level.INFORMATION if error <= self.tolerance else Level.WARNING
+        value = float(error) if math.isfinite(error) else None
+        return Note(text, level, "error of order 3", value, self.tolerance, ("tolerance",))
 
     def _asperities(
         self, surface: Surface, load: FloatArray | None, approach: FloatArray | None

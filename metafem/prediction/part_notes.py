@@ -20,23 +20,23 @@ def part_notes(surface: Surface) -> list[Note]:
         too_high = "their radius", f"{float(radius.min()):g} mm, or use larger radii"
     else:
         too_high = "their profile is deep", f"{float(most.min()):.4g} mm, or give a wider profile"
-    features = [
+    features: list[tuple[str, int, tuple[str, ...], str]] = [
         (
-            low,
+            "summits below the base plane", low, ("min_height",),
             f"{low} of {surface.count} summits lie below the base plane, the lowest at "
             f"{float(height.min()):.4g} mm, and cannot be made as caps: raise them above 0 mm",
         ),
         (
-            high,
+            "summits too high for caps", high, ("max_height", "radius"),
             f"{high} of {surface.count} summits stand higher than {too_high[0]} and cannot be made as caps: "
             f"lower them to {too_high[1]}",
         ),
         (
-            buried,
+            "overlapping pairs of caps", buried, ("pitch",),
             f"the caps of {buried} {'pair' if buried == 1 else 'pairs'} of summits overlap on the base plane "
             "and cannot be made as separate caps: increase the pitch, or lower the summits",
         ),
-    ]
+    ]  # fmt: skip
     if block is not None:
         half = 0.5 * np.array([block.width, block.length])
         outside = int((np.abs(surface.position) > half).any(axis=1).sum())
@@ -44,8 +44,12 @@ def part_notes(surface: Surface) -> list[Note]:
             f"{outside} of {surface.count} summits stand outside the block of {block.width:g} by "
             f"{block.length:g} mm, whose centre is at (0, 0): make it larger, or move them"
         )
-        features.append((outside, text))
-    notes = [Note(text) for count, text in features if count]
+        features.append(("summits outside the block", outside, ("width", "length"), text))
+    notes = [
+        Note(text, quantity=quantity, value=count, bound=0.0, remedies=remedies)
+        for quantity, count, remedies, text in features
+        if count
+    ]
     if block is not None and surface.cell is not None:
         sides = f"{surface.cell.width:g} by {surface.cell.length:g} mm"
         notes.append(

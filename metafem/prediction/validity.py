@@ -27,7 +27,7 @@ from metafem.models.curve import ModelError
 from metafem.models.model import contact_of, has_paraboloids
 from metafem.models.model_error import compared, model_error, reference_of, rung_name, without_jumps
 from metafem.models.truncation import COMPARED, COMPARED_ON_LAYER, crowding, truncation
-from metafem.notes import Note, information
+from metafem.notes import Level, Note, information
 from metafem.prediction.part_notes import part_notes
 from metafem.substrate import HalfSpace
 from metafem.surface import Surface
@@ -56,6 +56,15 @@ SIZE_TOLERANCE = 1e-6
 
 # Remedy if a model finds no equilibrium.
 REMEDY = "use lighter loads, a larger pitch or the model resolved"
+
+# Names of the numbers of the notes.
+INTERACTION = "change of A0 by the elastic interaction"
+SIZE = "change of A0 by the size of the contacts"
+THICKNESS = "change of A0 by the thickness of the block"
+ORDER_3 = "error of order 3"
+OVERLAPS = "overlapping pairs of contacts"
+BASE = "load at which the plane touches the base"
+WIDTH = "widest contact, a/R"
 
 NOT_ESTIMATED = ModelError(math.nan, "it was not estimated with the law")
 
@@ -178,18 +187,24 @@ def _change_notes(
     most = int(np.abs(change).argmax())
     layer = reference.substrate != HalfSpace()
     if not model.couples:
-        cause = "the elastic interaction of the asperities, which this model leaves out,"
+        quantity, cause = (
+            INTERACTION,
+            "the elastic interaction of the asperities, which this model leaves out,",
+        )
     elif model.reference == reference:
-        cause = "the size of the contacts, which point loads leave out,"
+        quantity, cause = SIZE, "the size of the contacts, which point loads leave out,"
     else:
-        cause = "the block's thickness, which a half-space leaves out,"
+        quantity, cause = THICKNESS, "the block's thickness, which a half-space leaves out,"
     spread = f"by {percent(rms)} rms and " if load.size > 1 else ""
     text = (
         f"{cause} changes A0 at a given load {spread}by up to {percent(change[most], '+.2g')}, at "
         f"{surface.material.composite_modulus * load[most]:.4g} N ({rung_name(reference)})"
     )
-    remedy = f"; use the model {'layer' if layer else 'half-space'}, or a larger pitch"
-    yield Note(text + remedy) if rms > BOUND else information(text)
+    level = Level.INFORMATION
+    if rms > BOUND:
+        text += f"; use the model {'layer' if layer else 'half-space'}, or a larger pitch"
+        level = Level.WARNING
+    yield Note(text, level, quantity, rms, BOUND, ("model", "pitch"))
 
 
 def _width_notes(surface: Surface, model: Model, reference: Interacting, curve: Curve) -> Iterator[Note]:
@@ -200,8 +215,9 @@ def _width_notes(surface: Surface, model: Model, reference: Interacting, curve: 
         yield Note(
             f"contacts overlap: {overlaps} {'pair reaches' if overlaps == 1 else 'pairs reach'} into each "
             f"other at {newtons:.4g} N, where real contacts merge; use "
-            f"{'the model resolved, ' if resolvable(law) else ''}a larger pitch or lighter loads"
-        )
+            f"{'the model resolved, ' if resolvable(law) else ''}a larger pitch or lighter loads",
+            quantity=OVERLAPS, value=overlaps, bound=0.0, remedies=("pitch",),
+        )  # fmt: skip
     if overlaps or law.largest_order == 1:
         return
     if ratio > COMPARED and model.couples:
@@ -220,8 +236,9 @@ def _width_notes(surface: Surface, model: Model, reference: Interacting, curve: 
         remedy = "the model resolved" if resolvable(law) else "a larger pitch or lighter loads"
         yield Note(
             f"the contacts are too wide for their distances or their layer: the error of order 3 may be "
-            f"{percent(error)} in A0 at {newtons:.4g} N; use {remedy}"
-        )
+            f"{percent(error)} in A0 at {newtons:.4g} N; use {remedy}",
+            quantity=ORDER_3, value=error, bound=BOUND, remedies=("model", "pitch"),
+        )  # fmt: skip
 
 
 def _last_force(surface: Surface, curve: Curve) -> float:
@@ -269,8 +286,9 @@ def _base_notes(surface: Surface, model: Model, curve: Curve) -> Iterator[Note]:
     yield Note(
         f"the base plane would touch from a load of {onset:.4g} N on: at {newtons:.4g} N the plane would be "
         f"{-1e3 * gap:.3g} um below the base beside a summit; the load that the base would carry is not "
-        "counted"
-    )
+        "counted",
+        quantity=BASE, value=onset, bound=newtons, remedies=("offset",),
+    )  # fmt: skip
 
 
 def _wide_notes(surface: Surface, model: Model, curve: Curve) -> Iterator[Note]:
@@ -284,4 +302,5 @@ def _wide_notes(surface: Surface, model: Model, curve: Curve) -> Iterator[Note]:
         else f"the law of small strain was compared with soft spheres up to {WIDEST:g} only"
     )
     text = f"the widest contact has a/R = {ratio:.2f} at {_last_force(surface, curve):.4g} N: {range_of}"
-    yield Note(text) if ratio > TOO_WIDE else information(text)
+    level = Level.WARNING if ratio > TOO_WIDE else Level.INFORMATION
+    yield Note(text, level, WIDTH, ratio, WIDEST, ("radius",))

@@ -14,10 +14,11 @@ from metafem.contact import JKR, Contact, Hertz, JacksonGreen, KogutEtsion, Powe
 from metafem.errors import MetafemWarning
 from metafem.inversion import Design, plasticity_index
 from metafem.inversion.assessment import misfit_text
+from metafem.inversion.feasibility import ELASTIC_LIMIT, INDEX
 from metafem.models import Model
 from metafem.models.curve import ModelError
 from metafem.models.model import contact_of
-from metafem.notes import Note
+from metafem.notes import Level, Note
 
 # One N/mm in mJ/m^2.
 MJ_PER_M2 = 1e6
@@ -122,6 +123,10 @@ def all_notes(design: Design, hardness: float | None = None) -> tuple[Note, ...]
     if hardness is not None and "plasticity_index" not in design.parameters:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", MetafemWarning)
-            plasticity_index(design.surface, hardness)
-        found += [Note(str(warning.message)) for warning in caught]
+            psi = plasticity_index(design.surface, hardness)
+        remedies = ("hardness", "radius")
+        found += [
+            Note(str(warning.message), Level.WARNING, INDEX, psi, ELASTIC_LIMIT, remedies)
+            for warning in caught
+        ]
     return tuple(sorted(found, key=lambda note: not note.warns))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -91,7 +92,7 @@ def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
     variables["verdict"] = ("law",), [str(verdict) for verdict in verdicts]
     several = len(comparisons) > 1
     notes = [
-        type(note)(f"{each.measured.label}: {note.text}" if several else note.text, note.level)
+        replace(note, text=f"{each.measured.label}: {note.text}") if several else note
         for each in comparisons
         for note in each.notes
     ]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -19,20 +19,25 @@ from metafem.explorer.answer import Answer
 from metafem.explorer.certainty import band
 from metafem.inversion import Design
 from metafem.inversion.assessment import DesignStatus
-from metafem.inversion.feasibility import ELASTIC_LIMIT
+from metafem.inversion.feasibility import ELASTIC_LIMIT, INDEX
 from metafem.models.model import contact_of
 from metafem.models.model_error import reference_of
 from metafem.models.truncation import COMPARED, crowding
 from metafem.prediction.validity import (
+    BASE,
     BOUND,
     TOO_WIDE,
     WIDEST,
+    WIDTH,
     base_contact_load,
 )
 from metafem.report import fit_table, misfit_words
 from metafem.studies.largest_tolerances import ALLOWED
 from metafem.studies.sampling.slope import Slope
 from metafem.substrate import HalfSpace
+
+# What the table of two designs compares.
+MISFIT, MODEL_ERROR, SCATTER = "misfit", "estimated error of the model", "scatter of made surfaces"
 
 
 class Standing(StrEnum):
@@ -57,6 +62,8 @@ class Figure:
         Meaning of the number, and a remedy if there is one.
     places : tuple of str
         Where the page shows a warning: "law", "surface", or keys of the specification.
+    quantity : str
+        What is judged; the same for figures that differ in what they are fitted to or compared with.
     """
 
     name: str
@@ -65,6 +72,7 @@ class Figure:
     standing: Standing
     sentence: str
     places: tuple[str, ...] = ()
+    quantity: str = ""
 
     @property
     def warns(self) -> bool:
@@ -78,20 +86,21 @@ def figures(answer: Answer) -> tuple[Figure, ...]:
     if design is None:
         return ()
     parts: dict[str, Callable[[Design], list[Figure]]] = {
-        "misfit": _misfit,
+        MISFIT: _misfit,
         "fitted slopes": _slopes,
-        "estimated error of the model": _model_error,
-        "scatter of made surfaces": lambda design: _scatter(answer, design),
-        "load at which the plane touches the base": _base,
+        MODEL_ERROR: _model_error,
+        SCATTER: lambda design: _scatter(answer, design),
+        BASE: _base,
         "largest contacts": _widths,
-        "plasticity index": _plasticity,
+        INDEX: _plasticity,
     }
     found: list[Figure] = []
-    for name, part in parts.items():
+    for quantity, part in parts.items():
         try:
-            found += part(design)
+            judged = part(design)
         except MetafemError as error:
-            found.append(_unknown(name, str(error)))
+            judged = [_unknown(quantity, str(error))]
+        found += [replace(figure, quantity=quantity) for figure in judged]
     return tuple(found)
 
 
@@ -120,7 +129,7 @@ def _slopes(design: Design) -> list[Figure]:
 
 def _model_error(design: Design) -> list[Figure]:
     """Return the figure for the estimated error of the law by its model."""
-    name, error, model = "estimated error of the model", design.law.model_error, design.law.model
+    name, error, model = MODEL_ERROR, design.law.model_error, design.law.model
     if math.isnan(error):
         return [_unknown(name, error.source)]
     words, remedy = f"Estimated by {error.source}.", ""
@@ -184,7 +193,7 @@ def _scatter(answer: Answer, design: Design) -> list[Figure]:
 
 def _base(design: Design) -> list[Figure]:
     """Return the figure for the load at which the plane touches the base between the summits."""
-    name, last = "load at which the plane touches the base", design.law.load[-1]
+    name, last = BASE, design.law.load[-1]
     onset = design.surface.material.composite_modulus * base_contact_load(design.surface, design.law.model)
     value, bound, free = f"{three_digits(onset)} N", f"largest load {three_digits(last)} N", onset > last
     words = "The plane stays clear of the base up to the largest load." if free else (
@@ -211,7 +220,7 @@ def _widths(design: Design) -> list[Figure]:
     merged = f"{overlaps} pairs overlap, where real contacts merge: use a larger pitch or lighter loads."
     return [
         _judged(
-            "widest contact, a/R", f"{wide:.2f} {newtons}", f"at most {WIDEST:g}", wide <= WIDEST,
+            WIDTH, f"{wide:.2f} {newtons}", f"at most {WIDEST:g}", wide <= WIDEST,
             f"Small strain holds up to about {WIDEST:g}, with a fitted modulus.",
             "Use lighter loads, more asperities or larger radii.",
             ("surface", "lattice.radius"), wide <= TOO_WIDE,
@@ -232,7 +241,7 @@ def _plasticity(design: Design) -> list[Figure]:
     psi, words = float(np.asarray(index)), "Contacts of a surface with a smaller index stay elastic."
     remedy = "Use larger radii, closer heights or a material with a smaller E*/H."
     bound, places = f"below {ELASTIC_LIMIT:g}", ("surface", "checks.hardness")
-    return [_judged("plasticity index", f"{psi:.2g}", bound, psi < ELASTIC_LIMIT, words, remedy, places)]
+    return [_judged(INDEX, f"{psi:.2g}", bound, psi < ELASTIC_LIMIT, words, remedy, places)]
 
 
 def _judged(

@@ -10,32 +10,29 @@ from metafem.explorer.certainty.figures import Figure, figures
 from metafem.explorer.text.names import on_page
 from metafem.files import planned
 from metafem.notes import Note
+from metafem.prediction.validity import BASE, INTERACTION, OVERLAPS, WIDTH
 from metafem.report import all_notes
 
-# First words of notes that repeat a figure of the table; these notes are not shown again as warnings.
-SHOWN_AS_FIGURES = (
-    "the base plane would touch",
-    "the widest contact",
-    "contacts overlap",
-    "the elastic interaction",
-)
+# Quantities of notes that repeat a figure of the table; these notes are not shown again as warnings.
+SHOWN_AS_FIGURES = (BASE, WIDTH, OVERLAPS, INTERACTION)
 
-# Words that name a remedy in a note, and the key of the specification for each.
-KEYS = {
-    "max_height": "limits.max_height",
+# Remedies of notes about the surface, and of notes about the law, with the key of the specification for each.
+OF_THE_SURFACE = {
     "offset": "limits.offset",
-    "height_step": "limits.height_step",
+    "min_height": "limits.offset",
     "pitch": "lattice.pitch",
     "radius": "lattice.radius",
-    "radii": "lattice.radius",
-    "load_range": "target.load_range",
     "hardness": "checks.hardness",
-    "the block": "block.width",
-    "tilt": "layout.tilt",
+    "width": "block.width",
+    "length": "block.length",
 }
-
-# Words that occur in notes about the surface; notes without them are about the law.
-OF_THE_SURFACE = ("summit", "caps", "contacts ", "base plane", "the block", "tools")
+OF_THE_LAW = {
+    "max_height": "limits.max_height",
+    "load_range": "target.load_range",
+    "slope": "target.slope",
+    "model": "model.kind",
+    "pinned": "sites.pinned",
+}
 
 
 def remarks(answer: Answer) -> tuple[Note, ...]:
@@ -80,9 +77,9 @@ def warnings_by_place(answer: Answer) -> dict[str, list[str]]:
     places = part_warnings(answer)
     warnings = [(figure.places, _text(figure)) for figure in figures(answer) if figure.warns]
     warnings += [
-        (_places(str(note)), on_page(str(note)))
+        (_places(note), on_page(str(note)))
         for note in remarks(answer)
-        if note.warns and not str(note).startswith(SHOWN_AS_FIGURES)
+        if note.warns and note.quantity not in SHOWN_AS_FIGURES
     ]
     for names, text in warnings:
         for name in names:
@@ -95,6 +92,7 @@ def _text(figure: Figure) -> str:
     return on_page(f"{figure.name}: {figure.value}{bound}. {figure.sentence}")
 
 
-def _places(text: str) -> tuple[str, ...]:
-    part = "surface" if any(word in text for word in OF_THE_SURFACE) else "law"
-    return part, *(key for word, key in KEYS.items() if word in text)
+def _places(note: Note) -> tuple[str, ...]:
+    part = "surface" if any(name in OF_THE_SURFACE for name in note.remedies) else "law"
+    keys = OF_THE_SURFACE | OF_THE_LAW
+    return part, *(keys[name] for name in note.remedies if name in keys)

@@ -8,17 +8,17 @@ from nicegui import ui
 
 from metafem._values import three_digits
 from metafem.explorer.answer import Answer, pinned_answer
-from metafem.explorer.certainty.figures import figures
+from metafem.explorer.certainty.figures import MISFIT, MODEL_ERROR, SCATTER, figures
 from metafem.explorer.control import Control, Panel
 
 # Name of the tab.
 COMPARED = "A and B"
 
-# Rows of the table, each with the first words of the figure that it shows.
+# Rows of the table, each with the quantity of the figure that it shows.
 FIGURES = {
-    "Misfit": "misfit",
-    "Scatter of the law of made surfaces": "scatter of the law",
-    "Estimated error of the model": "estimated error",
+    "Misfit": MISFIT,
+    "Scatter of the law of made surfaces": SCATTER,
+    "Estimated error of the model": MODEL_ERROR,
 }
 
 NOTHING = "Nothing is pinned. “Pin as A” in the legend of the law keeps the law that is shown for comparison."
@@ -36,11 +36,9 @@ def comparison(answer: Answer) -> list[tuple[str, str, str]]:
 def _numbers(answer: Answer) -> dict[str, str]:
     """Return the numbers of one column by their names."""
     assert answer.design is not None
-    surface, known = answer.design.surface, figures(answer)
-    values = {
-        name: next((each.value for each in known if each.name.startswith(start)), "unknown")
-        for name, start in FIGURES.items()
-    }
+    surface = answer.design.surface
+    known = {figure.quantity: figure.value for figure in reversed(figures(answer))}  # the first of each
+    values = {name: known[quantity] for name, quantity in FIGURES.items()}
     volume = float(surface.cap.volume(surface.height, surface.radius).sum())
     values["Largest load"] = f"{three_digits(answer.design.law.load[-1])} N"
     return values | {"Volume of the caps": f"{three_digits(volume)} mm³"}

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from metafem._validate import FloatArray, IntArray
+from metafem._validate import IntArray
 from metafem._values import MICROMETRES
 from metafem.explorer.answer import Answer
+from metafem.explorer.surface.cap_data import cap_data, kind_of_cap, mould_data
 from metafem.explorer.surface.sites_text import asked_sites
 from metafem.inversion import Design, DesignStatus
 from metafem.inversion.assessment import misfit_text
@@ -50,7 +51,9 @@ def site_data(answer: Answer) -> dict[str, Any]:
 
     ``pinned`` contains the fixed heights as written, by site; ``empty`` the sites that the specification
     leaves empty; ``limits`` the smallest and the largest height of the colour scale [um]; ``loads`` the
-    smallest and the largest rescaled load of the law [mm^2]; ``modulus`` the composite modulus [MPa].
+    smallest and the largest rescaled load of the law [mm^2]; ``modulus`` the composite modulus [MPa];
+    ``caps`` the shapes of the caps, and ``cap`` the index of the shape at each site if there are several. A
+    full answer has the ``mould``.
     """
     data: dict[str, Any] = message_data(answer)
     design = answer.design
@@ -62,7 +65,13 @@ def site_data(answer: Answer) -> dict[str, Any]:
     limits, count = design.limits, design.template.count
     low = min(MICROMETRES * limits.foot, float(heights.min()))
     high = max(MICROMETRES * (limits.offset + limits.max_height), float(heights.max()))
+    specification = answer.specification
+    alignment = None if specification is None else specification.part.alignment_height
+    caps = cap_data(design.surface, max(high / MICROMETRES, alignment or 0.0))
     return data | {
+        **({} if answer.draft else {"mould": mould_data(answer)}),
+        "caps": caps,
+        "cap": at_sites(design, kind_of_cap(design.surface), 0) if len(caps) > 1 else None,
         "height": at_sites(design, heights, HEIGHT_DECIMALS),
         "radius": float(radii[0]) if len(radii) == 1 else at_sites(design, design.surface.radius, 4),
         "pinned": {str(site): height for site, height in asked.pinned.items() if site < count},
@@ -100,7 +109,7 @@ def message(answer: Answer) -> str:
 
 
 def at_sites(
-    design: Design, values: FloatArray, decimals: int, sites: IntArray | None = None
+    design: Design, values: ArrayLike, decimals: int, sites: IntArray | None = None
 ) -> list[float | None]:
     """Return values by site of the template, None elsewhere; default: at the sites of the asperities."""
     listed: list[float | None] = [None] * design.template.count

@@ -1,7 +1,7 @@
 // The surface: map and picture in three dimensions, with a menu for the sites that are selected.
 import { ARROWS, Chosen, hear, tell } from "metafem-page/linked.js";
-import { Press, told, words } from "metafem-surface/contacts.js";
-import { SiteMap } from "metafem-surface/map.js";
+import { Press, hole, told, words } from "metafem-surface/contacts.js";
+import { SiteMap, neighbour } from "metafem-surface/map.js";
 
 // First and largest exaggeration of the heights in 3D.
 const EXAGGERATION = { first: 4, most: 20 };
@@ -11,25 +11,40 @@ const [PLAY, SLIDER, STILL] = [6000, 250, 5];
 
 const HELP = "Arrow keys move between the sites, with Shift they select. Enter opens the menu, p keeps the height, e leaves the site empty, r lets the design choose, Escape ends the selection.";
 
-// Room beside a site that the menu needs [pixels].
-const MENU = 270;
+const VIEWS = [["map", "Map"], ["relief", "3D"], ["profile", "Profile"]];
+
+// Distance of the tip from the pointer [pixels].
+const GAP = 14;
 
 export default {
   template: `
     <div :class="['surface-view', 'fill', { old }]" data-answered="0">
       <div class="head"><h2>Surface</h2>
-        <div class="choice" role="tablist" aria-label="View of the surface" @keydown.left.prevent="turn($event)" @keydown.right.prevent="turn($event)">
-          <button v-for="[name, label] in [['map', 'Map'], ['relief', '3D']]" type="button" role="tab" :aria-selected="tab === name ? 'true' : 'false'" :tabindex="tab === name ? 0 : -1"
-                  @click="open(name)">{{ label }}</button>
-        </div>
+        <q-tabs v-model="tab" dense no-caps aria-label="View of the surface" @update:model-value="open">
+          <q-tab v-for="[name, label] in views" :name="name" :label="label"></q-tab>
+        </q-tabs>
         <label class="small">Colour <select class="text" v-model="what" @change="recolour" aria-label="Colour of the sites">
           <option value="height">height</option><option v-if="radii" value="radius">radius</option><option value="pressure">contact pressure</option><option value="sensitivity">sensitivity</option><option v-if="compared" value="difference">difference from A</option>
         </select> <select class="text" v-model="spread" @change="recolour" aria-label="Spread of the colours"><option value="value">by value</option><option value="quantile">by quantile</option></select></label>
       </div>
       <div class="small line" role="status"><p v-if="message" class="wrong">{{ message }}</p><p v-if="(line || note) && !(message && old)">{{ line }} {{ note }}</p></div>
-      <div class="box fill" ref="map" v-show="tab === 'map'" @keydown.esc="close">
-        <q-resize-observer debounce="0" @resize="views.map?.resize()"></q-resize-observer>
-        <div v-if="tip" class="tip" :style="tip.style"><div v-for="each in tip.lines">{{ each }}</div></div>
+      <div class="box fill" ref="box" @keydown.esc="close">
+        <q-resize-observer debounce="0" @resize="pictures[tab]?.resize()"></q-resize-observer>
+        <div v-for="[name] in views" v-show="tab === name" class="layer" :ref="name"></div>
+        <p v-if="tab === 'relief' && missing" class="note">{{ missing }}</p>
+        <div class="row small" v-else-if="tab === 'relief'">
+          <div class="choice" role="group" aria-label="What is shown">
+            <button type="button" :aria-pressed="!mould" @click="turnOver(false)">Part</button>
+            <button type="button" :aria-pressed="mould" :disabled="unmade !== ''" :title="unmade || 'The plate as it will be cut, seen from its open face'" @click="turnOver(true)">Mould</button>
+          </div>
+          <label>Heights × {{ times }} <input type="range" min="1" :max="most" step="0.5" v-model.number="times" @input="draw(true)" aria-label="Exaggeration of the heights"></label>
+          <button type="button" class="act" :disabled="times === 1" @click="times = 1; draw(true)">True proportions</button>
+          <button type="button" class="act" @click="pictures.relief?.reset()">Reset the view</button>
+        </div>
+        <div class="row small" v-else-if="tab === 'profile'">
+          <button v-for="[up, sign, label] in [[-1, '↓', 'Previous row'], [1, '↑', 'Next row']]" type="button" class="act" :aria-label="label" :title="label" @click="step(0, up)">{{ sign }}</button>
+        </div>
+        <div v-if="at && lines.length" class="tip" :style="at"><div v-for="each in lines">{{ each }}</div></div>
         <div v-if="menu" class="menu" role="dialog" :aria-label="menu.title" :style="menu.style" ref="menu">
           <b>{{ menu.title }}</b>
           <button type="button" class="away" aria-label="Close" @click="close">×</button>
@@ -41,64 +56,62 @@ export default {
           <label class="small"><input type="checkbox" v-model="adding"> Select more sites</label>
         </div>
       </div>
-      <div class="box fill" ref="relief" v-show="tab === 'relief'">
-        <q-resize-observer debounce="0" @resize="views.relief?.resize()"></q-resize-observer>
-        <p v-if="missing" class="note">{{ missing }}</p>
-        <div class="row small" v-else>
-          <label>Heights × {{ times }} <input type="range" min="1" :max="most" step="0.5" v-model.number="times" @input="exaggerate" aria-label="Exaggeration of the heights"></label>
-          <button type="button" class="act" :disabled="times === 1" @click="times = 1; exaggerate()">True proportions</button>
-          <button type="button" class="act" @click="reset">Reset the view</button>
-        </div>
-      </div>
       <div class="press">
         <button type="button" class="act main" :disabled="!ready" @click="play">{{ playing ? "❚❚ Pause" : "▶ Press it" }}</button>
         <input type="range" min="0" :max="steps" :value="place" :disabled="!ready" aria-label="Load" :aria-valuetext="told" @input="slide($event, true)" @change="slide($event, false)">
         <span title="Load over the area of all contacts, and load">{{ playing && !known ? "The contacts at all loads are being computed …" : told }}</span>
       </div>
-      <p class="legend spoken" v-if="tab === 'map' && spoken">{{ spoken }}</p>
+      <p class="legend spoken" v-if="spoken">{{ spoken }}</p>
       <p class="legend" v-else-if="tab === 'map'"><span><i class="disc"></i> contact, to scale</span> <span>◆ kept height</span> <span><i class="ring"></i> empty site, × kept empty</span></p>
-      <p class="legend" v-else-if="!missing"><span><i class="disc coloured"></i> contact</span> <span>Caps are drawn undeformed, cut off at the glass. {{ part }}</span></p>
+      <p class="legend" v-else-if="tab === 'relief' && mould"><span>Holes are coloured by depth. Left and right are exchanged, as in mould.csv. {{ part }}</span></p>
+      <p class="legend" v-else-if="!missing || tab === 'profile'"><span><i class="disc coloured"></i> contact</span> <span>Caps are drawn undeformed, cut off at the glass. {{ part }}</span></p>
       <span class="unseen" aria-live="polite">{{ spoken }}</span>
     </div>`,
   data() {
     return {
-      tab: "map", what: "height", line: "", message: "", old: false, note: "", tip: null, menu: null,
-      typed: "", adding: false, missing: "", times: EXAGGERATION.first, most: EXAGGERATION.most, spoken: "",
-      radii: false, compared: false, part: "", spread: "value", ready: false, known: false, playing: false, running: false, steps: SLIDER, place: 0, told: "",
+      tab: "map", what: "height", line: "", message: "", old: false, note: "", lines: [], at: null, menu: null,
+      typed: "", adding: false, missing: "", times: EXAGGERATION.first, most: EXAGGERATION.most, mould: false, unmade: " ", views: VIEWS,
+      radii: false, compared: false, part: "", spread: "value", ready: false, known: false, playing: false, steps: SLIDER, place: 0, told: "",
     };
+  },
+  computed: {
+    // What is said of the sites that are not at the pointer, where the tip says it.
+    spoken() { return this.at ? "" : this.lines.join(", "); },
   },
   created() {
     // Not reactive: thousands of numbers.
-    this.views = {};
+    this.pictures = {};
+    this.started = { map: true };
+    this.marks = {};
     this.layout = this.surface = this.contacts = this.press = null;
     this.chosen = new Chosen();
     this.closed = new AbortController();
     hear("load", (to) => this.move(to), this.closed.signal);
     hear("sites", (sites) => this.point(sites), this.closed.signal);
   },
-  mounted() {
-    const map = new SiteMap(this.$refs.map, { hover: (site, event) => this.hover(site, event), pick: (sites, add) => this.pick(sites, add), key: (event) => this.key(event) });
-    map.svg.setAttribute("aria-label", `Map of the heights. ${HELP}`);
-    map.svg.addEventListener("focus", () => { if (!map.from) this.go(map.active ?? map.next(0, 0)); }); // not by a click
-    map.svg.addEventListener("blur", () => tell("sites", []));
-    this.views.map = map;
-  },
+  mounted() { this.drawBy("map", SiteMap); },
   unmounted() {
     this.playing = false;
     this.closed.abort();
-    this.views.relief?.end();
+    this.pictures.relief?.end();
   },
   watch: {
     "$q.dark.isActive"() { this.draw(); },
   },
   methods: {
     show(data) {
-      if (data.layout) this.layout = data.layout;
+      if (data.layout) {
+        this.layout = data.layout;
+        this.menu = null;
+        Object.assign(this.marks, { pointed: new Set(), selected: new Set(), active: null }); // pointed at: here, or at their tick of the law
+      }
       this.message = data.message;
       this.old = data.old;
       this.number = data.number;
       if (data.height) { // otherwise it is as before
-        this.surface = { ...data, empty: new Set(data.empty) };
+        this.surface = { mould: this.surface?.mould, ...data, empty: new Set(data.empty) }; // a draft has no mould
+        this.unmade = this.surface.mould?.problem ?? this.unmade;
+        this.mould &&= !this.unmade;
         this.press = null;
         this.known = false;
         this.chosen = new Chosen();
@@ -148,127 +161,127 @@ export default {
     async play() {
       if (this.playing) return tell("load", { load: this.contacts.load, moving: false });
       this.playing = true;
-      await this.open("relief");
-      if (this.missing) this.tab = "map";
+      this.turnOver(false);
+      if (this.tab === "map") await this.open("relief");
+      if (this.missing && this.tab === "relief") this.open("map");
       if (this.press) this.run();
     },
     run() {
-      if (this.running) return;
+      cancelAnimationFrame(this.playedFrame);
       const [first, last] = this.surface.loads;
       const from = this.contacts.load < last ? this.contacts.load : first;
       const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
       let start = null;
       const frame = (now) => {
-        this.running = this.playing;
         if (!this.playing) return;
         start ??= now - (PLAY * (from - first)) / (last - first || 1);
         let part = Math.min(1, (now - start) / PLAY);
         if (still) part = Math.ceil(STILL * part) / STILL;
         tell("load", { load: first + part * (last - first), moving: part < 1, playing: part < 1 });
-        requestAnimationFrame(frame);
+        this.playedFrame = requestAnimationFrame(frame);
       };
-      this.running = true;
-      requestAnimationFrame(frame);
+      this.playedFrame = requestAnimationFrame(frame);
     },
-    // Once for each frame, after the law.
-    draw() {
-      if (this.frame) return;
-      this.frame = requestAnimationFrame(() => {
+    // Once for each frame, after the law; `now` also in three dimensions.
+    draw(now = this.chosen.moving) {
+      this.now ||= now;
+      this.frame ??= requestAnimationFrame(() => {
         this.frame = null;
         const { layout, surface, contacts } = this;
         if (layout && surface) {
           const fitting = contacts?.radius?.length === layout.x.length ? contacts : null;
-          const look = { what: this.what, spread: this.spread, dark: this.$q.dark.isActive };
-          this.views[this.tab]?.show(layout, surface, fitting, look, this.chosen.moving);
-          this.part = this.views.relief?.left(layout.x.length) ?? "";
+          const look = { what: this.what, spread: this.spread, dark: this.$q.dark.isActive, times: this.times, mould: this.mould };
+          this.pictures[this.tab]?.show(layout, surface, fitting, look, this.now);
+          this.part = this.tab === "relief" ? this.pictures.relief?.left(layout.x.length) : "";
           if (this.menu) Object.assign(this.menu, this.described());
-          if (this.tip) this.tip.lines = this.words(this.tip.site);
-          if (this.spoken && !this.chosen.moving) this.speak(); // not with each frame of a play
+          if (this.at || !this.chosen.moving) this.describe(); // not said with each frame of a play
         }
+        this.now = false;
         if (this.number) this.$el.dataset.answered = this.number;
       });
     },
-    turn(event) {  // an arrow key on the tab in focus
-      const next = event.target.nextElementSibling ?? event.target.previousElementSibling;
-      next.focus();
-      next.click();
-    },
     async open(tab) {
-      this.tab = tab;
       this.close();
-      if (tab === "relief") await (this.started ??= this.start());
+      this.tab = tab;
+      await (this.started[tab] ??= this.start(tab));
+      this.pictures[tab]?.resize();
       this.draw();
     },
-    async start() {
+    // Scripts of the views that are not shown first are loaded when they are opened.
+    async start(tab) {
+      if (tab === "profile") return this.drawBy(tab, (await import("metafem-surface/profile.js")).Profile);
       try {
         const { Relief } = await import("metafem-surface/relief.js");
-        const relief = new Relief(this.$refs.relief, this.times);
+        const relief = new Relief(this.$refs.relief[0], this.marks, this);
         await relief.start();
-        this.views.relief = relief;
+        this.pictures.relief = relief;
       } catch (error) {
         console.warn(error);
         this.missing = "This browser has no WebGL, so the surface cannot be drawn in three dimensions. The map shows the same heights.";
       }
     },
+    drawBy(tab, Kind) {
+      const picture = new Kind(this.$refs[tab][0], this.marks, this);
+      picture.svg.setAttribute("aria-label", `${Kind.title}. ${HELP}`);
+      picture.svg.addEventListener("focus", () => { if (this.surface && !picture.from) this.go(this.marks.active ?? picture.first); }); // not by a click
+      picture.svg.addEventListener("blur", () => tell("sites", []));
+      this.pictures[tab] = picture;
+    },
     recolour() {
       this.$emit("colour", this.what);
       this.draw();
     },
-    reset() { this.views.relief?.reset(); },
-    exaggerate() { this.views.relief?.exaggerate(this.times); },
-    words(site) { return words(site, this.surface, this.contacts, this.press); },
+    turnOver(mould) {
+      this.mould = mould;
+      this.draw(true);
+    },
+    // Under the pointer, null where there is no site.
     hover(site, event) {
-      if (this.menu || !this.surface) site = null;
-      tell("sites", site === null ? [] : [site]);
-      this.tip = null;
-      if (site === null) return;
-      const box = this.$refs.map.getBoundingClientRect();
-      this.spoken = "";
-      this.tip = { site, lines: this.words(site), style: this.beside(event.clientX - box.left, event.clientY - box.top) };
+      const told = site !== null && this.surface && !this.menu;
+      this.at = told ? this.beside(event) : null;
+      tell("sites", told ? [site] : []);
+    },
+    // Above or below the pointer, where there is more room, and as far to the left as the pointer is to the right.
+    beside({ clientX, clientY }) {
+      const { left, top, width, height } = this.$refs.box.getBoundingClientRect();
+      const [x, y] = [clientX - left, clientY - top];
+      return { left: `${x}px`, transform: `translateX(-${(100 * x) / width}%)`, ...(y > height / 2 ? { bottom: `${height - y + GAP}px` } : { top: `${y + GAP}px` }) };
     },
     // Marks the sites under the pointer, here or at their tick of the law.
     point(sites) {
-      const { map } = this.views;
-      if (!this.surface || sites.join() === [...map.pointed].join()) return;
-      map.pointed = new Set(sites);
-      this.speak();
-      map.draw();
+      if (!this.surface) return;
+      this.marks.pointed = new Set(sites);
+      this.describe();
+      this.pictures[this.tab]?.mark();
     },
-    speak() {
-      const [first, ...others] = this.views.map.pointed;
-      this.spoken = first === undefined ? "" : others.length ? `${others.length + 1} sites come into contact together` : this.words(first).join(", ");
-    },
-    // Beside a point, on the side where there is room; or in the corner away from it, where the sites around it stay free.
-    beside(x, y, away = false) {
-      const { clientWidth: width, clientHeight: height } = this.$refs.map;
-      if (away) return { [x > width / 2 ? "left" : "right"]: 0, [y > height / 2 ? "top" : "bottom"]: 0 };
-      return {
-        ...(x > width / 2 ? { right: `${width - x + 14}px` } : { left: `${x + 14}px` }),
-        ...(y > height / 2 ? { bottom: `${Math.max(0, height - y - 10)}px` } : { top: `${Math.max(0, y - 10)}px` }),
-      };
+    describe() {
+      const [first, ...others] = this.marks.pointed;
+      if (first === undefined) this.lines = [];
+      else if (others.length) this.lines = [`${others.length + 1} sites come into contact together`];
+      else if (this.mould && this.tab === "relief") this.lines = hole(first, this.layout, this.surface);
+      else this.lines = words(first, this.surface, this.contacts, this.press);
     },
     pick(sites, add) {
-      const { map } = this.views;
-      if (!(add || this.adding)) map.selected = new Set();
-      const single = sites.length === 1 && map.selected.has(sites[0]);
-      sites.forEach((site) => (single ? map.selected.delete(site) : map.selected.add(site)));
-      if (sites.length) map.active = sites.at(-1);
-      this.tip = null;
-      this.spoken = "";
-      if (map.selected.size) this.openMenu(); else this.close();
-      map.draw();
+      const { marks } = this;
+      if (!(add || this.adding)) marks.selected = new Set();
+      const single = sites.length === 1 && marks.selected.has(sites[0]);
+      sites.forEach((site) => (single ? marks.selected.delete(site) : marks.selected.add(site)));
+      if (sites.length) marks.active = sites.at(-1);
+      this.at = null;
+      tell("sites", []);
+      if (marks.selected.size) this.openMenu(); else this.close();
+      this.pictures[this.tab].mark();
     },
     openMenu() {
-      const { map } = this.views;
+      const [x, y] = this.pictures[this.tab].placeOf(this.marks.active);
+      const { clientWidth: width, clientHeight: height } = this.$refs.box;
       this.typed = "";
-      const x = map.view.px(this.layout.x[map.active]);
-      const room = Math.max(x, this.$refs.map.clientWidth - x);
-      const style = this.beside(x, map.view.py(this.layout.y[map.active]), map.selected.size > 1 || room < MENU);
-      this.menu = { style, ...this.described() };
+      // in the corner away from the site, where the sites around it stay free
+      this.menu = { style: { [x > width / 2 ? "left" : "right"]: 0, [y > height / 2 ? "top" : "bottom"]: 0 }, ...this.described() };
     },
     described() {
-      const { surface, views: { map } } = this;
-      const sites = [...map.selected];
+      const { surface } = this;
+      const sites = [...this.marks.selected];
       const single = sites.length === 1;
       const height = single ? surface.height[sites[0]] : null;
       return {
@@ -280,37 +293,37 @@ export default {
       };
     },
     close() {
-      const { map } = this.views;
       const inside = this.$refs.menu?.contains(document.activeElement);
+      const picture = this.pictures[this.tab];
       this.menu = null;
       this.adding = false;
-      map.selected = new Set();
-      map.draw();
-      if (inside) map.svg.focus();
+      this.marks.selected = new Set();
+      picture?.mark();
+      if (inside) picture.svg.focus();
     },
     send(action, height = "") {
-      const { map } = this.views;
-      const sites = map.selected.size ? [...map.selected] : map.active === null ? [] : [map.active];
+      const { selected, active } = this.marks;
+      const sites = selected.size ? [...selected] : active === null ? [] : [active];
       if (sites.length) this.$emit("sites", { action, sites, height });
       this.close();
     },
     go(site, select) {
-      const { map } = this.views;
-      if (site === null || !this.surface) return;
-      if (select) [map.active, site].forEach((each) => map.selected.add(each));
-      map.active = site;
-      this.tip = null;
+      const { marks } = this;
+      if (select) [marks.active, site].forEach((each) => marks.selected.add(each));
+      marks.active = site;
+      this.at = null;
       tell("sites", [site]);
-      this.speak();
-      map.draw();
+    },
+    step(right, up, select) {
+      if (this.surface) this.go(neighbour(this.layout, this.marks.active ?? this.pictures[this.tab]?.first ?? 0, right, up), select);
     },
     key(event) {
-      const { map } = this.views;
+      const { marks } = this;
       const actions = { p: "pin", e: "empty", r: "release" };
-      if (event.ctrlKey || event.metaKey || event.altKey || !this.layout) return;
-      if (ARROWS[event.key]) this.go(map.next(...ARROWS[event.key]), event.shiftKey);
-      else if (event.key === "Enter" && map.active !== null) {
-        map.selected.add(map.active);
+      if (event.ctrlKey || event.metaKey || event.altKey || !this.surface) return;
+      if (ARROWS[event.key]) this.step(...ARROWS[event.key], event.shiftKey);
+      else if (event.key === "Enter" && marks.active !== null) {
+        marks.selected.add(marks.active);
         this.openMenu();
         this.$nextTick(() => this.$refs.menu.querySelector("button[data-action], input").focus());
       } else if (actions[event.key]) this.send(actions[event.key]);

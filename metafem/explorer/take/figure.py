@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 
 from metafem import drawing
 from metafem._values import percent
 from metafem.drawing.paper import saved, scaled_axes, two_parts
-from metafem.errors import refuse_if
+from metafem.errors import InvalidInput, refuse_if
 from metafem.explorer.answer import Answer
 from metafem.explorer.law.shown import Units
 from metafem.explorer.take.files import tables_of
+from metafem.explorer.text.fields import with_points, with_unit
+from metafem.files import quantity
 from metafem.inversion import Design
 from metafem.report import misfit_words
 from metafem.report.names import model_words
@@ -76,11 +79,10 @@ def caption(design: Design) -> str:
 
 
 def _millimetres(name: str, given: str) -> float:
-    """Return a length [mm] from its text, with a decimal point or comma, and with or without the unit."""
-    try:
-        value = float(given.strip().removesuffix("mm").replace(",", "."))
-    except ValueError:
-        value = float("nan")
+    """Return a length [mm] from its text; a number without a unit is in mm."""
+    value = math.nan
+    with suppress(InvalidInput):
+        value = quantity(name, with_unit(with_points(given.strip()), "mm"), "mm")
     must = f"must be a number of millimetres from {SMALLEST:g} to {LARGEST:g}"
     refuse_if(not SMALLEST <= value <= LARGEST, must, key=name, value=given, example="85")
     return value

@@ -9,6 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from metafem.errors import InvalidInput
+from metafem.explorer.text.fields import with_points
 from metafem.files import quantity
 
 # Fewest asperities for which a line is reached over a range of loads, and most for which the search of this
@@ -18,9 +19,9 @@ FEWEST, MOST = 4, 2500
 # The units inside of those that the package does not use.
 INSIDE = {"µm": "mm"}
 
-# A number with a decimal point or comma and an optional unit, and what separates two of them.
-ENTRY = re.compile(r"([+-]?(?:\d+(?:[.,]\d+)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\W\d_xX×]*)")
-SEPARATOR = re.compile(r"[\sxX×*,;]*")
+# A number and an optional unit, and what separates two of them.
+ENTRY = re.compile(r"([+-]?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\W\d_xX×]*)")
+CROSS, SEPARATOR = re.compile(r"[xX×*]"), re.compile(r"[\s,;]*")
 
 
 @dataclass(frozen=True)
@@ -98,9 +99,10 @@ def wanted(typed: Typed) -> Wanted:
 
 def _numbers(field: Field, text: str) -> list[float]:
     """Return the numbers in the text of a field, in mm and MPa; one without a unit has that of the field."""
-    count, inside = len(ENTRY.findall(field.first)), INSIDE.get(field.unit, field.unit)
+    text, inside = with_points(CROSS.sub(" ", text)), INSIDE.get(field.unit, field.unit)
+    count = len(ENTRY.findall(field.first))
     with suppress(InvalidInput, ValueError):  # a unit of another kind
-        given = [f"{number.replace(',', '.')} {unit or field.unit}" for number, unit in ENTRY.findall(text)]
+        given = [f"{number} {unit or field.unit}" for number, unit in ENTRY.findall(text)]
         values = [quantity(field.label, each, inside) if inside else float(each) for each in given]
         plain = SEPARATOR.fullmatch(ENTRY.sub("", text)) and all(0.0 < value < math.inf for value in values)
         if plain and len(values) == count:

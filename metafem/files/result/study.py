@@ -67,7 +67,7 @@ def study_data(study: Dataset) -> dict[str, Any]:
         }
         for name, array in study.variables.items()
     }
-    notes = [{"level": note.level.value, "text": note.text} for note in from_lines(str(study.attrs["notes"]))]
+    notes = [note.to_json() for note in from_lines(str(study.attrs["notes"]))]
     return {**study.attrs, "notes": notes, "data": arrays}
 
 

@@ -180,6 +180,10 @@ def _notes(scale: float, mixture: Mixture, limits: Limits, wording: Wording) -> 
     return (
         Note(
             f"the scale {scale:.4g} mm is below {FINEST_SCALE_IN_SD:g} times height_sd, {finest:.4g} mm: "
-            f"height errors will change the law; they will not for {wording.slopes(steepest)} and below"
+            f"height errors will change the law; they will not for {wording.slopes(steepest)} and below",
+            quantity="scale",
+            value=scale,
+            bound=finest,
+            remedies=("slope",),
         ),
     )

@@ -327,7 +327,11 @@ def _notes(scene: Scene, solution: Solution) -> tuple[Note, ...]:
         notes.append(
             Note(
                 f"{coarse.sum()} contacts have fewer than {COARSEST:g} cells per radius and carry "
-                f"{share:.2g} of the load; the error of their areas is 2 % and more"
+                f"{share:.2g} of the load; the error of their areas is 2 % and more",
+                quantity="cells per radius",
+                value=float(radius[coarse].min()),
+                bound=COARSEST,
+                remedies=("cell",),
             )
         )
     return tuple(notes)

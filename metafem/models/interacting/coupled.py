@@ -76,7 +76,16 @@ class Coupled:
         tall = int((self.surface.height > TALLEST * self.surface.radius).sum())
         if self.pedestal and tall:
             text = f"{tall} summits are higher than {TALLEST:g} R; their pedestals are taken as that high"
-            notes += (Note(text),)
+            most = float((self.surface.height / self.surface.radius).max())
+            notes += (
+                Note(
+                    text,
+                    quantity="height of a summit over its radius",
+                    value=most,
+                    bound=TALLEST,
+                    remedies=("radius",),
+                ),
+            )
         if self.surface.cell is not None and not hasattr(self.substrate, "thickness"):
             notes += (MEAN_PLANE,)
         return RescaledState(load, area, indentation, float(base.min()), self.model, notes)

@@ -145,8 +145,14 @@ def test_what_has_no_solution_is_said_in_words(shown, monkeypatch):
 
 def test_notes_are_those_of_the_report_warnings_first(shown):
     warned = replace(
-        shown, design=replace(shown.design, notes=(*shown.design.notes, mf.Note("raise the offset")))
+        shown,
+        design=replace(
+            shown.design, notes=(*shown.design.notes, mf.Note("raise the offset", remedies=("offset",)))
+        ),
     )
     assert remarks(warned) == mf.report.all_notes(warned.design)
     assert remarks(warned)[0].warns
-    assert warnings_by_place(warned) == {"law": ["raise the offset"], "limits.offset": ["raise the offset"]}
+    assert warnings_by_place(warned) == {
+        "surface": ["raise the offset"],
+        "limits.offset": ["raise the offset"],
+    }

@@ -6,6 +6,8 @@ from metafem.explorer.answer import answered
 from metafem.explorer.certainty.places import part_problem, warnings_by_place
 from metafem.explorer.session import State
 from metafem.files import demo_text
+from metafem.notes import Note
+from metafem.prediction.validity import WIDTH
 
 TEXT = demo_text("operating-points")
 
@@ -38,3 +40,23 @@ def test_an_earlier_surface_has_no_warnings_of_the_present_specification():
     assert refused.refusal
     assert refused.design is warned.design
     assert warnings_by_place(refused) == {}
+
+
+def test_a_note_is_told_where_its_remedies_are_and_not_by_its_words():
+    answer = answered(State(TEXT), 1)
+    notes = (
+        Note("the caps of the summits", remedies=("load_range",)),
+        Note("no word of a part", remedies=("pitch", "model")),
+        Note("no remedy"),
+        Note("the figure has it", quantity=WIDTH, remedies=("radius",)),
+    )
+    before = warnings_by_place(answer)
+    noted = replace(answer, design=replace(answer.design, notes=notes))
+    places = warnings_by_place(noted)
+    new = {
+        name: [text for text in texts if text not in before.get(name, [])] for name, texts in places.items()
+    }
+    assert new["law"] == ["the caps of the summits", "no remedy"]
+    assert new["target.load_range"] == ["the caps of the summits"]
+    assert new["surface"] == new["lattice.pitch"] == new["model.kind"] == ["no word of a part"]
+    assert "lattice.radius" not in new

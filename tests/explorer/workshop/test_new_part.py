@@ -56,6 +56,18 @@ def test_a_law_that_is_kept_stays_as_it_is(law):
     assert made(text).template.count == 81
 
 
+@pytest.mark.parametrize(
+    "typed", ["30,5x30,5x7,2", "30,5 × 30,5 × 7,2 mm", "30.5; 30.5; 7.2", "3,05 cm, 3,05 cm, 7,2"]
+)
+def test_decimal_commas_are_read_as_in_the_other_fields(typed):
+    block = Document(new_part(FIRST | {"size": typed})).section("block")
+    assert list(block.values()) == ["30.5 mm", "30.5 mm", "7.2 mm"]
+
+
+def test_a_comma_that_may_separate_thousands_is_refused():
+    assert refused(radius="1,526").field == "radius"
+
+
 @pytest.mark.parametrize("typed", ["6x8", "6 × 8", "6 8", "6, 8", "6 X 8", " 6 * 8 "])
 def test_rows_and_columns_are_read_however_they_are_separated(typed):
     assert Document(new_part(FIRST | {"asperities": typed})).value("lattice.shape") == [6, 8]

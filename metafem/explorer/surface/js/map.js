@@ -1,7 +1,7 @@
-// The map of the sites: draws them, finds the one under the pointer, moves between them by keys.
+// The map of the sites: draws them, finds the one under the pointer, and those in a rectangle.
 import { made, set } from "metafem-law/svg.js";
 import { colouring } from "./colours.js";
-import { drawAxes, drawBar, viewOf } from "./frame.js";
+import { Picture, drawAxes, drawBar, viewOf } from "./frame.js";
 import { MARKER, MOST_ELEMENTS, PixelMarks, SvgMarks } from "./marks.js";
 
 // Fill of sites without a value, in both themes.
@@ -10,50 +10,35 @@ const PLAIN = { light: "rgb(236 239 242)", dark: "rgb(52 60 69)" };
 // A drag that is shorter than this is a click [pixels].
 const CLICK = 5;
 
-export class SiteMap {
-  // `on` has the functions hover(site), pick(sites, add), key(event).
-  constructor(box, on) {
-    this.on = on;
+export class SiteMap extends Picture {
+  static title = "Map of the heights";
+
+  constructor(...given) {
+    super(...given);
     this.canvas = document.createElement("canvas");
-    this.svg = made("svg", { tabindex: 0, role: "application", "aria-roledescription": "map of the sites" });
-    box.append(this.canvas, this.svg);
-    [this.axes, this.bar] = [made("g", { class: "axes" }, this.svg), made("g", { class: "axes" }, this.svg)];
-    this.marks = { svg: new SvgMarks(this.svg), canvas: new PixelMarks(this.canvas) };
+    this.box.prepend(this.canvas);
+    this.svg.setAttribute("aria-roledescription", "map of the sites");
+    this.bar = made("g", { class: "axes" }, this.svg);
+    this.sites = { svg: new SvgMarks(this.svg), canvas: new PixelMarks(this.canvas) };
     this.rectangle = made("rect", { class: "rectangle", visibility: "hidden" }, this.svg);
-    this.selected = new Set();
-    this.active = null;
-    this.pointed = new Set(); // those under the pointer, here or at their tick of the law
-    for (const name of ["pointerdown", "pointermove", "pointerup", "pointercancel", "pointerleave"]) {
+    for (const name of ["pointerdown", "pointermove", "pointerup", "pointercancel"]) {
       this.svg.addEventListener(name, (event) => this[name](event));
     }
-    this.svg.addEventListener("keydown", (event) => this.on.key(event));
-    this.box = box;
   }
 
-  resize() {
-    const { clientWidth: width, clientHeight: height } = this.box;
-    if (!width || !height || !this.layout) return;
+  place(width, height) {
     this.view = viewOf(this.layout, width, height);
-    this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
     const many = this.layout.x.length > MOST_ELEMENTS;
-    const [used, other] = many ? [this.marks.canvas, this.marks.svg] : [this.marks.svg, this.marks.canvas];
+    const [used, other] = many ? [this.sites.canvas, this.sites.svg] : [this.sites.svg, this.sites.canvas];
     other.clear();
     this.used = used;
     used.place(this.layout, this.view, width, height);
-    drawAxes(this.axes, this.view);
-    this.draw();
+    drawAxes(this.axes, this.view, "y [mm]");
   }
 
-  // The data of the server; `contacts` may be those of the surface before for some milliseconds.
-  show(layout, surface, contacts, look) {
-    const placed = this.layout === layout && this.view;
-    Object.assign(this, { layout, surface, contacts, look });
-    if (placed) this.draw(); else this.resize();
-  }
-
-  draw() {
+  mark() {
     if (!this.surface || !this.view) return;
-    const { surface, contacts, view, selected, look: { dark, spread } } = this;
+    const { surface, contacts, view, marks: { selected, active, pointed }, look: { dark, spread } } = this;
     const colours = colouring(surface, contacts, this.look);
     const disc = contacts?.radius ? (i) => view.scale * (contacts.radius[i] ?? 0) : () => 0;
     this.used.draw((i) => {
@@ -63,7 +48,7 @@ export class SiteMap {
       if (surface.empty.has(i)) names.push("asked");
       if (surface.pinned[i] !== undefined) names.push("pinned");
       if (selected.has(i)) names.push("selected");
-      if (this.active === i || this.pointed.has(i)) names.push("active");
+      if (active === i || pointed.has(i)) names.push("active");
       const fill = colours.shown(i) ? colours.scale.css(colours.values[i]) : height === null ? "none" : dark ? PLAIN.dark : PLAIN.light;
       return { fill, classes: names.join(" "), contact: height === null ? 0 : disc(i) };
     });
@@ -76,8 +61,7 @@ export class SiteMap {
   // Site under a point of the window, null if there is none.
   siteAt(event) {
     if (!this.view) return null;
-    const { left, top } = this.svg.getBoundingClientRect();
-    const [x, y] = [event.clientX - left, event.clientY - top];
+    const [x, y] = this.at(event);
     const reach = Math.max(MARKER * this.layout.spacing * this.view.scale, 12);
     let [best, least] = [null, reach ** 2];
     this.layout.x.forEach((each, i) => {
@@ -87,32 +71,23 @@ export class SiteMap {
     return best;
   }
 
-  // Next site in a direction: the nearest within 45 degrees of it.
-  next(right, up) {
-    const { x, y } = this.layout;
-    if (this.active === null) return x.length ? 0 : null;
-    let [best, least] = [this.active, Infinity];
-    x.forEach((each, i) => {
-      const [dx, dy] = [each - x[this.active], y[i] - y[this.active]];
-      const [along, beside] = [dx * right + dy * up, Math.abs(dx * up) + Math.abs(dy * right)];
-      const distance = along + 2 * beside;
-      if (along > 1e-9 * this.layout.spacing && beside <= along && distance < least) [best, least] = [i, distance];
-    });
-    return best;
-  }
+  // Where a site is drawn.
+  placeOf(i) { return [this.view.px(this.layout.x[i]), this.view.py(this.layout.y[i])]; }
+
+  // The site where the keys begin.
+  get first() { return 0; }
 
   pointerdown(event) {
     if (event.button) return;
-    this.from = { x: event.clientX, y: event.clientY, mouse: event.pointerType === "mouse" };
+    this.from = { clientX: event.clientX, clientY: event.clientY, mouse: event.pointerType === "mouse" };
     if (this.from.mouse) this.svg.setPointerCapture(event.pointerId);
   }
 
   pointermove(event) {
-    const moved = this.from?.mouse && Math.hypot(event.clientX - this.from.x, event.clientY - this.from.y) > CLICK;
+    const moved = this.from?.mouse && Math.hypot(event.clientX - this.from.clientX, event.clientY - this.from.clientY) > CLICK;
     if (!moved && !this.drawn) { if (!this.from) this.on.hover(this.siteAt(event), event); return; }
-    const { left, top } = this.svg.getBoundingClientRect();
-    const [x, y] = [Math.min(event.clientX, this.from.x) - left, Math.min(event.clientY, this.from.y) - top];
-    this.drawn = { x, y, width: Math.abs(event.clientX - this.from.x), height: Math.abs(event.clientY - this.from.y) };
+    const [[x, y], [startX, startY]] = [this.at(event), this.at(this.from)];
+    this.drawn = { x: Math.min(x, startX), y: Math.min(y, startY), width: Math.abs(x - startX), height: Math.abs(y - startY) };
     set(this.rectangle, { ...this.drawn, visibility: "visible" });
   }
 
@@ -134,6 +109,16 @@ export class SiteMap {
     this.from = this.drawn = null;
     this.rectangle.setAttribute("visibility", "hidden");
   }
+}
 
-  pointerleave() { this.on.hover(null); }
+// Next site in a direction: the nearest within 45 degrees of it; the site itself if there is none.
+export function neighbour({ x, y, spacing }, site, right, up) {
+  let [best, least] = [site, Infinity];
+  x.forEach((each, i) => {
+    const [dx, dy] = [each - x[site], y[i] - y[site]];
+    const [along, beside] = [dx * right + dy * up, Math.abs(dx * up) + Math.abs(dy * right)];
+    const distance = along + 2 * beside;
+    if (along > 1e-9 * spacing && beside <= along && distance < least) [best, least] = [i, distance];
+  });
+  return best;
 }

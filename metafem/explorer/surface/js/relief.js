@@ -1,6 +1,7 @@
-// The surface in three dimensions: undeformed caps on the block, cut off at the glass, with the contacts on it.
+// The surface in three dimensions: undeformed caps on the block, cut off at the glass, with the contacts on it. Or the mould,
+// which is the same turned over: x and z are mirrored, and the caps are holes.
 import { colouring } from "./colours.js";
-import { radiusOf, range } from "./contacts.js";
+import { capOf, range, shapeOf, widthAt } from "./contacts.js";
 
 // Most caps: more would be smaller than a pixel, and hold up a browser without a graphics card for seconds.
 export const MOST_CAPS = 20000;
@@ -11,11 +12,18 @@ const [FROM, FIELD] = [[-0.55, -1, 0.8], 32];
 // Speed of the arrow keys, and step of the wheel that plus and minus are.
 const [TURN, WHEEL] = [5, 100];
 
-// Milliseconds without new data after which the picture is drawn, and after which it is drawn in any case.
-const [QUIET, LONGEST] = [200, 1000];
+// Milliseconds between pictures while the surface is changed: one with each step of a drag would delay the law where the
+// graphics are computed by the processor.
+const PACE = 300;
 
-// Segments of a cap: fewer for many, of which each is small.
-const segments = (count) => (count > 5000 ? [8, 3] : count > 1500 ? [12, 4] : count > 200 ? [20, 6] : [40, 12]);
+// Segments of a cap, and which part of the points of its meridian: fewer for many caps, of which each is small.
+const FINE = [[200, 40, 1], [1500, 20, 2], [5000, 10, 4], [MOST_CAPS, 8, 8]];
+
+// Most alignment asperities of a part.
+const ALIGNMENT = 4;
+
+// Radii of the ring around a site that is pointed at, over the least distance between sites.
+const RING = [0.36, 0.43];
 
 // The sites that are drawn: all, or those in a square around the middle.
 export function nearest({ x, y }) {
@@ -27,7 +35,8 @@ export function nearest({ x, y }) {
 }
 
 export class Relief {
-  constructor(box, times) { [this.box, this.exaggeration] = [box, times]; }
+  // `marks` has the sites that are pointed at, `on` the function hover(site, event).
+  constructor(box, marks, on) { Object.assign(this, { box, marks, on }); }
 
   // What of so many sites is not drawn, in words.
   left(count) { return count > MOST_CAPS ? `Of ${count.toLocaleString("en")} sites the ${MOST_CAPS.toLocaleString("en")} around the middle are drawn.` : ""; }
@@ -36,7 +45,7 @@ export class Relief {
   async start() {
     const { THREE, OrbitControls } = await import("nicegui-scene");
     this.THREE = THREE;
-    const renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true });
+    const renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true, stencil: true });
     renderer.localClippingEnabled = true;
     renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
     this.renderer = renderer;
@@ -55,10 +64,13 @@ export class Relief {
     canvas.style.touchAction = "pan-y"; // a finger that moves up or down scrolls the page
     this.controls.maxPolarAngle = 0.495 * Math.PI;
     this.controls.addEventListener("change", () => this.render());
+    this.ray = new THREE.Raycaster();
+    canvas.addEventListener("pointermove", (event) => { if (!event.buttons) this.on.hover(this.siteAt(event), event); });
+    canvas.addEventListener("click", (event) => this.on.hover(this.siteAt(event), event)); // a finger does not hover
+    for (const name of ["pointerdown", "pointerleave"]) canvas.addEventListener(name, () => this.on.hover(null));
     canvas.addEventListener("keydown", (event) => this.key(event));
     this.controls.listenToKeyEvents(canvas);
     this.controls.keyRotateSpeed = TURN;
-    this.resize();
     this.cut = { base: new THREE.Plane(new THREE.Vector3(0, 0, 1), 0), glass: new THREE.Plane(new THREE.Vector3(0, 0, -1), 1) };
   }
 
@@ -73,10 +85,10 @@ export class Relief {
     for (const each of this.things ?? []) {
       this.scene.remove(each);
       each.traverse((part) => {
-        part.geometry.dispose();
-        part.material.dispose();
+        part.geometry?.dispose();
+        part.material?.dispose();
+        part.dispose?.();
       });
-      each.dispose?.();
     }
     this.things = [];
   }
@@ -99,64 +111,96 @@ export class Relief {
     });
   }
 
-  // Takes the newest data when none have come for a while: a picture with each step of a drag would delay the law where
-  // the graphics are computed by the processor. What `moves` is drawn at once.
+  // Takes the newest data; what `moves` is drawn at once.
   show(layout, surface, contacts, look, moves) {
     this.newest = { layout, surface, contacts, look };
-    clearTimeout(this.timer);
     if (moves && layout === this.layout) return this.draw();
-    const now = performance.now();
-    this.since ??= now;
-    this.timer = setTimeout(() => {
-      this.since = null;
+    this.timer ??= setTimeout(() => {
+      this.timer = null;
       this.draw();
-    }, Math.max(0, Math.min(QUIET, this.since + LONGEST - now)));
+    }, PACE);
   }
 
   draw() {
     const { layout, surface, contacts, look } = this.newest;
-    if (layout !== this.layout) {
-      this.layout = layout;
-      this.build();
-      this.reset();
+    const [moved, shapes] = [layout !== this.layout, JSON.stringify(surface.caps)];
+    if (moved || shapes !== this.shapes) {
+      Object.assign(this, { layout, shapes });
+      this.build(surface.caps);
     }
-    const { THREE, exaggeration: e } = this;
-    const colours = colouring(surface, contacts, look);
+    if (moved) this.reset();
+    const { THREE } = this;
+    const { times: e, mould } = look; // exaggeration of the heights
+    this.mould = mould;
+    const colours = colouring(surface, contacts, mould ? { ...look, what: "height" } : look);
     const separation = (contacts?.separation ?? 1e3 * layout.spacing) / 1e3;
-    const top = e * separation;
-    this.cut.glass.constant = top;
-    this.glass.position.z = top;
-    this.glass.visible = contacts?.separation > 0;
-    const [at, colour] = [new THREE.Matrix4(), new THREE.Color()];
+    const top = mould ? 0 : e * separation;
+    this.cut.glass.constant = this.glass.position.z = top;
+    this.cut.base.constant = mould ? this.camera.far : 0;
+    this.glass.visible = !mould && contacts?.separation > 0;
+    this.contacts.visible = !mould;
+    this.body.rotation.y = mould ? Math.PI : 0;
+    const thickness = mould ? surface.mould.thickness : this.thickness;
+    this.block.scale.z = thickness;
+    this.block.position.z = (mould ? 1 : -1) * thickness / 2;
+    this.block.material.stencilWrite = mould; // but for the holes
+    this.lids.material = mould ? this.opening : this.lid;
+    this.lids.renderOrder = mould ? -1 : 0;
     const style = getComputedStyle(this.box);
-    const plain = style.getPropertyValue("--faint").trim();
-    this.block.material.color.set(style.getPropertyValue("--line").trim());
-    this.contacts.material.color.set(style.getPropertyValue("--target").trim());
-    this.drawn.forEach((site, i) => {
-      const height = surface.height[site];
-      const [x, y] = [layout.x[site], layout.y[site]];
-      const R = radiusOf(surface, site);
-      const h = height === null ? 0 : height / 1e3;
-      const size = height === null ? 0 : R;
-      this.caps.setMatrixAt(i, at.makeScale(size, size, e * size).setPosition(x, y, e * (h - R)));
-      const depth = Math.max(0, h - separation);
-      const lid = height === null ? 0 : Math.sqrt(Math.max(0, 2 * R * depth - depth * depth));
-      this.lids.setMatrixAt(i, at.makeScale(lid, lid, 1).setPosition(x, y, top));
-      const radius = contacts?.radius?.[site] ?? 0;
-      this.contacts.setMatrixAt(i, at.makeScale(radius, radius, 1).setPosition(x, y, top));
-      colour.set(colours.shown(site) ? colours.scale.css(colours.values[site]) : plain);
-      this.caps.setColorAt(i, colour);
-      this.lids.setColorAt(i, colour);
+    const of = (name) => style.getPropertyValue(name).trim();
+    const plain = of("--faint");
+    this.block.material.color.set(of("--line"));
+    this.contacts.material.color.set(of("--target"));
+    this.rings.material.color.set(of("--ink"));
+    const drawn = this.drawn.filter((site) => surface.height[site] !== null).map((site) => [site, layout.x[site], layout.y[site], surface.height[site] / 1e3, capOf(surface, site)]);
+    if (mould) drawn.push(...surface.mould.alignment.map(({ x, y, height, radius, kind }) => [null, x, y, height / 1e3, shapeOf(surface, kind, radius)]));
+    this.sites = drawn.map(([site]) => site);
+    const [at, colour] = [new THREE.Matrix4(), new THREE.Color()];
+    drawn.forEach(([site, x, y, h, shape], k) => {
+      const disc = (mesh, radius) => mesh.setMatrixAt(k, at.makeScale(radius, radius, 1).setPosition(x, y, top));
+      colour.set(site !== null && colours.shown(site) ? colours.scale.css(colours.values[site]) : plain);
+      this.caps.forEach((mesh, kind) => {
+        const size = kind === shape.kind ? shape.scale : 0;
+        mesh.setMatrixAt(k, at.makeScale(size, size, e * size).setPosition(x, y, e * h));
+        mesh.setColorAt(k, colour);
+      });
+      disc(this.lids, widthAt(shape, mould ? h : h - separation));
+      this.lids.setColorAt(k, colour);
+      disc(this.contacts, contacts?.radius?.[site] ?? 0);
     });
-    for (const each of [this.caps, this.lids, this.contacts]) {
-      each.instanceMatrix.needsUpdate = true;
-      if (each.instanceColor) each.instanceColor.needsUpdate = true;
+    for (const mesh of [...this.caps, this.lids, this.contacts]) {
+      mesh.count = drawn.length;
+      mesh.boundingSphere = null; // where rays look for the caps
+      mesh.instanceMatrix.needsUpdate = true;
+      if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
     }
+    this.mark();
+  }
+
+  // Rings around the sites that are pointed at.
+  mark() {
+    if (!this.layout) return;
+    const { THREE, layout: { x, y, spacing }, marks: { pointed }, rings } = this;
+    const at = new THREE.Matrix4();
+    rings.count = 0;
+    for (const site of this.drawn) if (pointed.has(site)) rings.setMatrixAt(rings.count++, at.makeScale(spacing, spacing, 1).setPosition(x[site], y[site], 0));
+    rings.instanceMatrix.needsUpdate = true;
     this.render();
   }
 
-  // Meshes for the sites of a layout.
-  build() {
+  // The site whose cap, or whose opening in the mould, is under the pointer; null if there is none.
+  siteAt(event) {
+    if (!this.sites) return null;
+    const { left, top, width, height } = this.renderer.domElement.getBoundingClientRect();
+    const place = [(2 * (event.clientX - left)) / width - 1, 1 - (2 * (event.clientY - top)) / height];
+    this.ray.setFromCamera(new this.THREE.Vector2(...place), this.camera);
+    const seen = ({ point: { z } }) => this.mould || (z >= 0 && z <= this.glass.position.z); // what the planes do not cut off
+    const hit = this.ray.intersectObjects(this.mould ? [this.lids] : this.caps).find(seen);
+    return this.sites[hit?.instanceId] ?? null;
+  }
+
+  // Meshes for the sites of a layout and the shapes of caps.
+  build(shapes) {
     this.clear();
     const { THREE, layout, cut } = this;
     this.drawn = nearest(layout);
@@ -166,26 +210,37 @@ export class Relief {
     const sites = [east - west + layout.spacing, north - south + layout.spacing];
     const block = count === layout.x.length ? layout.block : null; // else a piece of it
     const [width, length, thickness] = block ?? [...sites, layout.block?.[2] ?? 0.5 * layout.spacing];
-    this.block = new THREE.Mesh(new THREE.BoxGeometry(width, length, thickness), new THREE.MeshLambertMaterial());
-    this.block.position.set(...(block ? [0, 0] : middle), -thickness / 2);
-    const [around, down] = segments(count);
-    const cap = new THREE.SphereGeometry(1, around, down, 0, 2 * Math.PI, 0, Math.PI / 2).rotateX(Math.PI / 2);
-    const flat = { polygonOffset: true, polygonOffsetUnits: -2 };
+    this.thickness = thickness;
+    this.block = new THREE.Mesh(new THREE.BoxGeometry(width, length, 1), new THREE.MeshLambertMaterial({ stencilFunc: THREE.NotEqualStencilFunc, stencilRef: 1 }));
+    if (!block) this.block.position.set(...middle, 0);
+    const [, around, step] = FINE.find(([most]) => count <= most);
+    const both = { side: THREE.DoubleSide };
+    const flat = { ...both, polygonOffset: true, polygonOffsetUnits: -2 };
     const instanced = (geometry, material) => {
-      const made = new THREE.InstancedMesh(geometry, material, count);
+      const made = new THREE.InstancedMesh(geometry, material, count + ALIGNMENT);
       made.frustumCulled = false;
       return made;
     };
-    this.caps = instanced(cap, new THREE.MeshLambertMaterial({ clippingPlanes: [cut.base, cut.glass], side: THREE.DoubleSide }));
-    this.lids = instanced(new THREE.CircleGeometry(1, around), new THREE.MeshLambertMaterial({ ...flat, polygonOffsetFactor: -1 }));
-    this.contacts = instanced(new THREE.CircleGeometry(1, around), new THREE.MeshBasicMaterial({ ...flat, polygonOffsetFactor: -3, polygonOffsetUnits: -8 }));
+    this.caps = shapes.map(({ across, depth }) => {
+      const meridian = across.map((each, k) => new THREE.Vector2(each, -depth[k])).filter((_, k) => k % step === 0);
+      const cap = new THREE.LatheGeometry(meridian.reverse(), around).rotateX(Math.PI / 2); // from below, so that it faces outwards
+      return instanced(cap, new THREE.MeshLambertMaterial({ ...both, clippingPlanes: [cut.base, cut.glass] }));
+    });
+    const disc = new THREE.CircleGeometry(1, around);
+    this.lid = new THREE.MeshLambertMaterial({ ...flat, polygonOffsetFactor: -1 });
+    this.opening = new THREE.MeshBasicMaterial({ ...both, colorWrite: false, depthWrite: false, stencilWrite: true, stencilRef: 1, stencilZPass: THREE.ReplaceStencilOp });
+    this.lids = instanced(disc, this.lid);
+    this.contacts = instanced(disc, new THREE.MeshBasicMaterial({ ...flat, polygonOffsetFactor: -3, polygonOffsetUnits: -8 }));
+    this.rings = instanced(new THREE.RingGeometry(...RING, 40), new THREE.MeshBasicMaterial({ ...both, depthTest: false }));
+    this.rings.renderOrder = 1;
     this.glass = new THREE.Mesh(
       new THREE.PlaneGeometry(...sites),
-      new THREE.MeshBasicMaterial({ color: 0x7fb4cc, transparent: true, opacity: 0.22, depthWrite: false, side: THREE.DoubleSide }),
+      new THREE.MeshBasicMaterial({ ...both, color: 0x7fb4cc, transparent: true, opacity: 0.22, depthWrite: false }),
     );
     this.glass.add(new THREE.LineSegments(new THREE.EdgesGeometry(this.glass.geometry), new THREE.LineBasicMaterial({ color: 0x4f8fae })));
     this.glass.position.set(...middle, 0);
-    this.things = [this.block, this.caps, this.lids, this.contacts, this.glass];
+    this.body = new THREE.Group().add(this.block, ...this.caps, this.lids, this.contacts, this.rings);
+    this.things = [this.body, this.glass];
     this.scene.add(...this.things);
     this.size = Math.hypot(...sites);
     this.middle = middle;
@@ -199,14 +254,9 @@ export class Relief {
     camera.updateProjectionMatrix();
     controls.target.set(...this.middle, 0);
     const room = Math.min(1, camera.aspect);
-    camera.position.copy(controls.target).addScaledVector(from, (0.46 * size) / Math.tan((FIELD * Math.PI) / 360) / room);
+    camera.position.copy(controls.target).addScaledVector(from, (0.58 * size) / Math.tan((FIELD * Math.PI) / 360) / room);
     controls.update();
     this.render();
-  }
-
-  exaggerate(times) {
-    this.exaggeration = times;
-    if (this.layout) this.draw();
   }
 
   // Arrow keys turn the picture, as in OrbitControls with Shift; plus and minus are its wheel.
