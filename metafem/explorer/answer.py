@@ -59,6 +59,8 @@ class Answer:
         Whether a draft found no surface although no bound excludes one. The full search then decides.
     failed : bool
         Whether the computation failed although the specification may be correct.
+    stopped : bool
+        Whether the user has stopped the computation, so that there is no design or only a draft.
     """
 
     number: int
@@ -73,6 +75,7 @@ class Answer:
     failed: bool = False
     undecided: bool = False
     reasons: Mapping[str, str] = field(default_factory=dict)
+    stopped: bool = False
 
     @property
     def current(self) -> bool:
@@ -98,19 +101,23 @@ class Answer:
         return self.refusal or on_page("\n".join(self.problems.values()))
 
 
-def answered(state: State, number: int, before: Answer | None = None, draft: bool = False) -> Answer:
+def answered(
+    state: State, number: int, before: Answer | None = None, draft: bool = False, stopped: bool = False
+) -> Answer:
     """Return the answer to a state; if no design is found, it contains the design of the answer `before`.
 
     A draft is designed by a quick search, under the model that `_drafted` chooses. If the quick search finds
     no design although no bound excludes the target, the answer is undecided: the full search may still find a
-    design.
+    design. If the computation was stopped, a draft or no design is enough.
     """
-    if before is not None and _serves(before, state, draft):
-        return replace(before, number=number, state=state)
+    if before is not None and _serves(before, state, draft or stopped):
+        return replace(before, number=number, state=state, stopped=stopped and before.draft)
     answer = Answer(number, state, None, before.design if before else None, draft=draft)
     try:
         specification = specification_of(state)
         answer = replace(answer, specification=specification)
+        if stopped:
+            return replace(answer, design=None, stopped=True)
         return replace(
             answer, design=specification.design(_drafted(specification) if draft else None, draft=draft)
         )

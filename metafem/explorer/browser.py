@@ -7,15 +7,14 @@ import json
 from collections.abc import Awaitable, Callable
 from typing import Any
 
-from nicegui.element import Element
-
 from metafem.explorer.session import Session
 from metafem.explorer.text.link import to_link
+from metafem.explorer.widget import Widget
 
 Handler = Callable[[Any], Awaitable[None]]
 
 
-class Browser(Element, component="browser.js", esm={"metafem-page": "js"}):
+class Browser(Widget, component="browser.js", esm={"metafem-page": "js"}):
     """Element that reads the stored history and the address when the page opens, and stores each later state.
 
     The fragment of the address is a link to the current state. The element also shows a message while the
@@ -24,10 +23,9 @@ class Browser(Element, component="browser.js", esm={"metafem-page": "js"}):
     """
 
     def __init__(self, restored: Handler, linked: Handler) -> None:
-        super().__init__()
+        super().__init__(part=self._part)
         self.parts: dict[int, dict[int, str]] = {}
         self.told: dict[str, Handler] = {"stored": restored, "linked": linked}
-        self.on("part", lambda event: self._part(event.args))
 
     async def _part(self, part: dict[str, Any]) -> None:
         """Collect the parts of a message, which can arrive in any order; handle the complete message."""

@@ -41,7 +41,8 @@ class Queue(Generic[Request, Result]):
     computation. If no newer request arrives within `REST` seconds of an answer, `better(request)` is
     answered, unless it is None.
 
-    Changes are numbered: `asked` is the number of the last change, `made` that of the last one that ended.
+    Changes are numbered: `asked` is the number of the last change, `made` that of the last one that ended,
+    and `ended` that of the last one before `stop`.
     """
 
     def __init__(
@@ -59,7 +60,7 @@ class Queue(Generic[Request, Result]):
         self.task: asyncio.Task[None] | None = None
         self.rest: asyncio.TimerHandle | None = None
         self.step = ""
-        self.asked = self.made = 0
+        self.asked = self.made = self.ended = 0
         self.turn = asyncio.Lock()
 
     @property
@@ -75,6 +76,16 @@ class Queue(Generic[Request, Result]):
         if not self.running:
             self.task = asyncio.get_running_loop().create_task(self._run())
 
+    def stop(self) -> None:
+        """Drop the running computation and the changes that are not made yet.
+
+        A computation ends at its next progress step, which can take seconds; newer requests do not wait.
+        """
+        self.ended = self.asked
+        if self.task is not None:
+            self.task.cancel()
+            self.task = None
+
     async def change(
         self, make: Callable[[], Made], use: Callable[[int, Made], None], *, replaceable: bool = False
     ) -> int | None:
@@ -86,14 +97,13 @@ class Queue(Generic[Request, Result]):
         self.asked += 1
         number = self.asked
 
-        def on_step(step: str, done: float | None) -> None:
-            if replaceable and number < self.asked:
+        def on_step(step: str = "", done: float | None = None) -> None:
+            if number <= self.ended or (replaceable and number < self.asked):
                 raise Dropped
 
         async with self.turn:
             try:
-                if replaceable and number < self.asked:
-                    return None
+                on_step()
                 use(number, await asyncio.to_thread(_heard, on_step, make))
             except Dropped:
                 return None
@@ -118,9 +128,11 @@ class Queue(Generic[Request, Result]):
                 self.rest = asyncio.get_running_loop().call_later(REST, self.put, better)
 
     def _computed(self, request: Request) -> Result:
-        start = time.monotonic()
+        start, ended = time.monotonic(), self.ended
 
         def on_step(step: str, done: float | None) -> None:
+            if self.ended > ended:
+                raise Dropped
             self.step = step
             waiting = self.waiting
             if waiting is not None and time.monotonic() - start > self.patience(request, waiting):

@@ -45,8 +45,8 @@ def serve(first: State, port: int | None, show: bool) -> None:
             webbrowser.open(address)
 
     async def warm_up() -> None:
-        # design once to load the compiled kernels while the browser loads the page
-        await asyncio.to_thread(answered, first, 0)
+        # a draft loads the compiled kernels while the browser loads the page; a design could take long
+        await asyncio.to_thread(answered, first, 0, draft=True)
 
     app.add_middleware(Guard, token=token, port=port)
     app.on_startup(lambda: background_tasks.create(announce()))

@@ -1,10 +1,13 @@
 """Messages of the page: in its own words, readable, and gone when they are settled."""
 
+from contextlib import closing
+
 import pytest
 
 from metafem.explorer.session import State
 from metafem.explorer.text.link import to_link
 from metafem.files import demo_text
+from validation.scenes.explorer import SCRIPT, Visit, served
 
 pytestmark = pytest.mark.slow
 
@@ -24,7 +27,9 @@ CONTRAST = """node => {
 @pytest.mark.parametrize("theme", ["Light", "Dark"])
 def test_a_message_can_be_read_and_goes_with_the_next_success(visit, theme):
     page = visit.page
-    page.get_by_role("button", name=theme, exact=True).click()
+    page.get_by_role("button", name="Menu").click()
+    page.get_by_role("menuitemradio", name=theme).click()
+    page.keyboard.press("Escape")
     page.evaluate("() => { location.hash = 'm1.damaged'; }")
     message = page.locator(".q-notification")
     message.wait_for()
@@ -140,6 +145,50 @@ def test_a_model_that_is_computed_is_shown_as_chosen_and_can_be_stopped(visit):
     assert model.input_value() == "independent"
     assert page.locator("select.pending").count() == 0
     assert visit.text == text
+
+
+# An explorer in which resolved contacts are computed until the computation is stopped.
+ENDLESS = """
+import time
+from metafem.cli import main
+from metafem.files import Specification
+from metafem.progress import doing
+
+def endless(self, model=None, *, draft=False):
+    while type(self.model).__name__ == "BoundaryElements" and not draft:
+        with doing("a search without an end"):
+            time.sleep(0.01)
+    return design(self, model, draft=draft)
+
+design, Specification.design = Specification.design, endless
+main()
+"""
+
+
+def test_the_first_computation_of_a_page_can_be_stopped(browser, tmp_path):
+    spec, program = tmp_path / "spec.toml", tmp_path / "endless.py"
+    spec.write_text(demo_text("operating-points").replace('"independent"', '"resolved"'), "utf-8")
+    program.write_text(ENDLESS, "utf-8")
+    with served(spec, program=("-u", str(program))) as server, closing(browser.new_context()) as context:
+        context.add_init_script(path=SCRIPT)
+        page = context.new_page()
+        visit = Visit(page, server)
+        page.goto(server.address)
+        stop, again = (page.get_by_role("button", name=name) for name in ("Stop", "Compute again"))
+        for _ in range(2):
+            stop.click()
+            again.wait_for()
+            assert page.locator(".bar .chip").inner_text() == "stopped: change something, or compute again"
+            assert len(visit.handles()) == 3
+            assert page.locator("[data-key='limits.max_height']").input_value() == "270 um"
+            again.click()
+        stop.click()
+        again.wait_for()
+        before = visit.asked
+        page.get_by_label("Model", exact=True).select_option("independent")
+        visit.settled(before)
+        assert page.locator(".bar .chip").inner_text() == "meets the target exactly"
+        assert server.said == ""
 
 
 def test_a_drawn_law_is_never_stuck(visit):

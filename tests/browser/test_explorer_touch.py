@@ -141,7 +141,11 @@ def test_the_page_is_scrolled_and_enlarged_over_the_pictures(hand):
 def test_nothing_is_too_small_too_faint_or_cut_off(hand, colours):
     page = hand.page
     page.emulate_media(reduced_motion="reduce")
-    page.get_by_role("button", name=colours).tap()
+    page.get_by_role("button", name="Menu").tap()
+    page.get_by_role("menuitemradio", name=colours).tap()
+    assert page.evaluate(SHAPE, SMALL) == {"small": [], "wide": 0, "cut": []}
+    page.locator(".bar h1").tap()
+    page.get_by_role("menu").wait_for(state="hidden")
     page.locator(".law-legend .tolerance").wait_for()
     for tab in TABS:
         page.get_by_role("tab", name=tab).tap()
@@ -158,8 +162,10 @@ def test_nothing_is_too_small_too_faint_or_cut_off(hand, colours):
 
 def test_dialogs_and_menus_lie_within_the_window(hand):
     page, (width, _) = hand.page, hand.size_of_screen
-    page.get_by_role("button", name="Help").tap()
-    shown = [page.get_by_role("dialog").bounding_box()]
+    page.get_by_role("button", name="Menu").tap()
+    shown = [page.get_by_role("menu").bounding_box()]
+    page.get_by_role("menuitem", name="Help").tap()
+    shown.append(page.get_by_role("dialog").bounding_box())
     page.get_by_role("button", name="Close", exact=True).tap()
     page.locator(".law-beside summary").tap()
     shown.append(page.locator(".law-models").bounding_box())

@@ -38,6 +38,38 @@ def test_requests_that_wait_are_replaced_by_newer_ones():
     assert answers == [1, 19]
 
 
+def test_a_stopped_computation_is_not_waited_for_and_ends_at_its_next_step():
+    started, go, ended, answers, steps = threading.Event(), threading.Event(), threading.Event(), [], []
+
+    def work(number):
+        if number > 1:
+            return number
+        started.set()
+        try:
+            go.wait(10.0)
+            with doing("a step"):
+                steps.append(number)
+        finally:
+            ended.set()
+        return number
+
+    async def run():
+        requests = Queue(work, answers.append, failures_of_none)
+        number = await requests.change(lambda: 1, lambda number, request: requests.put(request))
+        await asyncio.to_thread(started.wait, 10.0)
+        requests.stop()
+        requests.put(2)
+        while requests.running:
+            await asyncio.sleep(0)
+        told = list(answers)
+        go.set()
+        await asyncio.to_thread(ended.wait, 10.0)
+        return number, told
+
+    assert asyncio.run(run()) == (1, [2])
+    assert (answers, steps) == ([2], [])
+
+
 def test_a_long_computation_ends_at_its_next_step(monkeypatch):
     monkeypatch.setattr(module, "PATIENCE", 0.0)
     started, go, answers, steps = threading.Event(), threading.Event(), [], []

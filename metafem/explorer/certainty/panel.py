@@ -6,24 +6,18 @@ import asyncio
 import json
 from collections.abc import Callable, Mapping
 from hashlib import sha256
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from nicegui import background_tasks, ui
-from nicegui.element import Element
 
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
 from metafem.explorer.certainty import band
-from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.figures import Standing, figures
 from metafem.explorer.certainty.long_studies import STUDIES, Found, run
 from metafem.explorer.certainty.places import note_data, part_warnings, remarks, warnings_by_place
+from metafem.explorer.control import Control, Panel
 from metafem.explorer.widget import Widget
-
-if TYPE_CHECKING:
-    from metafem.explorer.page import Page
-
-TAB = "How sure"
 
 # Time without a new answer after which the figures are computed, and after which random surfaces within the
 # tolerances are drawn [s].
@@ -69,63 +63,64 @@ def found_data(found: Found, shown: str) -> dict[str, Any]:
     return {**vars(found), "notes": note_data(found.notes), "of": shown}
 
 
-class SureFigures(Element, component="sure_figures.js"):
-    """The table of the figures; emits ``ready`` when it can receive data."""
+class SureFigures(Widget, component="sure_figures.js"):
+    """The table of the figures, and the notes."""
 
 
 class SureStudies(Widget, component="sure_studies.js"):
     """The long studies; emits ``ready``, ``start`` and ``stop`` with the name of a study."""
 
     def __init__(self, **handlers: Callable[[Any], Any]) -> None:
-        super().__init__(**handlers)
-        self._props["studies"] = [
+        studies = [
             {"key": key, "title": each.title, "question": each.question, "duration": each.duration}
             for key, each in STUDIES.items()
         ]
+        super().__init__({"studies": studies}, **handlers)
 
 
-class PlaceWarnings(Element, component="place_warnings.js"):
+class WarningLine(Widget, component="place_warnings.js"):
+    """The warnings of a part of the page."""
+
+
+class PlaceWarnings(Panel):
     """The warning line of a part of the page, "law" or "surface"."""
 
+    def __init__(self, page: Control, place: str) -> None:
+        super().__init__(page)
+        self.place, self.line = place, WarningLine()
 
-class Certainty:
-    """The figures and studies of one page; they follow the newest answer, some time after it.
+    def warn(self, places: Mapping[str, list[str]]) -> None:
+        """Show the warnings of this part."""
+        self.line.show({"texts": places.get(self.place, [])})
 
-    `warn` is called with the warnings of an answer by part of the page, and `complete` when the band
-    of its law from random draws is known.
-    """
 
-    def __init__(
-        self, tasks: Tasks, warn: Callable[[Mapping[str, list[str]]], None], complete: Callable[[], None]
-    ) -> None:
-        self.tasks, self.warn, self.complete = tasks, warn, complete
+class Certainty(Panel):
+    """The figures and studies of one page, and its warnings; they follow the newest answer after a pause."""
+
+    def __init__(self, page: Control) -> None:
+        super().__init__(page)
         self.answer: Answer | None = None
-        self.visible = self.ready = False
-        self.client = ui.context.client
+        self.open = self.ready = False
         self.following: asyncio.Task[None] | None = None
-        self.client.on_delete(self._left)
+        page.client.on_delete(self._left)
 
-    def create(self, page: Page) -> None:
+    def create(self) -> Certainty:
         """Create the table of the figures and the list of long studies, when their tab is first opened."""
         with ui.element("div").classes("certainty"):
             self.table = SureFigures()
-            self.studies = SureStudies(ready=self._opened, start=self._start, stop=self._stop)
-        page.tabs.on_value_change(lambda event: self.turned(event.value))
+            self.studies = SureStudies(
+                ready=self._opened, start=self._start, stop=lambda name: self.page.tasks.stop(str(name))
+            )
+        return self
 
-    def show(self, answer: Answer) -> None:
+    def show(self, answer: Answer, _: object) -> None:
         """Follow a new answer."""
         self.answer = answer
         self._follow(PAUSE)
 
-    def turned(self, tab: str) -> None:
-        """Show the figures if their tab was opened."""
-        self.visible = tab == TAB
-        if self.visible:
-            self._follow(PAUSE)
-
     def _opened(self, _: object) -> None:
         """Show the figures: the browser has created their elements."""
-        self.ready = self.visible = True
+        self.ready = True
         self._follow(0.0)
 
     def _left(self) -> None:
@@ -136,7 +131,9 @@ class Certainty:
         """Follow the newest answer after a pause, in place of the previous one."""
         self._left()
         if self.answer is not None:
-            self.following = background_tasks.create(self._followed(self.answer, pause), context=self.client)
+            self.following = background_tasks.create(
+                self._followed(self.answer, pause), context=self.page.client
+            )
 
     async def _followed(self, answer: Answer, pause: float) -> None:
         """Show the figures of an answer; at rest, draw random surfaces for the band of its law."""
@@ -147,25 +144,24 @@ class Certainty:
         if band.drawn_of(answer) is None:
             await asyncio.to_thread(band.draw, answer, lambda: self._wanted(answer))
         if band.drawn_of(answer) is not None and not shown:
-            self.complete()
-            await self._figures(answer)
+            await self.page.renew()  # this panel then follows the answer anew
 
     def _wanted(self, answer: Answer) -> bool:
         """Return whether the design of an answer is still the newest one."""
         newest = None if self.answer is None else self.answer.design
-        return answer.design is newest and not self.client.is_deleted
+        return answer.design is newest and not self.page.client.is_deleted
 
     async def _figures(self, answer: Answer) -> None:
         """Compute and show the warnings of the answer and, if the tab is open, its figures.
 
         While the tab is closed, a large surface gets only the warnings about its part.
         """
-        seen = self.visible and self.ready
+        seen = self.open and self.ready
         known = warnings_by_place if seen or at_once(answer) else part_warnings
-        self.warn(await asyncio.to_thread(known, answer))
+        self.page.warn(await asyncio.to_thread(known, answer))
         if seen:
-            self.table.run_method("show", await asyncio.to_thread(figure_data, answer))
-            self.studies.run_method("follow", await asyncio.to_thread(study_data, answer))
+            self.table.call("show", await asyncio.to_thread(figure_data, answer))
+            self.studies.call("follow", await asyncio.to_thread(study_data, answer))
 
     async def _start(self, name: Any) -> None:
         answer = self.answer
@@ -179,33 +175,16 @@ class Certainty:
         given = name, answer.design, band.tolerances_of(answer)
         end: dict[str, Any] = {}
         try:
-            task = self.tasks.start(
+            task = self.page.tasks.start(
                 name, run, given, lambda step, done: self._tell(name, step=step, done=done)
             )
             end = {"found": found_data(await task, found["shown"])}
         except MetafemError as error:
             end = {"error": str(error)}
         finally:
-            if not self.tasks.running(name):  # otherwise it was started again
+            if not self.page.tasks.running(name):  # otherwise it was started again
                 self._tell(name, running=False, **end)
-
-    def _stop(self, name: Any) -> None:
-        if name in STUDIES:
-            self.tasks.stop(name)
 
     def _tell(self, name: str, **change: Any) -> None:
         """Send changed data of a study to the browser."""
-        self.studies.run_method("change", name, change)
-
-
-def certainty_panel(page: Page) -> Callable[[Page], None]:
-    """Follow the answers, for the warnings; return the function that creates the table and the studies."""
-    panel = Certainty(page.tasks, page.warn, page.again)
-    page.listen(panel.show)
-    return panel.create
-
-
-def place_warnings(page: Page, place: str) -> None:
-    """Create the warning line of a part of the page, "law" or "surface"."""
-    line = PlaceWarnings()
-    page.listen_warnings(lambda places: line.run_method("show", places.get(place, [])))
+        self.studies.call("change", name, change)

@@ -18,6 +18,6 @@ export default {
       this.$refs.box.open = false;
       this.$refs.box.querySelector("summary").focus();
     },
-    show(texts) { this.texts = texts.map((text) => text[0].toUpperCase() + text.slice(1)); },
+    show({ texts }) { this.texts = texts.map((text) => text[0].toUpperCase() + text.slice(1)); },
   },
 };

@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 from html import escape
-from typing import TYPE_CHECKING
 
 from nicegui import ui
 
 from metafem._values import three_digits
 from metafem.explorer.answer import Answer, pinned_answer
 from metafem.explorer.certainty.figures import MISFIT, MODEL_ERROR, SCATTER, figures
-
-if TYPE_CHECKING:
-    from metafem.explorer.page import Page
+from metafem.explorer.control import Control, Panel
 
 # Name of the tab.
 COMPARED = "A and B"
-
-# Shortest time between two updates of the table while a point is dragged [s].
-PACE = 0.3
 
 # Rows of the table, each with the quantity of the figure that it shows.
 FIGURES = {
@@ -61,16 +55,19 @@ def _as_html(rows: list[tuple[str, str, str]]) -> str:
     return f'<table class="figure-table">{head}<tbody>{"".join(lines)}</tbody></table>' if rows else NOTHING
 
 
-def comparison_panel(page: Page) -> None:
-    """Create the table; it follows the answers while its tab is open."""
-    table = ui.html(NOTHING, sanitize=False)
+class Comparison(Panel):
+    """The table; it follows the answers while its tab is open."""
 
-    def prepare(answer: Answer) -> list[tuple[str, str, str]] | None:
-        return comparison(answer) if page.tabs.value == COMPARED else None
+    pace = 0.3
 
-    def show(answer: Answer, rows: list[tuple[str, str, str]] | None) -> None:
-        if rows is not None:
-            table.content = _as_html(rows)
+    def __init__(self, page: Control) -> None:
+        super().__init__(page)
+        self.table = ui.html(NOTHING, sanitize=False)
 
-    page.listen_prepared(prepare, show, PACE)
-    page.tabs.on_value_change(lambda event: page.again() if event.value == COMPARED else None)
+    def prepare(self, answer: Answer) -> str:
+        """Return the table of an answer; while the tab is closed, the last one."""
+        return _as_html(comparison(answer)) if self.open else self.table.content
+
+    def show(self, answer: Answer, data: str) -> None:
+        """Show the table."""
+        self.table.content = data

@@ -7,11 +7,12 @@ import math
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, specification_of
 from metafem.explorer.certainty.band import Band
+from metafem.explorer.control import Control, Panel
 from metafem.explorer.law.dropped import as_target, measured_of, read_points
 from metafem.explorer.law.further import Further, tools_data
 from metafem.explorer.law.law_data import band_data, law_data
@@ -24,9 +25,6 @@ from metafem.explorer.text.marks import Scene
 from metafem.explorer.text.names import on_page
 from metafem.explorer.widget import Widget
 
-if TYPE_CHECKING:
-    from metafem.explorer.page import Page
-
 Event = dict[str, Any]
 
 
@@ -34,11 +32,11 @@ class LawPlot(Widget, component="law_plot.js", esm={"metafem-law": "js"}):
     """Draws the data of `law_data` and `Further`."""
 
 
-class LawPanel:
+class LawPanel(Panel):
     """The plot of one page."""
 
-    def __init__(self, page: Page) -> None:
-        self.page = page
+    def __init__(self, page: Control) -> None:
+        super().__init__(page)
         names = [name for name in dir(type(self)) if name.startswith("on_")]
         self.plot = LawPlot(**{name[3:]: partial(self._handle, getattr(self, name)) for name in names})
         self.reach: tuple[Band | None, Units] | None = None  # the band that is shown, and its units
@@ -49,9 +47,8 @@ class LawPanel:
         self.base: Scene | None = None  # the target of the current state, where every step of a drag starts
         self.refused: Answer | None = None
         self.stuck = False  # whether the state from which a drag starts is refused
-        page.listen_prepared(self.prepared, self.show)
 
-    def prepared(self, answer: Answer) -> dict[str, Any]:
+    def prepare(self, answer: Answer) -> dict[str, Any]:
         """Return the data of an answer that the plot draws."""
         specification = answer.specification
         data = law_data(answer)
@@ -106,7 +103,7 @@ class LawPanel:
             answer = self.page.answer
             return reachable(answer) if self.stuck and answer.refusal else state.text
 
-        self.requests[self.page.queue.asked + 1] = number
+        self.requests[self.page.asked + 1] = number
         try:
             await self.page.make(dragged, draft=not event["released"])
         except InvalidInput as error:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from metafem.explorer.answer import Answer, pinned_answer
+from metafem.explorer.control import Control, Panel
 from metafem.explorer.queue import Queue
 from metafem.explorer.session import State
 from metafem.explorer.surface.contact_data import contact_data, press_data
@@ -22,9 +23,6 @@ from metafem.explorer.widget import Widget
 from metafem.inversion import Design
 from metafem.surface import Surface
 
-if TYPE_CHECKING:
-    from metafem.explorer.page import Page
-
 # An answer, and whether its contacts at all loads are computed, or those at the load of its state.
 Request = tuple[Answer, bool]
 
@@ -33,11 +31,11 @@ class SurfaceView(Widget, component="surface_view.js", esm={"metafem-surface": "
     """Draws the data of `site_data`, `contact_data` and `press_data`."""
 
 
-class SurfacePanel:
+class SurfacePanel(Panel):
     """The pictures of the surface: sends changed data to the browser, heights first and contacts second."""
 
-    def __init__(self, page: Page) -> None:
-        self.page = page
+    def __init__(self, page: Control) -> None:
+        super().__init__(page)
         self.view = SurfaceView(sites=self._edit, colour=self._colour)
         self.contacts: Queue[Request, Callable[[], None]] = Queue(
             self._contacts, lambda show: show(), lambda _, error: page.wrong(error), better=self._pressed_of
@@ -46,9 +44,8 @@ class SurfacePanel:
         self.template: Surface | None = None
         self.shown: tuple[Design | None, str] = (None, "")
         self.sensitive = False
-        page.listen_prepared(self.prepared, self.show)
 
-    def prepared(self, answer: Answer) -> dict[str, Any]:
+    def prepare(self, answer: Answer) -> dict[str, Any]:
         """Return the surface data of an answer that differ from the data shown."""
         shown = answer.design, answer.state.text
         again = all(one is other for one, other in zip(shown, self.shown, strict=True))

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING
 
 from nicegui import ui
 from nicegui.element import Element
 
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
-from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.places import part_problem
+from metafem.explorer.control import Control, Panel
 from metafem.explorer.session import State
 from metafem.explorer.take import files
 from metafem.explorer.take.figure import FORMATS, HEIGHT, WIDTH, figure_files
-
-if TYPE_CHECKING:
-    from metafem.explorer.page import Page
+from metafem.inversion import Design
 
 # Names of the archives and of the picture.
 ARCHIVE, FIGURE, PICTURE = "surface.zip", "figure.zip", "law.svg"
@@ -40,7 +37,7 @@ MEANINGS = {
     FIGURE: "Law and map of heights, with a caption and their data",
     ARCHIVE: "Everything: the result folder of metafem design",
 }
-TABLES = ("mould.csv", "heights.csv", "law.csv")
+QUICK = ("mould.csv", "heights.csv", "law.csv", PICTURE, FIGURE)
 
 # Message beside the link, and message after the link is copied.
 LINK = "The address of this page, for this machine; colleagues need spec.toml"
@@ -56,11 +53,12 @@ NOTHING = "there is no design; change the target or a field first"
 TASK = "files"
 
 
-class Taking:
-    """The buttons that download the files of the newest answer; `shown` is the answer at the start."""
+class Taking(Panel):
+    """The buttons that download the files of the newest answer, and the command that repeats the design."""
 
-    def __init__(self, tasks: Tasks, shown: Answer) -> None:
-        self.tasks, self.answer, self.problem = tasks, shown, ""
+    def __init__(self, page: Control) -> None:
+        super().__init__(page)
+        self.tasks, self.answer, self.problem = page.tasks, page.answer, ""
         self.made: tuple[State, dict[str, bytes]] | None = None  # all files of a state
         self.told: State | None = None  # the state that the message is about
         self.offered: dict[str, tuple[ui.button, ui.label]] = {}
@@ -68,7 +66,7 @@ class Taking:
         self.above.set_visibility(False)
         with ui.row().classes("row"):
             self.label = ui.label().props('role="status"')
-            self.stop = ui.button("Stop", on_click=lambda: tasks.stop(TASK)).props("flat dense no-caps")
+            self.stop = ui.button("Stop", on_click=lambda: self.tasks.stop(TASK)).props("flat dense no-caps")
         self.stop.set_visibility(False)
         with ui.element("div").classes("cards"):
             self._cards()
@@ -79,7 +77,7 @@ class Taking:
             self._buttons("mould.csv", "block.stl", "mould.stl", "mould.svg")
         with _card("To keep and to repeat the design"):
             self._buttons(ARCHIVE, files.SPECIFICATION)
-            copy = _copying(ui.button("Copy link", icon="link"), "location.href", partial(self.say, COPIED))
+            copy = self._copy("location.href", COPIED, text="Copy link", icon="link")
             copy.props("no-caps flat dense align=left")
             ui.label(LINK).classes("small")
             self._buttons("report.html")
@@ -106,13 +104,18 @@ class Taking:
         """Return a label that shows the text unchanged, next to a button that copies the text."""
         with ui.element("div").classes("lines"):
             lines = ui.label(text)
-            copy = ui.button(icon="content_copy")
+            inside = f"getHtmlElement({lines.id}).innerText"
+            copy = self._copy(inside, f"The {name} was copied.", icon="content_copy")
             copy.props(f'round flat size=sm aria-label="Copy the {name}" title="Copy the {name}"')
-            told = partial(self.say, f"The {name} was copied.")
-            _copying(copy, f"getHtmlElement({lines.id}).innerText", told)
         return lines
 
-    def show(self, answer: Answer) -> None:
+    def _copy(self, value: str, said: str, **look: str) -> ui.button:
+        """Return a button that copies the value of a JavaScript expression, and then says a text."""
+        # in the browser, which allows copying only in the handler of a click
+        copied = f"() => navigator.clipboard.writeText({value})"
+        return ui.button(on_click=partial(self.say, said), **look).on("click", js_handler=copied)
+
+    def show(self, answer: Answer, _: object) -> None:
         """Offer the files of an answer; a message about another design goes, except about running work."""
         self.answer = answer
         self.command.text = files.command_of(answer.state)
@@ -150,23 +153,25 @@ class Taking:
             return await asyncio.to_thread(files.specification_file, answer.state)
         if not answer.current or answer.draft or answer.design is None:
             raise MetafemError(NOTHING)
-        if name == FIGURE:
-            size = self.width.value, self.height.value
-            figure = await asyncio.to_thread(figure_files, answer, self.format.value, *size)
-            return name, files.archive(figure)
-        if name == PICTURE:
-            return name, await asyncio.to_thread(files.law_picture, answer.design)
-        if name == "mould.csv" and (problem := await asyncio.to_thread(part_problem, answer)):
-            raise MetafemError(problem)
-        if name in TABLES:
-            found = await asyncio.to_thread(files.tables_of, answer)
-        else:
-            found = await self._made(answer.state)
+        if name in QUICK:
+            return name, await asyncio.to_thread(self._quick, name, answer, answer.design)
+        found = await self._made(answer.state)
         if name == ARCHIVE:
             return name, await asyncio.to_thread(files.archive, found)
         if name not in found:
             raise MetafemError(f"it is not a file of this specification, which has {', '.join(found)}")
         return name, found[name]
+
+    def _quick(self, name: str, answer: Answer, design: Design) -> bytes:
+        """Return the content of one of the files in `QUICK`."""
+        if name == FIGURE:
+            size = self.width.value, self.height.value
+            return files.archive(figure_files(answer, self.format.value, *size))
+        if name == PICTURE:
+            return files.law_picture(design)
+        if name == "mould.csv" and (problem := part_problem(answer)):
+            raise MetafemError(problem)
+        return files.tables_of(answer)[name]
 
     async def _made(self, state: State) -> dict[str, bytes]:
         """Return all files of a state, which a background process writes once."""
@@ -192,23 +197,9 @@ class Taking:
         self.told, self.label.text = self.answer.state, text
 
 
-def take_panel(page: Page) -> None:
-    """Create the buttons that download the design, and the command that produces the same result."""
-    panel = Taking(page.tasks, page.answer)
-    page.listen(panel.show)
-    page.listen_warnings(panel.warn)
-
-
 def _card(title: str) -> Element:
     """Return the element of a group of files, with its title."""
     card = ui.element("section").classes("card take")
     with card, ui.element("h3"):
         ui.label(title)
     return card
-
-
-def _copying(button: ui.button, text: str, then: Callable[[], None]) -> ui.button:
-    """Let a button copy the value of a JavaScript expression, and then call a function."""
-    # in the browser, which allows copying only in the handler of a click
-    button.on("click", js_handler=f"() => navigator.clipboard.writeText({text})")
-    return button.on_click(then)

@@ -15,8 +15,6 @@ export default {
       <div class="row">
         <button type="button" class="act" @click="$refs.files.click()">Load…</button>
         <input ref="files" type="file" hidden multiple accept=".toml,.csv,.txt,.tsv" aria-label="Specification and tables" @change="chosen">
-        <label class="row">Start from <select class="text" aria-label="Start from an example" @change="demo">
-          <option value="">an example</option><option v-for="name in demos" :key="name" :value="name">{{ name }}</option></select></label>
         <span v-if="tables.length" class="quiet small">with {{ tables.join(", ") }}</span>
         <span class="quiet small">A specification, its tables or a result folder can be dropped onto the page.</span>
       </div>
@@ -27,7 +25,6 @@ export default {
             {{ each.words }}</li></ul>
       </div>
     </div>`,
-  props: { demos: Array },
   data() {
     return { problems: [], tables: [] };
   },
@@ -35,15 +32,9 @@ export default {
     this.CM = await import("nicegui-codemirror");
     if (!this.$refs.frame) return;
     this.editor = new this.CM.EditorView({ doc: "", parent: this.$refs.frame, extensions: this.extensions() });
-    this.$emit("opened");
+    this.$emit("ready");
   },
-  activated() {
-    if (this.editor) this.$emit("opened");
-  },
-  deactivated() {
-    this.use();
-    this.$emit("closed");
-  },
+  deactivated() { this.use(); },
   beforeUnmount() {
     clearTimeout(this.timer);
     this.editor?.destroy();
@@ -82,7 +73,7 @@ export default {
         return;
       }
       this.dirty = false;
-      this.$emit("changed", { text: this.crlf ? text.replaceAll("\n", "\r\n") : text });
+      this.$emit("changed", this.crlf ? text.replaceAll("\n", "\r\n") : text);
     },
     show({ text, problems, tables }) {
       if (!this.editor || this.dirty) return;  // what is being typed stays
@@ -117,10 +108,6 @@ export default {
       const files = [...event.target.files];
       event.target.value = "";
       this.$emit("load", { files: await textsOf(files) });
-    },
-    demo(event) {
-      if (event.target.value) this.$emit("demo", { name: event.target.value });
-      event.target.value = "";
     },
   },
 };

@@ -71,7 +71,7 @@ export default {
                 <button v-if="remedy(field)" type="button" class="act" @click="use(field, remedy(field))">Use {{ remedy(field) }}</button></p>
             </div></div></template>
           <button v-if="part.optional && !kinded(part) && (!part.always || present.includes(part.name))" type="button" class="act" :disabled="!!broken" :aria-label="(has(part) ? 'Remove ' : 'Add ') + part.title"
-                  @click="$emit(has(part) ? 'without' : 'with', { section: part.name })">{{ has(part) ? "Remove" : "Add" }}</button>
+                  @click="$emit(has(part) ? 'removed' : 'added', part.name)">{{ has(part) ? "Remove" : "Add" }}</button>
         </details>
       </div>
       <p class="told small" aria-hidden="true">{{ telling }}</p>

@@ -1,10 +1,11 @@
-// The head of the page: the target in words, the status, the model, undo and redo, the colours, help.
+// The head of the page: the target in words, the status, the model, undo and redo, and the menu.
 // It also takes the files that are dropped, and hands those on the plot of the law to it.
-import { hear, remember, tell } from "metafem-page/linked.js";
+import { ARROWS, hear, remember, tell } from "metafem-page/linked.js";
 
 const THEMES = { light: "Light", auto: "Auto", dark: "Dark" };
 const CALM = 700;  // milliseconds without a new status, after which screen readers are told
 const THEME = "metafem-theme";
+const LOST = ["no server: changes must wait", "What is shown is the last answer. It can be changed again as soon as metafem explore runs."];
 const MAC = navigator.platform.startsWith("Mac");
 const CTRL = MAC ? "⌘" : "Ctrl+";
 
@@ -20,10 +21,10 @@ export default {
       <h1>metafem</h1>
       <p class="title" :title="title">{{ title }}</p>
       <span class="status">
-        <span v-if="lost" class="chip lost-chip" title="What is shown is the last answer. It can be changed again as soon as metafem explore runs.">no server: changes must wait</span>
-        <span v-else :class="['chip', kind]" :title="meaning">{{ status }}<span v-if="measure" :key="status" class="measure"> ({{ measure }})</span></span>
-        <span v-if="part && !lost" class="chip warn part" :title="part">no part can be made</span>
-        <button :class="['act', 'stop', { idle: !late || lost }]" title="Stop this computation, and return to what is shown" @click="$emit('stop')">Stop</button>
+        <span class="told"><span :class="['chip', lost || part ? 'warn' : kind]" tabindex="0" :title="details" aria-describedby="status-details">{{ words }}</span>
+          <span id="status-details" class="details">{{ details }}</span></span>
+        <button v-if="stopped && !late" class="act stop" :disabled="lost" @click="$emit('compute')">Compute again</button>
+        <button v-else :class="['act', 'stop', { idle: !late || lost }]" title="Stop this computation, and return to what is shown" @click="$emit('stop')">Stop</button>
       </span>
       <span class="unseen" role="status">{{ announced }}</span>
       <span class="tools">
@@ -37,29 +38,31 @@ export default {
           <button class="act icon" :aria-disabled="!undo || lost" title="Undo (${CTRL}Z)" aria-label="Undo" @click="undo && !lost && $emit('undo')">↶</button>
           <button class="act icon" :aria-disabled="!redo || lost" title="Redo (${CTRL}${MAC ? "⇧" : "Shift+"}Z)" aria-label="Redo" @click="redo && !lost && $emit('redo')">↷</button>
         </span>
-        <select class="text anew" aria-label="Start over" :disabled="lost" title="Start over from an example; undo brings back what was" @change="begin">
-          <option value="">Start over</option><option value="first">as this page began</option>
-          <option v-for="name in demos" :key="name" :value="name">{{ name }}</option></select>
         <button class="act" title="A part of your own from a few values; undo brings back what was" :disabled="lost" @click="$emit('part')">New part</button>
-        <slot></slot>
-        <span class="choice" role="group" aria-label="Colours of the page">
-          <button v-for="(word, name) in themes" :key="name" :aria-pressed="theme === name" @click="choose(name)">{{ word }}</button>
-        </span>
-        <button class="act" title="Mouse, touch and keys (?)" @click="open">Help</button>
+        <button class="act" aria-haspopup="menu" :aria-expanded="opened">Menu
+          <q-menu ref="menu" v-model="opened" class="bar-menu" aria-label="Menu" anchor="bottom right" self="top right" transition-duration="0" @show="step(0)" @keydown="walk">
+            <div role="group" aria-labelledby="menu-starts"><h3 id="menu-starts">Start over</h3>
+              <button v-for="name in starts" :key="name" role="menuitem" title="Undo brings back what was" :disabled="lost" @click="use('begin', name)">{{ name }}</button></div>
+            <div role="group" aria-labelledby="menu-colours"><h3 id="menu-colours">Colours of the page</h3>
+              <button v-for="(word, name) in themes" :key="name" role="menuitemradio" :aria-checked="theme === name" @click="choose(name)">{{ word }}</button></div>
+            <div role="group" aria-labelledby="menu-help"><h3 id="menu-help">How to use it</h3>
+              <button role="menuitem" @click="tour">Tour of a minute</button><button role="menuitem" @click="open">Help: mouse, touch and keys (?)</button></div></q-menu></button>
       </span>
       <dialog ref="dialog" aria-labelledby="help-title" @click="outside">
-        <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" @click="tour">Tour of a minute</button><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>
+        <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>
         <div v-html="keys"></div>
       </dialog>
     </header>`,
-  props: { models: Array, first: String, demos: Array, help: String },
+  props: { models: Array, starts: Array, help: String },
   data() {
     return {
-      title: "", status: "designing …", kind: "", measure: "", meaning: "", part: "", announced: "", model: this.first, solved: this.first, late: false, undo: false, redo: false,
-      theme: localStorage.getItem(THEME) ?? "auto", lost: false, themes: THEMES,
+      title: "", status: "designing …", kind: "", meaning: "", part: "", announced: "", model: this.models[0], solved: this.models[0], late: false, stopped: false,
+      undo: false, redo: false, opened: false, theme: localStorage.getItem(THEME) ?? "auto", lost: false, themes: THEMES,
     };
   },
   computed: {
+    words() { return this.lost ? LOST[0] : this.part ? `${this.status}; no part can be made` : this.status; },
+    details() { return this.lost ? LOST[1] : [this.meaning, this.part].filter(Boolean).join(" "); },
     keys() { return MAC ? this.help.replaceAll("Ctrl+Shift+", "⌘⇧").replaceAll("Ctrl+", "⌘") : this.help; },
   },
   mounted() {
@@ -76,13 +79,30 @@ export default {
     clearTimeout(this.timer);
   },
   watch: {
-    status() {  // once for a drag or some keys
+    words() {  // once for a drag or some keys
       clearTimeout(this.timer);
-      this.timer = setTimeout(() => { this.announced = this.status; }, CALM);
+      this.timer = setTimeout(() => { this.announced = this.words; }, CALM);
     },
   },
   methods: {
     show(data) { Object.assign(this, data); },
+    use(name, given) {
+      this.$refs.menu.hide();
+      this.$emit(name, given);
+    },
+    // Puts the focus on an entry of the menu: so many after the one in focus, or the first.
+    step(steps) {
+      const entries = [...document.querySelectorAll(".bar-menu button:not(:disabled)")];
+      const at = steps && entries.indexOf(document.activeElement) + steps;
+      entries.at(at % entries.length).focus();
+    },
+    walk(event) {
+      const up = ARROWS[event.key]?.[1];
+      if (event.key === "Tab") this.$refs.menu.hide();
+      else if (up) this.step(-up);
+      else return;
+      event.preventDefault();
+    },
     choose(theme) {
       this.theme = theme;
       remember(THEME, theme);
@@ -99,10 +119,11 @@ export default {
       event.preventDefault();
     },
     open() {
+      this.$refs.menu.hide();
       if (!this.$refs.dialog.open) this.$refs.dialog.showModal();
     },
     async tour() {
-      this.$refs.dialog.close();
+      this.$refs.menu.hide();
       (await import("metafem-page/tour.js")).start();
     },
     outside(event) {  // the ground behind the dialog is the dialog itself
@@ -127,10 +148,6 @@ export default {
     wait(lost) {  // a server that is started again knows no change that was made meanwhile
       this.lost = lost;
       document.querySelector(".explorer").inert = lost;
-    },
-    begin(event) {
-      if (event.target.value) this.$emit("begin", event.target.value);
-      event.target.value = "";
     },
     skip() {  // not by the fragment of the address, which holds the state
       document.querySelector(".explorer > .law")?.focus();

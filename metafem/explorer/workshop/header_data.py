@@ -23,13 +23,15 @@ STATUS = {
     DesignStatus.MISSED: ("misses the target", "warn"),
 }
 
+STOPPED = "stopped: change something, or compute again"
+
 
 def header_data(answer: Answer) -> dict[str, Any]:
-    """Return the target in words, the status with its kind, the misfit and the model of an answer."""
+    """Return the target in words, the status with its kind and meaning, and the model of an answer."""
     status, kind = _status(answer)
-    data = {"status": status, "kind": kind, "measure": "", "meaning": answer.refused}
+    data = {"status": status, "kind": kind, "meaning": answer.refused, "stopped": answer.stopped}
     if answer.current and answer.design is not None:
-        data |= _misfit(answer.design)
+        data["meaning"] = _meaning(answer.design)
     model = _model(answer.state.text)
     if model is not None:
         data |= {"model": model, "solved": model}
@@ -39,6 +41,8 @@ def header_data(answer: Answer) -> dict[str, Any]:
 
 
 def _status(answer: Answer) -> tuple[str, str]:
+    if answer.stopped:
+        return STOPPED, ""
     if answer.failed:
         return "no design: the computation failed", "warn"
     if answer.problems:
@@ -54,15 +58,11 @@ def _status(answer: Answer) -> tuple[str, str]:
     return words, kind
 
 
-def _misfit(design: Design) -> dict[str, str]:
-    """Return what the misfit of a design measures and its largest good value, as a short and a full text."""
-    bound, meaning = percent(design.largest_misfit, ".3g"), design.misfit_meaning
-    measure = f"{meaning.partition(' from ')[0]}, good up to {bound}"
-    status = f"{design.status.value[:1].upper()}{design.status.value[1:]}"
-    return {
-        "measure": "" if design.status is DesignStatus.EXACT else measure,
-        "meaning": f"{status}. The misfit is the {meaning}; up to {bound} is good.",
-    }
+def _meaning(design: Design) -> str:
+    """Return the status of a design, what its misfit measures, and the largest good value, as sentences."""
+    status, bound = design.status.value, percent(design.largest_misfit, ".3g")
+    good = f"The misfit is the {design.misfit_meaning}; up to {bound} is good."
+    return f"{status[:1].upper()}{status[1:]}. {good}"
 
 
 def _model(text: str) -> str | None:

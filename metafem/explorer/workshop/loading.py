@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 from metafem.errors import InvalidInput
+from metafem.explorer.control import Control
 from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.files import section_forms
@@ -22,6 +24,12 @@ class Given:
     name: str
     text: str = ""
     why: str = ""
+
+
+async def load(page: Control, files: list[dict[str, Any]]) -> None:
+    """Show the specification in loaded files, or a message why they cannot be used."""
+    given = [Given(**each) for each in files]
+    await page.told(page.step(lambda state: loaded(state, given)))
 
 
 def loaded(state: State, files: list[Given]) -> State:
@@ -96,5 +104,5 @@ def _refuse_foreign(name: str, text: str) -> None:
     if not re.search(rf"^[ \t]*(\[[ \t]*({sections})\b|({sections})[ \t]*[.=])", text, re.MULTILINE):
         raise InvalidInput(
             f"{name} is no specification: it has none of the sections, such as [target]. "
-            "Examples to start from stand above the text."
+            "The menu of the page has examples to start over from."
         )

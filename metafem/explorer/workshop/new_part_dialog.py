@@ -4,32 +4,25 @@ from __future__ import annotations
 
 import asyncio
 from functools import cached_property, partial
-from typing import TYPE_CHECKING
 
 import tomlkit
 from nicegui import ui
 
+from metafem.explorer.control import Control
 from metafem.explorer.text.document import Document
 from metafem.explorer.workshop.new_part import new_part
 from metafem.explorer.workshop.part_fields import FIELDS, Collision, Typed, told
-
-if TYPE_CHECKING:
-    from metafem.explorer.page import Page
 
 
 class NewPart:
     """A dialog with the fields of a new part."""
 
-    def __init__(self, page: Page) -> None:
+    def __init__(self, page: Control) -> None:
         self.page = page
-
-    def open(self) -> None:
-        """Open the dialog with the values that were typed last."""
-        self.dialog.open()
 
     @cached_property
     def dialog(self) -> ui.dialog:
-        """The dialog; it is created when it is opened for the first time."""
+        """The dialog, with the values that were typed last; it is created when it is first opened."""
         with ui.dialog().props('aria-labelledby="new-part"') as dialog, ui.card().classes("new-part"):
             ui.html("<h2 id='new-part'>New part</h2>", sanitize=False)
             ui.label(
@@ -72,8 +65,9 @@ class NewPart:
         finally:
             self.button.props(remove="loading")
         self._show()
-        self.dialog.close()
-        await self.page.alter(text=text, load=None)
+        if self.dialog.value:  # otherwise it was cancelled
+            self.dialog.close()
+            await self.page.alter(text=text, load=None)
 
     def _show(self, error: Collision | None = None) -> None:
         """Mark the field of an error, and show the offers of the error as buttons."""

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from metafem.explorer.answer import answered
 from metafem.explorer.session import State
-from metafem.explorer.workshop.header_data import header_data
+from metafem.explorer.workshop.header_data import STOPPED, header_data
 from metafem.files import demo_text
 
 TEXT = demo_text("linear")
@@ -14,7 +14,6 @@ def test_the_status_of_a_design_has_its_misfit():
     answer = answered(State(TEXT), 1)
     data = header_data(answer)
     assert data["status"] == f"approximate, misfit {100 * answer.design.misfit:.2g} %"
-    assert data["measure"] == "rms difference, good up to 10 %"
     assert data["meaning"].startswith("Approximate: the heights follow a density")
     assert data["meaning"].endswith("rms difference from the law of the height density; up to 10 % is good.")
     assert (data["kind"], data["model"]) == ("", "independent")
@@ -40,4 +39,10 @@ def test_the_model_is_shown_also_where_the_text_has_problems():
 
 def test_an_exact_design_is_called_exact():
     data = header_data(answered(State(demo_text("operating-points")), 1))
-    assert (data["status"], data["measure"]) == ("meets the target exactly", "")
+    assert data["status"] == "meets the target exactly"
+
+
+def test_a_computation_that_was_stopped_is_called_so():
+    data = header_data(answered(State(TEXT), 1, stopped=True))
+    assert (data["status"], data["kind"], data["stopped"]) == (STOPPED, "", True)
+    assert data["title"] == header_data(answered(State(TEXT), 1))["title"]

@@ -1,0 +1,313 @@
+"""What a page can do: its state and newest answer, the changes of both, and the panels that show them."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import time
+from collections.abc import Awaitable, Callable, Iterable, Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Any, NamedTuple
+
+from nicegui import ui
+
+from metafem.errors import InvalidInput
+from metafem.explorer.answer import Answer, answered
+from metafem.explorer.browser import Browser, record_of
+from metafem.explorer.certainty.background import Tasks
+from metafem.explorer.queue import LOG, PATIENCE, Queue, in_words
+from metafem.explorer.session import Session, State
+from metafem.explorer.text.document import loses_comments
+from metafem.explorer.text.link import from_link, restored
+from metafem.explorer.text.names import on_page
+
+# What shows an answer in a panel, with the data that were prepared for it.
+Show = Callable[[], object]
+
+# Time after which a draft is dropped if a newer draft waits [s]. A drag requests drafts faster than a large
+# surface can be designed. With a shorter time, nothing would be shown until the pointer rests; with a longer
+# time, a pointer at rest would wait too long for the newest draft.
+PATIENCE_WITH_DRAFTS = 5.0
+
+# Said once, when an edit by hand ends the comments that the user wrote.
+COMMENTS_END = "The comments in your specification end with this first edit by hand. Undo brings them back."
+
+
+class Panel:
+    """A part of the page, which shows every answer.
+
+    Attributes
+    ----------
+    pace : float
+        Of the drafts that arrive within this time, only the first is shown [s]. A full answer follows.
+    asked : int
+        Number of the last change that this panel has shown already; older answers are not shown.
+    open : bool
+        Whether the panel is visible; a panel in a tab is opened by the tab.
+    """
+
+    pace = 0.0
+
+    def __init__(self, page: Control) -> None:
+        self.page, self.asked, self.due, self.open = page, 0, 0.0, True
+        page.panels.append(self)
+
+    def prepare(self, answer: Answer) -> Any:
+        """Return the data that `show` needs; this method is called in a thread."""
+
+    def show(self, answer: Answer, data: Any) -> None:
+        """Show an answer with its data."""
+
+    def warn(self, places: Mapping[str, list[str]]) -> None:
+        """Show the warnings of the newest answer by part of the page, when they are known."""
+
+
+class Request(NamedTuple):
+    """A state to answer, the number of the change that made it, and how.
+
+    A draft is enough while the user drags; if the user has stopped the computation, only what is known.
+    """
+
+    number: int
+    state: State
+    draft: bool = False
+    stopped: bool = False
+
+
+class Control:
+    """One tab of the browser: its history, its newest answer, and the panels that show each answer."""
+
+    def __init__(self, first: State) -> None:
+        self.first = first
+        self.session = Session((first,))
+        self.answer = Answer(0, first)
+        self.number = 0  # of the last request
+        self.panels: list[Panel] = []
+        self.warnings: Mapping[str, list[str]] = {}
+        self.messages: list[ui.notification] = []
+        self.comments_ended = False
+        self.queue: Queue[Request, tuple[Answer, list[Show]]] = Queue(
+            self._work, self._show, self._failed, patience=patience, better=whole_of
+        )
+        self.browser = Browser(self._restored, self.open_link)
+        self.tasks = Tasks()
+        self.client = ui.context.client
+        self.client.on_delete(self.tasks.stop_all)
+        self.client.on_delete(self.queue.stop)
+        self.client.on_exception(self.wrong)
+
+    @property
+    def state(self) -> State:
+        """The state that is shown."""
+        return self.session.state
+
+    @property
+    def asked(self) -> int:
+        """Number of the last change."""
+        return self.queue.asked
+
+    @property
+    def running(self) -> tuple[int, int]:
+        """Numbers of the change that is made and of the request that is answered, each 0 without one."""
+        change, request = self.queue.asked, self.number
+        return change * (change > self.queue.made), request * (request > self.answer.number)
+
+    async def renew(self, *panels: Panel) -> None:
+        """Show the newest answer and warnings once more in panels that look different; default: in all."""
+        chosen, answer = panels or tuple(self.panels), None
+        while answer is not self.answer:
+            answer = self.answer
+            shows = await asyncio.to_thread(self._shows, chosen, answer)
+        self._tell([*shows, *(partial(panel.warn, self.warnings) for panel in chosen)])
+
+    async def change(
+        self,
+        change: Callable[[Session], Session],
+        *,
+        by: Panel | None = None,
+        draft: bool = False,
+        replaceable: bool = False,
+        stopped: bool = False,
+    ) -> int | None:
+        """Make a change of the history in a thread, after all earlier changes, and answer its state.
+
+        Return the number of the change. If `draft`, the user is still dragging: the answer is a draft, and
+        the history stays as it is. If no newer change follows soon, the answer of the full search replaces
+        the draft. A draft, or a replaceable change, is dropped and None returned if a newer change waits. If
+        `stopped`, nothing is computed. The panel `by` shows the change already.
+        """
+        number = self.asked + 1
+
+        def make() -> tuple[Session, dict[str, Any]]:
+            session = change(self.session)
+            return session, {} if draft else record_of(session)
+
+        def use(number: int, made: tuple[Session, dict[str, Any]]) -> None:
+            session, record = made
+            if not draft:
+                self.session = session
+                self.browser.run_method("keep", record)
+            self._ask(number, session.state, draft, stopped)
+
+        if by is not None:
+            by.asked = number
+        if not draft:
+            self.browser.run_method("asks", number)
+        try:
+            return await self.queue.change(make, use, replaceable=draft or replaceable)
+        except Exception:
+            if draft:
+                await self.renew()
+            else:
+                self._ask(number, self.state)
+            raise
+
+    async def step(self, change: Callable[[State], State], **how: Any) -> int | None:
+        """Answer the state that `change(state)` returns, as a step of the history; `how` as in `change`."""
+        return await self.change(lambda session: session.after(change(session.state)), **how)
+
+    async def make(self, change: Callable[[State], str], **how: Any) -> int | None:
+        """Answer the state with the text that `change(state)` returns; `how` as in `change`."""
+        lost = False
+
+        def edited(state: State) -> State:
+            nonlocal lost
+            text = change(state)
+            lost = loses_comments(state.text, text)
+            return replace(state, text=text)
+
+        number = await self.step(edited, **how)
+        if lost and number is not None and not how.get("draft") and not self.comments_ended:
+            self.comments_ended = True
+            self.say(COMMENTS_END, passing=False)
+        return number
+
+    async def alter(self, by: Panel | None = None, **members: Any) -> int | None:
+        """Answer the state with some members replaced; return the number of the change."""
+        return await self.step(lambda state: replace(state, **members), by=by)
+
+    async def moved(self, steps: int) -> None:
+        """Undo (-1) or redo (1) a step of the history."""
+        await self.change(lambda session: session.moved(steps))
+
+    async def compute(self) -> None:
+        """Answer the current state, whose computation was stopped."""
+        await self.change(lambda session: session)
+
+    async def stop(self) -> None:
+        """End the computations of the page, and go to the nearest state whose answer is shown, if any."""
+        self.queue.stop()
+        shown = self.answer
+
+        def back(session: Session) -> Session:
+            states = session.states if shown.number else ()
+            same = (at for at, state in enumerate(states) if state.designs_the_same(shown.state))
+            return replace(session, at=min(same, key=lambda at: abs(at - session.at), default=session.at))
+
+        await self.change(back, stopped=True)
+
+    def _ask(self, number: int, state: State, draft: bool = False, stopped: bool = False) -> None:
+        self.number = number
+        self.queue.put(Request(number, state, draft, stopped))
+
+    def _work(self, request: Request) -> tuple[Answer, list[Show]]:
+        number, state, draft, stopped = request
+        answer = answered(state, number, self.answer, draft, stopped)
+        return answer, self._shows(self.panels, answer)
+
+    def _shows(self, panels: Iterable[Panel], answer: Answer) -> list[Show]:
+        return [self._prepared(panel, answer) for panel in panels]
+
+    def _prepared(self, panel: Panel, answer: Answer) -> Show:
+        if answer.draft and time.monotonic() < panel.due:
+            return lambda: None
+        panel.due = time.monotonic() + panel.pace
+        try:
+            data = panel.prepare(answer)
+        except Exception as error:
+            LOG.exception("a part of the page was not shown")
+            return partial(self.wrong, error)
+        return lambda: panel.show(answer, data) if answer.number >= panel.asked else None
+
+    def _show(self, found: tuple[Answer, list[Show]]) -> None:
+        before = self.answer.number
+        self.answer, shows = found
+        if self.answer.current and self.answer.number > before:
+            for message in self.messages:
+                message.dismiss()
+            self.messages.clear()
+        self._tell(shows)
+
+    def _failed(self, request: Request, error: Exception) -> None:
+        """Show a program error together with the last surface that was found."""
+        problems = {"": in_words(error)}
+        failed = Answer(request.number, request.state, None, self.answer.design, problems, failed=True)
+        self._show((failed, self._shows(self.panels, failed)))
+
+    def wrong(self, error: Exception) -> None:
+        """Show a program error; the error is already logged."""
+        self.say(in_words(error))
+
+    def warn(self, places: Mapping[str, list[str]]) -> None:
+        """Show the warnings of the current answer."""
+        self.warnings = places
+        self._tell(partial(panel.warn, places) for panel in self.panels)
+
+    def _tell(self, shows: Iterable[Show]) -> None:
+        """Call functions; an error of one is shown, and the remaining ones are still called."""
+        for show in shows:
+            try:
+                show()
+            except Exception as error:
+                LOG.exception("a part of the page was not shown")
+                self.wrong(error)
+
+    async def told(self, change: Awaitable[object], say: Callable[[str], object] | None = None) -> None:
+        """Make a change, or show why it is impossible, by a message over the page or by `say`."""
+        try:
+            await change
+        except InvalidInput as error:
+            (say or self.say)(str(error))
+
+    def say(self, words: str, passing: bool = True) -> None:
+        """Show a message over the page until it is closed or, if `passing`, a later answer has a design."""
+        with self.client:
+            message = ui.notification(on_page(words), multi_line=True, close_button="Close", timeout=None)
+        if passing:
+            self.messages.append(message)
+
+    async def open_link(self, link: str) -> None:
+        """Show the state in a link as a new step of the history."""
+        await self.told(self.step(lambda state: from_link(link)))
+
+    async def _restored(self, kept: Any) -> None:
+        """Show the state from the history in the browser or from the address, otherwise the first state."""
+        problem = ""
+
+        def begun(session: Session) -> Session:
+            nonlocal problem
+            session, problem = restored(kept, session)
+            return session
+
+        await self.change(begun)
+        if problem:
+            self.say(problem)
+
+
+def patience(running: Request, waiting: Request) -> float:
+    """Return how long a computation may run while a newer request waits [s].
+
+    A full search ends at once when a draft for another state waits, because the drag has gone on. It is
+    finished when the waiting request is for the same state, because the handle was released there.
+    """
+    if running.draft:
+        return PATIENCE_WITH_DRAFTS if waiting.draft else PATIENCE
+    if running.state.designs_the_same(waiting.state):
+        return math.inf
+    return 0.0 if waiting.draft else PATIENCE
+
+
+def whole_of(request: Request) -> Request | None:
+    """Return the request for the full search that follows a draft when the pointer rests; otherwise None."""
+    return request._replace(draft=False) if request.draft else None
