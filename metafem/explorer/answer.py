@@ -9,10 +9,11 @@ from functools import lru_cache
 
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput, MetafemError, refuse_if
+from metafem.explorer.largest import largest_line
 from metafem.explorer.session import State
 from metafem.explorer.text.names import on_page
 from metafem.files import Specification, parsed, section_forms
-from metafem.inversion import Design, OperatingPoints, SampledLaw
+from metafem.inversion import Design, DesignStatus, OperatingPoints, SampledLaw
 from metafem.inversion.quantities.quantity import FRICTION
 from metafem.inversion.strategies.proportional import steepest_line
 from metafem.inversion.targets.target import Target
@@ -49,6 +50,8 @@ class Answer:
         The same messages by key in the words of the page, without key and value, which the field shows.
     refusal : str
         Why no surface reaches the target; "" if a surface does.
+    advice : str
+        Which line is met if the design misses a line that is too steep; "" otherwise.
     nearest : tuple of ndarray or None
         Rescaled load and friction [mm^2] of the nearest law that can be designed; None if it is not known.
     nearest_target : Target or None
@@ -67,6 +70,7 @@ class Answer:
     design: Design | None = None
     problems: Mapping[str, str] = field(default_factory=dict)
     refusal: str = ""
+    advice: str = ""
     nearest: tuple[FloatArray, FloatArray] | None = None
     nearest_target: Target | None = None
     draft: bool = False
@@ -111,9 +115,8 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
     try:
         specification = specification_of(state)
         answer = replace(answer, specification=specification)
-        return replace(
-            answer, design=specification.design(_drafted(specification) if draft else None, draft=draft)
-        )
+        design = specification.design(_drafted(specification) if draft else None, draft=draft)
+        return _advised(replace(answer, design=design), design)
     except InvalidInput as error:
         problems, reasons = _problems(error)
         return replace(answer, problems=problems, reasons=reasons)
@@ -121,6 +124,22 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
         return _refused(answer, error)
     except MetafemError as error:
         return replace(answer, problems={"": str(error)}, failed=True, undecided=draft)
+
+
+def _advised(answer: Answer, design: Design) -> Answer:
+    """Return a full answer whose design misses a line with the largest slope that is met."""
+    given = answer.specification
+    missed = design.status is DesignStatus.MISSED and not answer.draft
+    found = largest_line(given, _drafted(given)) if given is not None and missed else None
+    if found is None:
+        return answer
+    line, loads = found
+    slopes = line.wording.slopes
+    advice = (
+        f"{slopes(design.target.slope)} is not met. The largest over the loads that are reached, {loads}, is "
+        f"{slopes(line.slope)}"
+    )
+    return replace(answer, advice=advice, nearest_target=line)
 
 
 def _refused(answer: Answer, error: Infeasible) -> Answer:
