@@ -22,7 +22,7 @@ export default {
         </span>
         <span class="choice" role="group" aria-label="Zoom">
           <button type="button" aria-label="Zoom out" title="Show more of the axes (−)" @click="plot.zoom(1.25)">−</button>
-          <button type="button" aria-label="Zoom in" title="Show less of the axes (+); also Ctrl and the wheel. Shift and a drag move them." @click="plot.zoom(0.8)">+</button>
+          <button type="button" aria-label="Zoom in" title="Show less of the axes (+); also Ctrl and the wheel" @click="plot.zoom(0.8)">+</button>
           <button type="button" title="Fit the axes to target and law (0)" @click="plot.zoom(0)">Fit</button>
         </span>
         <details ref="models" class="law-beside" @keydown.esc="close" @focusout="$event.relatedTarget && leave($event.relatedTarget)">

@@ -148,8 +148,12 @@ class LawPanel:
 
     async def on_model(self, event: Event) -> None:
         """Show or hide the law under another model."""
-        rest = tuple(name for name in self.page.state.models if name != event["name"])
-        await self.page.alter(models=(*rest, str(event["name"])) if event["on"] else rest)
+
+        def chosen(state: State) -> State:  # the state after all earlier changes
+            rest = tuple(name for name in state.models if name != event["name"])
+            return replace(state, models=(*rest, str(event["name"])) if event["on"] else rest)
+
+        await self.page.step(chosen)
 
     async def on_pin(self, event: Event) -> None:
         """Pin the design that is shown as A, or remove the pinned one."""

@@ -34,16 +34,14 @@ export class Handles {
     }
   }
 
-  // Moves the handle that is held.
-  move(x, y) {
-    const { plot, drag, held: handle } = this;
-    const { view } = plot;
-    const place = {};
-    if (handle.moves !== "y") place.x = Math.max(view.roundedX(view.pixelX), view.roundedX(x));
-    if (handle.moves !== "x") place.y = Math.max(view.roundedY(view.pixelY), view.roundedY(y));
-    view.grow(place);
-    if (Object.keys(place).every((axis) => place[axis] === drag.place[axis])) return;
-    Object.assign(handle, place);
+  // Moves the handle that is held along the axes on which it moves, the letters of `moves`.
+  move(to) {
+    const { drag, held: handle, plot, plot: { view } } = this;
+    for (const axis of handle.moves) {
+      handle[axis] = Math.max(view[axis].rounded(view[axis].pixel), view[axis].rounded(to[axis]));
+      view[axis].grow(handle[axis]);
+    }
+    if ([...handle.moves].every((axis) => handle[axis] === drag.place[axis])) return;
     plot.carry();
     plot.point(handle);
     drag.move({ x: handle.x, y: handle.y });
@@ -68,10 +66,10 @@ export class Handles {
   }
 
   // Moves a handle as a drag that ends there.
-  put({ id, x, y }) {
+  put({ id, ...place }) {
     if (!this.of(id)) return;
     this.hold(id, "put");
-    this.move(x, y);
+    this.move(place);
     this.letGo();
   }
 
@@ -187,7 +185,7 @@ export class Handles {
     if (!this.heldBy(event.pointerId)) return false;
     const { view } = this.plot;
     const at = this.plot.pointOf(event);
-    this.move(view.atX(at.x - this.apart.x), view.atY(at.y - this.apart.y));
+    this.move({ x: view.x.at(at.x - this.apart.x), y: view.y.at(at.y - this.apart.y) });
     return true;
   }
 
@@ -206,8 +204,8 @@ export class Handles {
       this.hold(id, "keys");
       const { view } = this.plot;
       const far = (event.shiftKey ? LONG : 1) / STEPS;
-      const handle = this.held;
-      this.move(handle.x + step[0] * far * view.wide * view.pixelX, handle.y + step[1] * far * view.tall * view.pixelY);
+      const { x, y } = this.held;
+      this.move({ x: x + step[0] * far * view.x.span, y: y + step[1] * far * view.y.span });
     }
   }
 }

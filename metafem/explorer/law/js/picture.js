@@ -49,7 +49,8 @@ export class Picture {
   // Draws the data of an answer; `wanted` is the target's curve as it is dragged here.
   draw(view, data, wanted) {
     set(this.svg, { viewBox: `0 0 ${view.width} ${view.height}` });
-    set(this.clip, { x: MARGIN.left, y: MARGIN.top, width: view.wide, height: view.tall });
+    const [width, height] = [Math.max(1, view.right - MARGIN.left), Math.max(1, view.bottom - MARGIN.top)];
+    set(this.clip, { x: MARGIN.left, y: MARGIN.top, width, height });
     this.drawAxes(view, data);
     set(this.band, { d: area(view, data.band) });
     set(this.tolerance, { d: area(view, data.tolerance) });
@@ -65,8 +66,8 @@ export class Picture {
 
   drawAxes(view, data) {
     const { right, bottom } = view;
-    const x = ticks(view.x.low, view.x.high, view.wide / BETWEEN_X);
-    const y = ticks(view.y.low, view.y.high, view.tall / BETWEEN_Y);
+    const x = ticks(view.x.low, view.x.high, (right - MARGIN.left) / BETWEEN_X);
+    const y = ticks(view.y.low, view.y.high, (bottom - MARGIN.top) / BETWEEN_Y);
     replace(this.grid, [...x.values.map((each) => ["x", each]), ...y.values.map((each) => ["y", each])], ([axis, value]) =>
       axis === "x"
         ? made("line", { x1: view.px(value), x2: view.px(value), y1: MARGIN.top, y2: bottom })

@@ -66,16 +66,11 @@ export class Plot {
 
   listen() {
     const { svg, view } = this;
-    svg.addEventListener("pointerdown", (event) => {
-      this.pressed = this.pointOf(event);
-      this.pans = event.button === 0 && event.shiftKey ? this.pressed : null; // on the ground: handles keep their press
-      if (this.pans) svg.setPointerCapture(event.pointerId);
-    });
+    svg.addEventListener("pointerdown", (event) => { this.pressed = this.pointOf(event); });
     svg.addEventListener("pointermove", (event) => {
       this.cursor.over = this.pointOf(event);
       if (this.handles.follow(event) || this.cursor.follow(event) || !this.data) return;
-      if (this.pans) this.pan(this.cursor.over);
-      else this.cursor.draw(view, this.data);
+      this.cursor.draw(view, this.data);
     });
     svg.addEventListener("pointerleave", () => {
       this.cursor.over = null;
@@ -83,7 +78,6 @@ export class Plot {
     });
     for (const end of ["pointerup", "pointercancel"]) {
       svg.addEventListener(end, (event) => {
-        this.pans = null;
         this.handles.release(event);
         this.cursor.release();
       });
@@ -100,7 +94,7 @@ export class Plot {
       if (event.target.closest(".handle, .load-knob")) return;
       if (event.pointerType !== "touch") this.tapped = null;
       if (event.pointerType === "touch" && this.tappedTwice(at, event.timeStamp)) this.add(at);
-      else if (still && event.detail === 1) this.cursor.choose(view.atX(at.x));
+      else if (still && event.detail === 1) this.cursor.choose(view.x.at(at.x));
     });
     svg.addEventListener("dblclick", (event) => {
       if (!event.target.closest(".handle") && !this.tapped) this.add(this.pointOf(event));
@@ -120,13 +114,6 @@ export class Plot {
     const middle = { x: (MARGIN.left + view.right) / 2, y: (MARGIN.top + view.bottom) / 2 };
     if (factor) view.zoom(factor, over ?? (x === undefined ? middle : { x: view.px(x), y: view.py(y) }));
     else this.fit(true);
-    this.paint();
-  }
-
-  // Moves the axes with the pointer.
-  pan(at) {
-    this.view.pan(at.x - this.pans.x, at.y - this.pans.y);
-    this.pans = at;
     this.paint();
   }
 
@@ -164,7 +151,7 @@ export class Plot {
     const { view } = this;
     if (!at || at.x <= MARGIN.left || at.x > view.right || at.y >= view.bottom) return;
     this.changing = { count: this.handles.all.length, at, marked: this.data.marked };
-    this.emit("add", { x: view.roundedX(view.atX(at.x)), y: view.roundedY(view.atY(at.y)), near: SNAP * view.pixelY });
+    this.emit("add", { x: view.x.rounded(view.x.at(at.x)), y: view.y.rounded(view.y.at(at.y)), near: SNAP * view.y.pixel });
   }
 
   remove(id) {
@@ -312,8 +299,8 @@ export class Plot {
   // A place in words; without the friction where it is null.
   words({ x, y }) {
     const { data, view } = this;
-    const load = `${data.x.name} ${told(x, view.pixelX)} ${data.x.unit}`;
-    return y === null ? load : `${load}, ${data.y.name} ${told(y, view.pixelY)} ${data.y.unit}`;
+    const load = `${data.x.name} ${told(x, view.x.pixel)} ${data.x.unit}`;
+    return y === null ? load : `${load}, ${data.y.name} ${told(y, view.y.pixel)} ${data.y.unit}`;
   }
 
   // Shows below the plot where a handle is, which it tells screen readers itself, and a button for hands without keys.
@@ -332,7 +319,7 @@ export class Plot {
   resize() {
     const { width, height } = this.stage.getBoundingClientRect();
     if (!width || !height) return; // hidden
-    Object.assign(this.view, { width, height });
+    this.view.resize(width, height);
     this.paint();
   }
 

@@ -1,4 +1,5 @@
 // A drawing by hand: numbers at axes, the value of a curve, and elements of which a few attributes change for each answer.
+
 // Round values within a range, at most about so many, with the number of decimals that tells them apart.
 export function ticks(low, high, most) {
   const rough = (high - low) / Math.max(1, most);
