@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from typing import Any
 
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput, MetafemError, refuse_if
@@ -133,10 +134,11 @@ def _advised(answer: Answer, design: Design) -> Answer:
     found = largest_line(given, _drafted(given)) if given is not None and missed else None
     if found is None:
         return answer
+    target: Any = design.target
     line, loads = found
     slopes = line.wording.slopes
     advice = (
-        f"{slopes(design.target.slope)} is not met. The largest over the loads that are reached, {loads}, is "
+        f"{slopes(target.slope)} is not met. The largest over the loads that are reached, {loads}, is "
         f"{slopes(line.slope)}"
     )
     return replace(answer, advice=advice, nearest_target=line)

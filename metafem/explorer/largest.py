@@ -41,4 +41,7 @@ def largest_line(specification: Specification, model: Model) -> tuple[LinearLaw,
         middle = (low * high) ** 0.5
         found = None if best is None else met(middle)
         low, high, best = (low, middle, best) if found is None else (middle, high, found)
-    return None if best is None else (best.target, wording.inside(*best.fits[0][0].load_range))
+    if best is None:
+        return None
+    line: Any = best.target
+    return line, wording.inside(*best.fits[0][0].load_range)

@@ -278,6 +278,16 @@ def test_the_axes_are_zoomed_and_fitted(visit):
     visit.settled(before)
     assert page.evaluate(AXES) == near  # in drags, too
     assert answered(State(visit.text), 1).current
+    for _ in range(8):
+        page.keyboard.press("+")
+    bottom, top = page.evaluate(AXES)[2:4]
+    before, friction = visit.asked, target(visit).rescaled_friction[1]
+    page.keyboard.press("ArrowUp")
+    visit.settled(before)
+    step = (top - bottom) / 400 / (0.370 * 0.85)  # F = 0.370 MPa 0.85 A
+    assert target(visit).rescaled_friction[1] - friction == pytest.approx(step, rel=0.2)
+    assert step < 1e-3 * friction
+    high, top = page.evaluate(AXES)[1::2]
     page.keyboard.press("Tab")  # to a point beyond the axes
     shown = page.evaluate(AXES)
     assert shown[1] > high

@@ -142,7 +142,7 @@ def test_nothing_is_too_small_too_faint_or_cut_off(hand, colours):
     page = hand.page
     page.emulate_media(reduced_motion="reduce")
     page.get_by_role("button", name=colours).tap()
-    page.locator(".law-legend .tolerance").wait_for()
+    page.locator(".law-legend .tolerance").wait_for(state="attached")
     for tab in TABS:
         page.get_by_role("tab", name=tab).tap()
         page.wait_for_function("() => document.querySelectorAll('.q-tab-panel').length === 1")

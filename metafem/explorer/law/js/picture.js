@@ -15,13 +15,13 @@ export function entries(data) {
   if (data.refusal) add(data.achieved, "achieved old", "last law that was found", "last law");
   else add(data.achieved, "achieved", `achieved law (${data.model})`, "achieved");
   add(data.pinned, "pinned", "A", "A");
+  add(data.measured && { ...data.measured, loose: true }, "measured", data.measured?.name, "measured");
   add(data.nearest, "nearest named", "nearest law that can be designed", "nearest law");
   add(data.band, "band named", data.reach, "possible", "What the surfaces within the limits can have at one load. A law inside is refused where no single surface meets all of its loads.");
   // the errors of the part are told where the pointer rests
   add(data.tolerance, "tolerance named", data.tolerance?.name.split(",")[0], "tolerances", data.tolerance?.name);
   (data.others ?? []).forEach((each, i) => add(each, `other other-${i}`, each.name, each.name.split(",")[0]));
   (data.pending ?? []).forEach((name) => add({}, "pending", `${name}: being computed …`));
-  add(data.measured && { ...data.measured, loose: true }, "measured", data.measured?.name, "measured");
   return found;
 }
 
@@ -46,8 +46,7 @@ export class Picture {
     this.titleY = made("text", { class: "title", "text-anchor": "middle", "aria-hidden": "true" }, svg);
   }
 
-  // Draws the data of an answer; `wanted` is the target's curve as it is dragged here.
-  draw(view, data, wanted) {
+  draw(view, data) {
     set(this.svg, { viewBox: `0 0 ${view.width} ${view.height}` });
     const [width, height] = [Math.max(1, view.right - MARGIN.left), Math.max(1, view.bottom - MARGIN.top)];
     set(this.clip, { x: MARGIN.left, y: MARGIN.top, width, height });
@@ -57,7 +56,7 @@ export class Picture {
     set(this.pinned, { d: path(view, data.pinned) });
     set(this.nearest, { d: path(view, data.nearest) });
     set(this.achieved, { d: path(view, data.achieved), class: data.refusal ? "achieved old" : "achieved" });
-    set(this.wanted, { d: data.marked ? "" : path(view, wanted) });
+    set(this.wanted, { d: data.marked ? "" : path(view, data.wanted) });
     replace(this.others, data.others, (each, i) => made("path", { class: `other other-${i}`, d: path(view, each) }));
     replace(this.marks, data.nearest?.marked ? zip(data.nearest) : [], ([x, y]) =>
       made("circle", { cx: view.px(x), cy: view.py(y), r: 4 }));

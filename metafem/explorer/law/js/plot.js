@@ -2,6 +2,7 @@
 import { Chosen, hear, remember } from "metafem-page/linked.js";
 import { Cursor } from "./cursor.js";
 import { Requests } from "./drag.js";
+import { followed } from "./follow.js";
 import { Handles } from "./handles.js";
 import { Names } from "./names.js";
 import { entries, Picture } from "./picture.js";
@@ -17,14 +18,13 @@ const TWICE = { time: 500, far: 40 };
 // Keys that zoom: the part of the axes that is then shown, 0 for all. The wheel does the same in steps of so many units.
 const ZOOMS = { "+": 0.8, "=": 0.8, "-": 1.25, 0: 0 };
 const WHEEL = 400;
+// Where fingers are the first pointer, a pinch enlarges the page.
+const FINGERS = matchMedia("(pointer: coarse)").matches;
 
 // What the browser keeps of a drag that the server did not take.
 const UNSENT = "metafem-unsent";
 // Milliseconds after which a page that is connected again is not loaded anew.
 const SAME = 1000;
-
-// Where a point is after the one that carries it has moved: by factors for along, across (y for a move in x) and up.
-const shifted = (x, y, by, [along, across, up]) => [x + along * by.x, y + across * by.x + up * by.y];
 
 export class Plot {
   view = new View();
@@ -83,7 +83,7 @@ export class Plot {
       });
     }
     svg.addEventListener("wheel", (event) => { // a touch pad sends a pinch as this
-      if (!event.ctrlKey) return;
+      if (!event.ctrlKey || FINGERS) return;
       event.preventDefault();
       this.zoom(Math.exp(event.deltaY / WHEEL), this.pointOf(event));
     }, { passive: false });
@@ -244,9 +244,9 @@ export class Plot {
   paint() {
     const { data, view, handles } = this;
     if (!data) return;
-    const wanted = this.wanted();
-    this.picture.draw(view, data, wanted);
-    this.names.draw(view, entries({ ...data, wanted }), handles.all, this.cursor.mark, Boolean(handles.drag));
+    const shown = { ...data, wanted: followed(data, handles.held).wanted };
+    this.picture.draw(view, shown);
+    this.names.draw(view, entries(shown), handles.all, this.cursor.mark, Boolean(handles.drag));
     handles.draw(view, data.refusal !== "" || Boolean(handles.drag?.refusal));
     this.cursor.draw(view, data);
     this.drawRefusal();
@@ -258,32 +258,10 @@ export class Plot {
     this.paint();
   }
 
-  // What follows the handle that is held, and how far it is from where the last answer has it; null for nothing.
-  follows() {
-    const { held } = this.handles;
-    const from = this.data.handles.find((each) => each.id === held?.id);
-    const carried = this.data.wanted?.follows[held?.id];
-    return from && carried ? { ...carried, by: { x: held.x - from.x, y: held.y - from.y } } : null;
-  }
-
-  // The target's curve, whose corners follow the hand; the next answer replaces it.
-  wanted() {
-    const { wanted } = this.data;
-    const follows = this.follows();
-    if (!follows) return wanted;
-    const moved = { x: [...wanted.x], y: [...wanted.y] };
-    for (const [i, ...factors] of follows.corners) [moved.x[i], moved.y[i]] = shifted(wanted.x[i], wanted.y[i], follows.by, factors);
-    return moved;
-  }
-
   // Handles that are on the curve stay on it.
   carry() {
-    const follows = this.follows();
-    for (const [id, ...factors] of follows?.handles ?? []) {
-      const from = this.data.handles.find((each) => each.id === id);
-      const handle = this.handles.of(id);
-      if (from && handle) [handle.x, handle.y] = shifted(from.x, from.y, follows.by, factors);
-    }
+    const { places } = followed(this.data, this.handles.held);
+    for (const [id, place] of Object.entries(places)) Object.assign(this.handles.of(id) ?? {}, place);
   }
 
   drawRefusal() {
