@@ -18,9 +18,11 @@ function endOf(view, { x, y, low, high, loose }) {
   }
   const top = view.y.high;
   const curve = { x, y: y ?? low.map((each, i) => (each + Math.min(top, high[i] ?? top)) / 2) };
-  for (let px = Math.min(view.right, view.px(x.at(-1) ?? 0)); px >= MARGIN.left; px -= STEP) {
-    const place = { x: view.x.at(px), y: valueAt(curve, view.x.at(px)) };
-    if (view.y.has(place.y)) return place;
+  const last = x.at(-1) ?? 0;
+  for (let px = Math.min(view.right, view.px(last)); px >= MARGIN.left; px -= STEP) {
+    const load = Math.min(last, view.x.at(px)); // not beyond it by a rounding error
+    const friction = valueAt(curve, load);
+    if (view.y.has(friction)) return { x: load, y: friction };
   }
   return null;
 }
