@@ -6,13 +6,15 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from typing import Any
 
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput, MetafemError, refuse_if
+from metafem.explorer.largest import largest_line
 from metafem.explorer.session import State
 from metafem.explorer.text.names import on_page
 from metafem.files import Specification, parsed, section_forms
-from metafem.inversion import Design, OperatingPoints, SampledLaw
+from metafem.inversion import Design, DesignStatus, OperatingPoints, SampledLaw
 from metafem.inversion.quantities.quantity import FRICTION
 from metafem.inversion.strategies.proportional import steepest_line
 from metafem.inversion.targets.target import Target
@@ -49,6 +51,8 @@ class Answer:
         The same messages by key in the words of the page, without key and value, which the field shows.
     refusal : str
         Why no surface reaches the target; "" if a surface does.
+    advice : str
+        Which line is met if the design misses a line that is too steep; "" otherwise.
     nearest : tuple of ndarray or None
         Rescaled load and friction [mm^2] of the nearest law that can be designed; None if it is not known.
     nearest_target : Target or None
@@ -69,6 +73,7 @@ class Answer:
     design: Design | None = None
     problems: Mapping[str, str] = field(default_factory=dict)
     refusal: str = ""
+    advice: str = ""
     nearest: tuple[FloatArray, FloatArray] | None = None
     nearest_target: Target | None = None
     draft: bool = False
@@ -118,9 +123,8 @@ def answered(
         answer = replace(answer, specification=specification)
         if stopped:
             return replace(answer, design=None, stopped=True)
-        return replace(
-            answer, design=specification.design(_drafted(specification) if draft else None, draft=draft)
-        )
+        design = specification.design(_drafted(specification) if draft else None, draft=draft)
+        return _advised(replace(answer, design=design), design)
     except InvalidInput as error:
         problems, reasons = _problems(error)
         return replace(answer, problems=problems, reasons=reasons)
@@ -128,6 +132,23 @@ def answered(
         return _refused(answer, error)
     except MetafemError as error:
         return replace(answer, problems={"": str(error)}, failed=True, undecided=draft)
+
+
+def _advised(answer: Answer, design: Design) -> Answer:
+    """Return a full answer whose design misses a line with the largest slope that is met."""
+    given = answer.specification
+    missed = design.status is DesignStatus.MISSED and not answer.draft
+    found = largest_line(given, _drafted(given)) if given is not None and missed else None
+    if found is None:
+        return answer
+    target: Any = design.target
+    line, loads = found
+    slopes = line.wording.slopes
+    advice = (
+        f"{slopes(target.slope)} is not met. The largest over the loads that are reached, {loads}, is "
+        f"{slopes(line.slope)}"
+    )
+    return replace(answer, advice=advice, nearest_target=line)
 
 
 def _refused(answer: Answer, error: Infeasible) -> Answer:

@@ -50,6 +50,24 @@ FOLLOWED = """([id, right, down]) => {
 }"""
 
 
+# Names beside the curves that lie on each other, on a handle or beyond the plot.
+COVERED = """() => {
+  const box = each => each.getBoundingClientRect();
+  const names = [...document.querySelectorAll('.law-svg .name')];
+  const marks = [...document.querySelectorAll('.handle .mark, .carried')].filter(each => box(each).width);
+  const over = (a, b) => a.left < b.right && b.left < a.right && a.top + 2 < b.bottom && b.top + 2 < a.bottom;
+  const plot = box(document.querySelector('.law-svg'));
+  return names.filter((each, i) => [...names.slice(0, i), ...marks].some(other => over(box(each), box(other)))
+    || box(each).right > plot.right + 1).map(each => each.firstChild.data);
+}"""
+
+# The ends of both axes, and whether a zoom holds them.
+AXES = """() => {
+  const { x, y, zoomed } = getElement(document.querySelector('.law-plot')).plot.view;
+  return [x.low, x.high, y.low, y.high, zoomed];
+}"""
+
+
 def target(visit):
     """Return the target of the text."""
     return answered(State(visit.text), 1).specification.target
@@ -208,6 +226,103 @@ def test_other_files_are_refused_and_change_nothing(visit):
         assert "m.csv" in said(visit)
     assert visit.text == text
     assert visit.page.locator(".measured g").count() == 0
+
+
+def test_curves_carry_their_names_where_they_cover_nothing(visit):
+    page, named = visit.page, visit.page.locator(".law-svg .name")
+    before = visit.asked
+    page.get_by_role("button", name="Pin as A").click()
+    visit.settled(before)
+    before = visit.asked
+    page.evaluate(DROPPED, ["m.csv", list(FORCES.encode())])
+    visit.settled(before)
+    page.locator(".law-beside summary").click()
+    for model in ("half-space", "layer"):
+        page.get_by_label(model, exact=True).check()
+    page.keyboard.press("Escape")
+    for kind in ("linear", "power", "operating-points"):
+        before = visit.asked
+        page.locator('[data-key="target.kind"]').select_option(kind)
+        visit.settled(before)
+        page.locator(".name.other-1").wait_for()
+        page.locator(".name.tolerance").wait_for()
+        assert page.evaluate(COVERED) == [], kind
+    words = {
+        words.partition("\n")[0] for words in named.evaluate_all("all => all.map(e => e.firstChild.data)")
+    }
+    names = {"target", "achieved", "A", "possible", "tolerances", "half-space", "layer", "measured"}
+    assert words == names
+    assert "possible at one load" in page.locator(".law-legend").inner_text()  # for screen readers
+    assert page.locator(".law-legend li", has_text="possible").bounding_box()["width"] <= 1
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.wait_for_function("() => !document.querySelector('.law-svg .name')")
+    assert page.locator(".law-legend li", has_text="possible").bounding_box()["width"] > 100
+
+
+def test_the_axes_are_zoomed_and_fitted(visit):
+    page = visit.page
+    fitted = page.evaluate(AXES)
+    assert (fitted[0], fitted[2], fitted[4]) == (0, 0, False)
+    place = visit.middle("point-1")
+    page.locator('.handle[data-id="point-1"]').focus()
+    page.keyboard.press("+")
+    page.keyboard.press("+")
+    assert visit.middle("point-1") == pytest.approx(place, abs=1)  # around the handle in focus
+    low, high, bottom, top, zoomed = near = page.evaluate(AXES)
+    assert zoomed
+    assert (high - low) / fitted[1] == pytest.approx(0.64)
+    assert low > 0.0 < bottom
+    visit.drag("point-1", 6, -8)
+    before = visit.asked
+    page.keyboard.press("ArrowUp")
+    visit.settled(before)
+    assert page.evaluate(AXES) == near  # in drags, too
+    assert answered(State(visit.text), 1).current
+    for _ in range(8):
+        page.keyboard.press("+")
+    bottom, top = page.evaluate(AXES)[2:4]
+    before, friction = visit.asked, target(visit).rescaled_friction[1]
+    page.keyboard.press("ArrowUp")
+    visit.settled(before)
+    step = (top - bottom) / 400 / (0.370 * 0.85)  # F = 0.370 MPa 0.85 A
+    assert target(visit).rescaled_friction[1] - friction == pytest.approx(step, rel=0.2)
+    assert step < 1e-3 * friction
+    high, top = page.evaluate(AXES)[1::2]
+    page.keyboard.press("Tab")  # to a point beyond the axes
+    shown = page.evaluate(AXES)
+    assert shown[1] > high
+    assert shown[3] > top
+    assert not page.locator(".handle:focus").evaluate("each => each.classList.contains('outside')")
+    page.keyboard.press("0")
+    assert page.evaluate(AXES)[0::2] == [0, 0, False]
+    x, y = visit.middle("point-0")
+    page.mouse.move(x, y)
+    page.keyboard.down("Control")
+    page.mouse.wheel(0, -200)
+    page.keyboard.up("Control")
+    page.wait_for_function(f"() => ({AXES})()[4]")
+    assert visit.middle("point-0") == pytest.approx((x, y), abs=1)
+    page.get_by_role("button", name="Zoom out").click()
+    page.get_by_role("button", name="Fit").click()
+    assert page.evaluate(AXES)[4] is False
+    page.get_by_role("button", name="Zoom in").click()
+    page.get_by_role("button", name="mm²", exact=True).click()
+    page.wait_for_function(f"() => !({AXES})()[4]")  # another unit
+
+
+def test_a_missed_coefficient_names_the_largest_with_a_button(visit):
+    before = visit.asked
+    page = visit.page
+    page.locator('[data-key="target.kind"]').select_option("linear")
+    visit.settled(before)
+    key = "target.friction_coefficient" if "friction_coefficient" in visit.text else "target.slope"
+    visit.entered(key, "60")
+    page.locator(".law-refusal span", has_text="The largest over the loads that are reached").wait_for()
+    before = visit.asked
+    page.locator(".law-refusal .law-use").click()
+    visit.settled(before)
+    assert page.locator(".law-refusal").is_hidden()
+    assert answered(State(visit.text), 1).design.misfit < 0.1
 
 
 def test_points_are_dragged_by_touch(visit):

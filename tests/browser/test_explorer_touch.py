@@ -146,7 +146,7 @@ def test_nothing_is_too_small_too_faint_or_cut_off(hand, colours):
     assert page.evaluate(SHAPE, SMALL) == {"small": [], "wide": 0, "cut": []}
     page.locator(".bar h1").tap()
     page.get_by_role("menu").wait_for(state="hidden")
-    page.locator(".law-legend .tolerance").wait_for()
+    page.locator(".law-legend .tolerance").wait_for(state="attached")
     for tab in TABS:
         page.get_by_role("tab", name=tab).tap()
         page.wait_for_function("() => document.querySelectorAll('.q-tab-panel').length === 1")

@@ -23,7 +23,7 @@ SEARCHED = "A longer search follows."
 
 
 def law_data(answer: Answer) -> dict[str, Any]:
-    """Return the curves and handles of an answer in the units of the axes."""
+    """Return the curves and handles of an answer in the units of the axes, and its target as ``base``."""
     units = Units.of(answer, answer.state.newtons)
     own = Units.of_design(answer, answer.state.newtons)
     scene = answer.specification and scene_of(answer.state.text, answer.specification, answer.design)
@@ -33,6 +33,7 @@ def law_data(answer: Answer) -> dict[str, Any]:
     law = None if answer.design is None else answer.design.law
     return {
         "number": answer.number,
+        "base": scene,  # every step of a drag starts there
         # checksum of the text: messages below the plot are valid for this text only
         "state": crc32(answer.state.text.encode()),
         **units.axes(),
@@ -43,7 +44,9 @@ def law_data(answer: Answer) -> dict[str, Any]:
         "marked": marked,
         "crowd": f"{many:,} points, too many to drag" if many else "",
         "nearest": None if answer.nearest is None else units.curve(*answer.nearest) | {"marked": marked},
-        "offer": offer(answer),  # label of the button that adopts the nearest law
+        # label of the button that adopts the nearest law
+        "offer": offer(answer) if answer.advice or answer.nearest is not None else "",
+        "advice": answer.advice,
         "refusal": f"{answer.refused} {SEARCHED}" if answer.undecided else answer.refused,
         "undecided": answer.undecided,
         # None if the text has problems, because its handles are then unknown

@@ -20,6 +20,11 @@ export default {
           <button type="button" title="Load P and friction F in newtons" :aria-pressed="newtons" :aria-disabled="tools.no_forces !== ''" @click="forces">N</button>
           <button type="button" title="Load P/E* and friction F/(σB), rescaled" :aria-pressed="!newtons" @click="$emit('axes', { newtons: false })">mm²</button>
         </span>
+        <span class="choice" role="group" aria-label="Zoom">
+          <button type="button" aria-label="Zoom out" title="Show more of the axes (−)" @click="plot.zoom(1.25)">−</button>
+          <button type="button" aria-label="Zoom in" title="Show less of the axes (+); also Ctrl and the wheel" @click="plot.zoom(0.8)">+</button>
+          <button type="button" title="Fit the axes to target and law (0)" @click="plot.zoom(0)">Fit</button>
+        </span>
         <details ref="models" class="law-beside" @keydown.esc="close" @focusout="$event.relatedTarget && leave($event.relatedTarget)">
           <summary ref="summary">{{ block.running ? "Other models (block is computed …)" : "Other models" }}</summary>
           <div class="law-models">
@@ -32,7 +37,7 @@ export default {
         <input ref="file" type="file" accept=".csv,.tsv,.txt,text/csv" hidden @change="choose">
       </div>
       <div class="law-stage" ref="stage">
-        <svg class="law-svg" ref="svg" role="group" aria-label="Target law and achieved law. Points can be dragged, or moved with the arrow keys; the key a adds one, Delete removes one."></svg>
+        <svg class="law-svg" ref="svg" role="group" aria-label="Target law and achieved law. Points can be dragged, or moved with the arrow keys; the key a adds one, Delete removes one; + and - zoom, 0 shows all."></svg>
         <q-resize-observer debounce="0" @resize="plot?.resize()"></q-resize-observer>
         <output class="law-readout" ref="readout" aria-hidden="true"></output>
       </div>
@@ -40,9 +45,9 @@ export default {
         <ul :key="legend.join()" class="law-legend" aria-label="Legend"><li v-for="[kind, words, more] in legend" :key="words" :title="more || null"><span :class="['key', kind]"></span>{{ words }}
           <button v-for="[act, name, event] in acts[kind]" :key="act" type="button" @click="$emit(name, event)">{{ act }}</button></li></ul>
         <div :class="['law-refusal', { away }]" :hidden="!refusal">
-          <button type="button" class="law-away" :hidden="held" :aria-label="away ? 'Show the reason of the refusal' : 'Put the reason away'" @click="away = !away">{{ away ? "Why refused?" : "✕" }}</button>
+          <button type="button" class="law-away" :hidden="held" :aria-label="away ? 'Show the reason of the refusal' : 'Put the reason away'" @click="away = !away">{{ away ? "Why?" : "✕" }}</button>
           <em class="law-nearest" :hidden="!nearest"><i></i>nearest law that can be designed</em><span>{{ refusal }}</span>
-          <button type="button" class="law-use" :hidden="!nearest || held" @click="use">{{ offer }}</button></div>
+          <button type="button" class="law-use" :hidden="!usable || held" @click="use">{{ offer }}</button></div>
       </div>
       <div :class="['law-live', { wrong }]"><span :aria-live="live">{{ words }}</span>
         <button type="button" class="law-drop" :hidden="!pointed" title="Remove this point (Delete)" @click="plot.remove(pointed)">Remove the point</button>
@@ -52,7 +57,7 @@ export default {
   data() {
     return {
       tools: { models: [], no_forces: "" }, block: {}, dropping: false, legend: [], acts: ACTS,
-      refusal: "", away: false, held: false, nearest: false, offer: "Use the nearest law", // the words of the button
+      refusal: "", away: false, held: false, nearest: false, usable: false, offer: "Use the nearest law", // the words of the button
       words: "", wrong: false, live: "polite", pointed: "", offered: false, welcome: false,
     };
   },

@@ -20,12 +20,15 @@ from metafem.explorer.law.nearest import reachable, with_nearest, with_point
 from metafem.explorer.law.reach import reach_of
 from metafem.explorer.law.shown import Units
 from metafem.explorer.session import State
-from metafem.explorer.text.handles import moved, removed, scene_of
+from metafem.explorer.text.handles import RESOLUTION, moved, removed, scene_of
 from metafem.explorer.text.marks import Scene
 from metafem.explorer.text.names import on_page
 from metafem.explorer.widget import Widget
 
 Event = dict[str, Any]
+
+# The smallest part of its axes that a plot shows, as `view.js` has it.
+LEAST_PART = 1e-3
 
 
 class LawPlot(Widget, component="law_plot.js", esm={"metafem-law": "js"}):
@@ -59,9 +62,7 @@ class LawPanel(Panel):
         except InvalidInput as error:
             points, data["problem"] = None, str(error)
         data["measured"] = None if points is None else points.data(units, answer.design)
-        data["base"] = None
         if specification is not None:
-            data["base"] = scene_of(answer.state.text, specification, answer.design)
             reach = reach_of(specification)  # the same object while the band is the same
             if self.reach is None or reach is not self.reach[0] or units != self.reach[1]:
                 data["band"], data["reached"] = reach and band_data(reach, units), (reach, units)
@@ -96,10 +97,12 @@ class LawPanel(Panel):
     async def on_drag(self, event: Event) -> None:
         """Move a handle."""
         number, id, place = int(event["number"]), event["id"], self._place(event)
+        # a zoomed plot resolves smaller parts of a value
+        resolution = RESOLUTION * min(1.0, max(LEAST_PART, float(event.get("part", 1.0))))
 
         def dragged(state: State) -> str:
             if not event.get("back"):
-                return moved(self._base(state), id, *place)
+                return moved(self._base(state), id, *place, resolution)
             answer = self.page.answer
             return reachable(answer) if self.stuck and answer.refusal else state.text
 
@@ -142,8 +145,12 @@ class LawPanel(Panel):
 
     async def on_model(self, event: Event) -> None:
         """Show or hide the law under another model."""
-        rest = tuple(name for name in self.page.state.models if name != event["name"])
-        await self.page.alter(models=(*rest, str(event["name"])) if event["on"] else rest)
+
+        def chosen(state: State) -> State:  # the state after all earlier changes
+            rest = tuple(name for name in state.models if name != event["name"])
+            return replace(state, models=(*rest, str(event["name"])) if event["on"] else rest)
+
+        await self.page.step(chosen)
 
     async def on_pin(self, event: Event) -> None:
         """Pin the design that is shown as A, or remove the pinned one."""

@@ -11,6 +11,7 @@ from metafem.explorer.text.document import Document
 from metafem.explorer.text.kinds import with_kind
 from metafem.explorer.workshop.changes import with_choice
 from metafem.files import demo_text
+from metafem.inversion import DesignStatus
 
 TEXT = demo_text("operating-points")
 LOADS = ["0.1 N", "0.9 N"]
@@ -55,6 +56,25 @@ def test_the_handle_carries_the_coefficient(first):
     found = answered(State(line(friction_coefficient=1.5, load_range=LOADS)), 1, first)
     assert law_data(found)["handles"][0]["carried"] == "μ = 1.5"
     assert law_data(answered(State(line(slope=6.5)), 1, first))["handles"][0]["carried"] == "slope = 6.5"
+
+
+@pytest.mark.parametrize("values", [{"friction_coefficient": 20.0}, {"slope": 40.0}])
+def test_an_impossible_coefficient_without_loads_names_the_largest_that_is_met(first, values):
+    found = answered(State(line(**values)), 1, first)
+    assert not found.refusal
+    words = offer(found).removeprefix("Use ")
+    assert words.startswith(found.nearest_target.wording.name())
+    assert "is not met. The largest over the loads that are reached, " in found.advice
+    assert found.advice.endswith(f"is {words}")
+    assert law_data(found)["advice"] == found.advice
+    used = answered(State(with_nearest(found)), 2, found)
+    assert used.design.status is not DesignStatus.MISSED
+    assert used.advice == ""
+
+
+def test_a_draft_and_a_line_that_is_met_have_no_advice(first):
+    assert not answered(State(line(friction_coefficient=20.0)), 1, first, draft=True).advice
+    assert not answered(State(line(friction_coefficient=3.0)), 1, first).advice
 
 
 @pytest.mark.parametrize("coefficient", [1.7, 20.0])

@@ -1,6 +1,7 @@
 // What is shown at a load: the values under the pointer, the load of the contacts, and the loads at which sites touch.
 import { ARROWS, Chosen, hear, tell } from "metafem-page/linked.js";
-import { made, MARGIN, set, valueAt } from "./svg.js";
+import { made, set, valueAt } from "./svg.js";
+import { MARGIN } from "./view.js";
 
 // Steps of the arrow keys along the axis, and of those with Shift.
 const [STEPS, LONG] = [100, 10];
@@ -34,7 +35,7 @@ class Rug {
 
   // Returns in words what the marked ticks are.
   draw(view, { load_scale: scale, x: { unit } }) {
-    const ticks = (loads, length) => loads.filter((load) => load !== null && scale * load <= view.x)
+    const ticks = (loads, length) => loads.filter((load) => load !== null && view.x.has(scale * load))
       .map((load) => `M${view.px(scale * load).toFixed(1)} ${view.bottom}v${length}`).join("");
     set(this.ticks, { d: ticks(this.entry, LENGTH) });
     const marked = this.sites.map((site) => this.entry[site] ?? null).filter((load) => load !== null);
@@ -73,16 +74,20 @@ export class Cursor {
       if (!ARROWS[event.key]) return;
       const [right, up] = ARROWS[event.key];
       event.preventDefault();
-      this.choose(this.load + ((right + up) * (event.shiftKey ? LONG : 1) * plot.view.x) / STEPS);
+      const { view } = plot;
+      this.choose(this.load + ((right + up) * (event.shiftKey ? LONG : 1) * view.x.span) / STEPS);
     });
   }
 
   // The load at which contacts are shown: the chosen one, or the last of the law.
   get load() { return this.x ?? this.plot.data?.achieved?.x.at(-1) ?? null; }
 
+  // Where it is on the achieved law.
+  get mark() { return { x: this.load, y: valueAt(this.plot.data.achieved, this.load) }; }
+
   follow(event) {
     if (this.held !== event.pointerId) return false;
-    this.choose(this.plot.view.atX(this.plot.pointOf(event).x), true);
+    this.choose(this.plot.view.x.at(this.plot.pointOf(event).x), true);
     return true;
   }
 
@@ -94,7 +99,7 @@ export class Cursor {
   choose(x, moving = false) {
     const { data, view } = this.plot;
     const law = data?.achieved;
-    if (law) tell("load", { load: view.roundedX(Math.min(law.x.at(-1), Math.max(law.x[0], x))) / data.load_scale, moving });
+    if (law) tell("load", { load: view.x.rounded(Math.min(law.x.at(-1), Math.max(law.x[0], x))) / data.load_scale, moving });
   }
 
   // A load that was chosen here or beside the surface. The server computes the contacts where it stays.
@@ -119,15 +124,15 @@ export class Cursor {
 
   draw(view, data) {
     const inside = this.over && this.over.x >= MARGIN.left && this.over.x <= view.right && data;
-    const x = inside ? view.atX(this.over.x) : null;
+    const x = inside ? view.x.at(this.over.x) : null;
     const y = inside ? valueAt(data.achieved, x) : null;
-    this.place(this.hair, this.dot, x, y);
+    this.place(this.hair, this.dot, x, view.y.has(y) ? y : null);
     if (data) this.rug.follow(this.over, view, data.load_scale);
     const entry = data ? this.rug.draw(view, data) : "";
     this.readout.textContent = entry || (inside ? `${this.values(x)}${y === null ? "" : " (achieved law)"}` : "");
     const load = this.load;
-    const shown = load !== null && load <= view.x;
-    this.place(this.line, this.reached, shown ? load : null, shown ? valueAt(data?.achieved, load) : null);
+    const shown = view.x.has(load);
+    this.place(this.line, this.reached, shown ? load : null, shown && view.y.has(this.mark.y) ? this.mark.y : null);
     set(this.knob, {
       transform: `translate(${view.px(load ?? 0).toFixed(2)} ${view.bottom})`, visibility: shown ? null : "hidden",
       "aria-label": "load at which contacts are shown", "aria-valuenow": load ?? 0, "aria-valuemin": 0,

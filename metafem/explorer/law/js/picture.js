@@ -1,24 +1,27 @@
 // The picture of the law: axes, bands, curves, points, and its legend. The handles are drawn by `hand.js`.
-import { area, label, made, MARGIN, path, set, ticks } from "./svg.js";
+import { area, label, made, path, set, ticks } from "./svg.js";
+import { MARGIN } from "./view.js";
 
 // Pixels for a label of an axis.
 const [BETWEEN_X, BETWEEN_Y] = [85, 48];
 
-// Returns [class of the key, words, further words] of all that an answer shows.
+// Returns [class of the key, words, further words, name beside the curve, curve] of all that an answer shows.
 export function entries(data) {
   const found = [];
-  const add = (shown, kind, words, more = "") => { if (shown) found.push([kind, words, more]); };
-  add(data.wanted || data.handles.length, data.marked ? "point" : "wanted", `target law${data.crowd && ` (${data.crowd})`}`,
+  const add = (curve, kind, words, name = "", more = "") => { if (curve) found.push([kind, words, more, name, curve]); };
+  const crowd = data.crowd && ` (${data.crowd})`;
+  add(data.wanted && { ...data.wanted, loose: data.marked }, `${data.marked ? "point" : "wanted"}${data.crowd ? "" : " named"}`, `target law${crowd}`, "target",
     data.crowd && "Change them in the specification or its table, or choose another kind of target law.");
-  add(data.achieved, data.refusal ? "achieved old" : "achieved", data.refusal ? "last law that was found" : `achieved law (${data.model})`);
-  add(data.pinned, "pinned", "A");
-  add(data.nearest, "nearest", "nearest law that can be designed");
-  add(data.band, "band", data.reach, "What the surfaces within the limits can have at one load. A law inside is refused where no single surface meets all of its loads.");
+  if (data.refusal) add(data.achieved, "achieved old", "last law that was found", "last law");
+  else add(data.achieved, "achieved", `achieved law (${data.model})`, "achieved");
+  add(data.pinned, "pinned", "A", "A");
+  add(data.measured && { ...data.measured, loose: true }, "measured", data.measured?.name, "measured");
+  add(data.nearest, "nearest named", "nearest law that can be designed", "nearest law");
+  add(data.band, "band named", data.reach, "possible", "What the surfaces within the limits can have at one load. A law inside is refused where no single surface meets all of its loads.");
   // the errors of the part are told where the pointer rests
-  add(data.tolerance, "tolerance", data.tolerance?.name.split(",")[0], data.tolerance?.name);
-  (data.others ?? []).forEach((each, i) => add(true, `other other-${i}`, each.name));
-  (data.pending ?? []).forEach((name) => add(true, "pending", `${name}: being computed …`));
-  add(data.measured, "measured", data.measured?.name);
+  add(data.tolerance, "tolerance named", data.tolerance?.name.split(",")[0], "tolerances", data.tolerance?.name);
+  (data.others ?? []).forEach((each, i) => add(each, `other other-${i}`, each.name, each.name.split(",")[0]));
+  (data.pending ?? []).forEach((name) => add({}, "pending", `${name}: being computed …`));
   return found;
 }
 
@@ -28,7 +31,7 @@ export class Picture {
     this.name = `law-clip-${Math.random().toString(36).slice(2)}`; // two plots in one page each have their own
     this.clip = made("rect", {}, made("clipPath", { id: this.name }, made("defs", {}, svg)));
     this.grid = made("g", { class: "grid", "aria-hidden": "true" }, svg);
-    this.curves = made("g", { "clip-path": `url(#${this.name})`, "aria-hidden": "true" }, svg);
+    this.curves = made("g", { class: "law-curves", "clip-path": `url(#${this.name})`, "aria-hidden": "true" }, svg);
     this.band = made("path", { class: "band" }, this.curves);
     this.tolerance = made("path", { class: "tolerance" }, this.curves);
     this.others = made("g", {}, this.curves);
@@ -39,35 +42,31 @@ export class Picture {
     this.marks = made("g", { class: "marks" }, this.curves);
     this.measured = made("g", { class: "measured" }, this.curves);
     this.axes = made("g", { class: "axes", "aria-hidden": "true" }, svg);
-    this.nameA = made("text", { class: "pinned-name", "aria-hidden": "true" }, svg);
     this.titleX = made("text", { class: "title", "text-anchor": "middle", "aria-hidden": "true" }, svg);
     this.titleY = made("text", { class: "title", "text-anchor": "middle", "aria-hidden": "true" }, svg);
   }
 
-  // Draws the data of an answer; `wanted` is the target's curve as it is dragged here.
-  draw(view, data, wanted) {
+  draw(view, data) {
     set(this.svg, { viewBox: `0 0 ${view.width} ${view.height}` });
-    set(this.clip, { x: MARGIN.left, y: MARGIN.top, width: view.wide, height: view.tall });
+    const [width, height] = [Math.max(1, view.right - MARGIN.left), Math.max(1, view.bottom - MARGIN.top)];
+    set(this.clip, { x: MARGIN.left, y: MARGIN.top, width, height });
     this.drawAxes(view, data);
     set(this.band, { d: area(view, data.band) });
     set(this.tolerance, { d: area(view, data.tolerance) });
     set(this.pinned, { d: path(view, data.pinned) });
     set(this.nearest, { d: path(view, data.nearest) });
     set(this.achieved, { d: path(view, data.achieved), class: data.refusal ? "achieved old" : "achieved" });
-    set(this.wanted, { d: data.marked ? "" : path(view, wanted) });
+    set(this.wanted, { d: data.marked ? "" : path(view, data.wanted) });
     replace(this.others, data.others, (each, i) => made("path", { class: `other other-${i}`, d: path(view, each) }));
     replace(this.marks, data.nearest?.marked ? zip(data.nearest) : [], ([x, y]) =>
       made("circle", { cx: view.px(x), cy: view.py(y), r: 4 }));
     this.drawMeasured(view, data.measured);
-    const end = data.pinned?.x.findLastIndex((x, i) => x <= view.x && data.pinned.y[i] <= view.y) ?? -1;
-    this.nameA.textContent = end < 0 ? "" : "A";
-    if (end >= 0) set(this.nameA, { x: Math.min(view.px(data.pinned.x[end]) + 5, view.right - 10), y: view.py(data.pinned.y[end]) + 4 });
   }
 
   drawAxes(view, data) {
     const { right, bottom } = view;
-    const x = ticks(0, view.x, view.wide / BETWEEN_X);
-    const y = ticks(0, view.y, view.tall / BETWEEN_Y);
+    const x = ticks(view.x.low, view.x.high, (right - MARGIN.left) / BETWEEN_X);
+    const y = ticks(view.y.low, view.y.high, (bottom - MARGIN.top) / BETWEEN_Y);
     replace(this.grid, [...x.values.map((each) => ["x", each]), ...y.values.map((each) => ["y", each])], ([axis, value]) =>
       axis === "x"
         ? made("line", { x1: view.px(value), x2: view.px(value), y1: MARGIN.top, y2: bottom })

@@ -1,9 +1,13 @@
 // The law: draws answers, and turns what hands and keys do into events.
 import { Chosen, hear, remember } from "metafem-page/linked.js";
 import { Cursor } from "./cursor.js";
-import { Hand } from "./hand.js";
-import { Picture, entries } from "./picture.js";
-import { made, MARGIN, told, View } from "./svg.js";
+import { Requests } from "./drag.js";
+import { followed } from "./follow.js";
+import { Handles } from "./handles.js";
+import { Names } from "./names.js";
+import { entries, Picture } from "./picture.js";
+import { made, told } from "./svg.js";
+import { MARGIN, View } from "./view.js";
 
 // Pixels that a pointer may move during a click.
 const STILL = 4;
@@ -11,25 +15,23 @@ const STILL = 4;
 const SNAP = 8;
 // Two taps are one double tap within these milliseconds and pixels, the width of a finger.
 const TWICE = { time: 500, far: 40 };
+// Keys that zoom: the part of the axes that is then shown, 0 for all. The wheel does the same in steps of so many units.
+const ZOOMS = { "+": 0.8, "=": 0.8, "-": 1.25, 0: 0 };
+const WHEEL = 400;
+// Where fingers are the first pointer, a pinch enlarges the page.
+const FINGERS = matchMedia("(pointer: coarse)").matches;
 
 // What the browser keeps of a drag that the server did not take.
 const UNSENT = "metafem-unsent";
 // Milliseconds after which a page that is connected again is not loaded anew.
 const SAME = 1000;
 
-// Where a point is after the one that carries it has moved: by factors for along, across (y for a move in x) and up.
-const shifted = (x, y, by, [along, across, up]) => [x + along * by.x, y + across * by.x + up * by.y];
-
 export class Plot {
   view = new View();
   data = null;
   band = null;
   beside = { tolerance: null, others: [], pinned: null };
-  // Numbers of the last request of a drag, of the newest one with an answer, and of the newest one with a decided answer.
-  sent = 0;
-  received = 0;
-  answered = 0;
-  unsent = null; // the move that waits behind the request under way
+  requests = new Requests((request) => this.emit("drag", { ...request, part: this.view.part }));
   closed = new AbortController();
 
   // The element has the words around the plot.
@@ -38,7 +40,8 @@ export class Plot {
     this.emit = (name, data) => element.$emit(name, data);
     [this.root, this.stage, this.svg] = [element.$el, element.$refs.stage, element.$refs.svg];
     this.picture = new Picture(this.svg);
-    this.hand = new Hand(this, made("g", {}, this.svg));
+    this.names = new Names(this.svg);
+    this.handles = new Handles(this, made("g", {}, this.svg));
     this.cursor = new Cursor(this, made("g", {}, this.svg), element.$refs.readout, this.closed.signal); // after the points in the order of Tab
     this.listen();
     hear("lost", (lost) => (lost ? this.lose() : setTimeout(() => this.resume(), SAME)), this.closed.signal);
@@ -47,9 +50,8 @@ export class Plot {
 
   // A drag that a lost connection ends is made when the server answers again, also on a page that was loaded anew.
   lose() {
-    this.received = this.answered = this.sent; // no answer comes
-    this.unsent = null;
-    const place = this.hand.park();
+    this.requests.lose();
+    const place = this.handles.park();
     if (!place) return;
     remember(UNSENT, JSON.stringify(place), sessionStorage);
     this.say("The server has not taken this move; it is made when the connection is back.", true);
@@ -59,27 +61,32 @@ export class Plot {
     if (!window.socket.connected) return; // a server that ends can be connected for a moment
     const place = sessionStorage.getItem(UNSENT);
     sessionStorage.removeItem(UNSENT);
-    if (place) this.hand.put(JSON.parse(place));
+    if (place) this.handles.put(JSON.parse(place));
   }
 
   listen() {
-    const { svg } = this;
+    const { svg, view } = this;
     svg.addEventListener("pointerdown", (event) => { this.pressed = this.pointOf(event); });
     svg.addEventListener("pointermove", (event) => {
       this.cursor.over = this.pointOf(event);
-      if (this.hand.follow(event) || this.cursor.follow(event) || !this.data) return;
-      this.cursor.draw(this.view, this.data);
+      if (this.handles.follow(event) || this.cursor.follow(event) || !this.data) return;
+      this.cursor.draw(view, this.data);
     });
     svg.addEventListener("pointerleave", () => {
       this.cursor.over = null;
-      if (this.data) this.cursor.draw(this.view, this.data);
+      if (this.data) this.cursor.draw(view, this.data);
     });
     for (const end of ["pointerup", "pointercancel"]) {
       svg.addEventListener(end, (event) => {
-        this.hand.release(event);
+        this.handles.release(event);
         this.cursor.release();
       });
     }
+    svg.addEventListener("wheel", (event) => { // a touch pad sends a pinch as this
+      if (!event.ctrlKey || FINGERS) return;
+      event.preventDefault();
+      this.zoom(Math.exp(event.deltaY / WHEEL), this.pointOf(event));
+    }, { passive: false });
     svg.addEventListener("click", (event) => {
       const at = this.pointOf(event);
       const still = this.pressed && Math.hypot(at.x - this.pressed.x, at.y - this.pressed.y) < STILL;
@@ -87,15 +94,36 @@ export class Plot {
       if (event.target.closest(".handle, .load-knob")) return;
       if (event.pointerType !== "touch") this.tapped = null;
       if (event.pointerType === "touch" && this.tappedTwice(at, event.timeStamp)) this.add(at);
-      else if (still && event.detail === 1) this.cursor.choose(this.view.atX(at.x));
+      else if (still && event.detail === 1) this.cursor.choose(view.x.at(at.x));
     });
     svg.addEventListener("dblclick", (event) => {
       if (!event.target.closest(".handle") && !this.tapped) this.add(this.pointOf(event));
     });
     svg.addEventListener("keydown", (event) => {
-      if (event.key === "a" && !event.ctrlKey && !event.metaKey && !event.altKey) this.add(this.cursor.over ?? this.between(event.target));
+      const free = !event.ctrlKey && !event.metaKey && !event.altKey;
+      if (free && event.key in ZOOMS) this.zoom(ZOOMS[event.key], this.cursor.over);
+      else if (free && event.key === "a") this.add(this.cursor.over ?? this.between(event.target));
       else this.cursor.over = null; // a hand at the keys does not add a point where a mouse was left
     });
+  }
+
+  // Shows another part of the axes, around the pointer, the handle in focus or the middle; 0 shows all.
+  zoom(factor, over) {
+    const { view } = this;
+    const { x, y } = this.handles.focused ?? {};
+    const middle = { x: (MARGIN.left + view.right) / 2, y: (MARGIN.top + view.bottom) / 2 };
+    if (factor) view.zoom(factor, over ?? (x === undefined ? middle : { x: view.px(x), y: view.py(y) }));
+    else this.fit(true);
+    this.paint();
+  }
+
+  // Shows a handle that has the focus, which can lie beyond zoomed axes.
+  visit(handle) {
+    if (!this.view.has(handle)) {
+      this.view.show(handle);
+      this.paint();
+    }
+    this.point(handle);
   }
 
   pointOf(event) {
@@ -113,92 +141,71 @@ export class Plot {
 
   // Where a new point goes without a pointer: halfway from the handle in focus to the next.
   between(node) {
-    const { handles } = this.hand;
+    const handles = this.handles.all;
     const i = Math.max(0, handles.findIndex((each) => each.id === node.dataset?.id));
     const [from, to] = handles.length < 2 ? [{ x: 0, y: 0 }, handles[0]] : i + 1 < handles.length ? [handles[i], handles[i + 1]] : [handles[i - 1], handles[i]];
     return from && to ? { x: this.view.px((from.x + to.x) / 2), y: this.view.py((from.y + to.y) / 2) } : null;
   }
 
   add(at) {
-    if (!at || at.x <= MARGIN.left || at.y >= this.view.bottom) return;
-    this.changing = { count: this.hand.handles.length, at, marked: this.data.marked };
     const { view } = this;
-    this.emit("add", { x: view.roundedX(view.atX(at.x)), y: view.roundedY(view.atY(at.y)), near: (SNAP * view.y) / view.tall });
+    if (!at || at.x <= MARGIN.left || at.x > view.right || at.y >= view.bottom) return;
+    this.changing = { count: this.handles.all.length, at, marked: this.data.marked };
+    this.emit("add", { x: view.x.rounded(view.x.at(at.x)), y: view.y.rounded(view.y.at(at.y)), near: SNAP * view.y.pixel });
   }
 
   remove(id) {
-    const { handles } = this.hand;
+    const handles = this.handles.all;
     this.changing = { count: handles.length, row: handles.findIndex((each) => each.id === id) };
     this.emit("remove", { id });
   }
 
   // The focus goes to a point that was added, or to the one in the place of the removed one.
   changed() {
-    const { hand, changing } = this;
-    const more = changing ? hand.handles.length - changing.count : 0;
+    const { handles, changing } = this;
+    const more = changing ? handles.all.length - changing.count : 0;
     if (!more) return;
     this.changing = null;
     if ((more > 0) !== ("at" in changing)) return; // an undo came first
-    const { handles } = hand;
-    const next = more > 0 ? hand.nearest(changing.at) : handles[Math.min(changing.row, handles.length - 1)];
-    hand.focus(next);
+    const next = more > 0 ? handles.nearest(changing.at) : handles.all[Math.min(changing.row, handles.all.length - 1)];
+    handles.focus(next);
     const curve = changing.marked && !this.data.marked ? " The law is now a curve that is approximated." : "";
-    if (more > 0) this.say(`Added ${hand.words(next)}.${curve}`, false, next.id);
+    if (more > 0) this.say(`Added ${handles.words(next)}.${curve}`, false, next.id);
     else this.say("Point removed.");
   }
 
-  // Sends a move; while a request is under way, the newest move waits.
-  move(request) {
-    this.unsent = request;
-    if (this.received === this.sent) this.send(request);
-  }
-
-  // Sends a request of a drag; returns its number.
-  send(request) {
-    this.unsent = null;
-    this.sent += 1;
-    this.emit("drag", { ...request, number: this.sent });
-    return this.sent;
-  }
-
-  // Whether the last place that was asked for is decided.
-  get idle() { return this.answered === this.sent && !this.unsent; }
-
-  // Takes an answer to the requests up to a number. An undecided one is followed by another one to the same requests.
+  // Takes an answer to the requests of drags up to a number; returns the drag that it closes, or null.
   take(number, { refusal, handles, undecided }) {
-    this.received = number;
-    if (!undecided) this.answered = number;
-    const ended = this.hand.answered(number, refusal, handles);
-    if (this.unsent && this.received === this.sent) this.send(this.unsent);
-    return ended;
+    this.requests.take(number, !undecided);
+    const closed = this.handles.answered(number, refusal, handles);
+    this.requests.move();
+    return closed;
   }
 
   // Draws an answer. An answer without a band has the one of the answer before.
   draw(data) {
+    const { handles } = this;
     this.band = data.band === undefined ? this.band : data.band;
     if (data.state !== this.data?.state) this.cursor.chosen = new Chosen();
     const unknown = data.handles === null; // the text has problems: the last target law stays
-    const stays = unknown && this.data?.x.unit === data.x.unit;
-    const wanted = stays ? this.data.wanted : data.wanted;
-    const marked = stays ? this.data.marked : data.marked;
-    const handles = data.handles ?? (stays ? this.data.handles : []);
+    const last = this.data?.x.unit === data.x.unit ? this.data : { ...data, handles: [] };
+    const { wanted, marked, handles: own } = unknown ? last : data;
     // the tolerance band and further laws stay until those of this answer come
-    this.data = { ...data, ...this.beside, wanted, marked, band: this.band, handles };
+    this.data = { ...data, ...this.beside, wanted, marked, band: this.band, handles: own };
     const shown = (name) => this.beside.others.some((each) => each.name.startsWith(`${name},`));
     this.data.pending = data.achieved ? data.tools.models.filter(({ name, on }) => on && !shown(name)).map(({ name }) => name) : [];
-    const ended = data.request < this.received ? null : this.take(data.request, data);
+    const closed = data.request < this.requests.received ? null : this.take(data.request, data);
     // a problem may be one of a step that is held; else a move would change a text that is not understood
-    this.hand.inactive = unknown && !this.hand.held;
-    if (!unknown || !this.hand.held) this.hand.take(handles);
+    handles.inactive = unknown && !handles.drag;
+    if (!unknown || !handles.drag) handles.take(own);
     this.carry();
-    if (ended) this.hand.tell(ended); // a slope is known with its answer
-    else if (!this.hand.held && this.said !== undefined && this.said !== data.state) this.point(this.hand.focused); // what was said belongs to an earlier text
-    if (this.hand.held) this.offer = data.refusal !== "" && data.nearest !== null;
-    if (!this.hand.held) this.fit();
+    if (closed) handles.tell(closed); // a slope is known with its answer
+    else if (!handles.drag && this.said !== undefined && this.said !== data.state) this.point(handles.focused); // what was said belongs to an earlier text
+    if (handles.drag) this.offer = data.offer !== "";
+    else this.fit();
     if (this.cursor.chosen.isShownBy(data.cursor / data.load_scale)) this.cursor.x = data.cursor;
     Object.assign(this.element, { tools: data.tools, block: data.tools.block ?? this.element.block });
-    this.drawLegend();
-    this.paint();
+    this.show();
     this.changed();
     if (this.root.dataset.answered === "0") this.resume();
     this.root.dataset.answered = data.number;
@@ -211,8 +218,7 @@ export class Plot {
     Object.assign(this.data, curves, { pending: [] });
     this.beside = curves;
     if (errors.length) this.say(errors.join(" "), true);
-    this.drawLegend();
-    this.paint();
+    this.show();
     this.root.dataset.beside = number;
   }
 
@@ -223,83 +229,67 @@ export class Plot {
     this.paint();
   }
 
-  fit() {
-    const { data, view, hand } = this;
+  // Fits the axes to the target and the laws, also zoomed ones if `anew`.
+  fit(anew = false) {
+    const { data, view, handles } = this;
     const curves = [data.achieved, data.wanted, data.nearest, data.measured, data.pinned, ...data.others].filter(Boolean);
+    if (anew) view.unit = null;
     view.fit(
-      [...curves.flatMap((each) => each.x), ...hand.handles.map((each) => each.x)],
-      [...curves.flatMap((each) => each.y), ...hand.handles.map((each) => each.y)],
+      [...curves.flatMap((each) => each.x), ...handles.all.map((each) => each.x)],
+      [...curves.flatMap((each) => each.y), ...handles.all.map((each) => each.y)],
       data.x.unit,
     );
   }
 
   paint() {
-    const { data, view, hand } = this;
+    const { data, view, handles } = this;
     if (!data) return;
-    this.picture.draw(view, data, this.wanted());
-    hand.draw(view, data.refusal !== "" || hand.held?.refused);
+    const shown = { ...data, wanted: followed(data, handles.held).wanted };
+    this.picture.draw(view, shown);
+    this.names.draw(view, entries(shown), handles.all, this.cursor.mark, Boolean(handles.drag));
+    handles.draw(view, data.refusal !== "" || Boolean(handles.drag?.refusal));
     this.cursor.draw(view, data);
     this.drawRefusal();
   }
 
-  // A legend of other lines would change the height of the plot, and so the scale under the hand.
-  drawLegend() {
-    if (!this.hand.held) this.element.legend = entries(this.data);
-  }
-
-  // What follows the handle that is held, and how far it is from where the last answer has it; null for nothing.
-  follows() {
-    const { current } = this.hand;
-    const from = this.data.handles.find((each) => each.id === current?.id);
-    const carried = this.data.wanted?.follows[current?.id];
-    return from && carried ? { ...carried, by: { x: current.x - from.x, y: current.y - from.y } } : null;
-  }
-
-  // The target's curve, whose corners follow the hand; the next answer replaces it.
-  wanted() {
-    const { wanted } = this.data;
-    const follows = this.follows();
-    if (!follows) return wanted;
-    const moved = { x: [...wanted.x], y: [...wanted.y] };
-    for (const [i, ...factors] of follows.corners) [moved.x[i], moved.y[i]] = shifted(wanted.x[i], wanted.y[i], follows.by, factors);
-    return moved;
+  // Draws all. A legend of other lines would change the height of the plot, and so the scale under the hand.
+  show() {
+    if (!this.handles.drag) this.element.legend = entries(this.data).map((each) => each.slice(0, 3));
+    this.paint();
   }
 
   // Handles that are on the curve stay on it.
   carry() {
-    const follows = this.follows();
-    for (const [id, ...factors] of follows?.handles ?? []) {
-      const from = this.data.handles.find((each) => each.id === id);
-      const handle = this.hand.handles.find((each) => each.id === id);
-      if (from && handle) [handle.x, handle.y] = shifted(from.x, from.y, follows.by, factors);
-    }
+    const { places } = followed(this.data, this.handles.held);
+    for (const [id, place] of Object.entries(places)) Object.assign(this.handles.of(id) ?? {}, place);
   }
 
   drawRefusal() {
-    const { element, data: { refusal, offer, nearest } } = this;
-    const held = Boolean(this.hand.held);
-    if (refusal !== element.refusal || held) element.away = false; // another reason has not been read
-    if (refusal && offer) element.offer = offer; // after a drag the target is back, and the last offer stays
-    if (refusal && !held) element.offered = false; // the box has it
-    Object.assign(element, { held, refusal, nearest: nearest !== null });
+    const { element, data: { refusal, advice, offer, nearest } } = this;
+    const held = Boolean(this.handles.drag);
+    const reason = refusal || advice;
+    if (reason !== element.refusal || held) element.away = false; // another reason has not been read
+    if (reason && offer) element.offer = offer; // after a drag the target is back, and the last offer stays
+    if (reason && !held) element.offered = false; // the box has it
+    Object.assign(element, { held, refusal: reason, nearest: nearest !== null, usable: offer !== "" });
   }
 
   // A place in words; without the friction where it is null.
   words({ x, y }) {
     const { data, view } = this;
-    const load = `${data.x.name} ${told(x, view.x / view.wide)} ${data.x.unit}`;
-    return y === null ? load : `${load}, ${data.y.name} ${told(y, view.y / view.tall)} ${data.y.unit}`;
+    const load = `${data.x.name} ${told(x, view.x.pixel)} ${data.x.unit}`;
+    return y === null ? load : `${load}, ${data.y.name} ${told(y, view.y.pixel)} ${data.y.unit}`;
   }
 
   // Shows below the plot where a handle is, which it tells screen readers itself, and a button for hands without keys.
   point(handle) {
-    this.say(handle ? `${this.hand.words(handle)}.` : "", false, handle?.id, "off");
+    this.say(handle ? `${this.handles.words(handle)}.` : "", false, handle?.id, "off");
   }
 
   // Says something below the plot, also to screen readers.
   say(words, wrong = false, id = "", live = "polite") {
     this.said = this.data?.state;
-    const removable = id.startsWith("point") && this.hand.handles.length > 1 && !this.hand.inactive;
+    const removable = id.startsWith("point") && this.handles.all.length > 1 && !this.handles.inactive;
     const offered = wrong && Boolean(this.offer);
     Object.assign(this.element, { words, wrong, live, offered, pointed: removable ? id : "", welcome: false });
   }
@@ -307,7 +297,7 @@ export class Plot {
   resize() {
     const { width, height } = this.stage.getBoundingClientRect();
     if (!width || !height) return; // hidden
-    Object.assign(this.view, { width, height });
+    this.view.resize(width, height);
     this.paint();
   }
 

@@ -1,57 +1,4 @@
-// A drawing by hand: the mapping between the units that are shown and pixels, and elements of which a few attributes change
-// for each answer.
-export const MARGIN = { left: 62, right: 16, top: 12, bottom: 46 };
-
-// Free space beyond the farthest point, and the part of an axis below which the axis is shortened.
-const [SPARE, EMPTY] = [1.08, 0.55];
-// Growth of an axis each time that a point is moved beyond its end, and the part of the axis where the end begins.
-const [GROWTH, EDGE] = [1.04, 0.985];
-
-export class View {
-  width = 640;
-  height = 400;
-  x = 1;
-  y = 1;
-  unit = null;
-
-  get right() { return this.width - MARGIN.right; }
-  get bottom() { return this.height - MARGIN.bottom; }
-  get wide() { return Math.max(1, this.right - MARGIN.left); }
-  get tall() { return Math.max(1, this.bottom - MARGIN.top); }
-
-  px(x) { return MARGIN.left + (x / this.x) * this.wide; }
-  py(y) { return this.bottom - (y / this.y) * this.tall; }
-  atX(px) { return ((px - MARGIN.left) / this.wide) * this.x; }
-  atY(py) { return ((this.bottom - py) / this.tall) * this.y; }
-
-  // Values have no more digits than a pixel resolves.
-  roundedX(x) { return rounded(x, this.x / this.wide); }
-  roundedY(y) { return rounded(y, this.y / this.tall); }
-
-  // Shows all points; the axes stay as they are while the points fill them.
-  fit(xs, ys, unit) {
-    const [x, y] = [largest(xs) * SPARE, largest(ys) * SPARE];
-    const fresh = unit !== this.unit;
-    this.unit = unit;
-    if (fresh || x > this.x || x < EMPTY * this.x) this.x = x || 1;
-    if (fresh || y > this.y || y < EMPTY * this.y) this.y = y || 1;
-  }
-
-  // Longer axes where a point is moved to their end.
-  grow(x, y) {
-    if (x >= EDGE * this.x) this.x *= GROWTH;
-    if (y >= EDGE * this.y) this.y *= GROWTH;
-  }
-}
-
-function largest(values) {
-  return values.reduce((most, each) => (each !== null && each > most ? each : most), 0);
-}
-
-function rounded(value, pixel) {
-  const power = Math.floor(Math.log10(pixel));
-  return power < 0 ? Number(value.toFixed(Math.min(100, -power))) : Math.round(value / 10 ** power) * 10 ** power;
-}
+// A drawing by hand: numbers at axes, the value of a curve, and elements of which a few attributes change for each answer.
 
 // Round values within a range, at most about so many, with the number of decimals that tells them apart.
 export function ticks(low, high, most) {
@@ -69,11 +16,12 @@ const decimalsOf = (least) => Math.min(20, Math.max(0, -Math.floor(Math.log10(le
 // A value for people: with the digits that a pixel resolves.
 export const told = (value, pixel) => value.toFixed(decimalsOf(pixel));
 
-// The value of a curve at x, on the line between its points; null outside.
+// The value of a curve at x, on the line between its points; null outside and in a gap.
 export function valueAt(curve, x) {
   if (!curve || !curve.x.length || x < curve.x[0] || x > curve.x.at(-1)) return null;
   const i = Math.max(1, curve.x.findIndex((each) => each >= x));
   const [x0, x1, y0, y1] = [curve.x[i - 1], curve.x[i] ?? curve.x[i - 1], curve.y[i - 1], curve.y[i] ?? curve.y[i - 1]];
+  if ([x0, y0, y1].includes(null)) return null; // in a gap
   return x1 === x0 ? y1 : y0 + ((y1 - y0) * (x - x0)) / (x1 - x0);
 }
 
@@ -117,7 +65,7 @@ export function path(view, curve) {
 // The outline of an area between two curves; an infinite upper one is drawn at the top of the picture.
 export function area(view, band) {
   if (!band || !band.x.length) return "";
-  const top = 10 * view.y;
+  const top = 10 * view.y.high;
   const forth = band.x.map((x, i) => `${at(view.px(x))} ${at(view.py(Math.min(top, band.high[i] ?? top)))}`);
   const back = band.x.map((x, i) => `${at(view.px(x))} ${at(view.py(band.low[i] ?? 0))}`).reverse();
   return `M${forth.join("L")}L${back.join("L")}Z`;
