@@ -60,7 +60,9 @@ def test_a_scene_is_shown_or_refused_in_words(scene):
     answer = answered(State(text, {"contact.csv": TABULATED}), 1, None, True)
     design = answer.design
     assert answer.current or answer.refused
-    shown = [law_data(answer), site_data(answer)]
+    law = law_data(answer)
+    law.pop("base")  # stays in the server
+    shown = [law, site_data(answer)]
     shown.append(figure_data(answer))
     if design is not None:
         contacts = contact_data(design, None, sensitive=True)
