@@ -6,8 +6,7 @@ from functools import cache
 
 import pytest
 
-from validation.calibration import diagnosis, misuse, segmented_regression, shear_calibration, site_matching
-from validation.inversion import layout
+from validation.calibration import misuse, segmented_regression, shear_calibration, site_matching
 from validation.paper import fig_s2_misalignment
 from validation.results import evaluate
 from validation.scenes import drift, stability_points
@@ -23,10 +22,7 @@ def few_scenes():
         patch.setattr(stability_points, "WIDTHS", (0.3, 0.44))
         patch.setattr(stability_points, "SPREADS", (0.5,))
         patch.setattr(stability_points, "LAYERS", (0.3, 1.5))
-        patch.setattr(diagnosis, "PARTS", 400)
-        patch.setattr(diagnosis, "FORCE_PARTS", 40)
         patch.setattr(shear_calibration, "SURFACES", 1000)
-        patch.setattr(layout, "SEEDS", 2)
         # the bounds of the shares follow from the number of calibrations, and those of the quantiles from
         # the number of placements
         patch.setattr(drift, "REPETITIONS", 100)
