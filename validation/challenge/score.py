@@ -58,9 +58,9 @@ def score(entry: Entry, quick: bool = False) -> Score:
     found = None if wrong or quick or not entry.target.resolved else resolved_misfit(entry)
     result = Score(entry.target.name, float("nan") if wrong else sums_misfit(entry), found, wrong)
     stated = entry.stated.get("misfit")
-    compared = stated is not None and not wrong and not (quick and entry.target.resolved)
-    off = compared and not math.isclose(result.misfit, stated, **DIGITS)
-    return replace(result, stated=stated if off else None)
+    if stated is None or wrong or (quick and entry.target.resolved):
+        return result
+    return result if math.isclose(result.misfit, stated, **DIGITS) else replace(result, stated=stated)
 
 
 def sums_misfit(entry: Entry) -> float:
