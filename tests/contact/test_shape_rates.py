@@ -7,24 +7,42 @@ import pytest
 import metafem as mf
 
 RADIUS, EXPONENTS = 0.526, [1.2, 1.5, 2.0, 3.0, 4.0, 6.5]
+QUARTER = [0, mpmath.pi / 2]
+
+
+def depth_of(slope):
+    """D of a cap with the slope f'(rho), a function of the contact radius."""
+    return lambda s: s * mpmath.quad(lambda t: slope(s * mpmath.sin(t)), QUARTER)
 
 
 def exact(slope, a):
-    """D, D', D'', P and M of a cap with the slope f'(rho) at the contact radius a, by quadrature."""
+    """D, D', D'', P and M of a cap with the slope f'(rho) at the contact radius a, by quadrature.
 
-    def depth(s):
-        return s * mpmath.quad(lambda t: slope(s * mpmath.sin(t)), [0, mpmath.pi / 2])
-
-    def rate(s):
-        return mpmath.diff(depth, s)
-
+    The integrals of D and of s^2 D up to a are those of f' U and of f' (U^3 / 3 + rho^2 U) over rho, with
+    U^2 = a^2 - rho^2.
+    """
+    depth = depth_of(slope)
+    rho, u = (lambda t: a * mpmath.sin(t)), (lambda t: a * mpmath.cos(t))
+    first = mpmath.quad(lambda t: slope(rho(t)) * u(t) ** 2, QUARTER)
+    second = mpmath.quad(lambda t: slope(rho(t)) * (u(t) ** 4 / 3 + rho(t) ** 2 * u(t) ** 2), QUARTER)
     return [
         depth(a),
-        rate(a),
+        mpmath.diff(depth, a),
         mpmath.diff(depth, a, 2),
-        2 * (a * depth(a) - mpmath.quad(depth, [0, a])),
-        mpmath.mpf(4) / 3 * (a**3 * depth(a) - 3 * mpmath.quad(lambda s: s**2 * depth(s), [0, a])),
+        2 * (a * depth(a) - first),
+        mpmath.mpf(4) / 3 * (a**3 * depth(a) - 3 * second),
     ]
+
+
+@pytest.mark.parametrize("n", [1.5, 3.0])
+def test_single_integrals_are_the_double_ones(n):
+    slope, _ = power("radius", n, 0.3)
+    of_radius, a = (lambda rho: slope(rho, RADIUS)), mpmath.mpf(0.17)
+    depth, (*_, load, moment) = depth_of(of_radius), exact(of_radius, a)
+    expected = 2 * (a * depth(a) - mpmath.quad(depth, [0, a]))
+    assert float(load) == pytest.approx(float(expected), rel=1e-12)
+    expected = mpmath.mpf(4) / 3 * (a**3 * depth(a) - 3 * mpmath.quad(lambda s: s**2 * depth(s), [0, a]))
+    assert float(moment) == pytest.approx(float(expected), rel=1e-12)
 
 
 def power(by, n, c):

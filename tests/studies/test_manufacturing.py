@@ -11,6 +11,7 @@ import metafem as mf
 from metafem.studies import Draws
 from metafem.studies.sampling.points import batch_size, unit_points
 from tests.conftest import MATERIAL, RADIUS
+from validation.scenes.repeated_studies import EXPECTED, coverage, tolerance
 
 LAYER = mf.Interacting(substrate=mf.BondedLayer())
 
@@ -101,20 +102,8 @@ def test_draws_are_added_until_the_error_is_reached(linear):
 
 @pytest.mark.slow
 def test_errors_cover_the_mean_of_many_studies():
-    """68 % of 300 studies with Sobol points and control variates, three standard deviations of their number.
-
-    Student's factor for 16 batches lowers the expectation to 66.7 %.
-    """
-    pair = mf.Surface.square_lattice([0.1, 0.105, 0.11, 0.13], (2, 2), radius=RADIUS, material=MATERIAL)
-    arguments = {"draws": 512, "load_range": (0.005, 0.02)}
-    studies = [mf.studies.manufacturing(pair, 0.003, rng=seed, **arguments) for seed in range(300)]
-    for name in ("slope_mean", "slope_sd", "area_mean", "area_sd"):
-        value, error = (
-            np.array([study[each].values.ravel()[-1] for study in studies])
-            for each in (name, f"{name}_error")
-        )
-        covered = (np.abs(value - value.mean()) <= error).mean()
-        assert covered == pytest.approx(0.667, abs=3 * np.sqrt(0.667 * 0.333 / 300)), name
+    # with Sobol points and control variates; the benchmark of the studies repeats 300
+    assert coverage(100) == pytest.approx(EXPECTED, abs=tolerance(100))
 
 
 def test_a_wanted_error_that_is_not_reached_is_noted(linear, monkeypatch):

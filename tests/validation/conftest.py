@@ -6,10 +6,10 @@ from functools import cache
 
 import pytest
 
-from validation.calibration import diagnosis, shear_calibration
-from validation.inversion import layout
+from validation.calibration import misuse, segmented_regression, shear_calibration, site_matching
+from validation.paper import fig_s2_misalignment
 from validation.results import evaluate
-from validation.scenes import stability_points
+from validation.scenes import drift, stability_points
 from validation.stability import random_scenes
 
 
@@ -22,10 +22,17 @@ def few_scenes():
         patch.setattr(stability_points, "WIDTHS", (0.3, 0.44))
         patch.setattr(stability_points, "SPREADS", (0.5,))
         patch.setattr(stability_points, "LAYERS", (0.3, 1.5))
-        patch.setattr(diagnosis, "PARTS", 400)
-        patch.setattr(diagnosis, "FORCE_PARTS", 40)
         patch.setattr(shear_calibration, "SURFACES", 1000)
-        patch.setattr(layout, "SEEDS", 2)
+        # the bounds of the shares follow from the number of calibrations, and those of the quantiles from
+        # the number of placements
+        patch.setattr(drift, "REPETITIONS", 100)
+        patch.setattr(misuse, "REPETITIONS", 100)
+        patch.setattr(fig_s2_misalignment, "SHUFFLES", 200)
+        patch.setattr(fig_s2_misalignment, "OTHERS", 100)
+        patch.setattr(site_matching, "TRIALS", 60)
+        patch.setattr(site_matching, "ROW_TRIALS", 20)
+        # of as many measured laws: only the bound of each interval has a larger error
+        patch.setattr(segmented_regression, "DRAWS", 100)
         yield
 
 

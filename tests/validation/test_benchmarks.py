@@ -46,7 +46,8 @@ def test_the_kernel_is_timed_as_it_is_called():
 
 @pytest.mark.slow
 def test_no_file_is_lost_by_stopped_runs_or_by_two_at_once():
+    # each signal, early and late, with and without a result to replace; `interruptions` stops 200 runs
     with stopped_runs.scene() as known:
-        for tally in (stopped_runs.kills(known, 8), stopped_runs.pairs(known, 3)):
+        for tally in (stopped_runs.kills(known, 4), stopped_runs.pairs(known, 2)):
             assert tally.trials
             assert not tally.failures, tally.first

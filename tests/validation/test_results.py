@@ -15,7 +15,7 @@ from validation.results import collected, evaluated, selected
 
 @pytest.mark.slow
 def test_two_processes_give_the_results_of_one():
-    names = ["bounds", "table_s1", "fig4_linear"]
+    names = ["bounds", "table_s1", "one_contact"]
     told = []
     found = collected(names, 2, told.append)
     assert list(found) == names

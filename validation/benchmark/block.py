@@ -46,7 +46,7 @@ def rows() -> list[Row]:
         _solution.cache_clear()
     layer = influence(surface, "layer")
     return [
-        Row("largest difference from a refined solution", 3e-5, np.abs(found.matrix - refined).max(), "/mm"),
+        Row("largest difference from a refined solution", 1e-5, np.abs(found.matrix - refined).max(), "/mm"),
         Row("error estimate of the default solution", 3e-5, found.error_estimate, "/mm"),
         Row("asymmetry of the matrix (reciprocity)", 1e-5, found.asymmetry, "/mm"),
         Row("largest difference of a block of 90 mm from the layer", 1e-5, np.abs(wide - layer).max(), "/mm"),

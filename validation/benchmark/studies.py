@@ -11,6 +11,7 @@ import numpy as np
 
 import metafem as mf
 from validation.paper.surfaces import fig4
+from validation.scenes.repeated_studies import EXPECTED, MOMENTS, coverage, tolerance
 from validation.timing import Row, best, spent, took
 
 # Fig. S3: standard deviations of the heights [mm], and its draws.
@@ -23,6 +24,9 @@ LAYER = mf.Interacting(substrate=mf.BondedLayer())
 
 # Relative error of the standard deviation of Gaussian slopes, and that of the mean in units of it.
 OF_SD, OF_MEAN = 1.0 / np.sqrt(2.0 * DRAWS), 1.0 / np.sqrt(DRAWS)
+
+# Repeated studies, whose errors must hold the mean as often as stated.
+REPETITIONS = 300
 
 # Draws of a process of its own.
 MANY = """
@@ -47,7 +51,7 @@ def rows() -> Iterator[Row]:
 
 
 def long_rows() -> list[Row]:
-    """Measure Fig. S3 on the bonded layer, and ten million draws."""
+    """Measure Fig. S3 on the bonded layer, the coverage of the errors, and ten million draws."""
     measured, total = [], 0.0
     for colour in ("blue", "red"):
         taken, study = took(partial(_study, colour, model=LAYER, draws=mf.studies.Draws(error=OF_SD)))
@@ -64,10 +68,15 @@ def long_rows() -> list[Row]:
                 Row(f"{what}: error of {name} over slope_sd", bound, error),
                 Row(f"{what}: {name}, difference from plain draws", 3.0, float(apart.max()), "errors"),
             ]
+    limit = tolerance(REPETITIONS)
     what = "Fig. S3, both surfaces, layer, order 3, to the error of 10,000 plain draws: time"
     return [
         Row(what, 60.0, total, "s"),
         *measured,
+        *(
+            Row(f"{name}: share of {REPETITIONS} studies within their errors, off by", limit, off)
+            for name, off in zip(MOMENTS, np.abs(coverage(REPETITIONS) - EXPECTED).tolist(), strict=True)
+        ),
         Row("10 million draws: memory", 1.0, spent([sys.executable, "-c", MANY]).memory, "GiB"),
     ]
 

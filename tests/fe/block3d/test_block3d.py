@@ -14,7 +14,6 @@ import metafem as mf
 from metafem._caches import cache_folder
 from metafem.fe import Block3D
 from metafem.fe.block3d import cache as cache_module
-from metafem.fe.block3d import influence
 from metafem.fe.block3d.boussinesq import displacement, traction
 from metafem.fe.block3d.elasticity import Quarter
 from metafem.fe.block3d.grading import MOST_CELLS, graded_line, quarter_lines
@@ -326,15 +325,3 @@ def test_lattice_on_the_paper_s_block(paper):
     assert [rows[i, 0, i, 4] * 4.0 * r for i in (3, 0)] == pytest.approx([0.04, 0.11], abs=5e-3)
     assert paper.asymmetry < 1e-5
     assert paper.error_estimate < 3e-5
-
-
-@pytest.mark.slow
-def test_lattice_on_the_paper_s_block_is_converged(monkeypatch):
-    """A quarter of the influence: four equal loads, on which the cells have the largest effect."""
-    monkeypatch.setattr(influence, "PARITIES", ((1, 1),))
-    monkeypatch.setattr(influence, "COARSER", 4.0)  # the estimate of the error is not needed
-    default, refined = (
-        influence.site_influence(BLOCK, 0.5, lattice().position, *cells).matrix
-        for cells in ((Block3D.cell, Block3D.edge_cell), (0.2, 0.004))
-    )
-    assert np.abs(refined - default).max() < 1e-5 / 4.0
