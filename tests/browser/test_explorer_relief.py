@@ -23,6 +23,12 @@ PLACE = f"""([site, mould]) => {{
   return [box.left + box.width * (1 + x) / 2, box.top + box.height * (1 - y) / 2];
 }}"""
 
+# The middle of the nth cap of the profile, which each frame draws anew.
+MIDDLE = """n => {
+  const { x, y, width, height } = document.querySelectorAll('[data-row-site]')[n].getBoundingClientRect();
+  return [x + width / 2, y + height / 2];
+}"""
+
 FRAMES = f"""async () => {{
   const frame = () => new Promise(requestAnimationFrame);
   const count = () => ({RELIEF})().renderer.info.render.frame;
@@ -126,8 +132,7 @@ def test_a_profile_follows_keys_pointer_and_load(visit, page):
     assert len(first) == 1
     shown = [int(each.get_attribute("data-row-site")) for each in row.all()]
     assert {site // 8 for site in shown} == {min(first) + 1}
-    box = row.nth(2).bounding_box()
-    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.move(*page.evaluate(MIDDLE, 2))
     page.locator(".tip", has_text=f"site {shown[2]}").wait_for()
     page.locator(".law-readout", has_text=f"site {shown[2]} comes into contact at").wait_for()
     pane = page.locator(".pane")
