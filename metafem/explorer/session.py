@@ -50,8 +50,9 @@ class State:
         return self.text == other.text and self.tables == other.tables
 
     def as_shown_in(self, other: State) -> State:
-        """Return the state with the display settings of another state, which undo ignores."""
-        return replace(self, newtons=other.newtons, models=other.models, load=other.load)
+        """Return the state with the display settings of another state, which make no step of the history."""
+        settings = {name: getattr(other, name) for name in ("newtons", "models", "load", "pinned")}
+        return replace(self, **settings)
 
     def to_json(self) -> str:
         """Return the state as JSON."""
@@ -113,9 +114,15 @@ class Session:
         return Session(states, len(states) - 1, first)
 
     def moved(self, steps: int) -> Session:
-        """Return the history at the state so many steps later; the same history without such a state."""
+        """Return the history at the state so many steps later; the same history without such a state.
+
+        The pinned state stays, so that a design can be compared with an earlier one.
+        """
         at = self.at + steps
-        return replace(self, at=at) if 0 <= at < len(self.states) else self
+        if not 0 <= at < len(self.states):
+            return self
+        state = replace(self.states[at], pinned=self.state.pinned)
+        return replace(self, at=at, states=(*self.states[:at], state, *self.states[at + 1 :]))
 
     @classmethod
     def restored(cls, record: Any) -> Session | None:

@@ -59,7 +59,7 @@ def test_starting_over_is_one_step_that_undo_takes_back(visit):
     mine = visit.text
     begun(visit, "bilinear")
     assert visit.text == demo_text("bilinear")
-    begun(visit, "as this page began")
+    begun(visit, "as first opened")
     assert visit.text == demo_text("operating-points")
     for _ in range(2):
         before = visit.asked

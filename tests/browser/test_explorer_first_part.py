@@ -106,7 +106,7 @@ def test_a_part_of_ones_own_becomes_a_mould_table_in_eight_steps(visit, tmp_path
 
 def test_a_law_is_pinned_beside_the_next_one_after_a_tour_that_is_left(visit):
     hand, page = Hand(visit), visit.page
-    hand.presses("Take a tour")
+    hand.presses("Take a one-minute tour")
     page.get_by_role("dialog", name="Drag a point").wait_for()
     hand.presses("Next")
     page.get_by_role("dialog", name="The heights follow").wait_for()
@@ -117,7 +117,7 @@ def test_a_law_is_pinned_beside_the_next_one_after_a_tour_that_is_left(visit):
     hand.drags("point 1 of 3", -15, 4)
     page.reload()
     page.get_by_role("button", name="Unpin").wait_for()
-    assert page.get_by_role("button", name="Take a tour").count() == 0
+    assert page.get_by_role("button", name="Take a one-minute tour").count() == 0
     hand.opens("A and B")
     load = page.get_by_role("row", name="Largest load").get_by_role("cell")
     load.first.wait_for()

@@ -204,7 +204,7 @@ def test_keys_lead_through_the_head_of_the_page(visit):
         names.append(page.evaluate(FOCUSED))
     status = "meets the target exactly"
     assert names == ["Skip to the law", status, "Model", "Undo", "Redo", "New part", "Menu"]
-    for keys, name in (("Enter", "as this page began"), ("ArrowUp", "Help: mouse, touch and keys (?)")):
+    for keys, name in (("Enter", "as first opened"), ("ArrowUp", "Help: mouse, touch and keys (?)")):
         page.keyboard.press(keys)
         page.wait_for_function(f"name => ({FOCUSED})() === name", arg=name)
     page.keyboard.press("Escape")

@@ -57,6 +57,14 @@ def test_the_history_is_that_of_an_editor(steps):
     assert restored(session).state == session.state
 
 
+def test_the_pinned_state_stays_when_the_history_goes_back():
+    pinned = replace(FIRST, text="b", pinned=FIRST.to_json())
+    session = Session((FIRST,)).after(replace(FIRST, text="b")).after(pinned)
+    assert session.states == (FIRST, pinned)  # no step of its own
+    assert session.moved(-1).state == replace(FIRST, pinned=pinned.pinned)
+    assert session.moved(-1).moved(1).state == pinned
+
+
 def test_display_settings_are_no_step_of_the_history():
     session = Session((FIRST,)).after(replace(FIRST, text="b")).moved(-1)
     shown = replace(FIRST, newtons=False, load=0.3, models=())

@@ -1,4 +1,4 @@
-"""How exact the part must be.
+"""How accurate the part must be.
 
 No surface is made as designed, and no plane is exactly parallel to it. You learn how errors of the
 heights and a tilt scatter the slope of the law, which is proportional to the friction coefficient.

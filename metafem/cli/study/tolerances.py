@@ -34,7 +34,7 @@ LEVELS = [i * 1e-4 for i in range(31)]
 ANGLE = "0.1deg"
 
 
-@study.command(short_help="How exact the heights must be.")
+@study.command(short_help="How accurate the heights must be.")
 @click.option(
     "--height-sd",
     type=Quantity("mm", "3um", listed=True),

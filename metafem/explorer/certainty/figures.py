@@ -162,14 +162,16 @@ def _scatter(answer: Answer, design: Design) -> list[Figure]:
     def judged(name: str, sd: float, words: str) -> Figure:
         bound, remedy = (
             f"at most {percent(ALLOWED, 'g')}",
-            "Make the part more exactly, or use more asperities.",
+            "Make the part more accurately, or use more asperities.",
         )
         return _judged(name, f"{percent(sd)} SD", bound, sd <= ALLOWED, words, remedy, places)
 
     drawn, linear = band.drawn_of(answer), band.linear(answer)
     shown, found = drawn or linear, []
     if shown is not None:
-        words = f"By linear response to {errors}, rms over the loads. Draws follow when nothing changes."
+        words = (
+            f"By linear response to {errors}, rms over the loads. Random draws follow once nothing changes."
+        )
         if drawn is not None:
             error = percent(1.0 / math.sqrt(2.0 * drawn.count), ".1g")
             words = (

@@ -168,7 +168,7 @@ def _needs_depth(design: Design) -> str:
 
 STUDIES: dict[str, LongStudy] = {
     "draws": LongStudy(
-        f"Draw {DRAWS:,} surfaces", "How exact must the heights be?", "some seconds", made_surfaces,
+        f"Draw {DRAWS:,} surfaces", "How accurate must the heights be?", "some seconds", made_surfaces,
         _needs_depth,
     ),
     "misalignment": LongStudy(

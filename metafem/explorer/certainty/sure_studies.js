@@ -7,7 +7,7 @@ const KEY = "metafem-studies";
 export default {
   template: `
     <section class="sure-studies" aria-label="Longer studies">
-      <p class="quiet small">Each study runs beside the page, which can be used meanwhile.</p>
+      <p class="quiet small">The page can be used while a study runs.</p>
       <article v-for="study in studies" :key="study.key" class="card" :data-study="study.key">
         <div class="row">
           <h3>{{ study.title }}</h3>

@@ -4,7 +4,7 @@ import { hear, remember } from "metafem-page/linked.js";
 import { Plot } from "metafem-law/plot.js";
 
 // What the line below the plot says at the first visit.
-const [HINT, WELCOME] = ["metafem-hint", "Drag the points of the target law: the heights follow. The tab “Take it” has the mould table. Help lists gestures and keys."];
+const [HINT, WELCOME] = ["metafem-hint", "Drag the points of the target law: the heights follow. The tab “Take it” has the mould table. “Help” in the menu lists gestures and keys."];
 // Buttons in the legend: their words, and the event that they emit.
 const ACTS = {
   achieved: [["Pin as A", "pin", { on: true }]],
@@ -52,7 +52,7 @@ export default {
       <div :class="['law-live', { wrong }]"><span :aria-live="live">{{ words }}</span>
         <button type="button" class="law-drop" :hidden="!pointed" title="Remove this point (Delete)" @click="plot.remove(pointed)">Remove the point</button>
         <button type="button" class="law-use" :hidden="!offered" @click="use">{{ offer }}</button>
-        <button type="button" class="law-tour" :hidden="!welcome" @click="tour">Take a tour of a minute</button></div>
+        <button type="button" class="law-tour" :hidden="!welcome" @click="tour">Take a one-minute tour</button></div>
     </div>`,
   data() {
     return {

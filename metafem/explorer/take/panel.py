@@ -89,7 +89,7 @@ class Taking(Panel):
                 self.height = ui.input("Height [mm]", value=HEIGHT).props("dense")
                 self.format = ui.select(list(FORMATS), value=FORMATS[0], label="Format").props("dense")
             self._buttons(FIGURE)
-        with _card("The same by a command"):
+        with _card("The same from the command line"):
             self.command = self._lines("command", files.command_of(self.answer.state))
             self._lines("script", files.SCRIPT)
 

@@ -52,7 +52,7 @@ LABELS: Mapping[str, str] = {
 NAME = re.compile(r"\[([a-z]+(?:\.[a-z]+)?)\]|\b((?:[a-z]+\.){0,2}[a-z_]+)(?:\[(\d+)\])?(?![\w(])")
 
 # The place of an asperity, a list, and the example at the end of a message, in the notation of a file.
-PLACE = re.compile(r"\basperity \d+ at \(([^,()]+), ([^()]+)\) mm")
+PLACE = re.compile(r"\b(alignment )?asperity \d+ at \(([^,()]+), ([^()]+)\) mm")
 LIST = re.compile(r"(?<= = )\[[^=\n]*\]|\[[^\[\]\n]*,[^\[\]\n]*\]")
 EXAMPLE = re.compile(r"(write for example )(?:\w+ = )?(.+)$", re.MULTILINE)
 
@@ -91,7 +91,7 @@ def on_page(message: str) -> str:
     >>> on_page('lattice.shape[0] is missing; write for example shape = [8, 8]')
     '“rows, columns”, entry 1 is missing; write for example 8, 8'
     """
-    message = PLACE.sub(r"the asperity at x = \1 mm, y = \2 mm", message)
+    message = PLACE.sub(r"the \1asperity at x = \2 mm, y = \3 mm", message)
     for notation, words in NOTATION.items():
         message = message.replace(notation, words)
     message = LIST.sub(lambda found: _plain(found[0]), message)

@@ -28,7 +28,7 @@ LATE = 0.5
 SEARCH = "The search for heights begins from several surfaces and improves each of them in steps."
 
 # Name of the first state of the page among the examples to start over from.
-FIRST = "as this page began"
+FIRST = "as first opened"
 
 
 class Bar(Widget, component="header.js", esm={"metafem-workshop": "js"}):

@@ -111,7 +111,7 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
     for i in np.flatnonzero((ends >= room).any(axis=1))[:1]:
         needed = " by ".join(f"{_rounded(2.0 * end, True):g}" for end in ends.max(axis=0))
         raise refused(
-            f"{name(i)} has a cap of base radius {base[i]:g} mm, which leaves the block of "
+            f"{name(i)} has a cap of base radius {base[i]:.4g} mm, which leaves the block of "
             f"{2 * room[0]:g} by {2 * room[1]:g} mm",
             f"make the block at least {needed} mm, or the lattice smaller",
             "block.width" if ends[i, 0] >= room[0] else "block.length",

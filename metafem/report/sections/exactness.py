@@ -31,7 +31,7 @@ class Question(NamedTuple):
 
 QUESTIONS: Mapping[str, Question] = {
     "manufacturing": Question(
-        "How exact must the heights be?",
+        "How accurate must the heights be?",
         "metafem study manufacturing DIR",
         "Slope against the errors of the heights",
         lambda study: manufacturing_figure({"": study}),

@@ -12,7 +12,7 @@ export function entries(data) {
   const crowd = data.crowd && ` (${data.crowd})`;
   add(data.wanted && { ...data.wanted, loose: data.marked }, `${data.marked ? "point" : "wanted"}${data.crowd ? "" : " named"}`, `target law${crowd}`, "target",
     data.crowd && "Change them in the specification or its table, or choose another kind of target law.");
-  if (data.refusal) add(data.achieved, "achieved old", "last law that was found", "last law");
+  if (data.refusal) add(data.achieved, "achieved old", "last law found", "last law");
   else add(data.achieved, "achieved", `achieved law (${data.model})`, "achieved");
   add(data.pinned, "pinned", "A", "A");
   add(data.measured && { ...data.measured, loose: true }, "measured", data.measured?.name, "measured");
