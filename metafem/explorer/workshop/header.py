@@ -47,7 +47,7 @@ class Header(Panel):
             redo=lambda _: page.moved(1),
             begin=self._begin,
             load=lambda given: load(page, given["files"]),
-            part=lambda _: part.dialog.open(),
+            part=part.open,
             model=self._choose,
             stop=lambda _: page.stop(),
             compute=lambda _: page.compute(),

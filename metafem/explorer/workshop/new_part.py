@@ -27,9 +27,6 @@ from metafem.inversion import (
 )
 from metafem.surface import Friction, Material, Surface
 
-# Standard deviation of the heights of the paper's moulds (doi:10.1126/science.adk4234) [mm].
-HEIGHT_SD = 0.9e-3
-
 # Highest summit relative to the radius. Alignment caps are higher, and at most as high as the radius.
 HIGHEST = 0.95
 
@@ -107,7 +104,7 @@ def _sections(part: Wanted) -> Sections:
         "material": {"composite_modulus": f"{part.modulus:.6g} MPa", "poisson_ratio": 0.5},
         "friction": {"shear_strength": f"{part.strength:.6g} MPa", "area_ratio": part.ratio},
         "lattice": {"shape": list(part.shape), "pitch": pitch, "radius": radius},
-        "limits": {"max_height": _um(part.height), "offset": radius, "height_sd": _um(HEIGHT_SD)},
+        "limits": {"max_height": _um(part.height), "offset": radius, "height_sd": _um(part.error)},
         "layout": {"seed": 0},
         "model": {"kind": "independent"},
     }
@@ -117,7 +114,7 @@ def _line_of(part: Wanted) -> dict[str, Any]:
     """Return the target of the coefficient, over the widest range of loads."""
     material, friction = Material(part.modulus), Friction(part.strength, part.ratio)
     template = _template(1, part.radius, material=material, friction=friction)
-    most = achievable_friction_coefficients(template, Limits(part.height, height_sd=HEIGHT_SD))[1]
+    most = achievable_friction_coefficients(template, Limits(part.height, height_sd=part.error))[1]
     if part.coefficient > most:
         words = f"the largest is {_down(most)}: a larger one needs finer heights than can be made"
         raise Collision("coefficient", words, {"coefficient": _down(most)})

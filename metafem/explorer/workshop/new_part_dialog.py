@@ -11,7 +11,7 @@ from nicegui import ui
 from metafem.explorer.control import Control
 from metafem.explorer.text.document import Document
 from metafem.explorer.workshop.new_part import new_part
-from metafem.explorer.workshop.part_fields import FIELDS, Collision, Typed, told
+from metafem.explorer.workshop.part_fields import FIELDS, FIRST, Collision, Typed, filled, told
 
 
 class NewPart:
@@ -20,14 +20,23 @@ class NewPart:
     def __init__(self, page: Control) -> None:
         self.page = page
 
+    def open(self, _: object) -> None:
+        """Open the dialog with the values of the part that is shown."""
+        specification = self.page.answer.specification
+        values = FIRST if specification is None else filled(specification)
+        self.dialog.open()
+        for name, field in self.fields.items():
+            field.value = values[name]
+        self._show()
+
     @cached_property
     def dialog(self) -> ui.dialog:
-        """The dialog, with the values that were typed last; it is created when it is first opened."""
+        """The dialog, which is created when it is first opened."""
         with ui.dialog().props('aria-labelledby="new-part"') as dialog, ui.card().classes("new-part"):
             ui.html("<h2 id='new-part'>New part</h2>", sanitize=False)
             ui.label(
-                "The lattice fills the block, and the alignment caps and the offset follow. A number has the "
-                "unit beside it. Undo brings back the part before."
+                "The lattice fills the block, and the alignment caps and the offset follow. A number without "
+                "a unit has the one beside it. Undo restores the present part."
             ).classes("quiet small")
             with ui.element("div").classes("values"):
                 self.fields = {
@@ -44,7 +53,6 @@ class NewPart:
             with ui.element("div").classes("row"):
                 self.button = ui.button("Make it", on_click=self.make).props("no-caps unelevated")
                 ui.button("Cancel", on_click=dialog.close).props("no-caps flat")
-        self._show()
         return dialog
 
     @property

@@ -8,9 +8,13 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 
+import numpy as np
+
+from metafem._values import MICROMETRES
 from metafem.errors import InvalidInput
+from metafem.explorer.text.document import Document
 from metafem.explorer.text.fields import with_points
-from metafem.files import quantity
+from metafem.files import Specification, quantity
 
 # Fewest asperities for which a line is reached over a range of loads, and most for which the search of this
 # range takes seconds.
@@ -44,6 +48,7 @@ FIELDS = (
     Field("asperities", "Asperities: rows × columns", "", "8 × 8"),
     Field("coefficient", "Friction coefficient μ", "", "1.5"),
     Field("height", "Largest height of the summits", "µm", "270"),
+    Field("error", "Error of the heights when made (SD)", "µm", "0.9"),
     Field("radius", "Radius of curvature", "µm", "526"),
     Field("modulus", "Composite modulus E*", "MPa", "1.36"),
     Field("strength", "Shear strength σ", "MPa", "0.37"),
@@ -73,6 +78,7 @@ class Wanted:
     shape: tuple[int, int]
     coefficient: float
     height: float
+    error: float
     radius: float
     modulus: float
     strength: float
@@ -83,6 +89,30 @@ class Wanted:
     def slope(self) -> float:
         """Slope of the rescaled friction over the rescaled load."""
         return self.coefficient * self.modulus / (self.strength * self.ratio)
+
+
+def filled(specification: Specification) -> dict[str, str]:
+    """Return the texts of the fields for the part of a specification; first values for what is missing."""
+    text, template, limits = Document(specification.text), specification.template, specification.limits
+    block, friction = template.block, template.friction
+    values = {
+        "size": block and (block.width, block.length, block.thickness),
+        "asperities": text.value("lattice.shape"),
+        "coefficient": text.value("target.friction_coefficient"),
+        "height": MICROMETRES * limits.max_height,
+        "error": limits.height_sd and MICROMETRES * limits.height_sd,
+        "radius": MICROMETRES * template.radius.min(),
+        "modulus": template.material.composite_modulus,
+        "strength": friction and friction.shear_strength,
+        "ratio": friction and friction.area_ratio,
+    }
+    given = {name: np.ravel(value) for name, value in values.items() if value is not None}
+    single = {  # not one value for each asperity
+        field.name: " × ".join(f"{each:.6g}" for each in given[field.name])
+        for field in FIELDS
+        if len(given.get(field.name, ())) == len(ENTRY.findall(field.first))
+    }
+    return FIRST | single
 
 
 def wanted(typed: Typed) -> Wanted:

@@ -12,7 +12,7 @@ from metafem.explorer.certainty.figures import Standing, figures
 from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.explorer.workshop.new_part import new_part
-from metafem.explorer.workshop.part_fields import FIRST, Collision, told
+from metafem.explorer.workshop.part_fields import FIRST, Collision, filled, told
 from metafem.files import demo_text, parsed, planned
 
 
@@ -122,6 +122,21 @@ def test_a_collision_names_the_field_and_offers_values_that_work(typed, field, o
     assert [told(offer) for offer in error.offers] == offers
     for offer in error.offers:
         made(new_part(FIRST | typed | offer))
+
+
+def test_the_fields_are_those_of_the_part_that_is_shown():
+    typed = {**FIRST, "size": "30.5 × 20 × 6", "asperities": "9 × 6", "height": "200", "error": "1.5"}
+    text = new_part(typed | {"coefficient": "2"})
+    assert filled(parsed(text)) == {**typed, "coefficient": "2"}
+    assert Document(text).value("limits.height_sd") == "1.5 um"
+    assert filled(parsed(demo_text("linear"))).keys() == FIRST.keys()
+
+
+def test_a_value_for_each_asperity_is_left_to_the_first_one():
+    coated = Document(new_part(FIRST | {"asperities": "2 × 2"}))
+    strengths = ["0.3 MPa", "0.4 MPa", "0.3 MPa", "0.4 MPa"]
+    text = coated.with_values({"friction.shear_strength": strengths})
+    assert filled(parsed(text))["strength"] == FIRST["strength"]
 
 
 def test_the_offset_is_raised_until_the_base_stays_clear():
