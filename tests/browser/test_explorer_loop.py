@@ -34,7 +34,7 @@ NAMES = {
     "law.nearest": "with_nearest",
     "law.reach": "reach_of",
     "certainty.band": "tolerance_band",
-    "certainty.places": "warnings_by_place part_problem",
+    "certainty.places": "warnings_by_place part_of",
     "law.further": "other_law",
     "surface.surface_data": "site_data layout_data",
     "surface.contact_data": "contact_data press_data",

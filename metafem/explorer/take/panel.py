@@ -11,7 +11,7 @@ from nicegui.element import Element
 
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
-from metafem.explorer.certainty.places import part_problem
+from metafem.explorer.certainty.places import part_of
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.session import State
 from metafem.explorer.take import files
@@ -169,7 +169,7 @@ class Taking(Panel):
             return files.archive(figure_files(answer, self.format.value, *size))
         if name == PICTURE:
             return files.law_picture(design)
-        if name == "mould.csv" and (problem := part_problem(answer)):
+        if name == "mould.csv" and (problem := part_of(answer)[1]):
             raise MetafemError(problem)
         return files.tables_of(answer)[name]
 
