@@ -124,7 +124,7 @@ def as_target(answer: Answer) -> str:
     if not load.size:
         raise InvalidInput(f"{found.name} has no point with a load and a friction above 0")
     friction = np.array([found.friction[rows][found.load[rows] == each].mean() for each in load])
-    units = Units.of(answer, answer.state.newtons)
+    units = Units.of(answer.template, answer.state.newtons)
     keys = ("load", "friction_force") if units.newtons else ("rescaled_load", "rescaled_friction")
     values = {
         key: [f"{value:.{EDITED}g} {'N' if units.newtons else 'mm^2'}" for value in each]

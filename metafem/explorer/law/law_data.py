@@ -24,7 +24,7 @@ SEARCHED = "A longer search follows."
 
 def law_data(answer: Answer) -> dict[str, Any]:
     """Return the curves and handles of an answer in the units of the axes, and its target as ``base``."""
-    units = Units.of(answer, answer.state.newtons)
+    units = Units.of(answer.template, answer.state.newtons)
     own = Units.of_design(answer, answer.state.newtons)
     scene = answer.specification and scene_of(answer.state.text, answer.specification, answer.design)
     handles, shape = drawn(scene) if scene else ((), None)

@@ -11,7 +11,7 @@ import numpy as np
 from metafem._values import MICROMETRES
 from metafem.errors import InvalidInput
 from metafem.explorer.text.document import Document
-from metafem.explorer.text.fields import with_points, with_unit
+from metafem.explorer.text.fields import with_unit
 from metafem.inversion import Design
 
 
@@ -86,7 +86,7 @@ def typed_height(typed: str) -> str:
     Text that does not begin with a number raises InvalidInput. Other invalid quantities are reported when the
     specification is read.
     """
-    words = with_unit(with_points(typed.strip()), "um")
+    words = with_unit(typed, "um")
     if not words[:1].isdigit() and not words.startswith("."):
         raise InvalidInput(f'height = "{words}" must be a number of micrometres, such as 150 or "0.15 mm"')
     return words
