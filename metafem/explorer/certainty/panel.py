@@ -21,8 +21,8 @@ from metafem.explorer.control import Control, Panel
 from metafem.explorer.queue import Queue
 from metafem.explorer.widget import Widget
 
-# An answer and what is computed for it: nothing, because newer answers follow in a drag; then the figures; and
-# then random surfaces within the tolerances. Each follows when the page rests after the one before.
+# An answer and what is computed for it: nothing, because newer answers follow in a drag; then the figures;
+# and then random surfaces within the tolerances. Each follows when the page rests after the one before.
 Request = tuple[Answer, int]
 NOTHING, FIGURES, DRAWS = range(3)
 
@@ -73,13 +73,6 @@ class SureFigures(Widget, component="sure_figures.js"):
 class SureStudies(Widget, component="sure_studies.js"):
     """The long studies; emits ``ready``, ``start`` and ``stop`` with the name of a study."""
 
-    def __init__(self, **handlers: Callable[[Any], Any]) -> None:
-        studies = [
-            {"key": key, "title": each.title, "question": each.question, "duration": each.duration}
-            for key, each in STUDIES.items()
-        ]
-        super().__init__({"studies": studies}, **handlers)
-
 
 class WarningLine(Widget, component="place_warnings.js"):
     """The warnings of a part of the page."""
@@ -114,7 +107,10 @@ class Certainty(Panel):
         with ui.element("div").classes("certainty"):
             self.table = SureFigures()
             self.studies = SureStudies(
-                ready=self._opened, start=self._start, stop=lambda name: self.page.tasks.stop(str(name))
+                {"studies": [{"key": key, **study.words} for key, study in STUDIES.items()]},
+                ready=self._opened,
+                start=self._start,
+                stop=lambda name: self.page.tasks.stop(str(name)),
             )
         return self
 
