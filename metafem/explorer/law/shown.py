@@ -61,19 +61,13 @@ class Units:
 
     def curve(self, load: FloatArray, friction: FloatArray) -> dict[str, Any]:
         """Return a curve in the units of the axes, reduced to at most `MOST_POINTS` points."""
-        rows = rows_shown(len(load))
+        count = len(load)  # if there are more points, evenly spaced ones are drawn, including both ends
+        rows = np.linspace(0, count - 1, min(count, MOST_POINTS)).round().astype(np.int64)
         return {"x": numbers(self.load * load[rows]), "y": numbers(self.friction * friction[rows])}
 
     def rescaled(self, x: float, y: float) -> tuple[float, float]:
         """Return the rescaled load and friction [mm^2] of a point in the units of the axes."""
         return x / self.load, y / self.friction
-
-
-def rows_shown(count: int) -> Any:
-    """Return the rows of a curve that are drawn: all rows, or evenly spaced rows including both ends."""
-    if count <= MOST_POINTS:
-        return slice(None)
-    return np.unique(np.linspace(0, count - 1, MOST_POINTS).round().astype(np.int64))
 
 
 def numbers(values: FloatArray | Iterable[float], digits: int = DRAWN) -> list[float | None]:

@@ -62,7 +62,7 @@ def test_units_return_to_the_rescaled_values(answer):
         .replace("area_ratio = 0.85", "")
         .replace("[friction]", "")
     )
-    assert Units.of(answered(State(without), 1), True) == Units()
+    assert Units.of(answered(State(without), 1).template, True) == Units()
 
 
 def test_a_text_with_problems_keeps_the_units_of_the_last_design(answer):
