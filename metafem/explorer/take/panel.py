@@ -156,11 +156,7 @@ class Taking(Panel):
         if name in QUICK:
             return name, await asyncio.to_thread(self._quick, name, answer, answer.design)
         found = await self._made(answer.state)
-        if name == ARCHIVE:
-            return name, await asyncio.to_thread(files.archive, found)
-        if name not in found:
-            raise MetafemError(f"it is not a file of this specification, which has {', '.join(found)}")
-        return name, found[name]
+        return name, found[name] if name != ARCHIVE else await asyncio.to_thread(files.archive, found)
 
     def _quick(self, name: str, answer: Answer, design: Design) -> bytes:
         """Return the content of one of the files in `QUICK`."""
