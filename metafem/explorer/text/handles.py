@@ -83,10 +83,7 @@ def moved(scene: Scene, id: str, load: float, friction: float, resolution: float
         If there is no such handle, or for values that are negative or not finite.
     """
     _refuse_negative(load=load, friction=friction)
-    handle = next((handle for handle in scene.handles() if handle.id == id), None)
-    if handle is None:
-        raise InvalidInput(f'the target has no handle "{id:.40}"')
-    return scene.written(*scene.moved(handle, load, friction, resolution))
+    return scene.written(*scene.moved(_handle(scene, id), load, friction, resolution))
 
 
 def added(scene: Scene, load: float, friction: float, near: float = 0.0) -> str:
@@ -115,9 +112,17 @@ def removed(scene: Scene, id: str) -> str:
     Raises
     ------
     InvalidInput
-        For the last remaining point, and for the handle of a required parameter.
+        If there is no such handle; for the last remaining point; and for the handle of a required parameter.
     """
-    return scene.written(scene.removed(id), RESOLUTION)
+    return scene.written(scene.removed(_handle(scene, id).id), RESOLUTION)
+
+
+def _handle(scene: Scene, id: str) -> Handle:
+    """Return a handle, or raise InvalidInput if the target does not have it."""
+    for handle in scene.handles():
+        if handle.id == id:
+            return handle
+    raise InvalidInput(f'the target has no handle "{id:.40}"')
 
 
 def _refuse_negative(**at: float) -> None:
