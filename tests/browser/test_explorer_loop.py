@@ -41,7 +41,7 @@ NAMES = {
     "surface.sites_text": "edited",
     "workshop.changes": "with_choice with_section without_section",
     "workshop.form": "contents",
-    "workshop.places": "placed",
+    "workshop.editor": "placed",
     "workshop.loading": "loaded",
     "certainty.panel": "figure_data study_data",
     "take.files": "specification_file tables_of made_files archive",
