@@ -25,7 +25,7 @@ def watched(owner, name):
 
 NAMES = {
     "answer": "answered specification_of",
-    "text.handles": "scene_of drawn moved added removed",
+    "text.handles": "scene_of moved added removed",
     "text.kinds": "with_kind",
     "text.fields": "with_field",
     "text.link": "to_link from_link restored",

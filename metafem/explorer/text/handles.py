@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -13,7 +12,6 @@ from metafem.explorer.text.lines import LineHandles
 from metafem.explorer.text.marks import Handle, Scene
 from metafem.explorer.text.points import BandCurves, PointHandles
 from metafem.explorer.text.power import PowerHandles
-from metafem.explorer.text.shape import Shape
 from metafem.files import Specification
 from metafem.inversion import Design
 
@@ -63,12 +61,6 @@ def scene_of(text: str, specification: Specification | None, design: Design | No
         raise InvalidInput("the specification has problems; correct them before the law is dragged")
     document = Document(text)
     return MARKS[document.value("target.kind")](document, specification, design)
-
-
-def drawn(scene: Scene) -> tuple[tuple[Handle, ...], Shape]:
-    """Return the handles and the curve of a target; a target with too many points has no handles."""
-    shape = scene.shape()
-    return ((), replace(shape, follows={})) if scene.crowd else (scene.handles(), shape)
 
 
 def moved(scene: Scene, id: str, load: float, friction: float, resolution: float = RESOLUTION) -> str:

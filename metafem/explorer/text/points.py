@@ -31,9 +31,11 @@ class PointHandles(Scene):
         return self.target.rescaled_load.tolist(), self.target.rescaled_friction.tolist()
 
     def handles(self) -> tuple[Handle, ...]:
-        """Return a handle for each point."""
+        """Return a handle for each point, or none for too many points."""
         loads, frictions = self.points
         count = len(loads)
+        if self.crowd:
+            return ()
         return tuple(
             Handle(f"point-{i}", load, friction, "xy", f"point {i + 1} of {count}")
             for i, (load, friction) in enumerate(zip(loads, frictions, strict=True))
