@@ -26,7 +26,8 @@ def law_data(answer: Answer) -> dict[str, Any]:
     """Return the curves and handles of an answer in the units of the axes, and its target as ``base``."""
     units = Units.of(answer.template, answer.state.newtons)
     own = Units.of_design(answer, answer.state.newtons)
-    scene = answer.specification and scene_of(answer.state.text, answer.specification, answer.design)
+    given = answer.specification
+    scene = None if given is None else scene_of(answer.state.text, given, answer.design)
     target, shape, many = (scene.target, scene.shape(), scene.crowd) if scene else (None, None, 0)
     marked = isinstance(target, OperatingPoints) and not many
     law = None if answer.design is None else answer.design.law
