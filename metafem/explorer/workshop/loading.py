@@ -10,7 +10,7 @@ from typing import Any
 from metafem.errors import InvalidInput
 from metafem.explorer.control import Control
 from metafem.explorer.session import State
-from metafem.explorer.text.document import Document
+from metafem.explorer.text.document import section_of
 from metafem.files import section_forms
 
 # Name of the specification in a result folder.
@@ -77,11 +77,7 @@ def table_names(text: str) -> tuple[str, ...]:
     >>> table_names('[target]\\nfile = "wanted.csv"')
     ('wanted.csv',)
     """
-    try:
-        document = Document(text)
-    except InvalidInput:
-        return ()
-    found = [document.value(f"{section}.file") for section in ("target", "contact", "contact.cap")]
+    found = [section_of(text, name).get("file") for name in ("target", "contact", "contact.cap")]
     return tuple(name for name in found if isinstance(name, str))
 
 
