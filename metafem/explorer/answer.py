@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
@@ -225,7 +225,8 @@ def _problems(error: InvalidInput) -> tuple[dict[str, str], dict[str, str]]:
     for problem in error.problems or (error,):
         found.setdefault(_known(problem.key), []).append(problem)
     problems = {key: "\n".join(map(str, each)) for key, each in found.items()}
-    return problems, {key: _reason(key, each) for key, each in found.items()}
+    reasons = {key: "\n".join(_sentence(key, problem) for problem in each) for key, each in found.items()}
+    return problems, {key: on_page(words) for key, words in reasons.items()}
 
 
 def _known(key: str) -> str:
@@ -239,15 +240,10 @@ def _known(key: str) -> str:
     return key
 
 
-def _reason(key: str, problems: Sequence[InvalidInput]) -> str:
-    """Return the problems of a key in the words of the page, without the name and value of its field."""
-    if "." not in key:
-        return on_page("\n".join(map(str, problems)))
-    return on_page("\n".join(_sentence(key, problem) for problem in problems))
-
-
 def _sentence(key: str, problem: InvalidInput) -> str:
     """Return a problem as a sentence; without the key if its field shows it, and with the entry of a list."""
+    if "." not in key:
+        return str(problem)
     words, place = problem.must, ENTRY.fullmatch(problem.key.removeprefix(key))
     if words.startswith("and ") or place is None:
         return f"{problem}."

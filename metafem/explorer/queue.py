@@ -48,7 +48,7 @@ class Queue(Generic[Request, Result]):
     def __init__(
         self,
         work: Callable[[Request], Result],
-        done: Callable[[Result], None],
+        done: Callable[[Result], object],
         failed: Callable[[Request, Exception], None],
         *,
         patience: Callable[[Request, Request], float] = lambda running, waiting: PATIENCE,

@@ -11,7 +11,7 @@ from metafem.explorer.answer import answered
 from metafem.explorer.law.law_data import SEARCHED, law_data
 from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
-from metafem.explorer.workshop.header_data import header_data
+from metafem.explorer.workshop.header import header_data
 from metafem.files import Specification, demo_text, parsed
 
 TEXT = demo_text("operating-points")

@@ -8,7 +8,6 @@ contacts open, and the errors of radii and positions.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from weakref import finalize
 
@@ -19,7 +18,9 @@ from metafem._values import MICROMETRES, percent
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
 from metafem.inversion import Design
+from metafem.inversion.targets.wording import listed
 from metafem.prediction import Tolerances
+from metafem.progress import doing
 from metafem.surface import Surface
 
 # A band, or a further law beside it, is computed at every n-th load of the law: at 34 of 100 loads. Straight
@@ -91,7 +92,7 @@ def tolerance_words(tolerances: Tolerances) -> str:
     parts = [f"errors of the {name} of {MICROMETRES * sd:.3g} µm (SD)" for name, sd in sds.items() if sd]
     if tolerances.angle:
         parts.append(f"tilts within ±{np.degrees(tolerances.angle):.2g}°")
-    return ", ".join(parts[:-1]) + " and " * (len(parts) > 1) + parts[-1]
+    return listed(parts)
 
 
 def tolerance_band(answer: Answer) -> Band | None:
@@ -161,11 +162,11 @@ def loads_of(design: Design) -> FloatArray:
     return np.asarray(design.law.rescaled_load[::-EVERY][::-1])
 
 
-def draw(answer: Answer, wanted: Callable[[], bool]) -> Scatter | None:
+def draw(answer: Answer) -> Scatter | None:
     """Draw random surfaces within the tolerances; store and return the mean and scatter of their laws.
 
-    Returns None, and stores nothing, if `wanted()` becomes False, the draws would take too long, no errors
-    are stated, or too few surfaces have a solution.
+    Returns None, and stores nothing, if the draws would take too long, no errors are stated, or too few
+    surfaces have a solution.
     """
     design, tolerances = answer.design, tolerances_of(answer)
     if design is None or tolerances is None:
@@ -175,11 +176,10 @@ def draw(answer: Answer, wanted: Callable[[], bool]) -> Scatter | None:
     parts: list[FloatArray] = []
     done, size = 0, FIRST
     while done < DRAWS:
-        if not wanted():
-            return None
         try:
-            drawn = tolerances.perturbed(design.surface, unit[done : done + size])
-            parts.append(np.asarray(model.areas(design.surface, load, *drawn)))  # nan without a solution
+            with doing("drawing surfaces"):  # a step, at which draws that are not needed end
+                drawn = tolerances.perturbed(design.surface, unit[done : done + size])
+                parts.append(np.asarray(model.areas(design.surface, load, *drawn)))  # nan without a solution
         except MetafemError:  # the model is not valid for a drawn surface
             return None
         done += size

@@ -12,7 +12,6 @@ from enum import StrEnum
 
 import numpy as np
 
-from metafem._validate import FloatArray
 from metafem._values import percent, three_digits
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
@@ -34,6 +33,7 @@ from metafem.prediction.validity import (
 from metafem.report import fit_table, misfit_words
 from metafem.studies.largest_tolerances import ALLOWED
 from metafem.studies.sampling.slope import Slope
+from metafem.studies.summaries.comparisons import rms
 from metafem.substrate import HalfSpace
 
 # What the table of two designs compares.
@@ -137,7 +137,7 @@ def _model_error(design: Design) -> list[Figure]:
     if not model.couples and error.load.size:
         near = reference_of(design.surface, model).substrate == HalfSpace()
         substrate = "half-space" if near else "layer"
-        most, size = int(np.abs(error.change).argmax()), math.sqrt(float((error.change**2).mean()))
+        most, size = int(np.abs(error.change).argmax()), float(rms(error.change))
         value = f"{percent(size)} rms"
         way = "lowers" if error.change[most] < 0.0 else "raises"
         newtons = design.surface.material.composite_modulus * error.load[most]
@@ -177,7 +177,7 @@ def _scatter(answer: Answer, design: Design) -> list[Figure]:
             words = (
                 f"Of {drawn.count} drawn surfaces with {errors}, rms over the loads; sampling error {error}."
             )
-        found.append(judged(name, _rms(shown.sd / shown.mean), words))
+        found.append(judged(name, float(rms(shown.sd / shown.mean)), words))
     if linear is None:
         words = "It is not computed at once for so many asperities; draw surfaces below."
         return found or [_unknown(name, words)]
@@ -268,7 +268,3 @@ def _unknown(name: str, words: str) -> Figure:
 
 def _sentence(words: str) -> str:
     return words[:1].upper() + words[1:].rstrip(".") + "."
-
-
-def _rms(values: FloatArray) -> float:
-    return math.sqrt(float((values**2).mean()))

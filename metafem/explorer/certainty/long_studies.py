@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.errors import InvalidInput, MetafemWarning
 from metafem.inversion import Design
 from metafem.notes import Note
 from metafem.prediction import Tolerances
+from metafem.studies.summaries import Summary, summary
+from metafem.studies.summaries.comparisons import largest, rms
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from metafem.studies import Summary
+    from xarray import Dataset
 
 # Standard deviations of the height errors that are studied: multiples of the stated standard deviation of the
 # part or, if none is stated, the values of a precise machine and of a common machine [mm].
@@ -35,14 +35,9 @@ RESOLVED_LOADS = (0.2, 0.6, 1.0)
 
 
 @dataclass(frozen=True)
-class Found:
-    """The result of a study: an answer in words, a table and a picture, all as text."""
+class Found(Summary):
+    """The result of a study: its summary and a picture."""
 
-    answer: str
-    title: str
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    notes: tuple[Note, ...] = ()
     picture: str = ""  # an SVG element with the colours of the page
 
 
@@ -56,43 +51,48 @@ class LongStudy:
     run: Callable[[Design, Tolerances | None], Found]
     hindered: Callable[[Design], str] = lambda design: ""  # why it cannot run; "" if it can
 
+    @property
+    def words(self) -> dict[str, str]:
+        """What the page shows before the study runs."""
+        return {"title": self.title, "question": self.question, "duration": self.duration}
+
 
 def made_surfaces(design: Design, tolerances: Tolerances | None) -> Found:
     """Study random surfaces with errors in heights, radii and positions; return the scatter of their laws."""
     from metafem.report.study_figures import manufacturing_figure
-    from metafem.studies import manufacturing, summary
+    from metafem.studies import manufacturing
 
     stated = replace(tolerances or Tolerances(), angle=0.0)
     levels = [factor * stated.height_sd for factor in MULTIPLES] if stated.height_sd else list(DEVIATIONS)
     study = manufacturing(design.surface, levels, draws=DRAWS, model=design.law.model, others=stated)
-    return _found(summary(study), manufacturing_figure({"": study}))
+    return _found(study, manufacturing_figure({"": study}))
 
 
 def misaligned(design: Design, tolerances: Tolerances | None) -> Found:
     """Study the tilted surface; return how its law changes with the angle."""
     from metafem.report.study_figures import misalignment_figure
-    from metafem.studies import misalignment, summary
+    from metafem.studies import misalignment
 
     study = misalignment(design.surface, math.radians(ANGLE), model=design.law.model, shuffles=SHUFFLES)
-    return _found(summary(study), misalignment_figure({"": study}))
+    return _found(study, misalignment_figure({"": study}))
 
 
 def true_block(design: Design, tolerances: Tolerances | None) -> Found:
     """Compare the laws under all models, including the true block; return the changes of A0."""
     from metafem.report.comparison import compared
     from metafem.report.figures import comparison_figure
-    from metafem.studies import fidelity, summary
+    from metafem.studies import fidelity
 
     study = fidelity(design, elements=False)
-    found = _found(summary(study), comparison_figure(compared(design)[0]))
+    found = _found(study, comparison_figure(compared(design)[0]))
     if "block" not in study.model.values:
         return found
     change = study.area_change.sel(model="block").values
     layer = study.area.sel(model="block").values / study.area.sel(model="layer").values - 1.0
     answer = (
-        f"On the true block the interaction changes A0 by {percent(_rms(change))} rms and by up to "
-        f"{percent(_largest(change), '+.2g')}; the bonded layer differs from it by up to "
-        f"{percent(abs(_largest(layer)))}."
+        f"On the true block the interaction changes A0 by {percent(float(rms(change)))} rms and by up to "
+        f"{percent(float(largest(change)), '+.2g')}; the bonded layer differs from it by up to "
+        f"{percent(abs(float(largest(layer))))}."
     )
     return replace(found, answer=answer)
 
@@ -126,12 +126,12 @@ def resolved(design: Design, tolerances: Tolerances | None) -> Found:
     }
     answer = (
         f"With resolved contacts on the half-space A0 differs from the law of this design by up to "
-        f"{percent(_largest(change), '+.2g')}, and from order 3 of the interaction by up to "
-        f"{percent(_largest(apart), '+.2g')}."
+        f"{percent(float(largest(change)), '+.2g')}, and from order 3 of the interaction by up to "
+        f"{percent(float(largest(apart)), '+.2g')}."
     )
     picture = drawn(comparison_figure(compared), "Change of A0 by interaction").svg
     rows = tuple(zip(*columns.values(), strict=True))
-    return Found(answer, "A0 with resolved contacts", tuple(columns), rows, fine.notes, picture)
+    return Found("A0 with resolved contacts", tuple(columns), rows, fine.notes, answer, picture)
 
 
 def element_checks(design: Design, tolerances: Tolerances | None) -> Found:
@@ -147,7 +147,7 @@ def element_checks(design: Design, tolerances: Tolerances | None) -> Found:
     answer = f"{sum(passed)} of {len(passed)} checks of the finite elements pass. {section['left_out']}"
     columns = ("check", "computed", "expected", "result")
     picture = section["figures"][-1].svg
-    return Found(answer.strip(), "Finite elements against closed forms", columns, rows, (), picture)
+    return Found("Finite elements against closed forms", columns, rows, (), answer.strip(), picture)
 
 
 def _needs_block(design: Design) -> str:
@@ -203,16 +203,8 @@ def run(name: str, design: Design, tolerances: Tolerances | None) -> Found:
     return replace(found, notes=tuple(dict.fromkeys((*found.notes, *own))))
 
 
-def _found(summary: Summary, figure: Figure) -> Found:
+def _found(study: Dataset, figure: Figure) -> Found:
     from metafem.drawing.inline import drawn
 
-    picture = drawn(figure, summary.title).svg
-    return Found(summary.answer, summary.title, summary.columns, summary.rows, summary.notes, picture)
-
-
-def _rms(change: FloatArray) -> float:
-    return math.sqrt(float((change**2).mean()))
-
-
-def _largest(change: FloatArray) -> float:
-    return float(change[np.abs(change).argmax()])
+    found = summary(study)
+    return Found(**vars(found), picture=drawn(figure, found.title).svg)

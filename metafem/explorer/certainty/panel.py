@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Callable, Mapping
+from functools import partial
 from hashlib import sha256
 from typing import Any
 
@@ -17,11 +18,13 @@ from metafem.explorer.certainty.figures import Standing, figures
 from metafem.explorer.certainty.long_studies import STUDIES, Found, run
 from metafem.explorer.certainty.places import note_data, part_warnings, remarks, warnings_by_place
 from metafem.explorer.control import Control, Panel
+from metafem.explorer.queue import Queue
 from metafem.explorer.widget import Widget
 
-# Time without a new answer after which the figures are computed, and after which random surfaces within the
-# tolerances are drawn [s].
-PAUSE, REST = 0.3, 1.0
+# An answer and what is computed for it: nothing, because newer answers follow in a drag; then the figures;
+# and then random surfaces within the tolerances. Each follows when the page rests after the one before.
+Request = tuple[Answer, int]
+NOTHING, FIGURES, DRAWS = range(3)
 
 # Messages above the table.
 NO_DESIGN = "No surface has been found yet, so there is nothing to judge."
@@ -70,13 +73,6 @@ class SureFigures(Widget, component="sure_figures.js"):
 class SureStudies(Widget, component="sure_studies.js"):
     """The long studies; emits ``ready``, ``start`` and ``stop`` with the name of a study."""
 
-    def __init__(self, **handlers: Callable[[Any], Any]) -> None:
-        studies = [
-            {"key": key, "title": each.title, "question": each.question, "duration": each.duration}
-            for key, each in STUDIES.items()
-        ]
-        super().__init__({"studies": studies}, **handlers)
-
 
 class WarningLine(Widget, component="place_warnings.js"):
     """The warnings of a part of the page."""
@@ -101,67 +97,61 @@ class Certainty(Panel):
         super().__init__(page)
         self.answer: Answer | None = None
         self.open = self.ready = False
-        self.following: asyncio.Task[None] | None = None
-        page.client.on_delete(self._left)
+        self.queue: Queue[Request, Callable[[], object]] = Queue(
+            self._judged, lambda show: show(), lambda _, error: page.wrong(error), better=self._next
+        )
+        page.client.on_delete(self.queue.stop)
 
     def create(self) -> Certainty:
         """Create the table of the figures and the list of long studies, when their tab is first opened."""
         with ui.element("div").classes("certainty"):
             self.table = SureFigures()
             self.studies = SureStudies(
-                ready=self._opened, start=self._start, stop=lambda name: self.page.tasks.stop(str(name))
+                {"studies": [{"key": key, **study.words} for key, study in STUDIES.items()]},
+                ready=self._opened,
+                start=self._start,
+                stop=lambda name: self.page.tasks.stop(str(name)),
             )
         return self
 
     def show(self, answer: Answer, _: object) -> None:
         """Follow a new answer."""
         self.answer = answer
-        self._follow(PAUSE)
+        self.queue.put((answer, NOTHING))
 
     def _opened(self, _: object) -> None:
         """Show the figures: the browser has created their elements."""
         self.ready = True
-        self._follow(0.0)
-
-    def _left(self) -> None:
-        if self.following is not None:
-            self.following.cancel()
-
-    def _follow(self, pause: float) -> None:
-        """Follow the newest answer after a pause, in place of the previous one."""
-        self._left()
         if self.answer is not None:
-            self.following = background_tasks.create(
-                self._followed(self.answer, pause), context=self.page.client
-            )
+            self.queue.put((self.answer, FIGURES))
 
-    async def _followed(self, answer: Answer, pause: float) -> None:
-        """Show the figures of an answer; at rest, draw random surfaces for the band of its law."""
-        shown = band.drawn_of(answer) is not None
-        await asyncio.sleep(pause)
-        await self._figures(answer)
-        await asyncio.sleep(REST - PAUSE)
-        if band.drawn_of(answer) is None:
-            await asyncio.to_thread(band.draw, answer, lambda: self._wanted(answer))
-        if band.drawn_of(answer) is not None and not shown:
-            await self.page.renew()  # this panel then follows the answer anew
+    def _next(self, request: Request) -> Request | None:
+        """Return the request that follows when the page rests; random surfaces are drawn once."""
+        answer, wanted = request
+        ended = wanted == DRAWS or (wanted == FIGURES and band.drawn_of(answer) is not None)
+        return None if ended else (answer, wanted + 1)
 
-    def _wanted(self, answer: Answer) -> bool:
-        """Return whether the design of an answer is still the newest one."""
-        newest = None if self.answer is None else self.answer.design
-        return answer.design is newest and not self.page.client.is_deleted
+    def _judged(self, request: Request) -> Callable[[], object]:
+        """Return a function that shows the warnings of the answer and, if the tab is open, its figures.
 
-    async def _figures(self, answer: Answer) -> None:
-        """Compute and show the warnings of the answer and, if the tab is open, its figures.
-
-        While the tab is closed, a large surface gets only the warnings about its part.
+        While the tab is closed, a large surface gets only the warnings about its part. After draws, all
+        panels show the answer once more, with their band.
         """
+        answer, wanted = request
+        if wanted == DRAWS and band.draw(answer) is not None:
+            return lambda: background_tasks.create(self.page.renew())
+        if wanted != FIGURES:
+            return lambda: None
         seen = self.open and self.ready
-        known = warnings_by_place if seen or at_once(answer) else part_warnings
-        self.page.warn(await asyncio.to_thread(known, answer))
-        if seen:
-            self.table.call("show", await asyncio.to_thread(figure_data, answer))
-            self.studies.call("follow", await asyncio.to_thread(study_data, answer))
+        places = (warnings_by_place if seen or at_once(answer) else part_warnings)(answer)
+        data = (figure_data(answer), study_data(answer)) if seen else None
+        return partial(self._show, places, data)
+
+    def _show(self, places: Mapping[str, list[str]], data: tuple[Any, Any] | None) -> None:
+        self.page.warn(places)
+        if data is not None:
+            self.table.call("show", data[0])
+            self.studies.call("follow", data[1])
 
     async def _start(self, name: Any) -> None:
         answer = self.answer

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
@@ -12,6 +12,9 @@ from metafem.files import planned
 from metafem.notes import Note
 from metafem.prediction.validity import BASE, INTERACTION, OVERLAPS, WIDTH
 from metafem.report import all_notes
+
+if TYPE_CHECKING:
+    from metafem.files.part.plan import Part
 
 # Quantities of notes that repeat a figure of the table; these notes are not shown again as warnings.
 SHOWN_AS_FIGURES = (BASE, WIDTH, OVERLAPS, INTERACTION)
@@ -48,21 +51,20 @@ def note_data(notes: tuple[Note, ...]) -> list[dict[str, Any]]:
     return [{"text": str(note), "warns": note.warns} for note in notes]
 
 
-def part_problem(answer: Answer) -> str:
-    """Return why no part can be made from the design of an answer; "" if a part can be made."""
+def part_of(answer: Answer) -> tuple[Part | None, str]:
+    """Return the part of the design of an answer, and why it cannot be made, "" if it can."""
     design, specification = answer.design, answer.specification
     if not answer.current or design is None or specification is None:
-        return ""
+        return None, ""
     try:
-        planned(design.surface, design.template, specification.part)
+        return planned(design.surface, design.template, specification.part), ""
     except InvalidInput as error:
-        return on_page(f"no part can be made: {error}")
-    return ""
+        return None, on_page(f"no part can be made: {error}")
 
 
 def part_warnings(answer: Answer) -> dict[str, list[str]]:
     """Return why no part can be made, by part of the page; an empty dictionary if a part can be made."""
-    problem = part_problem(answer)
+    _, problem = part_of(answer)
     return {"surface": [problem], "take": [problem]} if problem else {}
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem._values import percent
+from metafem.calibration import MeasuredLaw
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
 from metafem.explorer.law.shown import EDITED, Units, numbers
@@ -102,9 +103,18 @@ def read_points(name: str, text: str, material: Material, friction: Friction | N
     remarks: list[str] = []
     if "\0" in text:
         raise InvalidInput(f"{name} is not a table: it holds null characters")
+    header = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
+    content = text.encode("utf-8", "surrogatepass")
     with listening(lambda step, done: None, remarks.append):
-        rescaled = RESCALED in _header(text).lower().replace(" ", "_")
-        found = _rescaled(name, text) if rescaled else _measured(name, text, material, friction)
+        if RESCALED in header.lower().replace(" ", "_"):
+            columns = columns_of(name, content, TARGET)
+            found = Points(name, columns[RESCALED], columns["rescaled_friction"])
+        else:
+            try:
+                law = read_measured_law(table_of(name, content, COLUMNS.example), material, friction)
+            except InvalidInput as error:
+                raise InvalidInput(f"{error}.{_offer(header)}") from None
+            found = _measured(name, law, header.lower().replace(" ", "_"))
     if len(found.load) > MOST:
         raise InvalidInput(f"{name} has {len(found.load):,} points; at most {MOST:,} are shown")
     return replace(found, remarks=tuple(remarks))
@@ -124,7 +134,7 @@ def as_target(answer: Answer) -> str:
     if not load.size:
         raise InvalidInput(f"{found.name} has no point with a load and a friction above 0")
     friction = np.array([found.friction[rows][found.load[rows] == each].mean() for each in load])
-    units = Units.of(answer, answer.state.newtons)
+    units = Units.of(answer.template, answer.state.newtons)
     keys = ("load", "friction_force") if units.newtons else ("rescaled_load", "rescaled_friction")
     values = {
         key: [f"{value:.{EDITED}g} {'N' if units.newtons else 'mm^2'}" for value in each]
@@ -155,31 +165,15 @@ def better_titles(header: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def _header(text: str) -> str:
-    """Return the line that names the columns; "" if there is none."""
-    return next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
-
-
-def _offer(text: str) -> str:
+def _offer(header: str) -> str:
     """Return the suggestion to rename columns that follows the error message; "" if there is none."""
-    titles = [title.strip() for title in re.split(r"[,;\t]", _header(text))]
+    titles = [title.strip() for title in re.split(r"[,;\t]", header)]
     offers = [f"{better} instead of {title[:40]}" for title, better in better_titles(titles).items()]
     return f" Do you mean {' and '.join(offers)}? Change the first line of the file." if offers else ""
 
 
-def _rescaled(name: str, text: str) -> Points:
-    columns = columns_of(name, text.encode("utf-8"), TARGET)
-    return Points(name, columns[RESCALED], columns["rescaled_friction"])
-
-
-def _measured(name: str, text: str, material: Material, friction: Friction | None) -> Points:
-    try:
-        law = read_measured_law(
-            table_of(name, text.encode("utf-8", "surrogatepass"), COLUMNS.example), material, friction
-        )
-    except InvalidInput as error:
-        raise InvalidInput(f"{error}.{_offer(text)}") from None
-    header = _header(text).lower().replace(" ", "_")
+def _measured(name: str, law: MeasuredLaw, header: str) -> Points:
+    """Return the points of a measured law, with the standard deviations that its table states."""
     stated = ("load_sd" in header, "friction_force_sd" in header or "area_sd" in header)
     known = np.isfinite(law.rescaled_friction)
     sds = (law.rescaled_load_sd, law.rescaled_friction_sd)

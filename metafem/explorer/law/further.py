@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,7 +13,7 @@ from metafem._values import percent
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer, pinned_answer
 from metafem.explorer.certainty.background import Tasks
-from metafem.explorer.certainty.band import EVERY, Band, band_words, tolerance_band
+from metafem.explorer.certainty.band import EVERY, band_words, tolerance_band
 from metafem.explorer.law.law_data import band_data
 from metafem.explorer.law.shown import Units
 from metafem.explorer.queue import Queue, in_words
@@ -130,13 +130,11 @@ class Block:
 
 @dataclass(frozen=True, eq=False)
 class More:
-    """What is shown beside the law of an answer."""
+    """What is shown beside the law of an answer: further laws, and data of the band and the pinned law."""
 
     answer: Answer
-    band: Band | None = None
-    words: str = ""  # description of the band
-    laws: tuple[Other, ...] = ()
-    pinned: Answer | None = None
+    laws: tuple[Other, ...]
+    data: Mapping[str, Any]
 
 
 class Further:
@@ -161,8 +159,13 @@ class Further:
         known = {law.name: law for law in shown}
         names = [name for name in QUICK if name in answer.state.models and name != own_name(design)]
         laws = tuple(known.get(name) or other_law(design, name) for name in names)
-        pinned = pinned_answer(answer.state.pinned)
-        return More(answer, tolerance_band(answer), band_words(answer), laws, pinned)
+        band, pinned = tolerance_band(answer), pinned_answer(answer.state.pinned)
+        units = Units.of_design(answer, answer.state.newtons)
+        data = {
+            "tolerance": None if band is None else band_data(band, units, name=band_words(answer)),
+            "pinned": None if pinned is None else _curve(pinned, units),
+        }
+        return More(answer, laws, data)
 
     def _show(self, more: More) -> None:
         self.last = more
@@ -170,7 +173,8 @@ class Further:
 
     def _failed(self, answer: Answer, error: Exception) -> None:
         """Show the error, and no further curves of the answer."""
-        self._show(More(answer, laws=(Other("", error=in_words(error)),)))
+        nothing = {"tolerance": None, "pinned": None}
+        self._show(More(answer, (Other("", error=in_words(error)),), nothing))
 
     def _renew(self) -> None:
         """Draw the curves that are known."""
@@ -181,12 +185,11 @@ class Further:
         laws = [law for law in (*more.laws, block.of(more.answer.design)) if law is not None]
         self.draw(
             {
+                **more.data,
                 "number": more.answer.number,
-                "tolerance": None if more.band is None else band_data(more.band, units, name=more.words),
                 "others": [
                     units.curve(law.load, law.friction) | {"name": law.words} for law in laws if not law.error
                 ],
-                "pinned": None if more.pinned is None else _curve(more.pinned, units),
                 "errors": [law.error for law in laws if law.error],
                 "block": block.data(more.answer.design),
             }

@@ -9,7 +9,7 @@ from metafem.explorer.answer import Answer
 from metafem.explorer.certainty.band import Band
 from metafem.explorer.law.nearest import offer
 from metafem.explorer.law.shown import EDITED, Units, numbers
-from metafem.explorer.text.handles import drawn, scene_of
+from metafem.explorer.text.handles import scene_of
 from metafem.explorer.text.marks import Handle
 from metafem.explorer.text.shape import Follows, Shape
 from metafem.inversion import OperatingPoints
@@ -24,11 +24,11 @@ SEARCHED = "A longer search follows."
 
 def law_data(answer: Answer) -> dict[str, Any]:
     """Return the curves and handles of an answer in the units of the axes, and its target as ``base``."""
-    units = Units.of(answer, answer.state.newtons)
+    units = Units.of(answer.template, answer.state.newtons)
     own = Units.of_design(answer, answer.state.newtons)
-    scene = answer.specification and scene_of(answer.state.text, answer.specification, answer.design)
-    handles, shape = drawn(scene) if scene else ((), None)
-    target, many = (scene.target, scene.crowd) if scene else (None, 0)
+    given = answer.specification
+    scene = None if given is None else scene_of(answer.state.text, given, answer.design)
+    target, shape, many = (scene.target, scene.shape(), scene.crowd) if scene else (None, None, 0)
     marked = isinstance(target, OperatingPoints) and not many
     law = None if answer.design is None else answer.design.law
     return {
@@ -50,7 +50,7 @@ def law_data(answer: Answer) -> dict[str, Any]:
         "refusal": f"{answer.refused} {SEARCHED}" if answer.undecided else answer.refused,
         "undecided": answer.undecided,
         # None if the text has problems, because its handles are then unknown
-        "handles": None if target is None else [_handle(handle, units) for handle in handles],
+        "handles": None if scene is None else [_handle(each, units) for each in scene.handles()],
         "load_scale": own.load,  # units of the load axis per rescaled load
         "cursor": None if answer.state.load is None else numbers([own.load * answer.state.load], EDITED)[0],
     }

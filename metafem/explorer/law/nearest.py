@@ -13,6 +13,7 @@ from metafem.explorer.text.handles import added, scene_of
 from metafem.explorer.text.kinds import near_design
 from metafem.explorer.text.marks import members
 from metafem.inversion import LinearLaw, OperatingPoints
+from metafem.inversion.targets.wording import listed
 
 # Largest number of nearest laws, each of the refusal of the one before, that are tried.
 MOST_STEPS = 3
@@ -48,8 +49,7 @@ def offer(answer: Answer) -> str:
 
 def _numbered(numbers: list[int]) -> str:
     """Return the numbers of points in words, such as ``points 1 and 2``."""
-    *first, last = map(str, numbers)
-    return f"points {', '.join(first)} and {last}" if first else f"point {last}"
+    return f"{'points' if len(numbers) > 1 else 'point'} {listed(list(map(str, numbers)))}"
 
 
 def reachable(answer: Answer) -> str:

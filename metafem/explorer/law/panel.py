@@ -55,7 +55,7 @@ class LawPanel(Panel):
         """Return the data of an answer that the plot draws."""
         specification = answer.specification
         data = law_data(answer)
-        units = Units.of(answer, answer.state.newtons)
+        units = Units.of(answer.template, answer.state.newtons)
         data["tools"] = tools_data(answer)
         try:
             points = measured_of(answer)
@@ -186,7 +186,7 @@ class LawPanel(Panel):
             await self.page.make(lambda state: as_target(replace(answer, state=state)))
 
     def _units(self) -> Units:
-        return Units.of(self.page.answer, self.page.state.newtons)
+        return Units.of(self.page.answer.template, self.page.state.newtons)
 
     def _place(self, event: Event) -> tuple[float, float]:
         return self._units().rescaled(float(event["x"]), float(event["y"]))

@@ -37,27 +37,18 @@ class Units:
     newtons: bool = False
 
     @classmethod
-    def of(cls, answer: Answer, newtons: bool) -> Units:
-        """Return units in newtons if `newtons` and the surface has a friction, otherwise rescaled units.
-
-        If the text of the answer has problems, the units are those of the last design.
-        """
-        return cls._of_template(answer.template, newtons)
+    def of(cls, template: Surface | None, newtons: bool) -> Units:
+        """Return units in newtons if `newtons` and the surface has a friction, otherwise rescaled units."""
+        if template is None or template.friction is None or not newtons:
+            return cls()
+        return cls(template.material.composite_modulus, template.friction.stress, True)
 
     @classmethod
     def of_design(cls, answer: Answer, newtons: bool) -> Units:
         """Return the units for the design in an answer, whose material may be that of an earlier state."""
-        axes = cls.of(answer, newtons)
-        own = axes if answer.design is None else cls._of_template(answer.design.template, newtons)
+        axes = cls.of(answer.template, newtons)
+        own = axes if answer.design is None else cls.of(answer.design.template, newtons)
         return own if own.newtons == axes.newtons else axes
-
-    @classmethod
-    def _of_template(cls, template: Surface | None, newtons: bool) -> Units:
-        """Return the units for a surface; rescaled units if it is None or has no friction."""
-        if template is None or template.friction is None or not newtons:
-            return cls()
-        stress = template.friction.stress
-        return cls(template.material.composite_modulus, stress, True)
 
     def axes(self) -> dict[str, dict[str, str]]:
         """Return names, labels, units and explanations of both axes."""
@@ -70,19 +61,13 @@ class Units:
 
     def curve(self, load: FloatArray, friction: FloatArray) -> dict[str, Any]:
         """Return a curve in the units of the axes, reduced to at most `MOST_POINTS` points."""
-        rows = rows_shown(len(load))
+        count = len(load)  # if there are more points, evenly spaced ones are drawn, including both ends
+        rows = np.linspace(0, count - 1, min(count, MOST_POINTS)).round().astype(np.int64)
         return {"x": numbers(self.load * load[rows]), "y": numbers(self.friction * friction[rows])}
 
     def rescaled(self, x: float, y: float) -> tuple[float, float]:
         """Return the rescaled load and friction [mm^2] of a point in the units of the axes."""
         return x / self.load, y / self.friction
-
-
-def rows_shown(count: int) -> Any:
-    """Return the rows of a curve that are drawn: all rows, or evenly spaced rows including both ends."""
-    if count <= MOST_POINTS:
-        return slice(None)
-    return np.unique(np.linspace(0, count - 1, MOST_POINTS).round().astype(np.int64))
 
 
 def numbers(values: FloatArray | Iterable[float], digits: int = DRAWN) -> list[float | None]:

@@ -9,10 +9,8 @@ import numpy as np
 from metafem._validate import IntArray
 from metafem._values import MICROMETRES
 from metafem.caps import Cap, Caps
-from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
-from metafem.explorer.text.names import on_page
-from metafem.files import planned
+from metafem.explorer.certainty.places import part_of
 from metafem.surface import Surface
 
 # Intervals of a meridian, and decimals of its lengths over the radius. On a hemisphere, the chords lie within
@@ -63,15 +61,9 @@ def mould_data(answer: Answer) -> dict[str, Any]:
     ``thickness`` is that of the plate [mm], and ``alignment`` contains position, height [um], radius [mm] and
     kind of cap of the alignment asperities. If no mould can be made, only the ``problem`` is returned.
     """
-    design, specification = answer.design, answer.specification
-    if not answer.current or design is None or specification is None:
-        return {"problem": answer.refused or NO_SURFACE}
-    try:
-        part = planned(design.surface, design.template, specification.part)
-    except InvalidInput as error:
-        return {"problem": on_page(f"no part can be made: {error}")}
+    part, problem = part_of(answer)
     if part is None:
-        return {"problem": NO_BLOCK}
+        return {"problem": problem or (NO_BLOCK if answer.current else answer.refused or NO_SURFACE)}
     whole, kind = part.surface, kind_of_cap(part.surface)
     return {
         "problem": "",

@@ -12,16 +12,9 @@ from metafem.explorer.queue import Queue
 from metafem.explorer.session import State
 from metafem.explorer.surface.contact_data import contact_data, press_data
 from metafem.explorer.surface.sites_text import edited
-from metafem.explorer.surface.surface_data import (
-    difference,
-    layout_data,
-    message_data,
-    same_layout,
-    site_data,
-)
+from metafem.explorer.surface.surface_data import difference, layout_data, message_data, site_data
 from metafem.explorer.widget import Widget
 from metafem.inversion import Design
-from metafem.surface import Surface
 
 # An answer, and whether its contacts at all loads are computed, or those at the load of its state.
 Request = tuple[Answer, bool]
@@ -41,7 +34,7 @@ class SurfacePanel(Panel):
             self._contacts, lambda show: show(), lambda _, error: page.wrong(error), better=self._pressed_of
         )
         self.pressed: Design | None = None
-        self.template: Surface | None = None
+        self.layout: dict[str, Any] = {}
         self.shown: tuple[Design | None, str] = (None, "")
         self.sensitive = False
 
@@ -51,8 +44,9 @@ class SurfacePanel(Panel):
         again = all(one is other for one, other in zip(shown, self.shown, strict=True))
         data = message_data(answer) if again else site_data(answer)
         design = answer.design
-        if design is not None and (self.template is None or not same_layout(self.template, design.template)):
-            data["layout"] = layout_data(design)
+        layout = {} if design is None else layout_data(design)
+        if layout and layout != self.layout:
+            data["layout"] = layout
         pinned = pinned_answer(answer.state.pinned)
         return data | {"difference": difference(design, None if pinned is None else pinned.design)}
 
@@ -60,8 +54,8 @@ class SurfacePanel(Panel):
         """Show the surface of an answer."""
         if "height" in data:
             self.pressed = None
+        self.layout = data.get("layout", self.layout)
         if answer.design is not None:
-            self.template = answer.design.template
             self.contacts.put((answer, False))
         self.shown = answer.design, answer.state.text
         self.view.call("show", data)

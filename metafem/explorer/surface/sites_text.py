@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from metafem._values import MICROMETRES
 from metafem.errors import InvalidInput
-from metafem.explorer.text.document import Document
-from metafem.explorer.text.fields import with_points, with_unit
+from metafem.explorer.text.document import Document, section_of
+from metafem.explorer.text.fields import with_unit
 from metafem.inversion import Design
 
 
@@ -27,16 +27,13 @@ class Asked:
         Heights, as written in the text, of the sites whose heights are fixed.
     """
 
-    empty: frozenset[int] = frozenset()
-    pinned: Mapping[int, str] = field(default_factory=dict)
+    empty: frozenset[int]
+    pinned: Mapping[int, str]
 
 
 def asked_sites(text: str) -> Asked:
     """Return the fixed heights and empty sites in a text; entries of a wrong type are ignored."""
-    try:
-        section = Document(text).section("sites")
-    except InvalidInput:
-        return Asked()
+    section = section_of(text, "sites")
     heights = section.get("heights")
     pairs = zip(_numbers(section.get("pinned")), heights if isinstance(heights, list) else (), strict=False)
     return Asked(frozenset(_numbers(section.get("empty"))), {site: str(height) for site, height in pairs})
@@ -86,7 +83,7 @@ def typed_height(typed: str) -> str:
     Text that does not begin with a number raises InvalidInput. Other invalid quantities are reported when the
     specification is read.
     """
-    words = with_unit(with_points(typed.strip()), "um")
+    words = with_unit(typed, "um")
     if not words[:1].isdigit() and not words.startswith("."):
         raise InvalidInput(f'height = "{words}" must be a number of micrometres, such as 150 or "0.15 mm"')
     return words

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -14,36 +15,25 @@ from metafem.explorer.surface.cap_data import cap_data, kind_of_cap, mould_data
 from metafem.explorer.surface.sites_text import asked_sites
 from metafem.inversion import Design, DesignStatus
 from metafem.inversion.assessment import misfit_text
-from metafem.surface import Surface
+from metafem.models.interacting.influence import nearest_distance
 
 # Decimals of heights [um] and positions [mm]. One unit of the last decimal is smaller than a pixel.
 HEIGHT_DECIMALS, POSITION_DECIMALS = 2, 4
 
 
 def layout_data(design: Design) -> dict[str, Any]:
-    """Return the data that rarely change: sites, their smallest distance and block size, all in [mm]."""
+    """Return the data that rarely change: sites, their smallest distance and block size, all in [mm].
+
+    The distance of a single site is four radii.
+    """
     template = design.template
-    block = template.block
+    block, distance = template.block, nearest_distance(template)
     return {
         "x": _rounded(template.position[:, 0], POSITION_DECIMALS),
         "y": _rounded(template.position[:, 1], POSITION_DECIMALS),
-        "spacing": least_distance(template),
+        "spacing": distance if math.isfinite(distance) else 4.0 * float(template.radius[0]),
         "block": None if block is None else [block.width, block.length, block.thickness],
     }
-
-
-def same_layout(one: Surface, other: Surface) -> bool:
-    """Return whether two templates have the same sites and block."""
-    return one.block == other.block and np.array_equal(one.position, other.position)
-
-
-def least_distance(surface: Surface) -> float:
-    """Return the smallest distance between two sites [mm]; for a single site, four radii."""
-    if surface.count == 1:
-        return 4.0 * float(surface.radius[0])
-    from scipy.spatial import KDTree
-
-    return float(KDTree(surface.position).query(surface.position, k=2)[0][:, 1].min())
 
 
 def site_data(answer: Answer) -> dict[str, Any]:

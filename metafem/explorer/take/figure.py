@@ -12,7 +12,7 @@ from metafem.errors import InvalidInput, refuse_if
 from metafem.explorer.answer import Answer
 from metafem.explorer.law.shown import Units
 from metafem.explorer.take.files import tables_of
-from metafem.explorer.text.fields import with_points, with_unit
+from metafem.explorer.text.fields import with_unit
 from metafem.files import quantity
 from metafem.inversion import Design
 from metafem.report import misfit_words
@@ -82,7 +82,7 @@ def _millimetres(name: str, given: str) -> float:
     """Return a length [mm] from its text; a number without a unit is in mm."""
     value = math.nan
     with suppress(InvalidInput):
-        value = quantity(name, with_unit(with_points(given.strip()), "mm"), "mm")
+        value = quantity(name, with_unit(given, "mm"), "mm")
     must = f"must be a number of millimetres from {SMALLEST:g} to {LARGEST:g}"
     refuse_if(not SMALLEST <= value <= LARGEST, must, key=name, value=given, example="85")
     return value

@@ -11,7 +11,7 @@ from nicegui.element import Element
 
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
-from metafem.explorer.certainty.places import part_problem
+from metafem.explorer.certainty.places import part_of
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.session import State
 from metafem.explorer.take import files
@@ -156,11 +156,7 @@ class Taking(Panel):
         if name in QUICK:
             return name, await asyncio.to_thread(self._quick, name, answer, answer.design)
         found = await self._made(answer.state)
-        if name == ARCHIVE:
-            return name, await asyncio.to_thread(files.archive, found)
-        if name not in found:
-            raise MetafemError(f"it is not a file of this specification, which has {', '.join(found)}")
-        return name, found[name]
+        return name, found[name] if name != ARCHIVE else await asyncio.to_thread(files.archive, found)
 
     def _quick(self, name: str, answer: Answer, design: Design) -> bytes:
         """Return the content of one of the files in `QUICK`."""
@@ -169,7 +165,7 @@ class Taking(Panel):
             return files.archive(figure_files(answer, self.format.value, *size))
         if name == PICTURE:
             return files.law_picture(design)
-        if name == "mould.csv" and (problem := part_problem(answer)):
+        if name == "mould.csv" and (problem := part_of(answer)[1]):
             raise MetafemError(problem)
         return files.tables_of(answer)[name]
 

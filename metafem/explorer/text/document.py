@@ -103,6 +103,14 @@ class Document:
         return self.text if repr(table) == repr(self.table) else tomlkit.dumps(_ordered(table))
 
 
+def section_of(text: str, name: str) -> dict[str, Any]:
+    """Return the keys and values of a section; none if the text cannot be read or lacks the section."""
+    try:
+        return Document(text).section(name)
+    except InvalidInput:
+        return {}
+
+
 def loses_comments(before: str, after: str) -> bool:
     """Return whether a changed text has lost a comment that is not one of a demo.
 

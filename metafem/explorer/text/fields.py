@@ -125,7 +125,8 @@ def with_points(typed: str) -> str:
 
 
 def with_unit(typed: str, unit: str) -> str:
-    """Return a typed quantity; a number without a unit has the unit `unit`."""
+    """Return a typed quantity with a decimal point; a number without a unit has the unit `unit`."""
+    typed = with_points(typed.strip())
     number = _number(typed)
     return typed if isinstance(number, str) or not unit else f"{shown(number)} {unit}"
 

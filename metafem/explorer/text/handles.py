@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -13,7 +12,6 @@ from metafem.explorer.text.lines import LineHandles
 from metafem.explorer.text.marks import Handle, Scene
 from metafem.explorer.text.points import BandCurves, PointHandles
 from metafem.explorer.text.power import PowerHandles
-from metafem.explorer.text.shape import Shape
 from metafem.files import Specification
 from metafem.inversion import Design
 
@@ -65,12 +63,6 @@ def scene_of(text: str, specification: Specification | None, design: Design | No
     return MARKS[document.value("target.kind")](document, specification, design)
 
 
-def drawn(scene: Scene) -> tuple[tuple[Handle, ...], Shape]:
-    """Return the handles and the curve of a target; a target with too many points has no handles."""
-    shape = scene.shape()
-    return ((), replace(shape, follows={})) if scene.crowd else (scene.handles(), shape)
-
-
 def moved(scene: Scene, id: str, load: float, friction: float, resolution: float = RESOLUTION) -> str:
     """Return the text after a handle has moved to a rescaled load and friction [mm^2].
 
@@ -83,10 +75,7 @@ def moved(scene: Scene, id: str, load: float, friction: float, resolution: float
         If there is no such handle, or for values that are negative or not finite.
     """
     _refuse_negative(load=load, friction=friction)
-    handle = next((handle for handle in scene.handles() if handle.id == id), None)
-    if handle is None:
-        raise InvalidInput(f'the target has no handle "{id:.40}"')
-    return scene.written(*scene.moved(handle, load, friction, resolution))
+    return scene.written(*scene.moved(_handle(scene, id), load, friction, resolution))
 
 
 def added(scene: Scene, load: float, friction: float, near: float = 0.0) -> str:
@@ -115,9 +104,17 @@ def removed(scene: Scene, id: str) -> str:
     Raises
     ------
     InvalidInput
-        For the last remaining point, and for the handle of a required parameter.
+        If there is no such handle; for the last remaining point; and for the handle of a required parameter.
     """
-    return scene.written(scene.removed(id), RESOLUTION)
+    return scene.written(scene.removed(_handle(scene, id).id), RESOLUTION)
+
+
+def _handle(scene: Scene, id: str) -> Handle:
+    """Return a handle, or raise InvalidInput if the target does not have it."""
+    for handle in scene.handles():
+        if handle.id == id:
+            return handle
+    raise InvalidInput(f'the target has no handle "{id:.40}"')
 
 
 def _refuse_negative(**at: float) -> None:

@@ -115,7 +115,7 @@ class Scene:
         return 0
 
     def handles(self) -> tuple[Handle, ...]:
-        """Return the handles."""
+        """Return the handles; a target with too many points has none."""
         return ()
 
     def shape(self) -> Shape:

@@ -31,9 +31,11 @@ class PointHandles(Scene):
         return self.target.rescaled_load.tolist(), self.target.rescaled_friction.tolist()
 
     def handles(self) -> tuple[Handle, ...]:
-        """Return a handle for each point."""
+        """Return a handle for each point, or none for too many points."""
         loads, frictions = self.points
         count = len(loads)
+        if self.crowd:
+            return ()
         return tuple(
             Handle(f"point-{i}", load, friction, "xy", f"point {i + 1} of {count}")
             for i, (load, friction) in enumerate(zip(loads, frictions, strict=True))
@@ -47,8 +49,7 @@ class PointHandles(Scene):
 
     def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
         """Return the points with one point moved, and the resolution of its values."""
-        i = int(handle.id.removeprefix("point-"))
-        return self._placed(i, self._columns(), (load, friction), resolution)
+        return self._placed(_index(handle.id), self._columns(), (load, friction), resolution)
 
     def added(self, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
         """Return the points with one more point, and the resolution of its values."""
@@ -60,13 +61,11 @@ class PointHandles(Scene):
 
     def removed(self, id: str) -> Numbers:
         """Return the points without one of them."""
-        columns, found = self._columns(), [handle.id for handle in self.handles()]
-        if id not in found:
-            raise InvalidInput(f'the target has no handle "{id:.40}"')
-        if len(found) == 1:
+        columns = self._columns()
+        if len(self.points[0]) == 1:
             raise InvalidInput("the last point cannot be removed; a target needs at least one")
         for entries in columns.values():
-            del entries[found.index(id)]
+            del entries[_index(id)]
         return columns
 
     def _placed(
@@ -87,6 +86,11 @@ class PointHandles(Scene):
         """Return loads and frictions, and the other columns that the text has."""
         optional = {"weight", "relative_error"} - self.section.keys()
         return members(self.target, [name for name in COLUMNS if name not in optional])
+
+
+def _index(id: str) -> int:
+    """Return the number of the point of a handle."""
+    return int(id.removeprefix("point-"))
 
 
 class BandCurves(Scene):

@@ -10,7 +10,7 @@ from typing import Any
 from metafem.errors import InvalidInput
 from metafem.explorer.control import Control
 from metafem.explorer.session import State
-from metafem.explorer.text.document import Document
+from metafem.explorer.text.document import section_of
 from metafem.files import section_forms
 
 # Name of the specification in a result folder.
@@ -59,7 +59,11 @@ def loaded(state: State, files: list[Given]) -> State:
     if named:
         return replace(state, tables={**state.tables, **named})
     if tables:
-        raise InvalidInput(_unnamed(next(iter(tables)), table_names(state.text)))
+        table, known = next(iter(tables)), ", ".join(table_names(state.text)) or "no table"
+        raise InvalidInput(
+            f'{table} is a table. The specification names {known}. To use it, write file = "{table}" into '
+            "[target] or [contact] first. To compare with a measured law, drop it onto the plot of the law."
+        )
     others = [f"{name} is no specification." for name in texts]
     remedy = f"Load a .toml file, such as the {KEPT} of a result folder, with the tables that it names."
     raise InvalidInput(" ".join([*unread, *others, remedy]))
@@ -73,11 +77,7 @@ def table_names(text: str) -> tuple[str, ...]:
     >>> table_names('[target]\\nfile = "wanted.csv"')
     ('wanted.csv',)
     """
-    try:
-        document = Document(text)
-    except InvalidInput:
-        return ()
-    found = [document.value(f"{section}.file") for section in ("target", "contact", "contact.cap")]
+    found = [section_of(text, name).get("file") for name in ("target", "contact", "contact.cap")]
     return tuple(name for name in found if isinstance(name, str))
 
 
@@ -85,14 +85,6 @@ def _named(text: str, tables: Mapping[str, str]) -> dict[str, str]:
     """Return the tables that a specification refers to, by the names in the specification."""
     last = {name: re.split(r"[/\\]", name)[-1] for name in table_names(text)}
     return {name: tables[part] for name, part in last.items() if part in tables}
-
-
-def _unnamed(name: str, known: tuple[str, ...]) -> str:
-    needs = f"The specification names {', '.join(known)}." if known else "The specification names no table."
-    return (
-        f'{name} is a table. {needs} To use it, write file = "{name}" into [target] or [contact] first. '
-        "To compare with a measured law, drop it onto the plot of the law."
-    )
 
 
 def _refuse_foreign(name: str, text: str) -> None:

@@ -105,7 +105,7 @@ class Wording:
 
     def slopes(self, *slopes: float) -> str:
         """Return slopes in words: ``slopes 6 and 9``."""
-        return f"{self.name(len(slopes))} {_listed([f'{self.coefficient(slope):.6g}' for slope in slopes])}"
+        return f"{self.name(len(slopes))} {listed([f'{self.coefficient(slope):.6g}' for slope in slopes])}"
 
     def slope_bound(self, slope: float, *, up: bool) -> str:
         """Return a bound on slopes as text; `up` rounds it up, otherwise down, so that it is reachable."""
@@ -236,5 +236,6 @@ def _rounded(given: float, up: bool, factor: float | None) -> float:
     return near / (factor or 1.0)
 
 
-def _listed(words: list[str]) -> str:
+def listed(words: list[str]) -> str:
+    """Return words as a list in a sentence: ``a, b and c``."""
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"

@@ -8,9 +8,11 @@ import pytest
 import metafem as mf
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.certainty import band
+from metafem.explorer.queue import Dropped
 from metafem.explorer.session import State
 from metafem.files import demo_text
 from metafem.prediction import Tolerances
+from metafem.progress import listening
 
 
 def answer_of(text):
@@ -37,7 +39,7 @@ def test_there_is_no_band_without_errors_or_a_design(linear_demo):
         assert band.tolerances_of(answer) is None
         assert band.tolerance_band(answer) is None
         assert band.band_words(answer) == ""
-        assert band.draw(answer, lambda: True) is None
+        assert band.draw(answer) is None
 
 
 def test_linear_response_is_that_of_differences_of_the_law(linear_demo):
@@ -55,7 +57,7 @@ def test_linear_response_is_that_of_differences_of_the_law(linear_demo):
 def test_draws_replace_the_linear_band_and_agree_with_the_study(linear_demo):
     answer = answer_of(linear_demo.state.text)
     before = band.band_words(answer)
-    drawn = band.draw(answer, lambda: True)
+    drawn = band.draw(answer)
     load, low, high = band.tolerance_band(answer)
     assert (low, high) == (pytest.approx(drawn.mean - drawn.sd), pytest.approx(drawn.mean + drawn.sd))
     study = mf.studies.manufacturing(
@@ -75,11 +77,19 @@ def test_draws_replace_the_linear_band_and_agree_with_the_study(linear_demo):
 
 
 def test_draws_are_the_same_each_time_and_end_when_nobody_waits(linear_demo):
-    first, again = (band.draw(answer_of(linear_demo.state.text), lambda: True) for _ in range(2))
+    first, again = (band.draw(answer_of(linear_demo.state.text)) for _ in range(2))
     assert (first.sd == again.sd).all()
     answer = answer_of(linear_demo.state.text)
-    wanted = iter([True, False])
-    assert band.draw(answer, lambda: next(wanted)) is None
+    steps = []
+
+    def on_step(step, done):
+        steps.append(step)
+        if len(steps) > 1:
+            raise Dropped
+
+    with pytest.raises(Dropped), listening(on_step):
+        band.draw(answer)
+    assert len(steps) == 2
     assert band.drawn_of(answer) is None
 
 

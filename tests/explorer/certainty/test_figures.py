@@ -83,7 +83,7 @@ def test_scatter_of_the_law_is_that_of_the_band_by_draws_once_there_are_some():
     assert percentage(before.value) == pytest.approx(rms, rel=0.05)
     assert before.sentence.startswith("By linear response to errors of the heights of 0.9 µm (SD)")
     # the first draws may compile kernels, which takes longer than draws may
-    drawn = band.draw(answer, lambda: True) or band.draw(answer, lambda: True)
+    drawn = band.draw(answer) or band.draw(answer)
     after = figure(answer, "scatter of the law")
     assert percentage(after.value) == pytest.approx(np.sqrt(((drawn.sd / drawn.mean) ** 2).mean()), rel=0.05)
     assert after.sentence.startswith("Of 200 drawn surfaces")

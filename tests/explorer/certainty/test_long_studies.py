@@ -88,7 +88,7 @@ def test_warnings_of_a_study_are_its_notes(design, monkeypatch):
     def warning(design, tolerances):
         for _ in range(2):
             warnings.warn("the block is coarse", mf.MetafemWarning, stacklevel=1)
-        return Found("Done.", "title", (), ())
+        return Found("title", (), (), (), "Done.")
 
     monkeypatch.setitem(STUDIES, "block", LongStudy("Block", "?", "a second", warning))
     assert run("block", design, None).notes == (Note("the block is coarse"),)

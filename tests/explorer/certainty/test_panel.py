@@ -46,7 +46,7 @@ def test_a_study_belongs_to_the_specification_and_its_tables():
     shown = study_data(answer)
     assert set(shown["hindered"]) == set(STUDIES)
     assert not any(shown["hindered"].values())
-    found = found_data(Found("Good.", "title", ("a",), (("1",),), (Note("n"),)), shown["shown"])
+    found = found_data(Found("title", ("a",), (("1",),), (Note("n"),), "Good."), shown["shown"])
     assert found["of"] == study_data(replace(answer, state=replace(STATE, newtons=True)))["shown"]
     assert found["notes"] == [{"text": "n", "warns": True}]
     others = (replace(STATE, text=STATE.text + "\n"), replace(STATE, tables={"law.csv": "1,2\n"}))

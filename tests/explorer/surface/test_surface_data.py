@@ -6,14 +6,8 @@ import pytest
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.session import State
 from metafem.explorer.surface.sites_text import kept_height, with_sites
-from metafem.explorer.surface.surface_data import (
-    layout_data,
-    least_distance,
-    same_layout,
-    site_data,
-)
+from metafem.explorer.surface.surface_data import layout_data, site_data
 from metafem.files import demo_text
-from metafem.surface import Material, Surface
 
 TEXT = demo_text("operating-points")
 
@@ -39,15 +33,6 @@ def test_the_layout_is_that_of_the_template(answer):
     assert len(layout["x"]) == len(layout["y"]) == 64
     assert layout["spacing"] == pytest.approx(1.5, rel=1e-12)
     assert layout["block"] == [20.0, 20.0, 7.2]
-
-
-def test_the_least_distance_is_that_of_all_pairs():
-    position = np.random.default_rng(0).uniform(0.0, 10.0, (40, 2))
-    distance = np.hypot(*(position[:, None] - position).transpose(2, 0, 1))
-    least = distance[~np.eye(40, dtype=bool)].min()
-    assert least_distance(Surface(position, 0.1 + 0.0 * position[:, 0], 0.5, Material(1.0))) == pytest.approx(
-        least, rel=1e-12
-    )
 
 
 def test_a_kept_height_is_rounded_within_the_limits(answer):
@@ -89,10 +74,3 @@ def test_empty_sites_of_the_text_are_named(answer):
 def test_without_a_surface_there_is_only_a_message():
     data = site_data(answered(State("nothing"), 1))
     assert data == {"number": 1, "message": "There is no surface yet.", "old": False}
-
-
-def test_layouts_differ_by_sites_and_by_block(answer):
-    template = answer.design.template
-    assert same_layout(template, template.replaced(height=template.height + 0.1))
-    assert not same_layout(template, template.replaced(position=template.position + 0.1))
-    assert not same_layout(template, template.replaced(block=None))

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import metafem as mf
-from metafem.explorer.text.handles import added, drawn, moved, removed, scene_of
+from metafem.explorer.text.handles import added, moved, removed, scene_of
 from metafem.explorer.text.points import MOST
 from metafem.explorer.text.written import between, digits_of, rounded, stated
 from metafem.files import demo_text, parsed
@@ -287,5 +287,5 @@ def test_a_crowd_of_points_has_no_handles():
         specification = parsed(text, {"wanted.csv": table.encode()})
         many = count > MOST
         scene = scene_of(text, specification, None)
-        assert len(drawn(scene)[0]) == (0 if many else count)
+        assert len(scene.handles()) == len(scene.shape().follows) == (0 if many else count)
         assert scene.crowd == (count if many else 0)

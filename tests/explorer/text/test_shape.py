@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from metafem.explorer.text.handles import MARKS, drawn, moved, scene_of
+from metafem.explorer.text.handles import MARKS, moved, scene_of
 from metafem.explorer.text.lines import LineHandles
 from metafem.files import demo_text, parsed
 
@@ -60,7 +60,8 @@ def applied(shape, found, id, by):
 
 def test_the_corners_and_the_handles_are_those_of_the_text_after_the_move(line):
     name, text, specification, design = line
-    found, shape = drawn(scene_of(text, specification, design))
+    at = scene_of(text, specification, design)
+    found, shape = at.handles(), at.shape()
     for handle in found:
         by = np.array([0.001 * handle.load, 0.0] if handle.moves == "x" else [0.0, 0.01 * handle.friction])
         new = moved(
@@ -70,7 +71,8 @@ def test_the_corners_and_the_handles_are_those_of_the_text_after_the_move(line):
             handle.friction + by[1],
             FINE,
         )
-        wanted, target = drawn(scene_of(new, parsed(new), design))
+        at = scene_of(new, parsed(new), design)
+        wanted, target = at.handles(), at.shape()
         corners, places = applied(shape, found, handle.id, by)
         slopes = [np.diff(each[:, 1]) / np.diff(each[:, 0])
                   for each in (corners, np.stack([target.load, target.friction], axis=1))]  # fmt: skip
@@ -89,7 +91,8 @@ def test_the_corners_and_the_handles_are_those_of_the_text_after_the_move(line):
 
 def test_handles_stay_on_the_lines_that_they_change(line):
     _, text, specification, design = line
-    found, shape = drawn(scene_of(text, specification, design))
+    at = scene_of(text, specification, design)
+    found, shape = at.handles(), at.shape()
     for handle in found:
         by = np.array([0.001 * handle.load, 0.0] if handle.moves == "x" else [0.0, 0.01 * handle.friction])
         corners, places = applied(shape, found, handle.id, by)
@@ -101,7 +104,8 @@ def test_handles_stay_on_the_lines_that_they_change(line):
 
 
 def test_points_carry_their_own_corner():
-    found, shape = drawn(scene_of(*scene(POINTS)))
+    at = scene_of(*scene(POINTS))
+    found, shape = at.handles(), at.shape()
     corners, places = applied(shape, found, "point-1", np.array([0.01, 0.5]))
     np.testing.assert_allclose(corners, [[0.1, 1.0], [0.21, 2.5]])
     np.testing.assert_allclose(places["point-1"], [0.21, 2.5])
@@ -110,7 +114,8 @@ def test_points_carry_their_own_corner():
 
 def test_a_slope_is_drawn_about_its_handle_before_any_design():
     text, specification, _ = scene(LINES["bilinear"])
-    found, shape = drawn(scene_of(text, specification, None))
+    at = scene_of(text, specification, None)
+    found, shape = at.handles(), at.shape()
     np.testing.assert_allclose(np.diff(shape.friction) / np.diff(shape.load), [7.15, 12.52])
     assert shape.load[1] == 0.038
     first, second, crossover = found
@@ -120,7 +125,8 @@ def test_a_slope_is_drawn_about_its_handle_before_any_design():
 
 def test_curves_follow_with_the_answers():
     text = 'kind = "power"\nexponent = 0.9\nload_range = ["0.1 mm^2", "0.4 mm^2"]\nprefactor = 7.0'
-    found, shape = drawn(scene_of(*scene(text)))
+    at = scene_of(*scene(text))
+    found, shape = at.handles(), at.shape()
     np.testing.assert_allclose(shape.friction, 7.0 * shape.load**0.9)
     assert shape.follows == {}
     assert len(found) == 4

@@ -6,7 +6,7 @@ import pytest
 
 from metafem.explorer.answer import answered
 from metafem.explorer.session import State
-from metafem.explorer.workshop.places import placed
+from metafem.explorer.workshop.editor import placed
 from metafem.files import demo_text
 
 TEXT = demo_text("linear")

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from metafem.explorer.answer import answered
 from metafem.explorer.session import State
-from metafem.explorer.workshop.header_data import STOPPED, header_data
+from metafem.explorer.workshop.header import STOPPED, header_data
 from metafem.files import demo_text
 
 TEXT = demo_text("linear")
