@@ -48,7 +48,7 @@ export default {
             <div role="group" aria-labelledby="menu-help"><h3 id="menu-help">How to use it</h3>
               <button role="menuitem" @click="tour">Tour of a minute</button><button role="menuitem" @click="open">Help: mouse, touch and keys (?)</button></div></q-menu></button>
       </span>
-      <dialog ref="dialog" aria-labelledby="help-title" @click="outside">
+      <dialog ref="dialog" aria-labelledby="help-title" closedby="any">
         <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>
         <div v-html="keys"></div>
       </dialog>
@@ -125,9 +125,6 @@ export default {
     async tour() {
       this.$refs.menu.hide();
       (await import("metafem-page/tour.js")).start();
-    },
-    outside(event) {  // the ground behind the dialog is the dialog itself
-      if (event.target === this.$refs.dialog) this.$refs.dialog.close();
     },
     over(event) {
       if (event.dataTransfer?.types.includes("Files")) event.preventDefault();
