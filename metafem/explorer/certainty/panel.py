@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 from collections.abc import Callable, Mapping
 from hashlib import sha256
+from html import escape
 from typing import Any
 
 from nicegui import background_tasks, ui
@@ -16,12 +18,16 @@ from metafem.explorer.certainty import band
 from metafem.explorer.certainty.figures import Standing, figures
 from metafem.explorer.certainty.long_studies import STUDIES, Found, run
 from metafem.explorer.certainty.places import note_data, part_warnings, remarks, warnings_by_place
+from metafem.explorer.certainty.table import capital, chip, counted, figure_table, note_count, note_list
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.widget import Widget
 
 # Time without a new answer after which the figures are computed, and after which random surfaces within the
 # tolerances are drawn [s].
 PAUSE, REST = 0.3, 1.0
+
+# Closes the warnings at the key Escape.
+SHUT = "event => { event.currentTarget.open = false; event.currentTarget.firstElementChild.focus(); }"
 
 # Messages above the table.
 NO_DESIGN = "No surface has been found yet, so there is nothing to judge."
@@ -63,10 +69,6 @@ def found_data(found: Found, shown: str) -> dict[str, Any]:
     return {**vars(found), "notes": note_data(found.notes), "of": shown}
 
 
-class SureFigures(Widget, component="sure_figures.js"):
-    """The table of the figures, and the notes."""
-
-
 class SureStudies(Widget, component="sure_studies.js"):
     """The long studies; emits ``ready``, ``start`` and ``stop`` with the name of a study."""
 
@@ -78,20 +80,23 @@ class SureStudies(Widget, component="sure_studies.js"):
         super().__init__({"studies": studies}, **handlers)
 
 
-class WarningLine(Widget, component="place_warnings.js"):
-    """The warnings of a part of the page."""
-
-
 class PlaceWarnings(Panel):
-    """The warning line of a part of the page, "law" or "surface"."""
+    """The warnings of a part of the page, "law" or "surface": how many, and their words over the picture."""
 
     def __init__(self, page: Control, place: str) -> None:
         super().__init__(page)
-        self.place, self.line = place, WarningLine()
+        self.place = place
+        with ui.element("details").classes("place-warnings").on("keydown.esc", js_handler=SHUT):
+            self.brief = ui.html("", sanitize=False, tag="summary")
+            self.words = ui.html("", sanitize=False).classes("over")
 
     def warn(self, places: Mapping[str, list[str]]) -> None:
         """Show the warnings of this part."""
-        self.line.show({"texts": places.get(self.place, [])})
+        texts = [capital(text) for text in places.get(self.place, [])]
+        brief = re.split(r"[.:;] ", texts[0])[0] if texts else ""
+        count = chip(Standing.WARNING, counted(len(texts), "warning"))
+        self.brief.content = f'{count}<span class="small">{escape(brief)}</span>' if texts else ""
+        self.words.content = "".join(f'<p class="warn small">{escape(text)}</p>' for text in texts)
 
 
 class Certainty(Panel):
@@ -107,7 +112,11 @@ class Certainty(Panel):
     def create(self) -> Certainty:
         """Create the table of the figures and the list of long studies, when their tab is first opened."""
         with ui.element("div").classes("certainty"):
-            self.table = SureFigures()
+            with ui.element("section").classes("sure-figures").props('aria-label="How sure"'):
+                self.table = ui.html("", sanitize=False)
+                with ui.element("details").props("open"):
+                    self.count = ui.html("", sanitize=False, tag="summary")
+                    self.notes = ui.html("", sanitize=False)
             self.studies = SureStudies(
                 ready=self._opened, start=self._start, stop=lambda name: self.page.tasks.stop(str(name))
             )
@@ -160,7 +169,9 @@ class Certainty(Panel):
         known = warnings_by_place if seen or at_once(answer) else part_warnings
         self.page.warn(await asyncio.to_thread(known, answer))
         if seen:
-            self.table.call("show", await asyncio.to_thread(figure_data, answer))
+            data = await asyncio.to_thread(figure_data, answer)
+            self.table.content, self.notes.content = figure_table(data), note_list(data["notes"])
+            self.count.content = note_count(data["notes"])
             self.studies.call("follow", await asyncio.to_thread(study_data, answer))
 
     async def _start(self, name: Any) -> None:
