@@ -245,8 +245,9 @@ export class Plot {
     const { data, view, handles } = this;
     if (!data) return;
     const shown = { ...data, wanted: followed(data, handles.held).wanted };
-    this.picture.draw(view, shown);
-    this.names.draw(view, entries(shown), handles.all, this.cursor.mark, Boolean(handles.drag));
+    const all = entries(shown);
+    this.picture.draw(view, shown, all);
+    this.names.draw(view, all, handles.all, this.cursor.mark, Boolean(handles.drag));
     handles.draw(view, data.refusal !== "" || Boolean(handles.drag?.refusal));
     this.cursor.draw(view, data);
     this.drawRefusal();
