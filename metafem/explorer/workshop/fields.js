@@ -33,7 +33,7 @@ export default {
                  :open="opened[part.name] ?? part.open" @toggle="opened[part.name] = $event.target.open">
           <summary class="title"><h3>{{ part.title }}</h3><span v-if="!(opened[part.name] ?? part.open)" class="quiet small brief">{{ brief(part) }}</span></summary>
           <p v-if="problems[part.name]" class="wrong" role="alert">{{ problems[part.name] }}</p>
-          <p v-if="!part.has" class="quiet small">{{ capital(part.meaning) }}.</p>
+          <p v-if="!part.has" class="quiet small meaning">{{ part.meaning }}.</p>
           <div v-if="part.kinded" class="field">
             <label :for="id(part.name + '.kind')">kind</label>
             <div><select class="text" :aria-label="part.title + ', kind'" :id="id(part.name + '.kind')" :data-key="part.name + '.kind'" :disabled="!!broken" :value="part.kind"
@@ -144,7 +144,6 @@ export default {
     },
     refuse({ key, words }) { this.refused[key] = words; },
     id(key) { return `field-${key.replaceAll(".", "-")}`; },
-    capital(words) { return words.charAt(0).toUpperCase() + words.slice(1); },
     problem(field) { return this.refused[field.key] ?? this.problems[field.key]; },
     brief(part) {  // what a closed section holds
       if (!this.present.includes(part.name)) return "not used";
