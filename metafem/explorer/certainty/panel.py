@@ -18,7 +18,7 @@ from metafem.explorer.certainty import band
 from metafem.explorer.certainty.figures import Standing, figures
 from metafem.explorer.certainty.long_studies import STUDIES, Found, run
 from metafem.explorer.certainty.places import note_data, part_warnings, remarks, warnings_by_place
-from metafem.explorer.certainty.table import capital, chip, counted, figure_table, note_count, note_list
+from metafem.explorer.certainty.table import chip, counted, figure_table, note_list
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.widget import Widget
 
@@ -92,7 +92,7 @@ class PlaceWarnings(Panel):
 
     def warn(self, places: Mapping[str, list[str]]) -> None:
         """Show the warnings of this part."""
-        texts = [capital(text) for text in places.get(self.place, [])]
+        texts = [text[:1].upper() + text[1:] for text in places.get(self.place, [])]
         brief = re.split(r"[.:;] ", texts[0])[0] if texts else ""
         count = chip(Standing.WARNING, counted(len(texts), "warning"))
         self.brief.content = f'{count}<span class="small">{escape(brief)}</span>' if texts else ""
@@ -170,8 +170,8 @@ class Certainty(Panel):
         self.page.warn(await asyncio.to_thread(known, answer))
         if seen:
             data = await asyncio.to_thread(figure_data, answer)
-            self.table.content, self.notes.content = figure_table(data), note_list(data["notes"])
-            self.count.content = note_count(data["notes"])
+            self.table.content = figure_table(data)
+            self.count.content, self.notes.content = note_list(data["notes"])
             self.studies.call("follow", await asyncio.to_thread(study_data, answer))
 
     async def _start(self, name: Any) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
@@ -31,7 +31,7 @@ def _row(row: Mapping[str, Any]) -> str:
     sentence = row["sentence"].replace(" %", "\u00a0%")  # a number and its unit stay on one line
     return (
         f'<tr data-standing="{standing}"><td>{chip(standing, standing)}</td>'
-        f'<th scope="row">{escape(capital(row["name"]))}{_small(sentence)}</th>'
+        f'<th scope="row">{escape(row["name"])}{_small(sentence)}</th>'
         f'<td class="number">{escape(row["value"])}{_small(row["bound"])}</td></tr>'
     )
 
@@ -46,18 +46,14 @@ def chip(standing: Standing, words: str) -> str:
     return f'<span class="chip {tint}"><span aria-hidden="true">{sign}</span>{words}</span>'
 
 
-def note_list(notes: Iterable[Mapping[str, Any]]) -> str:
-    """Return notes as paragraphs."""
+def note_list(notes: Sequence[Mapping[str, Any]]) -> tuple[str, str]:
+    """Return how many warnings and other notes there are, and their paragraphs."""
     kinds = {True: ("warn", "Warning"), False: ("note", "Note")}
     named = [(*kinds[note["warns"]], escape(note["text"])) for note in notes]
-    return "".join(f'<p class="{kind}"><strong>{name}:</strong> {text}</p>' for kind, name, text in named)
-
-
-def note_count(notes: Sequence[Mapping[str, Any]]) -> str:
-    """Return how many warnings and other notes there are."""
+    texts = (f'<p class="{kind}"><strong>{name}:</strong> {text}</p>' for kind, name, text in named)
     warnings = sum(note["warns"] for note in notes)
-    counts = (counted(warnings, "warning"), counted(len(notes) - warnings, "note"))
-    return f"{', '.join(filter(None, counts))} of the design"
+    counts = counted(warnings, "warning"), counted(len(notes) - warnings, "note")
+    return f"{', '.join(filter(None, counts))} of the design", "".join(texts)
 
 
 def counted(count: int, word: str) -> str:
@@ -69,8 +65,3 @@ def counted(count: int, word: str) -> str:
     ('1 note', '2 notes', '')
     """
     return f"{count} {word}{'s' if count > 1 else ''}" if count else ""
-
-
-def capital(words: str) -> str:
-    """Return words with a capital letter at their start."""
-    return words[:1].upper() + words[1:]
