@@ -69,12 +69,11 @@ export class Plot {
     svg.addEventListener("pointerdown", (event) => { this.pressed = this.pointOf(event); });
     svg.addEventListener("pointermove", (event) => {
       this.cursor.over = this.pointOf(event);
-      if (this.handles.follow(event) || this.cursor.follow(event) || !this.data) return;
-      this.cursor.draw(view, this.data);
+      if (!this.handles.follow(event) && !this.cursor.follow(event)) this.cursor.draw();
     });
     svg.addEventListener("pointerleave", () => {
       this.cursor.over = null;
-      if (this.data) this.cursor.draw(view, this.data);
+      this.cursor.draw();
     });
     for (const end of ["pointerup", "pointercancel"]) {
       svg.addEventListener(end, (event) => {
@@ -249,7 +248,7 @@ export class Plot {
     this.picture.draw(view, shown, all);
     this.names.draw(view, all, handles.all, this.cursor.mark, Boolean(handles.drag));
     handles.draw(view, data.refusal !== "" || Boolean(handles.drag?.refusal));
-    this.cursor.draw(view, data);
+    this.cursor.draw();
     this.drawRefusal();
   }
 
