@@ -225,7 +225,7 @@ export default {
     drawBy(tab, Kind) {
       const picture = new Kind(this.$refs[tab][0], this.marks, this);
       picture.svg.setAttribute("aria-label", `${Kind.title}. ${HELP}`);
-      picture.svg.addEventListener("focus", () => { if (this.surface && !picture.from) this.go(this.marks.active ?? picture.first); }); // not by a click
+      picture.svg.addEventListener("focus", () => { if (this.surface && !picture.from) this.go(this.marks.active ?? picture.first ?? 0); }); // not by a click
       picture.svg.addEventListener("blur", () => tell("sites", []));
       this.pictures[tab] = picture;
     },
