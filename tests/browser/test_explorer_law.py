@@ -171,7 +171,7 @@ def test_the_target_line_follows_the_hand_before_the_answer(visit):
 
 def test_further_models_and_newtons_are_shown_beside_the_law(visit):
     page = visit.page
-    page.locator(".law-beside summary").click()
+    page.locator(".law-beside").click()
     page.get_by_label("half-space", exact=True).check()
     page.locator(".law-models label", has_text="layer").click()
     page.locator("path.other").nth(1).wait_for(state="attached")
@@ -236,7 +236,7 @@ def test_curves_carry_their_names_where_they_cover_nothing(visit):
     before = visit.asked
     page.evaluate(DROPPED, ["m.csv", list(FORCES.encode())])
     visit.settled(before)
-    page.locator(".law-beside summary").click()
+    page.locator(".law-beside").click()
     for model in ("half-space", "layer"):
         page.get_by_label(model, exact=True).check()
     page.keyboard.press("Escape")

@@ -167,7 +167,7 @@ def test_dialogs_and_menus_lie_within_the_window(hand):
     page.get_by_role("menuitem", name="Help").tap()
     shown.append(page.get_by_role("dialog").bounding_box())
     page.get_by_role("button", name="Close", exact=True).tap()
-    page.locator(".law-beside summary").tap()
+    page.locator(".law-beside").tap()
     shown.append(page.locator(".law-models").bounding_box())
     for site in (0, 7):
         page.locator(f'[data-site="{site}"]').tap()

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 from collections.abc import Callable, Mapping
 from functools import partial
 from hashlib import sha256
+from html import escape
 from typing import Any
 
 from nicegui import background_tasks, ui
@@ -17,6 +19,7 @@ from metafem.explorer.certainty import band
 from metafem.explorer.certainty.figures import Standing, figures
 from metafem.explorer.certainty.long_studies import STUDIES, Found, run
 from metafem.explorer.certainty.places import note_data, part_warnings, remarks, warnings_by_place
+from metafem.explorer.certainty.table import chip, counted, figure_table, note_list
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.queue import Queue
 from metafem.explorer.widget import Widget
@@ -26,7 +29,14 @@ from metafem.explorer.widget import Widget
 Request = tuple[Answer, int]
 NOTHING, FIGURES, DRAWS = range(3)
 
-# Messages above the table.
+# Closes the warnings at the key Escape.
+SHUT = "event => { event.currentTarget.open = false; event.currentTarget.firstElementChild.focus(); }"
+
+# Messages in place of the table and above it.
+COMPUTED = (
+    "The figures are being computed. The first time after an installation this takes a minute or two, "
+    "because parts of the program are compiled then."
+)
 NO_DESIGN = "No surface has been found yet, so there is nothing to judge."
 NOT_CURRENT = "These are the figures of the last surface that was found, not of the target law that is shown."
 
@@ -66,28 +76,27 @@ def found_data(found: Found, shown: str) -> dict[str, Any]:
     return {**vars(found), "notes": note_data(found.notes), "of": shown}
 
 
-class SureFigures(Widget, component="sure_figures.js"):
-    """The table of the figures, and the notes."""
-
-
 class SureStudies(Widget, component="sure_studies.js"):
     """The long studies; emits ``ready``, ``start`` and ``stop`` with the name of a study."""
 
 
-class WarningLine(Widget, component="place_warnings.js"):
-    """The warnings of a part of the page."""
-
-
 class PlaceWarnings(Panel):
-    """The warning line of a part of the page, "law" or "surface"."""
+    """The warnings of a part of the page, "law" or "surface": how many, and their words over the picture."""
 
     def __init__(self, page: Control, place: str) -> None:
         super().__init__(page)
-        self.place, self.line = place, WarningLine()
+        self.place = place
+        with ui.element("details").classes("place-warnings").on("keydown.esc", js_handler=SHUT):
+            self.brief = ui.html("", sanitize=False, tag="summary")
+            self.words = ui.html("", sanitize=False).classes("over")
 
     def warn(self, places: Mapping[str, list[str]]) -> None:
         """Show the warnings of this part."""
-        self.line.show({"texts": places.get(self.place, [])})
+        texts = [text[:1].upper() + text[1:] for text in places.get(self.place, [])]
+        brief = re.split(r"[.:;] ", texts[0])[0] if texts else ""
+        count = chip(Standing.WARNING, counted(len(texts), "warning"))
+        self.brief.content = f'{count}<span class="small">{escape(brief)}</span>' if texts else ""
+        self.words.content = "".join(f'<p class="warn small">{escape(text)}</p>' for text in texts)
 
 
 class Certainty(Panel):
@@ -105,7 +114,11 @@ class Certainty(Panel):
     def create(self) -> Certainty:
         """Create the table of the figures and the list of long studies, when their tab is first opened."""
         with ui.element("div").classes("certainty"):
-            self.table = SureFigures()
+            with ui.element("section").classes("sure-figures").props('aria-label="How sure"'):
+                self.table = ui.html(f"<p role='status'>{COMPUTED}</p>", sanitize=False)
+                with ui.element("details").props("open"):
+                    self.count = ui.html("", sanitize=False, tag="summary")
+                    self.notes = ui.html("", sanitize=False)
             self.studies = SureStudies(
                 {"studies": [{"key": key, **study.words} for key, study in STUDIES.items()]},
                 ready=self._opened,
@@ -150,18 +163,19 @@ class Certainty(Panel):
     def _show(self, places: Mapping[str, list[str]], data: tuple[Any, Any] | None) -> None:
         self.page.warn(places)
         if data is not None:
-            self.table.call("show", data[0])
+            self.table.content = figure_table(data[0])
+            self.count.content, self.notes.content = note_list(data[0]["notes"])
             self.studies.call("follow", data[1])
 
     async def _start(self, name: Any) -> None:
         answer = self.answer
         if name not in STUDIES or answer is None:
             return
+        self._tell(name, running=True, step="starting a process", done=None, error="")
         found = await asyncio.to_thread(study_data, answer)
         if reason := found["hindered"][name]:
-            self._tell(name, error=reason)
+            self._tell(name, running=False, error=reason)
             return
-        self._tell(name, running=True, step="starting a process", done=None, error="")
         given = name, answer.design, band.tolerances_of(answer)
         end: dict[str, Any] = {}
         try:

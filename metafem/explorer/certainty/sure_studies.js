@@ -22,7 +22,7 @@ export default {
           <span class="small">{{ time(study) }}</span>
           <p class="quiet small step">{{ of(study).step }}</p>
         </div>
-        <p v-if="of(study).error" class="warn" role="alert">{{ capital(of(study).error) }}</p>
+        <p v-if="of(study).error" class="warn" role="alert">{{ of(study).error }}</p>
         <div v-if="of(study).found" :class="{ stale: stale(study) }" role="status">
           <p v-if="stale(study)" class="chip warn">▲ of another specification than the one shown</p>
           <p v-if="of(study).found.answer" class="answer">{{ of(study).found.answer }}</p>
@@ -33,7 +33,7 @@ export default {
               <thead><tr><th v-for="name in of(study).found.columns" :key="name">{{ name }}</th></tr></thead>
               <tbody><tr v-for="(row, i) in of(study).found.rows" :key="i"><td v-for="(cell, j) in row" :key="j">{{ cell }}</td></tr></tbody>
             </table></div>
-            <p v-for="note in of(study).found.notes" :key="note.text" :class="['small', note.warns ? 'warn' : 'note']">{{ capital(note.text) }}.</p>
+            <p v-for="note in of(study).found.notes" :key="note.text" :class="['small', note.warns ? 'warn' : 'note']">{{ note.text }}.</p>
           </details>
         </div>
       </article>
@@ -69,6 +69,5 @@ export default {
       const found = Object.entries(this.states).filter(([, state]) => state.found).map(([key, state]) => [key, { found: state.found }]);
       remember(KEY, JSON.stringify(Object.fromEntries(found)), sessionStorage);
     },
-    capital(text) { return text[0].toUpperCase() + text.slice(1); },
   },
 };

@@ -25,14 +25,11 @@ export default {
           <button type="button" aria-label="Zoom in" title="Show less of the axes (+); also Ctrl and the wheel" @click="plot.zoom(0.8)">+</button>
           <button type="button" title="Fit the axes to target and law (0)" @click="plot.zoom(0)">Fit</button>
         </span>
-        <details ref="models" class="law-beside" @keydown.esc="close" @focusout="$event.relatedTarget && leave($event.relatedTarget)">
-          <summary ref="summary">{{ block.running ? "Other models (block is computed …)" : "Other models" }}</summary>
-          <div class="law-models">
+        <button type="button" class="act law-beside" aria-haspopup="dialog">{{ block.running ? "Other models (block is computed …)" : "Other models" }}
+          <q-menu class="law-models" role="dialog" aria-label="Other models" anchor="bottom right" self="top right" transition-duration="0">
             <label v-for="{ name, on } in tools.models" :key="name"><input type="checkbox" :name="name" :checked="on" @change="$emit('model', { name, on: $event.target.checked })"> {{ name }}</label>
             <div v-if="tools.block" class="row"><button type="button" class="act law-block" :aria-disabled="block.missing !== ''" @click="compute">{{ block.running ? "Stop" : block.shown ? "Hide" : "Compute" }} the block</button></div>
-            <span v-if="tools.block" class="small quiet law-step">{{ block.step }}</span>
-          </div>
-        </details>
+            <span v-if="tools.block" class="small quiet law-step">{{ block.step }}</span></q-menu></button>
         <button type="button" class="act law-choose" title="Show a CSV table of a measured law; it can also be dropped onto the plot. Its first line names the columns with their units: load_N,friction_force_N or load_mN,area_mm2, optionally with load_sd_N and friction_force_sd_N." @click="$refs.file.click()">Measured points…</button>
         <input ref="file" type="file" accept=".csv,.tsv,.txt,text/csv" hidden @change="choose">
       </div>
@@ -69,9 +66,7 @@ export default {
     this.welcome = !localStorage.getItem(HINT);
     if (this.welcome) this.words = WELCOME;
     remember(HINT, "seen");
-    const { signal } = this.plot.closed;
-    hear("table", this.read, signal);
-    document.addEventListener("pointerdown", (event) => this.leave(event.target), { signal });
+    hear("table", this.read, this.plot.closed.signal);
   },
   unmounted() { this.plot.close(); },
   methods: {
@@ -87,15 +82,6 @@ export default {
     forces() {
       if (this.tools.no_forces) this.say(this.tools.no_forces, true);
       else this.$emit("axes", { newtons: true });
-    },
-    // A choice beside the plot is left by Escape, or for another element.
-    close() {
-      this.$refs.models.open = false;
-      this.$refs.summary.focus();
-    },
-    leave(other) {
-      const { models } = this.$refs;
-      if (!other.contains(models)) models.open &&= models.contains(other); // a press on a label gives the focus to the part around it
     },
     // The law under the block takes seconds to a minute, in a process that can be stopped.
     compute() {

@@ -57,9 +57,9 @@ export default {
         </div>
       </div>
       <div class="press">
-        <button type="button" class="act main" :disabled="!ready" @click="play">{{ playing ? "❚❚ Pause" : "▶ Press it" }}</button>
-        <input type="range" min="0" :max="steps" :value="place" :disabled="!ready" aria-label="Load" :aria-valuetext="told" @input="slide($event, true)" @change="slide($event, false)">
-        <span title="Load over the area of all contacts, and load">{{ playing && !known ? "The contacts at all loads are being computed …" : told }}</span>
+        <button type="button" class="act main" :disabled="!contacts" @click="play">{{ playing ? "❚❚ Pause" : "▶ Press it" }}</button>
+        <input type="range" min="0" :max="steps" :value="place" :disabled="!contacts" aria-label="Load" :aria-valuetext="told" @input="slide($event, true)" @change="slide($event, false)">
+        <span title="Load over the area of all contacts, and load">{{ playing && !press ? "The contacts at all loads are being computed …" : told }}</span>
       </div>
       <p class="legend spoken" v-if="spoken">{{ spoken }}</p>
       <p class="legend" v-else-if="tab === 'map'"><span><i class="disc"></i> contact, to scale</span> <span>◆ kept height</span> <span><i class="ring"></i> empty site, × kept empty</span></p>
@@ -70,20 +70,25 @@ export default {
   data() {
     return {
       tab: "map", what: "height", line: "", message: "", old: false, note: "", lines: [], at: null, menu: null,
-      typed: "", adding: false, missing: "", times: EXAGGERATION.first, most: EXAGGERATION.most, mould: false, unmade: " ", views: VIEWS,
-      radii: false, compared: false, part: "", spread: "value", ready: false, known: false, playing: false, steps: SLIDER, place: 0, told: "",
+      typed: "", adding: false, missing: "", times: EXAGGERATION.first, most: EXAGGERATION.most, mould: false, views: VIEWS,
+      part: "", spread: "value", playing: false, steps: SLIDER, place: 0,
+      surface: null, contacts: null, press: null, // frozen, so that Vue does not follow thousands of numbers
     };
   },
   computed: {
     // What is said of the sites that are not at the pointer, where the tip says it.
     spoken() { return this.at ? "" : this.lines.join(", "); },
+    unmade() { return this.surface?.mould?.problem ?? " "; },
+    compared() { return Boolean(this.surface?.difference); },
+    radii() { return Array.isArray(this.surface?.radius); },
+    told() { return this.contacts ? told(this.contacts, this.surface.modulus) : ""; },
   },
   created() {
-    // Not reactive: thousands of numbers.
+    // Not reactive, either.
     this.pictures = {};
     this.started = { map: true };
     this.marks = {};
-    this.layout = this.surface = this.contacts = this.press = null;
+    this.layout = null;
     this.chosen = new Chosen();
     this.closed = new AbortController();
     hear("load", (to) => this.move(to), this.closed.signal);
@@ -109,18 +114,13 @@ export default {
       this.old = data.old;
       this.number = data.number;
       if (data.height) { // otherwise it is as before
-        this.surface = { mould: this.surface?.mould, ...data, empty: new Set(data.empty) }; // a draft has no mould
-        this.unmade = this.surface.mould?.problem ?? this.unmade;
+        this.surface = Object.freeze({ mould: this.surface?.mould, ...data, empty: new Set(data.empty) }); // a draft has no mould
         this.mould &&= !this.unmade;
         this.press = null;
-        this.known = false;
         this.chosen = new Chosen();
         tell("entries", null);
         if (this.playing) tell("load", { load: Math.min(this.contacts.load, data.loads[1]), moving: false });
-        this.radii = typeof data.radius !== "number";
-      }
-      if (this.surface) this.surface.difference = data.difference;
-      this.compared = Boolean(data.difference);
+      } else if (this.surface) this.surface = Object.freeze({ ...this.surface, difference: data.difference });
       if ({ radius: !this.radii, difference: !this.compared }[this.what]) {
         this.what = "height";
         this.recolour();
@@ -134,18 +134,14 @@ export default {
     },
     // The contacts at all loads, for the surface that is shown.
     pressed(data) {
-      this.press = data.states.length ? new Press(data) : null;
-      this.known = true;
+      this.press = data.states.length ? Object.freeze(new Press(data)) : null;
       tell("entries", this.press);
       this.playing &&= Boolean(this.press);
       if (this.playing) this.run();
     },
     take(contacts) {
-      this.contacts = contacts;
-      this.ready = Boolean(contacts);
-      this.told = contacts ? told(contacts, this.surface.modulus) : "";
-      const [first, last] = this.surface.loads;
-      if (contacts) this.place = Math.round((SLIDER * (contacts.load - first)) / (last - first || 1));
+      this.contacts = Object.freeze(contacts);
+      if (contacts) this.place = Math.round(SLIDER * this.partOf(contacts.load));
       this.draw();
     },
     // Follows the load, which is dragged here or in the law, or played.
@@ -154,10 +150,16 @@ export default {
       this.playing = Boolean(to.playing);
       if (this.press) this.take(this.press.at(to.load));
     },
-    slide(event, moving) {
+    // Part of the way from the smallest to the largest load.
+    partOf(load) {
       const [first, last] = this.surface.loads;
-      tell("load", { load: first + (event.target.value / SLIDER) * (last - first), moving });
+      return (load - first) / (last - first || 1);
     },
+    goTo(part, more) {
+      const [first, last] = this.surface.loads;
+      tell("load", { load: first + part * (last - first), ...more });
+    },
+    slide(event, moving) { this.goTo(event.target.value / SLIDER, { moving }); },
     async play() {
       if (this.playing) return tell("load", { load: this.contacts.load, moving: false });
       this.playing = true;
@@ -168,16 +170,16 @@ export default {
     },
     run() {
       cancelAnimationFrame(this.playedFrame);
-      const [first, last] = this.surface.loads;
-      const from = this.contacts.load < last ? this.contacts.load : first;
+      const at = this.partOf(this.contacts.load);
+      const from = at < 1 ? at : 0;
       const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
       let start = null;
       const frame = (now) => {
         if (!this.playing) return;
-        start ??= now - (PLAY * (from - first)) / (last - first || 1);
+        start ??= now - PLAY * from;
         let part = Math.min(1, (now - start) / PLAY);
         if (still) part = Math.ceil(STILL * part) / STILL;
-        tell("load", { load: first + part * (last - first), moving: part < 1, playing: part < 1 });
+        this.goTo(part, { moving: part < 1, playing: part < 1 });
         this.playedFrame = requestAnimationFrame(frame);
       };
       this.playedFrame = requestAnimationFrame(frame);
@@ -223,7 +225,7 @@ export default {
     drawBy(tab, Kind) {
       const picture = new Kind(this.$refs[tab][0], this.marks, this);
       picture.svg.setAttribute("aria-label", `${Kind.title}. ${HELP}`);
-      picture.svg.addEventListener("focus", () => { if (this.surface && !picture.from) this.go(this.marks.active ?? picture.first); }); // not by a click
+      picture.svg.addEventListener("focus", () => { if (this.surface && !picture.from) this.go(this.marks.active ?? picture.first ?? 0); }); // not by a click
       picture.svg.addEventListener("blur", () => tell("sites", []));
       this.pictures[tab] = picture;
     },

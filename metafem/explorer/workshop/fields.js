@@ -29,49 +29,49 @@ export default {
         <button type="button" class="act" @click="edit">Edit the text</button></p>
       <p v-for="each in loose" :key="each" class="warn">{{ each }}</p>
       <div class="parts">
-        <details v-for="part in parts.filter(visible)" :key="part.name" class="part" :data-section="part.name"
+        <details v-for="part in sections" :key="part.name" class="part" :data-section="part.name"
                  :open="opened[part.name] ?? part.open" @toggle="opened[part.name] = $event.target.open">
           <summary class="title"><h3>{{ part.title }}</h3><span v-if="!(opened[part.name] ?? part.open)" class="quiet small brief">{{ brief(part) }}</span></summary>
           <p v-if="problems[part.name]" class="wrong" role="alert">{{ problems[part.name] }}</p>
-          <p v-if="!has(part)" class="quiet small">{{ capital(part.meaning) }}.</p>
-          <div v-if="kinded(part)" class="field">
+          <p v-if="!part.has" class="quiet small meaning">{{ part.meaning }}.</p>
+          <div v-if="part.kinded" class="field">
             <label :for="id(part.name + '.kind')">kind</label>
-            <div><select class="text" :aria-label="part.title + ', kind'" :id="id(part.name + '.kind')" :data-key="part.name + '.kind'" :disabled="!!broken" :value="kind(part)"
+            <div><select class="text" :aria-label="part.title + ', kind'" :id="id(part.name + '.kind')" :data-key="part.name + '.kind'" :disabled="!!broken" :value="part.kind"
                     @change="$emit('kind', { section: part.name, kind: $event.target.value })">
               <option v-if="part.optional" value="">default ({{ Object.keys(part.kinds)[0] }})</option>
-              <option v-if="kind(part) ? !(kind(part) in part.kinds) : !part.optional" :value="kind(part)">{{ kind(part) || "choose" }}</option>
+              <option v-if="part.kind ? !(part.kind in part.kinds) : !part.optional" :value="part.kind">{{ part.kind || "choose" }}</option>
               <option v-for="(words, name) in part.kinds" :key="name" :value="name" :title="words">{{ part.kind_names[name] ?? name }}</option></select>
-              <p class="quiet small">{{ part.kinds[kind(part)] ?? part.kinds[Object.keys(part.kinds)[0]] }}</p>
+              <p class="quiet small">{{ part.kinds[part.kind] ?? part.kinds[Object.keys(part.kinds)[0]] }}</p>
               <p v-if="problems[part.name + '.kind']" class="wrong" role="alert">{{ problems[part.name + ".kind"] }}</p></div>
           </div>
-          <div v-if="has(part) && choices(part).length > 1" class="field wide">
+          <div v-if="part.choices.size > 1" class="field wide">
             <label :for="id(part.name + '.given')">given by</label>
-            <select class="text" :id="id(part.name + '.given')" :disabled="!!broken" :value="choice(part)"
+            <select class="text" :id="id(part.name + '.given')" :disabled="!!broken" :value="part.choice"
                     @change="$emit('choice', { section: part.name, choice: Number($event.target.value) })">
-              <option v-for="[number, words] in choices(part)" :key="number" :value="number">{{ words }}</option></select>
+              <option v-for="[number, fields] in part.choices" :key="number" :value="number">{{ fields.map(({ label }) => label).join(", ") }}</option></select>
           </div>
-          <template v-if="has(part)"><div v-for="field in fields(part)" :key="field.key" 
-               :class="['field', { wide: field.listed && field.units.length }]" :title="help(field)">
+          <div v-for="field in part.fields" :key="field.key"
+               :class="['field', { wide: field.listed && field.units.length }]" :title="field.help">
             <label :for="id(field.key)">{{ field.label }}</label>
             <div>
               <span v-if="field.listed && field.names.length" class="row" role="group" :aria-label="field.label">
                 <label v-for="name in field.names" :key="name"><input type="checkbox" :data-key="field.key" :disabled="!!broken"
                   :checked="among(field).includes(name)" @change="tick(field, name)"> {{ name }}</label></span>
-              <select v-else-if="options(field).length" class="text" :id="id(field.key)" :data-key="field.key" :disabled="!!broken"
+              <select v-else-if="field.options.length" class="text" :id="id(field.key)" :data-key="field.key" :disabled="!!broken"
                       :aria-invalid="!!problem(field)" :value="values[field.key] ?? ''" @change="use(field, $event.target.value)">
-                <option v-if="!options(field).some(([value]) => value === (values[field.key] ?? ''))" :value="values[field.key]">{{ values[field.key] }}</option>
-                <option v-for="[value, words] in options(field)" :key="value" :value="value">{{ words }}</option></select>
+                <option v-if="!field.options.some(([value]) => value === (values[field.key] ?? ''))" :value="values[field.key]">{{ values[field.key] }}</option>
+                <option v-for="[value, words] in field.options" :key="value" :value="value">{{ words }}</option></select>
               <input v-else class="text" type="text" autocomplete="off" spellcheck="false" :id="id(field.key)" :data-key="field.key" :disabled="!!broken"
-                     :value="drafts[field.key] ?? values[field.key] ?? ''" :placeholder="placeholder(field)" :data-clean="field.key in drafts ? null : ''" :aria-invalid="!!problem(field)"
+                     :value="drafts[field.key] ?? values[field.key] ?? ''" :placeholder="field.placeholder" :data-clean="field.key in drafts ? null : ''" :aria-invalid="!!problem(field)"
                      :aria-describedby="id(field.key) + '-help ' + id(field.key) + '-wrong'" @input="drafts[field.key] = $event.target.value"
                      @change="leave(field)" @blur="leave(field)" @keydown="key($event, field)" @keyup="release($event, field)">
-              <span :id="id(field.key) + '-help'" class="unseen">{{ help(field) }}</span>
+              <span :id="id(field.key) + '-help'" class="unseen">{{ field.help }}</span>
               <p v-for="each in warnings[field.key]" :key="each" class="cautious small">{{ each }}</p>
               <p :id="id(field.key) + '-wrong'" v-if="problem(field)" class="wrong" role="alert">{{ problem(field) }}
                 <button v-if="remedy(field)" type="button" class="act" @click="use(field, remedy(field))">Use {{ remedy(field) }}</button></p>
-            </div></div></template>
-          <button v-if="part.optional && !kinded(part) && (!part.always || present.includes(part.name))" type="button" class="act" :disabled="!!broken" :aria-label="(has(part) ? 'Remove ' : 'Add ') + part.title"
-                  @click="$emit(has(part) ? 'removed' : 'added', part.name)">{{ has(part) ? "Remove" : "Add" }}</button>
+            </div></div>
+          <button v-if="part.optional && !part.kinded && (!part.always || present.includes(part.name))" type="button" class="act" :disabled="!!broken" :aria-label="(part.has ? 'Remove ' : 'Add ') + part.title"
+                  @click="$emit(part.has ? 'removed' : 'added', part.name)">{{ part.has ? "Remove" : "Add" }}</button>
         </details>
       </div>
       <p class="told small" aria-hidden="true">{{ telling }}</p>
@@ -81,14 +81,28 @@ export default {
     return { values: {}, present: [], problems: {}, warnings: {}, refused: {}, drafts: {}, opened: {}, broken: "", told: "", busy: true };
   },
   computed: {
+    // The sections that are shown, with their kinds and fields. One inside another section is shown if that one is of a
+    // kind with it.
+    sections() {
+      const { values, present } = this;
+      const radius = "lattice.radius" in values || !present.includes("tools") || "tools.exponent_range" in values;
+      return this.parts.filter(({ inner }) => !inner || values[inner.key] === inner.kind).map((part) => {
+        const [kinded, kind] = [Object.keys(part.kinds).length > 0, values[`${part.name}.kind`] ?? ""];
+        const has = part.always || present.includes(part.name);
+        const keys = (has && part.keys[kinded ? kind : ""]) || [];
+        const chosen = keys.filter((field) => field.choice !== null);
+        const choice = chosen.find(({ key }) => key in values)?.choice ?? 0; // the one of which a key is given
+        const fields = keys.filter(({ key, choice: of }) => (key !== "lattice.radius" || radius) && (of === null || of === choice || key in values));
+        return { ...part, kinded, kind, has, choices: Map.groupBy(chosen, (field) => field.choice), choice, fields };
+      });
+    },
+    fields() { return this.sections.flatMap((part) => part.fields); },
     loose() {  // what belongs to none of the fields that are shown
-      const places = this.parts.filter(this.visible).flatMap((part) => [part.name, `${part.name}.kind`, ...(this.has(part) ? this.fields(part).map((field) => field.key) : [])]);
+      const places = [...this.sections.flatMap(({ name }) => [name, `${name}.kind`]), ...this.fields.map(({ key }) => key)];
       return this.broken ? [] : Object.entries(this.problems).filter(([key]) => !places.includes(key)).map(([, words]) => words);
     },
-    telling() {
-      const shown = this.parts.filter((part) => this.visible(part) && this.has(part)).flatMap(this.fields); // a key can mean something else in another kind
-      const field = shown.find(({ key }) => key === this.told);
-      return field ? this.help(field) : "Each value is used with Enter or on leaving its field. Arrow keys up and down change numbers.";
+    telling() { // a key can mean something else in another kind
+      return this.fields.find(({ key }) => key === this.told)?.help ?? "Each value is used with Enter or on leaving its field. Arrow keys up and down change numbers.";
     },
   },
   mounted() { document.addEventListener("focusin", this.reveal); },
@@ -130,46 +144,14 @@ export default {
     },
     refuse({ key, words }) { this.refused[key] = words; },
     id(key) { return `field-${key.replaceAll(".", "-")}`; },
-    capital(words) { return words.charAt(0).toUpperCase() + words.slice(1); },
-    visible(part) {  // a section inside another one stands where that one is of a kind with it
-      return !part.inner || this.values[part.inner.key] === part.inner.kind;
-    },
-    kinded(part) { return Object.keys(part.kinds).length > 0; },
-    has(part) { return part.always || this.present.includes(part.name); },
-    kind(part) { return this.values[`${part.name}.kind`] ?? ""; },
-    keys(part) { return part.keys[this.kinded(part) ? this.kind(part) : ""] ?? []; },
     problem(field) { return this.refused[field.key] ?? this.problems[field.key]; },
-    choices(part) {
-      const sets = Map.groupBy(this.keys(part).filter((field) => field.choice !== null), (field) => field.choice);
-      return [...sets].map(([number, fields]) => [number, fields.map((field) => field.label).join(", ")]);
-    },
-    choice(part) {  // the one of which a key is given
-      return this.keys(part).find((field) => field.choice !== null && field.key in this.values)?.choice ?? 0;
-    },
-    fields(part) {
-      const choice = this.choice(part);
-      const radius = "lattice.radius" in this.values || !this.present.includes("tools") || "tools.exponent_range" in this.values;
-      return this.keys(part).filter(({ key, choice: of }) => (key !== "lattice.radius" || radius) && (of === null || of === choice || key in this.values));
-    },
     brief(part) {  // what a closed section holds
       if (!this.present.includes(part.name)) return "not used";
       const told = (field) => { // a number without a unit needs its name
         const value = this.values[field.key];
         return value && !UNIT.test(value) ? `${field.label} ${value}` : value;
       };
-      return this.fields(part).map(told).filter(Boolean).join(" · ");
-    },
-    help(field) {
-      const meaning = field.meaning.replace(/^(either|or|with it): /, "");
-      const rest = [[field.default, "Default"], [field.example, "Example"]].filter(([value]) => value);
-      return `${this.capital(field.label)} (${field.key}): ${meaning}${/[.!?]$/.test(meaning) ? "" : "."} ${rest.map(([value, word]) => `${word}: ${value}.`).join(" ")} ${field.further}`.trim();
-    },
-    placeholder(field) { return field.default || (field.needed ? field.example : ""); },
-    options(field) {
-      const words = field.value === "truth" ? [["true", "yes"], ["false", "no"]] : field.names.map((name) => [name, name]);
-      if (!words.length || field.needed) return words;
-      const usual = words.find(([value]) => value === field.default);
-      return [["", usual ? `default (${usual[1]})` : "default"], ...words];
+      return part.fields.map(told).filter(Boolean).join(" · ");
     },
     among(field) { return (this.values[field.key] ?? field.default).split(", ").filter(Boolean); },
     tick(field, name) {

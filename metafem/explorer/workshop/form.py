@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -75,15 +76,33 @@ def _inner(name: str) -> dict[str, str] | None:
 
 def _field(section: str, key: KeyForm) -> dict[str, Any]:
     name = f"{section}.{key.name}"
-    same = ("meaning", "value", "units", "names", "listed", "choice")
-    return {each: getattr(key, each) for each in same} | {
+    example, default = shown(key.example), _default(key)
+    return {each: getattr(key, each) for each in ("value", "units", "names", "listed", "choice")} | {
         "key": name,
         "label": label_of(name),
-        "further": FURTHER.get(name, ""),
-        "example": shown(key.example),
-        "default": _default(key),
-        "needed": not key.optional,
+        "help": _help(name, key.meaning, default, example),
+        "example": example,
+        "default": default,
+        "placeholder": default or ("" if key.optional else example),
+        "options": _options(key, default),
     }
+
+
+def _help(name: str, meaning: str, default: str, example: str) -> str:
+    """Return what a key means, its default and an example, as sentences."""
+    label = label_of(name)
+    meaning = re.sub("^(either|or|with it): ", "", meaning)
+    parts = [f"{label[:1].upper()}{label[1:]} ({name}): {meaning}{'' if meaning[-1:] in '.!?' else '.'}"]
+    parts += [f"{word}: {value}." for word, value in (("Default", default), ("Example", example)) if value]
+    return " ".join([*parts, FURTHER.get(name, "")]).rstrip()
+
+
+def _options(key: KeyForm, default: str) -> list[tuple[str, str]]:
+    """Return the values among which a key is chosen, with their words; "" is the default."""
+    names = {"true": "yes", "false": "no"} if key.value == "truth" else {name: name for name in key.names}
+    if names and key.optional:
+        names = {"": f"default ({names[default]})" if default in names else "default"} | names
+    return list(names.items())
 
 
 def _default(key: KeyForm) -> str:

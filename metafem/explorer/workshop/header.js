@@ -42,13 +42,13 @@ export default {
         <button class="act" aria-haspopup="menu" :aria-expanded="opened">Menu
           <q-menu ref="menu" v-model="opened" class="bar-menu" aria-label="Menu" anchor="bottom right" self="top right" transition-duration="0" @show="step(0)" @keydown="walk">
             <div role="group" aria-labelledby="menu-starts"><h3 id="menu-starts">Start over</h3>
-              <button v-for="name in starts" :key="name" role="menuitem" title="Undo brings back what was" :disabled="lost" @click="use('begin', name)">{{ name }}</button></div>
+              <button v-for="name in starts" :key="name" v-close-popup role="menuitem" title="Undo brings back what was" :disabled="lost" @click="$emit('begin', name)">{{ name }}</button></div>
             <div role="group" aria-labelledby="menu-colours"><h3 id="menu-colours">Colours of the page</h3>
               <button v-for="(word, name) in themes" :key="name" role="menuitemradio" :aria-checked="theme === name" @click="choose(name)">{{ word }}</button></div>
             <div role="group" aria-labelledby="menu-help"><h3 id="menu-help">How to use it</h3>
-              <button role="menuitem" @click="tour">One-minute tour</button><button role="menuitem" @click="open">Help: mouse, touch and keys (?)</button></div></q-menu></button>
+              <button v-close-popup role="menuitem" @click="tour">One-minute tour</button><button role="menuitem" @click="open">Help: mouse, touch and keys (?)</button></div></q-menu></button>
       </span>
-      <dialog ref="dialog" aria-labelledby="help-title" @click="outside">
+      <dialog ref="dialog" aria-labelledby="help-title" closedby="any">
         <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>
         <div v-html="keys"></div>
       </dialog>
@@ -86,10 +86,6 @@ export default {
   },
   methods: {
     show(data) { Object.assign(this, data); },
-    use(name, given) {
-      this.$refs.menu.hide();
-      this.$emit(name, given);
-    },
     // Puts the focus on an entry of the menu: so many after the one in focus, or the first.
     step(steps) {
       const entries = [...document.querySelectorAll(".bar-menu button:not(:disabled)")];
@@ -122,13 +118,7 @@ export default {
       this.$refs.menu.hide();
       if (!this.$refs.dialog.open) this.$refs.dialog.showModal();
     },
-    async tour() {
-      this.$refs.menu.hide();
-      (await import("metafem-page/tour.js")).start();
-    },
-    outside(event) {  // the ground behind the dialog is the dialog itself
-      if (event.target === this.$refs.dialog) this.$refs.dialog.close();
-    },
+    async tour() { (await import("metafem-page/tour.js")).start(); },
     over(event) {
       if (event.dataTransfer?.types.includes("Files")) event.preventDefault();
     },

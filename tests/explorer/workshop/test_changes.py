@@ -152,3 +152,12 @@ def test_a_problem_at_its_field_leaves_out_what_stands_there(key, given, words):
     text = text if key == "target.kind" else with_field(TEXT, key, given)
     found = contents(text, answered(State(text), 1).reasons)
     assert found["problems"][key].startswith(words)
+
+
+def test_fields_have_help_and_the_default_among_their_options():
+    fields = {field["key"]: field for part in form() for keys in part["keys"].values() for field in keys}
+    assert fields["limits.max_height"]["help"].startswith("Largest height (limits.max_height): ")
+    assert fields["limits.max_height"]["help"].endswith(f"Example: {fields['limits.max_height']['example']}.")
+    mixed = fields["tools.mixed"]["options"]
+    assert [value for value, _ in mixed] == ["", "true", "false"]
+    assert mixed[0][1] in ("default (yes)", "default (no)")

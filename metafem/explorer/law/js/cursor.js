@@ -55,7 +55,7 @@ export class Cursor {
   constructor(plot, group, readout, signal) {
     this.plot = plot;
     this.readout = readout;
-    this.rug = new Rug(group, () => { if (plot.data) this.draw(plot.view, plot.data); }, signal);
+    this.rug = new Rug(group, () => this.draw(), signal);
     hear("load", (to) => this.take(to), signal);
     this.hair = made("line", { class: "hair", "aria-hidden": "true" }, group);
     this.dot = made("circle", { class: "hair-dot", r: 4, "aria-hidden": "true" }, group);
@@ -104,12 +104,12 @@ export class Cursor {
 
   // A load that was chosen here or beside the surface. The server computes the contacts where it stays.
   take(to) {
-    const { view, data } = this.plot;
+    const { data } = this.plot;
     if (!data?.achieved) return;
     this.chosen.take(to);
     this.x = to.load * data.load_scale;
     if (!to.moving) this.plot.emit("cursor", { x: this.x });
-    this.draw(view, data);
+    this.draw();
   }
 
   values(x) { return this.plot.words({ x, y: valueAt(this.plot.data.achieved, x) }); }
@@ -122,13 +122,15 @@ export class Cursor {
     set(dot, { cx: px, cy: view.py(y ?? 0), visibility: y === null ? "hidden" : null });
   }
 
-  draw(view, data) {
-    const inside = this.over && this.over.x >= MARGIN.left && this.over.x <= view.right && data;
+  draw() {
+    const { view, data } = this.plot;
+    if (!data) return;
+    const inside = this.over && this.over.x >= MARGIN.left && this.over.x <= view.right;
     const x = inside ? view.x.at(this.over.x) : null;
     const y = inside ? valueAt(data.achieved, x) : null;
     this.place(this.hair, this.dot, x, view.y.has(y) ? y : null);
-    if (data) this.rug.follow(this.over, view, data.load_scale);
-    const entry = data ? this.rug.draw(view, data) : "";
+    this.rug.follow(this.over, view, data.load_scale);
+    const entry = this.rug.draw(view, data);
     this.readout.textContent = entry || (inside ? `${this.values(x)}${y === null ? "" : " (achieved law)"}` : "");
     const load = this.load;
     const shown = view.x.has(load);
@@ -136,7 +138,7 @@ export class Cursor {
     set(this.knob, {
       transform: `translate(${view.px(load ?? 0).toFixed(2)} ${view.bottom})`, visibility: shown ? null : "hidden",
       "aria-label": "load at which contacts are shown", "aria-valuenow": load ?? 0, "aria-valuemin": 0,
-      "aria-valuetext": load === null || !data ? "" : this.values(load),
+      "aria-valuetext": load === null ? "" : this.values(load),
     });
   }
 }

@@ -9,12 +9,10 @@ const LARGEST = 50_000_000;
 
 // Returns a table with every n-th of its rows, and n.
 function thinned(text) {
-  const lines = text.split(/\r?\n/).filter((line) => line.trim());
-  const head = lines.findIndex((line) => !line.startsWith("#"));
-  const rows = lines.slice(head + 1).filter((line) => !line.startsWith("#"));
+  const [head = "", ...rows] = text.split(/\r?\n/).filter((line) => line.trim() && !line.startsWith("#"));
   const n = Math.max(1, Math.ceil(rows.length / MOST_ROWS), Math.ceil((1.1 * text.length) / MOST));
   if (text.length <= MOST && rows.length <= MOST_ROWS) return { text, n: 1, count: rows.length };
-  return { text: [lines[head] ?? "", ...rows.filter((_, i) => i % n === 0)].join("\n"), n, count: rows.length };
+  return { text: [head, ...rows.filter((_, i) => i % n === 0)].join("\n"), n, count: rows.length };
 }
 
 // Returns the name and the text of a table, and what is left out of it, or what is wrong.

@@ -1,11 +1,9 @@
 // The law: draws answers, and turns what hands and keys do into events.
 import { Chosen, hear, remember } from "metafem-page/linked.js";
 import { Cursor } from "./cursor.js";
-import { Requests } from "./drag.js";
-import { followed } from "./follow.js";
+import { followed, Requests } from "./drag.js";
 import { Handles } from "./handles.js";
-import { Names } from "./names.js";
-import { entries, Picture } from "./picture.js";
+import { entries, Names, Picture } from "./picture.js";
 import { made, told } from "./svg.js";
 import { MARGIN, View } from "./view.js";
 
@@ -69,12 +67,11 @@ export class Plot {
     svg.addEventListener("pointerdown", (event) => { this.pressed = this.pointOf(event); });
     svg.addEventListener("pointermove", (event) => {
       this.cursor.over = this.pointOf(event);
-      if (this.handles.follow(event) || this.cursor.follow(event) || !this.data) return;
-      this.cursor.draw(view, this.data);
+      if (!this.handles.follow(event) && !this.cursor.follow(event)) this.cursor.draw();
     });
     svg.addEventListener("pointerleave", () => {
       this.cursor.over = null;
-      if (this.data) this.cursor.draw(view, this.data);
+      this.cursor.draw();
     });
     for (const end of ["pointerup", "pointercancel"]) {
       svg.addEventListener(end, (event) => {
@@ -245,10 +242,11 @@ export class Plot {
     const { data, view, handles } = this;
     if (!data) return;
     const shown = { ...data, wanted: followed(data, handles.held).wanted };
-    this.picture.draw(view, shown);
-    this.names.draw(view, entries(shown), handles.all, this.cursor.mark, Boolean(handles.drag));
+    const all = entries(shown);
+    this.picture.draw(view, shown, all);
+    this.names.draw(view, all, handles.all, this.cursor.mark, Boolean(handles.drag));
     handles.draw(view, data.refusal !== "" || Boolean(handles.drag?.refusal));
-    this.cursor.draw(view, data);
+    this.cursor.draw();
     this.drawRefusal();
   }
 

@@ -74,9 +74,6 @@ export class SiteMap extends Picture {
   // Where a site is drawn.
   placeOf(i) { return [this.view.px(this.layout.x[i]), this.view.py(this.layout.y[i])]; }
 
-  // The site where the keys begin.
-  get first() { return 0; }
-
   pointerdown(event) {
     if (event.button) return;
     this.from = { clientX: event.clientX, clientY: event.clientY, mouse: event.pointerType === "mouse" };
