@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from nicegui import ui
+from nicegui import app
 
 from metafem._values import percent
 from metafem.errors import InvalidInput
@@ -70,7 +70,8 @@ class Header(Panel):
             stop=lambda _: page.stop(),
             compute=lambda _: page.compute(),
         )
-        ui.timer(LATE, self._wait)
+        timer = app.timer(LATE, self._wait)  # `ui.timer` would be an element, with a file of its own
+        page.client.on_delete(lambda: timer.cancel())
 
     def prepare(self, answer: Answer) -> dict[str, Any]:
         """Return the data of an answer."""
