@@ -96,7 +96,7 @@ def test_a_study_shows_its_answer_which_stays_at_a_reload_and_is_marked_after_a_
     visit.page.wait_for_function("() => !document.querySelector('[data-study=misalignment] .stale')")
     visit.drag(visit.handles()[0], 3, 8)
     stale.wait_for()
-    assert "of another specification than the one shown" in stale.inner_text()
+    assert "found for another specification" in stale.inner_text()
 
 
 def test_a_study_ends_when_it_is_stopped_and_with_its_page(visit, server):

@@ -24,7 +24,7 @@ export default {
         </div>
         <p v-if="of(study).error" class="warn" role="alert">{{ of(study).error }}</p>
         <div v-if="of(study).found" :class="{ stale: stale(study) }" role="status">
-          <p v-if="stale(study)" class="chip warn">▲ of another specification than the one shown</p>
+          <p v-if="stale(study)" class="chip warn">▲ found for another specification</p>
           <p v-if="of(study).found.answer" class="answer">{{ of(study).found.answer }}</p>
           <figure v-if="of(study).found.picture" v-html="of(study).found.picture"></figure>
           <details>

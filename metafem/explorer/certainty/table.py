@@ -53,7 +53,7 @@ def note_list(notes: Sequence[Mapping[str, Any]]) -> tuple[str, str]:
     texts = (f'<p class="{kind}"><strong>{name}:</strong> {text}</p>' for kind, name, text in named)
     warnings = sum(note["warns"] for note in notes)
     counts = counted(warnings, "warning"), counted(len(notes) - warnings, "note")
-    return f"{', '.join(filter(None, counts))} of the design", "".join(texts)
+    return f"{', '.join(filter(None, counts))} on the design", "".join(texts)
 
 
 def counted(count: int, word: str) -> str:

@@ -4,7 +4,7 @@ import { hear, remember } from "metafem-page/linked.js";
 import { Plot } from "metafem-law/plot.js";
 
 // What the line below the plot says at the first visit.
-const [HINT, WELCOME] = ["metafem-hint", "Drag the points of the target law: the heights follow. The tab “Take it” has the mould table. “Help” in the menu lists gestures and keys."];
+const [HINT, WELCOME] = ["metafem-hint", "Drag the points of the target law: the heights follow. “Take it” has the mould table, and “Menu” the help."];
 // Buttons in the legend: their words, and the event that they emit.
 const ACTS = {
   achieved: [["Pin as A", "pin", { on: true }]],

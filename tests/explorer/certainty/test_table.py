@@ -24,7 +24,7 @@ def test_a_figure_has_its_state_in_words_and_its_texts_are_no_markup():
 def test_notes_are_counted_by_their_kind():
     notes = [{"text": "a", "warns": True}, {"text": "b <", "warns": False}, {"text": "c", "warns": False}]
     count, texts = note_list(notes)
-    assert count == "1 warning, 2 notes of the design"
+    assert count == "1 warning, 2 notes on the design"
     assert '<p class="note"><strong>Note:</strong> b &lt;</p>' in texts
-    assert note_list(notes[:1])[0] == "1 warning of the design"
+    assert note_list(notes[:1])[0] == "1 warning on the design"
     assert note_list([])[1] == ""

@@ -242,7 +242,7 @@ export class Relief {
     this.body = new THREE.Group().add(this.block, ...this.caps, this.lids, this.contacts, this.rings);
     this.things = [this.body, this.glass];
     this.scene.add(...this.things);
-    this.size = Math.hypot(...sites);
+    this.size = Math.hypot(width, length);
     this.middle = middle;
   }
 
@@ -254,7 +254,7 @@ export class Relief {
     camera.updateProjectionMatrix();
     controls.target.set(...this.middle, 0);
     const room = Math.min(1, camera.aspect);
-    camera.position.copy(controls.target).addScaledVector(from, (0.58 * size) / Math.tan((FIELD * Math.PI) / 360) / room);
+    camera.position.copy(controls.target).addScaledVector(from, (0.53 * size) / Math.tan((FIELD * Math.PI) / 360) / room);
     controls.update();
     this.render();
   }
