@@ -52,6 +52,7 @@ ADDED: Mapping[str, set[str]] = {
     "Wording": {"quantity"},
     **{name: {"of"} for name in TARGETS},
     "Tolerances": {"exponent_sd", "coefficient_sd"},
+    **{name: {"quantity", "value", "bound", "remedies"} for name in ("Note", "ArgumentNote", "FolderNote")},
 }
 # Members that earlier versions wrote with another name.
 RENAMED: Mapping[str, Mapping[str, str]] = {"Design": {"radii": "tools"}}

@@ -9,7 +9,7 @@ import pytest
 import metafem as mf
 from metafem.explorer.law.reach import reach_of
 from metafem.explorer.text.fields import shown, typed_value
-from metafem.explorer.text.handles import drawn, scene_of
+from metafem.explorer.text.handles import scene_of
 from metafem.files import all_keys, demo_text, parsed, read_surface
 from metafem.files.result.records import from_record, to_record
 from metafem.files.result.tables import heights_table
@@ -128,6 +128,5 @@ def test_the_explorer_reads_and_shows_a_list():
     ratio = next(key for key in all_keys() if key.name == "area_ratio")
     assert typed_value(ratio, "0.85, 1.0") == [0.85, 1.0]
     found = parsed(text())
-    handles, _ = drawn(scene_of(text(), found, found.design()))
-    assert len(handles) == 2
+    assert len(scene_of(text(), found, found.design()).handles()) == 2
     assert reach_of(found) is None  # the bounds are those of one friction

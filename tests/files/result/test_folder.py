@@ -241,3 +241,10 @@ def test_a_file_is_no_result_folder(tmp_path, linear):
         mf.load(tmp_path / "out" / "design.json")
     with pytest.raises(mf.InvalidInput, match='folder = "" is an empty name'):
         mf.save(linear[1], "")
+
+
+def test_the_numbers_of_notes_are_kept(tmp_path, linear):
+    notes = (mf.Note("a", quantity="q", value=0.1, bound=0.2, remedies=("offset",)), mf.Note("b"))
+    mf.save(replace(linear[1], notes=notes), tmp_path / "noted")
+    kept = mf.load(tmp_path / "noted").notes
+    assert [vars(note) for note in kept] == [vars(note) for note in notes]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.explorer.text.handles import drawn, scene_of
+from metafem.explorer.text.handles import scene_of
 from metafem.files import demo_text, parsed
 
 
@@ -25,9 +25,9 @@ def test_a_band_is_read_designed_drawn_and_saved(tmp_path):
     np.testing.assert_allclose(found.target.highest, [0.9, 1.6], rtol=1e-12)
     design = found.design()
     assert design.misfit == 0.0
-    handles, shape = drawn(scene_of(text, found, design))
-    assert handles == ()
-    assert int(np.isnan(shape.load).sum()) == 1
+    scene = scene_of(text, found, design)
+    assert scene.handles() == ()
+    assert int(np.isnan(scene.shape().load).sum()) == 1
     mf.save(design, tmp_path / "band")
     again = mf.load(tmp_path / "band")
     assert again.target == found.target
