@@ -66,7 +66,7 @@ class Hand:
 
 def test_a_law_of_ones_own_becomes_a_mould_table_in_six_steps(visit, tmp_path):
     hand = Hand(visit)
-    assert visit.page.get_by_text("The tab “Take it” has the mould table").is_visible()
+    assert visit.page.get_by_text("“Take it” has the mould table").is_visible()
     before = visit.text
     hand.drags("point 1 of 3", -15, 4)
     hand.drags("point 2 of 3", -10, -12)
