@@ -29,6 +29,10 @@ from metafem.explorer.widget import Widget
 Request = tuple[Answer, int]
 NOTHING, FIGURES, DRAWS = range(3)
 
+# Time without a newer answer after which the next of these begins [s]. A drag that stops often goes
+# on within this time, and draws would delay its first steps.
+PAUSE = 0.5
+
 # Closes the warnings at the key Escape.
 SHUT = "event => { event.currentTarget.open = false; event.currentTarget.firstElementChild.focus(); }"
 
@@ -107,7 +111,11 @@ class Certainty(Panel):
         self.answer: Answer | None = None
         self.open = self.ready = False
         self.queue: Queue[Request, Callable[[], object]] = Queue(
-            self._judged, lambda show: show(), lambda _, error: page.wrong(error), better=self._next
+            self._judged,
+            lambda show: show(),
+            lambda _, error: page.wrong(error),
+            better=self._next,
+            rest=PAUSE,
         )
         page.client.on_delete(self.queue.stop)
 
