@@ -18,8 +18,8 @@ from metafem.explorer.answer import Answer
 from metafem.explorer.certainty import band
 from metafem.explorer.certainty.figures import Standing, figures
 from metafem.explorer.certainty.long_studies import STUDIES, Found, run
-from metafem.explorer.certainty.places import note_data, part_warnings, remarks, warnings_by_place
-from metafem.explorer.certainty.table import chip, counted, figure_table, note_list
+from metafem.explorer.certainty.places import part_warnings, remarks, warnings_by_place
+from metafem.explorer.certainty.table import chip, figure_table, note_list
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.queue import Queue
 from metafem.explorer.widget import Widget
@@ -49,11 +49,11 @@ ORDER = (Standing.WARNING, Standing.REMARK, Standing.UNKNOWN, Standing.GOOD)
 
 
 def figure_data(answer: Answer) -> dict[str, Any]:
-    """Return the rows of the table, the notes, the text above them and the description of the band."""
+    """Return the rows of the table, the notes as HTML, the text above and the description of the band."""
     return {
         "words": NO_DESIGN if answer.design is None else "" if answer.current else NOT_CURRENT,
         "rows": sorted(map(vars, figures(answer)), key=lambda row: ORDER.index(row["standing"])),
-        "notes": note_data(remarks(answer)),
+        "notes": note_list(remarks(answer)),
         "band": band.band_words(answer),
     }
 
@@ -77,7 +77,7 @@ def study_data(answer: Answer) -> dict[str, Any]:
 
 def found_data(found: Found, shown: str) -> dict[str, Any]:
     """Return the result of a study as data, with the hash of the state that was studied."""
-    return {**vars(found), "notes": note_data(found.notes), "of": shown}
+    return {**vars(found), "notes": [note.to_json() for note in found.notes], "of": shown}
 
 
 class SureStudies(Widget, component="sure_studies.js"):
@@ -98,7 +98,7 @@ class PlaceWarnings(Panel):
         """Show the warnings of this part."""
         texts = [text[:1].upper() + text[1:] for text in places.get(self.place, [])]
         brief = re.split(r"[.:;] ", texts[0])[0] if texts else ""
-        count = chip(Standing.WARNING, counted(len(texts), "warning"))
+        count = chip(Standing.WARNING, f"{len(texts)} warning{'s' * (len(texts) > 1)}")
         self.brief.content = f'{count}<span class="small">{escape(brief)}</span>' if texts else ""
         self.words.content = "".join(f'<p class="warn small">{escape(text)}</p>' for text in texts)
 
@@ -172,7 +172,7 @@ class Certainty(Panel):
         self.page.warn(places)
         if data is not None:
             self.table.content = figure_table(data[0])
-            self.count.content, self.notes.content = note_list(data[0]["notes"])
+            self.count.content, self.notes.content = data[0]["notes"]
             self.studies.call("follow", data[1])
 
     async def _start(self, name: Any) -> None:

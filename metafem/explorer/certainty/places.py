@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
@@ -44,11 +44,6 @@ def remarks(answer: Answer) -> tuple[Note, ...]:
         return ()
     hardness = None if answer.specification is None else answer.specification.hardness
     return all_notes(answer.design, hardness)
-
-
-def note_data(notes: tuple[Note, ...]) -> list[dict[str, Any]]:
-    """Return notes as data."""
-    return [{"text": str(note), "warns": note.warns} for note in notes]
 
 
 def part_of(answer: Answer) -> tuple[Part | None, str]:

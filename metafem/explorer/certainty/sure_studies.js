@@ -33,7 +33,7 @@ export default {
               <thead><tr><th v-for="name in of(study).found.columns" :key="name">{{ name }}</th></tr></thead>
               <tbody><tr v-for="(row, i) in of(study).found.rows" :key="i"><td v-for="(cell, j) in row" :key="j">{{ cell }}</td></tr></tbody>
             </table></div>
-            <p v-for="note in of(study).found.notes" :key="note.text" :class="['small', note.warns ? 'warn' : 'note']">{{ note.text }}.</p>
+            <p v-for="note in of(study).found.notes" :key="note.text" :class="['small', note.level === 'warning' ? 'warn' : 'note']">{{ note.text }}.</p>
           </details>
         </div>
       </article>

@@ -7,6 +7,7 @@ from html import escape
 from typing import Any
 
 from metafem.explorer.certainty.figures import Standing
+from metafem.notes import Note, counted
 
 # Sign and class of the chip of each standing.
 CHIPS = {
@@ -46,22 +47,9 @@ def chip(standing: Standing, words: str) -> str:
     return f'<span class="chip {tint}"><span aria-hidden="true">{sign}</span>{words}</span>'
 
 
-def note_list(notes: Sequence[Mapping[str, Any]]) -> tuple[str, str]:
+def note_list(notes: Sequence[Note]) -> tuple[str, str]:
     """Return how many warnings and other notes there are, and their paragraphs."""
     kinds = {True: ("warn", "Warning"), False: ("note", "Note")}
-    named = [(*kinds[note["warns"]], escape(note["text"])) for note in notes]
+    named = [(*kinds[note.warns], escape(str(note))) for note in notes]
     texts = (f'<p class="{kind}"><strong>{name}:</strong> {text}</p>' for kind, name, text in named)
-    warnings = sum(note["warns"] for note in notes)
-    counts = counted(warnings, "warning"), counted(len(notes) - warnings, "note")
-    return f"{', '.join(filter(None, counts))} on the design", "".join(texts)
-
-
-def counted(count: int, word: str) -> str:
-    """Return a number of things in words; "" for none.
-
-    Examples
-    --------
-    >>> counted(1, "note"), counted(2, "note"), counted(0, "note")
-    ('1 note', '2 notes', '')
-    """
-    return f"{count} {word}{'s' if count > 1 else ''}" if count else ""
+    return f"{counted(notes)} on the design", "".join(texts)

@@ -1,7 +1,9 @@
 """Data of the panel."""
 
 import json
+import re
 from dataclasses import replace
+from html import unescape
 
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.certainty.figures import Standing, figures
@@ -28,7 +30,8 @@ def test_rows_are_the_figures_and_what_needs_attention_stands_first():
     order = [list(Standing).index(Standing(row["standing"])) for row in data["rows"]]
     assert data["rows"][0]["standing"] == "remark"
     assert order[1:] == [0] * (len(order) - 1)
-    assert [note["text"] for note in data["notes"]] == [str(note) for note in answer.design.notes]
+    texts = re.findall(r"</strong> (.*?)</p>", data["notes"][1])
+    assert [unescape(text) for text in texts] == [str(note) for note in answer.design.notes]
     assert data["words"] == ""
     assert at_once(answer)
 
@@ -48,6 +51,6 @@ def test_a_study_belongs_to_the_specification_and_its_tables():
     assert not any(shown["hindered"].values())
     found = found_data(Found("title", ("a",), (("1",),), (Note("n"),), "Good."), shown["shown"])
     assert found["of"] == study_data(replace(answer, state=replace(STATE, newtons=True)))["shown"]
-    assert found["notes"] == [{"text": "n", "warns": True}]
+    assert found["notes"] == [{"level": "warning", "text": "n"}]
     others = (replace(STATE, text=STATE.text + "\n"), replace(STATE, tables={"law.csv": "1,2\n"}))
     assert len({study_data(replace(answer, state=state))["shown"] for state in (STATE, *others)}) == 3

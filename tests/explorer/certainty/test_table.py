@@ -2,6 +2,7 @@
 
 from metafem.explorer.certainty.figures import Standing
 from metafem.explorer.certainty.table import figure_table, note_list
+from metafem.notes import Note, information
 
 ROW = {
     "name": "a < b",
@@ -22,7 +23,7 @@ def test_a_figure_has_its_state_in_words_and_its_texts_are_no_markup():
 
 
 def test_notes_are_counted_by_their_kind():
-    notes = [{"text": "a", "warns": True}, {"text": "b <", "warns": False}, {"text": "c", "warns": False}]
+    notes = [Note("a"), information("b <"), information("c")]
     count, texts = note_list(notes)
     assert count == "1 warning, 2 notes on the design"
     assert '<p class="note"><strong>Note:</strong> b &lt;</p>' in texts
