@@ -82,6 +82,9 @@ def made(given: Any) -> Entry:
     if wrong.size:
         i = wrong[0]
         raise BadInput(f"tool[{i}] = {tool[i]:g} must be a whole number from 1 to {most}")
+    misfit = given.get("misfit")
+    if misfit is not None and not isinstance(misfit, (int, float)):
+        raise BadInput(f"misfit = {misfit!r} must be a number, such as 0.0123, or left out")
     stated = {key: value for key, value in given.items() if key not in ("position", "height", "tool")}
     return Entry(wanted, position, height, tool.astype(int) - 1, stated)
 

@@ -169,6 +169,8 @@ def changed(**values):
         ({"height": ["high"] * 64}, "height must hold numbers"),
         ({"tool": [1]}, "tool has 1 entries for 64"),
         ({"tool": [2] * 64}, r"tool\[0\] = 2 must be a whole number from 1 to 1"),
+        ({"misfit": "small"}, "misfit = 'small' must be a number, such as 0.0123"),
+        ({"misfit": [0.1]}, r"misfit = \[0.1\] must be a number"),
     ],
 )
 def test_unreadable_entries_are_named(values, words):
