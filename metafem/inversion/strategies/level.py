@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -19,7 +20,6 @@ from scipy.optimize import brentq
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.law import contacts
-from metafem.inversion.height_density import TIGHTEST
 from metafem.models import Independent
 
 # A load within this relative distance of the load of the point counts as equal, so that rounding does not add
@@ -68,6 +68,15 @@ class Level:
         return sum(number for _, _, number in self.kinds)
 
 
+class Excess(NamedTuple):
+    """Load and area of asperities minus those of a point, and their derivatives by the indentation, (k,)."""
+
+    load: FloatArray  # [mm^2]
+    area: FloatArray  # [mm^2]
+    stiffness: FloatArray  # dP/dd [mm]
+    growth: FloatArray  # dA/dd [mm]
+
+
 def kinds_of(levels: tuple[Level, ...]) -> FloatArray:
     """Return the heights, radii and numbers of the asperities of each kind, (3, q)."""
     return np.array([kind for level in levels for kind in level.kinds]).reshape(-1, 3).T
@@ -96,20 +105,24 @@ class Step:
         self.missing = friction - float(contacts(law, self.above, self.radius).area @ self.number)
         self.fewest, self.used = 0 if done else 1, {level.radius for level in done}
 
-    def at(self, depth: FloatArray, number: FloatArray, radius: FloatArray) -> tuple[FloatArray, ...]:
-        """Return the load and area minus those of the point [mm^2], and dA/dd [mm], (k,) each.
+    def with_new(self, number: FloatArray, radius: FloatArray) -> Callable[[FloatArray], Excess]:
+        """Return the excess over the point as a function of the indentations of the level, (k,) [mm].
 
-        The level has the indentations `depth` (k,) [mm] and `number` (k, q) new asperities with the radii
-        `radius` (q,) [mm].
+        The level has `number` (k, q) new asperities with the radii `radius` (q,) [mm].
         """
         above = np.concatenate([self.above, np.zeros(len(radius))])
-        size, old = np.concatenate([self.radius, radius]), np.tile(self.number, (len(depth), 1))
+        size = np.concatenate([self.radius, radius])
+        old = np.broadcast_to(self.number, (len(number), len(self.number)))
         every = np.concatenate([old, number], axis=1)
-        found = contacts(self.law, above + depth[:, None], size)
-        growth = self.law.area_slope(found.contact_radius, size)
-        parts = (np.einsum("kq,kq->k", every, part) for part in (found.load, found.area, growth))
-        load, area, slope = parts
-        return load - self.load, area - self.friction, slope  # eq. S1
+
+        def at(depth: FloatArray) -> Excess:
+            found = contacts(self.law, above + depth[:, None], size)
+            growth = self.law.area_slope(found.contact_radius, size)
+            parts = (found.load, found.area, found.stiffness, growth)
+            load, area, stiffness, growth = ((every * part).sum(axis=1) for part in parts)
+            return Excess(load - self.load, area - self.friction, stiffness, growth)  # eq. S1
+
+        return at
 
     def depth(self, number: FloatArray, radius: FloatArray) -> FloatArray:
         """Return the indentations of the level at which the area equals that of the point, (k,) [mm]."""
@@ -118,16 +131,13 @@ class Step:
         old, new = (self._deepest(widest, each) for each in (self.radius, radius))
         high = np.where(number > 0.0, new, np.inf).min(axis=1)
         high = np.minimum(high, np.min(old - self.above, initial=np.inf))
-        low, depth = np.zeros(len(number)), high
-        for _ in range(MOST_STEPS):
-            _, excess, growth = self.at(depth, number, radius)
-            low, high = np.where(excess <= 0.0, depth, low), np.where(excess >= 0.0, depth, high)
-            if (np.abs(excess) <= SETTLED * self.friction).all():
-                break
-            with np.errstate(divide="ignore", invalid="ignore"):  # without a slope the bracket is halved
-                moved = depth - excess / growth
-            depth = np.where((moved > low) & (moved < high), moved, 0.5 * (low + high))
-        return np.asarray(depth)
+        at = self.with_new(number, radius)
+
+        def area(depth: FloatArray) -> tuple[FloatArray, FloatArray]:
+            found = at(depth)
+            return found.area, found.growth
+
+        return _increasing_root(area, np.zeros(len(number)), high, SETTLED * self.friction)
 
     def _deepest(self, widest: float, radius: FloatArray) -> FloatArray:
         """Return the indentations at a contact radius, at most the largest of the law, (q,) [mm]."""
@@ -151,7 +161,7 @@ class Step:
 
         def excess(number: float) -> float:
             new = np.array([[number]]), np.array([radius])
-            return float(self.at(self.depth(*new), *new)[0][0])
+            return float(self.with_new(*new)(self.depth(*new)).load[0])
 
         low, high = float(self.fewest), 1.0
         while excess(high) > 0.0:
@@ -175,14 +185,14 @@ class Step:
         for radius in tools:
             new = number[:, None], np.array([radius])
             depth = self.depth(*new)
-            without = self.at(depth, *new)[0]
+            without = self.with_new(*new)(depth).load
             met = np.abs(without) <= ROUNDING * self.load
             for n, d in zip(number[met], depth[met], strict=True):
                 yield Level(self.height, int(n), radius, radius, float(d), 0.0)
             for other in tools:
                 new = np.stack([number, np.ones(len(number))], axis=1), np.array([radius, other])
                 level = self.depth(*new)
-                both = self.at(level, *new)[0]
+                both = self.with_new(*new)(level).load
                 for i in np.flatnonzero((without * both <= 0.0) & ~met & (number < left)):
                     yield self._adjusted(int(number[i]), radius, other, float(level[i]), float(depth[i]))
 
@@ -192,22 +202,51 @@ class Step:
         Its indentation is between `low`, at which the adjustment asperity has the height of the level, and
         `high`, at which the adjustment asperity just touches.
         """
-        new = np.array([[float(number)]]), np.array([radius])
+        at = self.with_new(np.array([[float(number)]]), np.array([radius]))
+        size = np.array([other])
 
-        def missing(depth: float) -> tuple[float, float]:
-            """Return the indentation [mm] of the adjustment asperity, and the excess load [mm^2]."""
-            load, area, _ = self.at(np.array([depth]), *new)
-            widest = math.sqrt(max(-float(area[0]), 0.0) / math.pi)
-            own = self._deepest(widest, np.array([other]))[0]
-            return float(own), float(load[0] + contacts(self.law, np.array(own), np.array(other)).load)
+        def adjusted(depth: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+            """Return the indentation [mm] of the adjustment asperity, the excess load [mm^2], and its slope."""
+            level = at(depth)
+            widest = math.sqrt(max(-float(level.area[0]), 0.0) / math.pi)
+            own = self._deepest(widest, size)
+            found = contacts(self.law, own, size)
+            # dP/dA of the adjustment asperity, whose area decreases as that of the others increases
+            steepness = found.stiffness / self.law.area_slope(found.contact_radius, size)
+            return own, level.load + found.load, level.stiffness - steepness * level.growth
 
-        depth = _root(lambda depth: missing(depth)[1], low, high)
-        return Level(self.height, number, radius, other, depth, missing(depth)[0])
+        def excess(depth: FloatArray) -> tuple[FloatArray, FloatArray]:
+            _, load, slope = adjusted(depth)
+            return sign * load, sign * slope
+
+        with np.errstate(divide="ignore", invalid="ignore"):  # an adjustment asperity that just touches
+            first, last = (float(adjusted(np.array([end]))[1][0]) for end in (low, high))
+            sign = 1.0 if last > 0.0 else -1.0
+            if first == 0.0 or (first > 0.0) == (last > 0.0):  # rounding hides the change of sign
+                depth = np.array([low if abs(first) <= abs(last) else high])
+            else:
+                depth = _increasing_root(excess, np.array([low]), np.array([high]), SETTLED * self.load)
+            own = adjusted(depth)[0]
+        return Level(self.height, number, radius, other, float(depth[0]), float(own[0]))
 
 
-def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Return the root of a function in a bracket, or an end if rounding hides the change of sign."""
-    first, last = function(low), function(high)
-    if first == 0.0 or (first > 0.0) == (last > 0.0):
-        return low if abs(first) <= abs(last) else high
-    return float(brentq(function, low, high, xtol=TIGHTEST * low, rtol=TIGHTEST))
+def _increasing_root(
+    function: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
+    low: FloatArray,
+    high: FloatArray,
+    settled: float,
+) -> FloatArray:
+    """Return the roots (k,) of an increasing function in brackets, by Newton's method with bisection.
+
+    The function returns its values and slopes; values up to `settled` count as 0.
+    """
+    x = high
+    for _ in range(MOST_STEPS):
+        value, slope = function(x)
+        low, high = np.where(value <= 0.0, x, low), np.where(value >= 0.0, x, high)
+        if (np.abs(value) <= settled).all():
+            break
+        with np.errstate(divide="ignore", invalid="ignore"):  # without a slope the bracket is halved
+            moved = x - value / slope
+        x = np.where((moved > low) & (moved < high), moved, 0.5 * (low + high))
+    return np.asarray(x)
