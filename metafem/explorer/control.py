@@ -167,18 +167,18 @@ class Control:
         """Answer the state that `change(state)` returns, as a step of the history; `how` as in `change`."""
         return await self.change(lambda session: session.after(change(session.state)), **how)
 
-    async def make(self, change: Callable[[State], str], **how: Any) -> int | None:
+    async def make(self, change: Callable[[State], str], *, draft: bool = False, **how: Any) -> int | None:
         """Answer the state with the text that `change(state)` returns; `how` as in `change`."""
         lost = False
 
         def edited(state: State) -> State:
             nonlocal lost
             text = change(state)
-            lost = loses_comments(state.text, text)
+            lost = not (self.comments_ended or draft) and loses_comments(state.text, text)
             return replace(state, text=text)
 
-        number = await self.step(edited, **how)
-        if lost and number is not None and not how.get("draft") and not self.comments_ended:
+        number = await self.step(edited, draft=draft, **how)
+        if lost and number is not None:
             self.comments_ended = True
             self.say(COMMENTS_END, passing=False)
         return number
