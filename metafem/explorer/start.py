@@ -33,7 +33,7 @@ def explore(path: str | Path | None = None, *, port: int | None = None, show: bo
         If the specification cannot be used, the port is in use, or the extra ``explorer`` is not installed.
     """
     refuse_missing("nicegui", "explorer", "the explorer")
-    refuse_missing("tomlkit", "explorer", "the explorer")
+    refuse_missing("rtoml", "explorer", "the explorer")
     first = first_state(path)
     if port is not None:
         check.integer("port", port, at_least=1)

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
-import tomlkit
+import rtoml
 
 from metafem.errors import InvalidInput
 from metafem.explorer.text.names import form_of, keys_of, order_of
@@ -30,8 +30,8 @@ _table_of = lru_cache(TEXTS)(toml_table)
 class Document:
     """The values of a specification, and methods that return its text with other values.
 
-    A changed text is written from the values alone, in the order of the manual; comments end. A change that
-    sets what is given already returns the text as it is.
+    A changed text is written from the values alone, in the order of the manual with the lists of a section
+    last; comments end. A change that sets what is given already returns the text as it is.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ class Document:
         for key, value in values.items():
             _set(table, key, value)
         # repr distinguishes 1, 1.0 and true, and nan equals nan
-        return self.text if repr(table) == repr(self.table) else tomlkit.dumps(_ordered(table))
+        return self.text if repr(table) == repr(self.table) else rtoml.dumps(_ordered(table))
 
 
 def section_of(text: str, name: str) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-import tomlkit
+import rtoml
 
 from metafem._values import MICROMETRES
 from metafem.caps import SPHERE
@@ -86,7 +86,7 @@ def _built(typed: Typed, tables: Mapping[str, bytes]) -> str:
     offset = max(0.0, math.floor(MICROMETRES * (part.radius - found.law.separation[-1])) + 1.0)
     sections["limits"]["offset"] = f"{offset:g} um"
     _place(part, sections, part.height + offset / MICROMETRES)
-    text = tomlkit.dumps(sections)
+    text = rtoml.dumps(sections)
     try:
         specification = parsed(text, tables)
         template, height = specification.template, found.surface.height - part.radius + offset / MICROMETRES
@@ -98,7 +98,7 @@ def _built(typed: Typed, tables: Mapping[str, bytes]) -> str:
 
 def _sections(part: Wanted) -> Sections:
     """Return the sections of a surface without a block, with an offset that keeps its base clear."""
-    kept = tomlkit.parse(part.law).unwrap() if part.law else {"target": _line_of(part)}
+    kept = rtoml.loads(part.law) if part.law else {"target": _line_of(part)}
     radius, pitch = _um(part.radius), f"{APART * part.radius:.6g} mm"
     return kept | {
         "material": {"composite_modulus": f"{part.modulus:.6g} MPa", "poisson_ratio": 0.5},
@@ -149,12 +149,12 @@ def _template(count: int, radius: float, **given: Any) -> Surface:
 def _designed(part: Wanted, sections: Sections, tables: Mapping[str, bytes]) -> Design:
     """Return the design of the sections; if a kept law is not reached, offer the height that it needs."""
     try:
-        return parsed(tomlkit.dumps(sections), tables).design()
+        return parsed(rtoml.dumps(sections), tables).design()
     except MetafemError as error:
         offers = [{"law": ""}]
         limits = {**sections["limits"], "max_height": _um(HIGHEST * part.radius)}
         with suppress(MetafemError):
-            found = parsed(tomlkit.dumps({**sections, "limits": limits}), tables).design()
+            found = parsed(rtoml.dumps({**sections, "limits": limits}), tables).design()
             needed = (1.0 + EDGE) * MICROMETRES * float(np.ptp(found.surface.height))
             offers.insert(0, {"height": _up(needed)})
         words = f"this part cannot have the law: {on_page(str(error))}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from functools import cached_property, partial
 
-import tomlkit
+import rtoml
 from nicegui import ui
 
 from metafem.explorer.control import Control
@@ -59,7 +59,7 @@ class NewPart:
     def typed(self) -> dict[str, str]:
         """The texts of the fields, and the target of the state if it is kept."""
         target = Document(self.page.state.text).value("target") if self.kept.value else None
-        law = "" if target is None else tomlkit.dumps({"target": target})
+        law = "" if target is None else rtoml.dumps({"target": target})
         return {name: field.value for name, field in self.fields.items()} | {"law": law}
 
     async def make(self) -> None:

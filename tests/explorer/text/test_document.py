@@ -91,8 +91,8 @@ kind = "linear"
 slope = 6.5
 
 [lattice]
-shape = [8, 8]
 pitch = "1.5 mm"
+shape = [8, 8]
 
 [tools]
 radii = ["300 um", "526 um"]

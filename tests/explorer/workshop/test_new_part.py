@@ -3,7 +3,7 @@
 import tomllib
 
 import pytest
-import tomlkit
+import rtoml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -18,7 +18,7 @@ from metafem.files import demo_text, parsed, planned
 
 def target_of(demo):
     """The target of a demo, as the dialog keeps it."""
-    return tomlkit.dumps({"target": tomllib.loads(demo_text(demo))["target"]})
+    return rtoml.dumps({"target": tomllib.loads(demo_text(demo))["target"]})
 
 
 def made(text):
