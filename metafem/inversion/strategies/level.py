@@ -206,7 +206,7 @@ class Step:
         size = np.array([other])
 
         def adjusted(depth: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-            """Return the indentation [mm] of the adjustment asperity, the excess load [mm^2], and its slope."""
+            """Return the indentation [mm] of the adjustment asperity, and excess load [mm^2] with slope."""
             level = at(depth)
             widest = math.sqrt(max(-float(level.area[0]), 0.0) / math.pi)
             own = self._deepest(widest, size)

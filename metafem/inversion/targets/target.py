@@ -101,9 +101,10 @@ class Target:
         Targets with a different strategy override this method, and raise Infeasible if the strategy fails.
         """
         law = self.curve()
-        guesses = self.guesses(law, problem.bounds, LEVEL_FRACTIONS)
+        sought = law.thinned(problem.effort.searched_loads)
+        guesses = self.guesses(sought, problem.bounds, LEVEL_FRACTIONS)
         most = problem.restarts if restarts is None else restarts
-        height, radius = LawSearch(problem, law, guesses, most, rng).nearest(problem.radii)
+        height, radius = LawSearch(problem, sought, guesses, most, rng).nearest(problem.radii)
         return self.of_heights(problem, law, problem.limits.top + height, radius)
 
     def of_heights(
