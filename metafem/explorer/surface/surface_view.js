@@ -125,7 +125,7 @@ export default {
         this.what = "height";
         this.recolour();
       }
-      this.draw();
+      this.paint();
     },
     contact(data) {
       this.line = data.problem ?? "";
@@ -184,23 +184,25 @@ export default {
       };
       this.playedFrame = requestAnimationFrame(frame);
     },
-    // Once for each frame, after the law; `now` also in three dimensions.
+    // Paints in the next frame; `now` also in three dimensions.
     draw(now = this.chosen.moving) {
       this.now ||= now;
-      this.frame ??= requestAnimationFrame(() => {
-        this.frame = null;
-        const { layout, surface, contacts } = this;
-        if (layout && surface) {
-          const fitting = contacts?.radius?.length === layout.x.length ? contacts : null;
-          const look = { what: this.what, spread: this.spread, dark: this.$q.dark.isActive, times: this.times, mould: this.mould };
-          this.pictures[this.tab]?.show(layout, surface, fitting, look, this.now);
-          this.part = this.tab === "relief" ? this.pictures.relief?.left(layout.x.length) : "";
-          if (this.menu) Object.assign(this.menu, this.described());
-          if (this.at || !this.chosen.moving) this.describe(); // not said with each frame of a play
-        }
-        this.now = false;
-        if (this.number) this.$el.dataset.answered = this.number;
-      });
+      this.frame ??= requestAnimationFrame(() => this.paint());
+    },
+    paint() {
+      cancelAnimationFrame(this.frame);
+      this.frame = null;
+      const { layout, surface, contacts } = this;
+      if (layout && surface) {
+        const fitting = contacts?.radius?.length === layout.x.length ? contacts : null;
+        const look = { what: this.what, spread: this.spread, dark: this.$q.dark.isActive, times: this.times, mould: this.mould };
+        this.pictures[this.tab]?.show(layout, surface, fitting, look, this.now);
+        this.part = this.tab === "relief" ? this.pictures.relief?.left(layout.x.length) : "";
+        if (this.menu) Object.assign(this.menu, this.described());
+        if (this.at || !this.chosen.moving) this.describe(); // not said with each frame of a play
+      }
+      this.now = false;
+      if (this.number) this.$el.dataset.answered = this.number;
     },
     async open(tab) {
       this.close();

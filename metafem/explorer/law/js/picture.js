@@ -54,6 +54,9 @@ export class Picture {
     const { right, bottom } = view;
     const x = ticks(view.x.low, view.x.high, (right - MARGIN.left) / BETWEEN_X);
     const y = ticks(view.y.low, view.y.high, (bottom - MARGIN.top) / BETWEEN_Y);
+    const look = JSON.stringify([x, y, view, data.x, data.y]);
+    if (look === this.look) return; // a drag leaves them
+    this.look = look;
     const grid = [...x.values.map((each) => `M${view.px(each)} ${MARGIN.top}V${bottom}`), ...y.values.map((each) => `M${MARGIN.left} ${view.py(each)}H${right}`)];
     set(this.grid, { d: grid.join("") });
     this.axes.replaceChildren(
