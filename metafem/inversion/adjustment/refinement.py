@@ -99,7 +99,7 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
                 if found.misfit > goal and not problem.contact.adhesive:
                     found = descend(residual, found.unknowns, space, goal, exact, options)
             elif exact:
-                guesses = stretched(trial.height, limits.span)
+                guesses = stretched(trial.height, limits.span)[: problem.effort.refined_guesses]
                 found = search(residual, guesses, space, goal, 0, rng, options, to_rounding=True)
                 if found.misfit > AT_KINKS:
                     changes = problem.effort.refined_restarts
