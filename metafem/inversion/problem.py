@@ -78,7 +78,7 @@ class Effort:
 # `validation/benchmark/explorer.py` a draft takes between a tenth and half of the time of a full design, and
 # its misfit is at most 1.7 times as large, or up to .5 % under a model with interaction.
 DRAFT = Effort(
-    restarts=2, adhesive_restarts=1, free_goals=(1e-2,), searched_loads=20, refined_guesses=1,
+    restarts=2, adhesive_restarts=1, free_goals=(1e-2,), searched_loads=15, refined_guesses=1,
     refined_restarts=0, ratio_restarts=2, mixtures=4, range_restarts=0, pinned_changes=1, step_changes=1,
     evaluated_steps=6, law_points=25, branch_step=5, refined_loads=15, refined_goal=2e-3,
 )  # fmt: skip
