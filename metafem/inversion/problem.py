@@ -50,6 +50,8 @@ class Effort:
     searched_loads: int = 1_000_000
     # Maximum number of initial guesses for operating points under another model.
     refined_guesses: int = 4
+    # Maximum number of steps of a descent to rounding under another model.
+    refined_steps: int = 40
     # Restarts under another model, where a descent takes ten times as long as for independent asperities.
     refined_restarts: int = 3
     # Restarts for independent asperities whose target is divided by a ratio of laws, about 3 ms each.
@@ -79,8 +81,8 @@ class Effort:
 # its misfit is at most 1.7 times as large, or up to .5 % under a model with interaction.
 DRAFT = Effort(
     restarts=2, adhesive_restarts=1, free_goals=(1e-2,), searched_loads=15, refined_guesses=1,
-    refined_restarts=0, ratio_restarts=2, mixtures=4, range_restarts=0, pinned_changes=1, step_changes=1,
-    evaluated_steps=6, law_points=25, branch_step=5, refined_loads=15, refined_goal=2e-3,
+    refined_steps=20, refined_restarts=0, ratio_restarts=2, mixtures=4, range_restarts=0, pinned_changes=1,
+    step_changes=1, evaluated_steps=6, law_points=25, branch_step=5, refined_loads=15, refined_goal=2e-3,
 )  # fmt: skip
 
 WHOLE = Effort()

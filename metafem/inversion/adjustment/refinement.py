@@ -71,7 +71,8 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
     the model itself. Adhesive heights of a density are first refined without interaction, which takes a
     hundredth of the time.
     """
-    model, limits, options = problem.model, problem.limits, problem.options
+    model, limits = problem.model, problem.limits
+    options = replace(problem.options, most_exact_steps=problem.effort.refined_steps)
     # a density has heights for independent asperities without adhesion
     sticking = problem.contact.adhesive and candidate.density is not None
     moved = model.couples or sticking
@@ -101,8 +102,8 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
             elif exact:
                 guesses = stretched(trial.height, limits.span)[: problem.effort.refined_guesses]
                 found = search(residual, guesses, space, goal, 0, rng, options, to_rounding=True)
-                if found.misfit > AT_KINKS:
-                    changes = problem.effort.refined_restarts
+                changes = problem.effort.refined_restarts
+                if changes and found.misfit > AT_KINKS:
                     found = search(residual, [found.unknowns], space, AT_KINKS, changes, rng, options)
                     found = descend(residual, found.unknowns, space, goal, True, options)
             else:
