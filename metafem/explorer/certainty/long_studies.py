@@ -30,6 +30,9 @@ MULTIPLES, DEVIATIONS = (0.5, 1.0, 2.0), (0.001, 0.003)
 # number of random placements for comparison, as in `metafem study misalignment`.
 DRAWS, ANGLE, SHUFFLES = 1000, 0.1, 20
 
+# Width and height of a picture in the tab [inch]: its letters are then as large as those of the page.
+SHOWN = 4.0, 2.8
+
 # Loads at which contacts are resolved, as fractions of the largest load.
 RESOLVED_LOADS = (0.2, 0.6, 1.0)
 
@@ -99,7 +102,6 @@ def true_block(design: Design, tolerances: Tolerances | None) -> Found:
 
 def resolved(design: Design, tolerances: Tolerances | None) -> Found:
     """Resolve the contacts with boundary elements at a few loads; return the changes of A0."""
-    from metafem.drawing.inline import drawn
     from metafem.files.specification.models import model_named
     from metafem.models import Independent, Interacting
     from metafem.models.model import contact_of
@@ -129,7 +131,7 @@ def resolved(design: Design, tolerances: Tolerances | None) -> Found:
         f"{percent(float(largest(change)), '+.2g')}, and from order 3 of the interaction by up to "
         f"{percent(float(largest(apart)), '+.2g')}."
     )
-    picture = drawn(comparison_figure(compared), "Change of A0 by interaction").svg
+    picture = _picture(comparison_figure(compared), "Change of A0 by interaction")
     rows = tuple(zip(*columns.values(), strict=True))
     return Found("A0 with resolved contacts", tuple(columns), rows, fine.notes, answer, picture)
 
@@ -204,7 +206,13 @@ def run(name: str, design: Design, tolerances: Tolerances | None) -> Found:
 
 
 def _found(study: Dataset, figure: Figure) -> Found:
+    found = summary(study)
+    return Found(**vars(found), picture=_picture(figure, found.title))
+
+
+def _picture(figure: Figure, title: str) -> str:
     from metafem.drawing.inline import drawn
 
-    found = summary(study)
-    return Found(**vars(found), picture=drawn(figure, found.title).svg)
+    figure.set_layout_engine("constrained")
+    figure.set_size_inches(*SHOWN)
+    return drawn(figure, title).svg

@@ -182,17 +182,17 @@ class Certainty(Panel):
         self._tell(name, running=True, step="starting a process", done=None, error="")
         found = await asyncio.to_thread(study_data, answer)
         if reason := found["hindered"][name]:
-            self._tell(name, running=False, error=reason)
+            self._tell(name, running=False, step="", error=reason)
             return
         given = name, answer.design, band.tolerances_of(answer)
-        end: dict[str, Any] = {}
+        end: dict[str, Any] = {"step": "Stopped before its end."}
         try:
             task = self.page.tasks.start(
                 name, run, given, lambda step, done: self._tell(name, step=step, done=done)
             )
-            end = {"found": found_data(await task, found["shown"])}
+            end = {"found": found_data(await task, found["shown"]), "step": ""}
         except MetafemError as error:
-            end = {"error": str(error)}
+            end = {"error": str(error), "step": ""}
         finally:
             if not self.page.tasks.running(name):  # otherwise it was started again
                 self._tell(name, running=False, **end)

@@ -22,6 +22,7 @@ export default {
           <span class="small">{{ time(study) }}</span>
           <p class="quiet small step">{{ of(study).step }}</p>
         </div>
+        <p v-else-if="of(study).step" class="quiet small" role="status">{{ of(study).step }}</p>
         <p v-if="of(study).error" class="warn" role="alert">{{ of(study).error }}</p>
         <div v-if="of(study).found" :class="{ stale: stale(study) }" role="status">
           <p v-if="stale(study)" class="chip warn">▲ found for another specification</p>

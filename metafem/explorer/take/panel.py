@@ -24,7 +24,7 @@ ARCHIVE, FIGURE, PICTURE = "surface.zip", "figure.zip", "law.svg"
 # The files that the page offers and their meanings. Tables, pictures and the specification are written at
 # once; all other files take some seconds.
 MEANINGS = {
-    "mould.csv": "Mould table: position, depth and tool radius of each hole",
+    "mould.csv": "Mould table: position (x mirrored), depth and tool radius of each hole",
     "heights.csv": "Heights: site, position, height and radius of each summit",
     "law.csv": "Law: load, area, friction and separation",
     "report.html": "Report: one page that opens without a network",
