@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from itertools import chain, repeat
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from metafem._validate import IntArray
-from metafem.calibration import MadeSurface
 from metafem.caps import SPHERE, Caps
 from metafem.errors import named, refuse_if
 from metafem.files.caps import cap_named, cap_text
@@ -18,6 +18,9 @@ from metafem.files.tables import Columns, Entries
 from metafem.inversion import Design
 from metafem.prediction import FrictionLaw, equilibrium, tables
 from metafem.surface import Block, Friction, Material, Surface
+
+if TYPE_CHECKING:
+    from metafem.calibration import MadeSurface
 
 # Columns of a table of summits. metafem writes the site and standard deviations, but reading needs neither.
 COLUMNS = Columns(
