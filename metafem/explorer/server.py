@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import webbrowser
 
 from metafem.errors import InvalidInput
@@ -47,6 +48,7 @@ def serve(first: State, port: int | None, show: bool) -> None:
     async def warm_up() -> None:
         # a draft loads the compiled kernels while the browser loads the page; a design could take long
         await asyncio.to_thread(answered, first, 0, draft=True)
+        gc.freeze()  # the modules stay; looking through them for garbage would hold up a drag for .1 s
 
     app.add_middleware(Guard, token=token, port=port)
     app.on_startup(lambda: background_tasks.create(announce()))
