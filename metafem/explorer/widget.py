@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable, Mapping
 from typing import Any
+from weakref import WeakKeyDictionary
 
-from nicegui import json
+from nicegui import Client, json
 from nicegui.element import Element
+
+# Calls that are not sent yet, by the page.
+CALLS: WeakKeyDictionary[Client, list[str]] = WeakKeyDictionary()
 
 
 class Widget(Element):
@@ -32,8 +37,18 @@ class Widget(Element):
             self.call("show", new)
 
     def call(self, method: str, *given: Any) -> None:
-        """Call a method of the element in the browser."""
+        """Call a method of the element in the browser.
+
+        The calls of one step of the event loop are one message, so that the browser shows them in one frame.
+        """
         if self.is_deleted:  # the page was closed
             return
+        calls = CALLS.setdefault(self.client, [])
+        if not calls:
+            asyncio.get_running_loop().call_soon(_send, self.client)
         # the browser parses a statement once, but the thousands of numbers in a `run_method` call twice
-        self.client.run_javascript(f"runMethod({self.id}, {method!r}, {json.dumps(given)})")
+        calls.append(f"queueMicrotask(() => runMethod({self.id}, {method!r}, {json.dumps(given)}))")
+
+
+def _send(client: Client) -> None:
+    client.run_javascript(";".join(CALLS.pop(client)))
