@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -137,7 +137,7 @@ class Step:
             found = at(depth)
             return found.area, found.growth
 
-        return _increasing_root(area, np.zeros(len(number)), high, SETTLED * self.friction)
+        return _increasing_root(area, np.zeros(len(number)), high, SETTLED * self.friction, high)
 
     def _deepest(self, widest: float, radius: FloatArray) -> FloatArray:
         """Return the indentations at a contact radius, at most the largest of the law, (q,) [mm]."""
@@ -194,16 +194,20 @@ class Step:
                 level = self.depth(*new)
                 both = self.with_new(*new)(level).load
                 for i in np.flatnonzero((without * both <= 0.0) & ~met & (number < left)):
-                    yield self._adjusted(int(number[i]), radius, other, float(level[i]), float(depth[i]))
+                    low, high = (level[i], both[i]), (depth[i], without[i])
+                    yield self._adjusted(int(number[i]), radius, other, low, high)
 
-    def _adjusted(self, number: int, radius: float, other: float, low: float, high: float) -> Level:
+    def _adjusted(
+        self, number: int, radius: float, other: float, low: tuple[Any, Any], high: tuple[Any, Any]
+    ) -> Level:
         """Return the level that meets both the area and the load by its adjustment asperity.
 
-        Its indentation is between `low`, at which the adjustment asperity has the height of the level, and
-        `high`, at which the adjustment asperity just touches.
+        `low` and `high` are indentations [mm] with their excess loads [mm^2]. At the first, the adjustment
+        asperity has the height of the level, and at the second, it just touches.
         """
         at = self.with_new(np.array([[float(number)]]), np.array([radius]))
-        size = np.array([other])
+        size, (shallow, first), (deep, last) = np.array([other]), low, high
+        sign = math.copysign(1.0, last)
 
         def adjusted(depth: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
             """Return the indentation [mm] of the adjustment asperity, and excess load [mm^2] with slope."""
@@ -211,23 +215,19 @@ class Step:
             widest = math.sqrt(max(-float(level.area[0]), 0.0) / math.pi)
             own = self._deepest(widest, size)
             found = contacts(self.law, own, size)
-            # dP/dA of the adjustment asperity, whose area decreases as that of the others increases
-            steepness = found.stiffness / self.law.area_slope(found.contact_radius, size)
+            with np.errstate(divide="ignore", invalid="ignore"):  # an adjustment asperity that just touches
+                # dP/dA of the adjustment asperity, whose area decreases as that of the others increases
+                steepness = found.stiffness / self.law.area_slope(found.contact_radius, size)
             return own, level.load + found.load, level.stiffness - steepness * level.growth
 
         def excess(depth: FloatArray) -> tuple[FloatArray, FloatArray]:
             _, load, slope = adjusted(depth)
             return sign * load, sign * slope
 
-        with np.errstate(divide="ignore", invalid="ignore"):  # an adjustment asperity that just touches
-            first, last = (float(adjusted(np.array([end]))[1][0]) for end in (low, high))
-            sign = 1.0 if last > 0.0 else -1.0
-            if first == 0.0 or (first > 0.0) == (last > 0.0):  # rounding hides the change of sign
-                depth = np.array([low if abs(first) <= abs(last) else high])
-            else:
-                depth = _increasing_root(excess, np.array([low]), np.array([high]), SETTLED * self.load)
-            own = adjusted(depth)[0]
-        return Level(self.height, number, radius, other, float(depth[0]), float(own[0]))
+        ends = np.array([shallow]), np.array([deep])
+        secant = np.array([(shallow * last - deep * first) / (last - first)])
+        depth = _increasing_root(excess, *ends, SETTLED * self.load, secant)
+        return Level(self.height, number, radius, other, float(depth[0]), float(adjusted(depth)[0][0]))
 
 
 def _increasing_root(
@@ -235,12 +235,13 @@ def _increasing_root(
     low: FloatArray,
     high: FloatArray,
     settled: float,
+    start: FloatArray,
 ) -> FloatArray:
     """Return the roots (k,) of an increasing function in brackets, by Newton's method with bisection.
 
     The function returns its values and slopes; values up to `settled` count as 0.
     """
-    x = high
+    x = start
     for _ in range(MOST_STEPS):
         value, slope = function(x)
         low, high = np.where(value <= 0.0, x, low), np.where(value >= 0.0, x, high)
