@@ -45,10 +45,11 @@ class Widget(Element):
             return
         calls = CALLS.setdefault(self.client, [])
         if not calls:
-            asyncio.get_running_loop().call_soon(_send, self.client)
+            asyncio.get_running_loop().call_soon(self._send)
         # the browser parses a statement once, but the thousands of numbers in a `run_method` call twice
         calls.append(f"queueMicrotask(() => runMethod({self.id}, {method!r}, {json.dumps(given)}))")
 
-
-def _send(client: Client) -> None:
-    client.run_javascript(";".join(CALLS.pop(client)))
+    def _send(self) -> None:
+        calls = CALLS.pop(self.client)
+        if not self.is_deleted:
+            self.client.run_javascript(";".join(calls))
