@@ -107,6 +107,7 @@ def test_a_study_ends_when_it_is_stopped_and_with_its_page(visit, server):
     study(visit, "elements").get_by_role("button", name="Stop").click()
     assert ended(visit, server, before)
     study(visit, "elements").get_by_role("button", name="Run").wait_for()
+    assert "Stopped before its end." in study(visit, "elements").inner_text()
 
 
 @pytest.fixture(scope="module")
