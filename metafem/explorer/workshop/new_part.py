@@ -51,9 +51,9 @@ def new_part(typed: Typed, tables: Mapping[str, str] | None = None) -> str:
     --------
     >>> text = new_part(FIRST | {"size": "30 30 7,2"})
     >>> print(text.partition("[lattice]")[2].partition("[limits]")[0].strip())
-    shape = [8, 8]
     pitch = "3.21 mm"
     radius = "526 um"
+    shape = [8, 8]
     """
     given = {name: text.encode("utf-8", "surrogatepass") for name, text in (tables or {}).items()}
     try:
