@@ -85,7 +85,8 @@ class Control:
         self.number = 0  # of the last request
         self.panels: list[Panel] = []
         self.warnings: Mapping[str, list[str]] = {}
-        self.messages: list[ui.notification] = []
+        # messages over the page, each with the number of the last change before it
+        self.messages: list[tuple[int, ui.notification]] = []
         self.comments_ended = False
         self.queue: Queue[Request, tuple[Answer, list[Show]]] = Queue(
             self._work, self._show, self._failed, patience=patience, better=whole_of
@@ -231,12 +232,12 @@ class Control:
         return lambda: panel.show(answer, data) if answer.number >= panel.asked else None
 
     def _show(self, found: tuple[Answer, list[Show]]) -> None:
-        before = self.answer.number
         self.answer, shows = found
-        if self.answer.current and self.answer.number > before:
-            for message in self.messages:
-                message.dismiss()
-            self.messages.clear()
+        if self.answer.current:
+            for asked, message in self.messages:
+                if asked < self.answer.number:
+                    message.dismiss()
+            self.messages = [each for each in self.messages if each[0] >= self.answer.number]
         self._tell(shows)
 
     def _failed(self, request: Request, error: Exception) -> None:
@@ -275,7 +276,7 @@ class Control:
         with self.client:
             message = ui.notification(on_page(words), multi_line=True, close_button="Close", timeout=None)
         if passing:
-            self.messages.append(message)
+            self.messages.append((self.asked, message))
 
     async def open_link(self, link: str) -> None:
         """Show the state in a link as a new step of the history."""
