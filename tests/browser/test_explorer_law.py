@@ -250,7 +250,7 @@ def test_curves_carry_their_names_where_they_cover_nothing(visit):
     words = {
         words.partition("\n")[0] for words in named.evaluate_all("all => all.map(e => e.firstChild.data)")
     }
-    names = {"target", "achieved", "A", "possible", "± 1 SD", "half-space", "layer", "measured"}
+    names = {"target", "achieved", "A", "possible", "made ± 1 SD", "half-space", "layer", "measured"}
     assert words == names
     assert "possible at one load" in page.locator(".law-legend").inner_text()  # for screen readers
     assert page.locator(".law-legend li", has_text="possible").bounding_box()["width"] <= 1

@@ -22,7 +22,7 @@ export function entries(data) {
   add(data.nearest, "nearest named", "nearest law that can be designed", "nearest law");
   add(data.band, "band named", data.reach, "possible", "What the surfaces within the limits can have at one load. A law inside is refused where no single surface meets all of its loads.");
   // the errors of the part are told where the pointer rests
-  add(data.tolerance, "tolerance named", data.tolerance?.name.split(",")[0], "± 1 SD", data.tolerance?.name);
+  add(data.tolerance, "tolerance named", data.tolerance?.name.split(",")[0], "made ± 1 SD", data.tolerance?.name);
   (data.others ?? []).forEach((each, i) => add(each, `other other-${i}`, each.name, each.name.split(",")[0]));
   (data.pending ?? []).forEach((name) => add({}, "pending", `${name}: being computed …`));
   return found;
