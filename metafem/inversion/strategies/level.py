@@ -26,7 +26,7 @@ from metafem.models import Independent
 # an asperity.
 ROUNDING = 1e-10
 
-# Relative tolerance of the area in the search for an indentation: a few times the rounding error of a sum.
+# Relative tolerance of area and load in the search for an indentation: a few times the rounding of a sum.
 SETTLED = 8.0 * np.finfo(float).eps
 
 # Maximum number of steps of Newton's method with bisection, and largest indentation in a search, relative to
