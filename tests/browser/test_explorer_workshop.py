@@ -99,6 +99,25 @@ DROP = """(place, [name, text]) => {
 }"""
 
 
+# Types a line, sends it, and gets an answer that was on its way meanwhile; returns the text in the editor.
+CROSSED = """() => {
+  const element = getElement(document.querySelector('.editor')), { state } = element.editor;
+  element.editor.dispatch({ changes: { from: 0, insert: '# mine\\n' } });
+  element.use();
+  element.show({ text: state.doc.toString(), problems: [], tables: [], taken: element.count - 1 });
+  return element.editor.state.doc.toString();
+}"""
+
+
+def test_an_answer_on_its_way_leaves_what_was_typed(visit):
+    page, before = visit.page, visit.asked
+    page.get_by_role("tab", name="Specification").click()
+    page.locator(".cm-content").get_by_text("max_height").wait_for()
+    assert page.evaluate(CROSSED).startswith("# mine\n")
+    visit.settled(before)
+    assert visit.text.startswith("# mine\n")
+
+
 def test_the_text_and_the_fields_follow_each_other(visit, tmp_path):
     page = visit.page
     page.get_by_role("tab", name="Specification").click()

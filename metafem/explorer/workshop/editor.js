@@ -29,6 +29,7 @@ export default {
     return { problems: [], tables: [] };
   },
   async mounted() {
+    this.count = 0; // of the texts that were sent
     this.CM = await import("nicegui-codemirror");
     if (!this.$refs.frame) return;
     this.editor = new this.CM.EditorView({ doc: "", parent: this.$refs.frame, extensions: this.extensions() });
@@ -73,10 +74,11 @@ export default {
         return;
       }
       this.dirty = false;
-      this.$emit("changed", this.crlf ? text.replaceAll("\n", "\r\n") : text);
+      this.count += 1;
+      this.$emit("changed", { text: this.crlf ? text.replaceAll("\n", "\r\n") : text, count: this.count });
     },
-    show({ text, problems, tables }) {
-      if (!this.editor || this.dirty) return;  // what is being typed stays
+    show({ text, problems, tables, taken }) {
+      if (!this.editor || this.dirty || taken < this.count) return;  // what is typed, or sent but not yet taken, stays
       Object.assign(this, { problems, tables });
       this.crlf = text.includes("\r\n");
       this.replace(text.replaceAll("\r\n", "\n"));

@@ -31,13 +31,15 @@ class Specification(Panel):
 
     def __init__(self, page: Control) -> None:
         super().__init__(page)
+        self.taken = 0  # number of the last text that was typed
         self.editor = Editor(
             ready=lambda _: page.renew(self),
             changed=self._changed,
             load=lambda given: load(page, given["files"]),
         )
 
-    async def _changed(self, text: str) -> None:
+    async def _changed(self, given: Mapping[str, Any]) -> None:
+        text, self.taken = given["text"], given["count"]
         if text != self.page.state.text:
             await self.page.alter(text=text, by=self)
 
@@ -52,7 +54,7 @@ class Specification(Panel):
     def show(self, answer: Answer, data: dict[str, Any] | None) -> None:
         """Show an answer."""
         if data is not None:
-            self.editor.call("show", data)
+            self.editor.call("show", data | {"taken": self.taken})
 
 
 def placed(text: str, problems: Mapping[str, str], refusal: str = "") -> list[dict[str, Any]]:
