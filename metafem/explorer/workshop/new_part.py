@@ -17,7 +17,7 @@ from metafem.errors import MetafemError
 from metafem.explorer.text.names import on_page
 from metafem.explorer.workshop.changes import EDGE, reached_loads
 from metafem.explorer.workshop.part_fields import FIRST, Collision, Typed, Wanted, wanted
-from metafem.files import parsed, planned
+from metafem.files import parsed, planned, toml_table
 from metafem.inversion import (
     Design,
     Limits,
@@ -98,7 +98,7 @@ def _built(typed: Typed, tables: Mapping[str, bytes]) -> str:
 
 def _sections(part: Wanted) -> Sections:
     """Return the sections of a surface without a block, with an offset that keeps its base clear."""
-    kept = rtoml.loads(part.law) if part.law else {"target": _line_of(part)}
+    kept = toml_table(part.law) if part.law else {"target": _line_of(part)}
     radius, pitch = _um(part.radius), f"{APART * part.radius:.6g} mm"
     return kept | {
         "material": {"composite_modulus": f"{part.modulus:.6g} MPa", "poisson_ratio": 0.5},
