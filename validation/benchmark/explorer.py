@@ -68,9 +68,7 @@ def rows() -> list[Row]:
         measured = []
         for law, text in specifications().items():
             for model, allowed in LATENCY.items():
-                path = Path(folder, "spec.toml")
-                path.write_text(text.replace('kind = "independent"', f'kind = "{model}"'), "utf-8")
-                with served(path) as server, visited(browser, server) as visit:
+                with served(_written(folder, text, model)) as server, visited(browser, server) as visit:
                     times = dragged(visit, MOVES)
                     whole = dragged(visit, RELEASES, releases)
                 what = f"to law and heights on the screen, {law}, {model}"
@@ -78,9 +76,7 @@ def rows() -> list[Row]:
                 measured += _percentiles(f"from a drag {what}", most, times)
                 measured += _percentiles(f"from a release {what}", RELEASE[model], whole)
         for model, allowed in LARGE.items():
-            path = Path(folder, "spec.toml")
-            path.write_text(large().replace('kind = "independent"', f'kind = "{model}"'), "utf-8")
-            with served(path) as server, visited(browser, server) as visit:
+            with served(_written(folder, large(), model)) as server, visited(browser, server) as visit:
                 what = f"from a drag to law and heights on the screen, 400 sites, {model}"
                 measured += _percentiles(what, allowed, dragged(visit, MOVES))
         starts, first = [], []
@@ -110,6 +106,13 @@ def long_rows() -> list[Row]:
         many(visit, UPDATES)
         what = f"memory of the server over {UPDATES} updates, a release after each {HELD}: growth"
         return [Row(what, 50.0, server.memory - before, "MiB")]
+
+
+def _written(folder: str, text: str, model: str) -> Path:
+    """Return the file of a specification under another model."""
+    path = Path(folder, "spec.toml")
+    path.write_text(text.replace('kind = "independent"', f'kind = "{model}"'), "utf-8")
+    return path
 
 
 def _percentiles(what: str, allowed: float, times: list[float]) -> list[Row]:
