@@ -224,8 +224,18 @@ def test_keys_lead_through_the_head_of_the_page(visit):
     status = "meets the target exactly"
     assert names == ["Skip to the law", status, "Model", "Undo", "Redo", "New part", "Menu"]
     for keys, name in (("Enter", "as first opened"), ("ArrowUp", "Help: mouse, touch and keys (?)")):
-        page.keyboard.press(keys)
+        page.keyboard.down(keys)
         page.wait_for_function(f"name => ({FOCUSED})() === name", arg=name)
+        page.keyboard.up(keys)
+        assert page.evaluate(FOCUSED) == name  # a key that is released chooses nothing
+    page.keyboard.press("ArrowDown")
+    page.keyboard.down("Enter")
+    page.wait_for_function(f"() => ({FOCUSED})() === 'Menu'")
+    page.keyboard.up("Enter")
+    visit.settled()
+    assert page.get_by_role("menu").count() == 0  # and opens nothing
+    page.keyboard.press("Enter")
+    page.wait_for_function(f"() => ({FOCUSED})() === 'as first opened'")
     page.keyboard.press("Escape")
     page.wait_for_function(f"() => ({FOCUSED})() === 'Menu'")
     page.keyboard.press("?")

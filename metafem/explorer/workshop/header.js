@@ -39,14 +39,14 @@ export default {
           <button class="act icon" :aria-disabled="!redo || lost" title="Redo (${CTRL}${MAC ? "⇧" : "Shift+"}Z)" aria-label="Redo" @click="redo && !lost && $emit('redo')">↷</button>
         </span>
         <button class="act" title="A part of your own from a few values; undo brings back what was" :disabled="lost" @click="$emit('part')">New part</button>
-        <button class="act" aria-haspopup="menu" :aria-expanded="opened">Menu
-          <q-menu ref="menu" v-model="opened" class="bar-menu" aria-label="Menu" anchor="bottom right" self="top right" transition-duration="0" @show="step(0)" @keydown="walk">
+        <button class="act" aria-haspopup="menu" :aria-expanded="opened" @click="$refs.menu.toggle()">Menu
+          <q-menu ref="menu" v-model="opened" no-parent-event class="bar-menu" aria-label="Menu" anchor="bottom right" self="top right" transition-duration="0" @show="step(0)" @keydown="walk">
             <div role="group" aria-labelledby="menu-starts"><h3 id="menu-starts">Start over</h3>
-              <button v-for="name in starts" :key="name" v-close-popup role="menuitem" title="Undo brings back what was" :disabled="lost" @click="$emit('begin', name)">{{ name }}</button></div>
+              <button v-for="name in starts" :key="name" role="menuitem" title="Undo brings back what was" :disabled="lost" @click="begin(name)">{{ name }}</button></div>
             <div role="group" aria-labelledby="menu-colours"><h3 id="menu-colours">Colours of the page</h3>
               <button v-for="(word, name) in themes" :key="name" role="menuitemradio" :aria-checked="theme === name" @click="choose(name)">{{ word }}</button></div>
             <div role="group" aria-labelledby="menu-help"><h3 id="menu-help">How to use it</h3>
-              <button v-close-popup role="menuitem" @click="tour">One-minute tour</button><button role="menuitem" @click="open">Help: mouse, touch and keys (?)</button></div></q-menu></button>
+              <button role="menuitem" @click="tour">One-minute tour</button><button role="menuitem" @click="open">Help: mouse, touch and keys (?)</button></div></q-menu></button>
       </span>
       <dialog ref="dialog" aria-labelledby="help-title" closedby="any">
         <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>
@@ -114,11 +114,18 @@ export default {
       else return;
       event.preventDefault();
     },
+    begin(name) {
+      this.$refs.menu.hide();
+      this.$emit("begin", name);
+    },
     open() {
       this.$refs.menu.hide();
       if (!this.$refs.dialog.open) this.$refs.dialog.showModal();
     },
-    async tour() { (await import("metafem-page/tour.js")).start(); },
+    async tour() {
+      this.$refs.menu.hide();
+      (await import("metafem-page/tour.js")).start();
+    },
     over(event) {
       if (event.dataTransfer?.types.includes("Files")) event.preventDefault();
     },
