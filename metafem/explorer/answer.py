@@ -5,15 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
-from typing import Any
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Any
 
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput, MetafemError, refuse_if
 from metafem.explorer.largest import largest_line
 from metafem.explorer.session import State
-from metafem.explorer.text.names import on_page
-from metafem.files import Specification, parsed, section_forms
+from metafem.explorer.text.names import as_in_field, on_page
+from metafem.files import Specification, parsed, planned, section_forms
 from metafem.inversion import Design, DesignStatus, OperatingPoints, SampledLaw
 from metafem.inversion.quantities.quantity import FRICTION
 from metafem.inversion.strategies.proportional import steepest_line
@@ -22,6 +22,9 @@ from metafem.inversion.targets.wording import Wording
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of
 from metafem.surface import Surface
+
+if TYPE_CHECKING:
+    from metafem.files.part.plan import Part
 
 # Largest number of asperities whose interaction is computed while a handle is dragged. On two cores a draft
 # under "layer" takes 20 to 150 ms for 64 asperities and 130 to 1300 ms for 400; without interaction it takes
@@ -49,6 +52,8 @@ class Answer:
         Error messages by key of the specification; the key "" is for the whole file.
     reasons : mapping of str to str
         The same messages by key in the words of the page, without key and value, which the field shows.
+    offers : mapping of str to str
+        Valid values by key, as a field shows them, for those of these messages that name one.
     refusal : str
         Why no surface reaches the target; "" if a surface does.
     advice : str
@@ -80,6 +85,7 @@ class Answer:
     failed: bool = False
     undecided: bool = False
     reasons: Mapping[str, str] = field(default_factory=dict)
+    offers: Mapping[str, str] = field(default_factory=dict)
     stopped: bool = False
 
     @property
@@ -105,6 +111,22 @@ class Answer:
         """Why this state has no design, in the words of the page; "" if it has one."""
         return self.refusal or on_page("\n".join(self.problems.values()))
 
+    @cached_property
+    def part(self) -> Part | InvalidInput | None:
+        """The part of the design, or why it cannot be made; None without a design or a block."""
+        design, specification = self.design, self.specification
+        if not self.current or design is None or specification is None:
+            return None
+        try:
+            return planned(design.surface, design.template, specification.part)
+        except InvalidInput as error:
+            return error
+
+    @property
+    def no_part(self) -> str:
+        """Why the part cannot be made, in the words of the page; "" if there is no such reason."""
+        return on_page(f"no part can be made: {self.part}") if isinstance(self.part, InvalidInput) else ""
+
 
 def answered(
     state: State, number: int, before: Answer | None = None, draft: bool = False, stopped: bool = False
@@ -127,7 +149,7 @@ def answered(
         return _advised(replace(answer, design=design), design)
     except InvalidInput as error:
         problems, reasons = _problems(error)
-        return replace(answer, problems=problems, reasons=reasons)
+        return replace(answer, problems=problems, reasons=reasons, offers=_offers(error))
     except Infeasible as error:
         return _refused(answer, error)
     except MetafemError as error:
@@ -227,6 +249,15 @@ def _problems(error: InvalidInput) -> tuple[dict[str, str], dict[str, str]]:
     problems = {key: "\n".join(map(str, each)) for key, each in found.items()}
     reasons = {key: "\n".join(_sentence(key, problem) for problem in each) for key, each in found.items()}
     return problems, {key: on_page(words) for key, words in reasons.items()}
+
+
+def _offers(error: InvalidInput) -> dict[str, str]:
+    """Return the values that an error names as valid, by key and as a field shows them.
+
+    An example for one entry of a list is no value of its field.
+    """
+    found = [(_known(each.key), each) for each in error.problems or (error,) if each.example]
+    return {key: as_in_field(each.example) for key, each in found if key == each.key or "=" in each.example}
 
 
 def _known(key: str) -> str:

@@ -24,7 +24,7 @@ def watched(owner, name):
     setattr(owner, name, call)
 
 NAMES = {
-    "answer": "answered specification_of",
+    "answer": "answered specification_of planned",
     "text.handles": "scene_of moved added removed",
     "text.kinds": "with_kind",
     "text.fields": "with_field",
@@ -34,7 +34,7 @@ NAMES = {
     "law.nearest": "with_nearest",
     "law.reach": "reach_of",
     "certainty.band": "tolerance_band",
-    "certainty.places": "warnings_by_place part_of",
+    "certainty.places": "warnings_by_place",
     "law.further": "other_law",
     "surface.surface_data": "site_data layout_data",
     "surface.contact_data": "contact_data press_data",

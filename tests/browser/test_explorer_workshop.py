@@ -32,6 +32,18 @@ def pressed(visit, keys):
     visit.settled(before)
 
 
+def test_a_refusal_offers_the_value_that_it_names(visit):
+    page = visit.page
+    visit.entered("lattice.radius", "300 um")  # with which no cap is as high as those for alignment
+    page.locator("#field-part-alignment_height-wrong").wait_for()
+    before = visit.asked
+    page.get_by_role("button", name="Use 0.285 mm").click()
+    visit.settled(before)
+    page.locator("#field-part-alignment_height-wrong").wait_for(state="detached")
+    assert page.locator(".fields button", has_text="Use ").count() == 0
+    assert page.get_by_label("alignment height").input_value() == "0.285 mm"
+
+
 def test_values_are_typed_refused_where_they_stand_and_undone(visit):
     page = visit.page
     visit.entered("limits.max_height", "300 um")

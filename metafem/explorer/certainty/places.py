@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
 from metafem.explorer.certainty.figures import Figure, figures
 from metafem.explorer.text.names import on_page
-from metafem.files import planned
 from metafem.notes import Note
 from metafem.prediction.validity import BASE, INTERACTION, OVERLAPS, WIDTH
 from metafem.report import all_notes
-
-if TYPE_CHECKING:
-    from metafem.files.part.plan import Part
 
 # Quantities of notes that repeat a figure of the table; these notes are not shown again as warnings.
 SHOWN_AS_FIGURES = (BASE, WIDTH, OVERLAPS, INTERACTION)
@@ -46,21 +39,9 @@ def remarks(answer: Answer) -> tuple[Note, ...]:
     return all_notes(answer.design, hardness)
 
 
-def part_of(answer: Answer) -> tuple[Part | None, str]:
-    """Return the part of the design of an answer, and why it cannot be made, "" if it can."""
-    design, specification = answer.design, answer.specification
-    if not answer.current or design is None or specification is None:
-        return None, ""
-    try:
-        return planned(design.surface, design.template, specification.part), ""
-    except InvalidInput as error:
-        return None, on_page(f"no part can be made: {error}")
-
-
 def part_warnings(answer: Answer) -> dict[str, list[str]]:
     """Return why no part can be made, by part of the page; an empty dictionary if a part can be made."""
-    _, problem = part_of(answer)
-    return {"surface": [problem], "take": [problem]} if problem else {}
+    return {place: [answer.no_part] for place in ("surface", "take") if answer.no_part}
 
 
 def warnings_by_place(answer: Answer) -> dict[str, list[str]]:

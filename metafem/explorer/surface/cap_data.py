@@ -9,8 +9,8 @@ import numpy as np
 from metafem._validate import IntArray
 from metafem._values import MICROMETRES
 from metafem.caps import Cap, Caps
+from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
-from metafem.explorer.certainty.places import part_of
 from metafem.surface import Surface
 
 # Intervals of a meridian, and decimals of its lengths over the radius. On a hemisphere, the chords lie within
@@ -61,9 +61,9 @@ def mould_data(answer: Answer) -> dict[str, Any]:
     ``thickness`` is that of the plate [mm], and ``alignment`` contains position, height [um], radius [mm] and
     kind of cap of the alignment asperities. If no mould can be made, only the ``problem`` is returned.
     """
-    part, problem = part_of(answer)
-    if part is None:
-        return {"problem": problem or (NO_BLOCK if answer.current else answer.refused or NO_SURFACE)}
+    part = answer.part
+    if part is None or isinstance(part, InvalidInput):
+        return {"problem": answer.no_part or (NO_BLOCK if answer.current else answer.refused or NO_SURFACE)}
     whole, kind = part.surface, kind_of_cap(part.surface)
     return {
         "problem": "",

@@ -11,7 +11,6 @@ from nicegui.element import Element
 
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
-from metafem.explorer.certainty.places import part_of
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.session import State
 from metafem.explorer.take import files
@@ -165,8 +164,8 @@ class Taking(Panel):
             return files.archive(figure_files(answer, self.format.value, *size))
         if name == PICTURE:
             return files.law_picture(design)
-        if name == "mould.csv" and (problem := part_of(answer)[1]):
-            raise MetafemError(problem)
+        if name == "mould.csv" and answer.no_part:
+            raise MetafemError(answer.no_part)
         return files.tables_of(answer)[name]
 
     async def _made(self, state: State) -> dict[str, bytes]:

@@ -67,8 +67,8 @@ export default {
                      @change="leave(field)" @blur="leave(field)" @keydown="key($event, field)" @keyup="release($event, field)">
               <span :id="id(field.key) + '-help'" class="unseen">{{ field.help }}</span>
               <p v-for="each in warnings[field.key]" :key="each" class="cautious small">{{ each }}</p>
-              <p :id="id(field.key) + '-wrong'" v-if="problem(field)" class="wrong" role="alert">{{ problem(field) }}
-                <button v-if="remedy(field)" type="button" class="act" @click="use(field, remedy(field))">Use {{ remedy(field) }}</button></p>
+              <p :id="id(field.key) + '-wrong'" v-if="problem(field)" class="wrong" role="alert">{{ problem(field) }}</p>
+              <button v-if="remedy(field)" type="button" class="act" @click="use(field, remedy(field))">Use {{ remedy(field) }}</button>
             </div></div>
           <button v-if="part.optional && !part.kinded && (!part.always || present.includes(part.name))" type="button" class="act" :disabled="!!broken" :aria-label="(part.has ? 'Remove ' : 'Add ') + part.title"
                   @click="$emit(part.has ? 'removed' : 'added', part.name)">{{ part.has ? "Remove" : "Add" }}</button>
@@ -78,7 +78,7 @@ export default {
     </form>`,
   props: { parts: Array },
   data() {
-    return { values: {}, present: [], problems: {}, warnings: {}, refused: {}, drafts: {}, opened: {}, broken: "", told: "", busy: true };
+    return { values: {}, present: [], problems: {}, offers: {}, warnings: {}, refused: {}, drafts: {}, opened: {}, broken: "", told: "", busy: true };
   },
   computed: {
     // The sections that are shown, with their kinds and fields. One inside another section is shown if that one is of a
@@ -124,7 +124,8 @@ export default {
       return node ? { scroller, node, top: node.getBoundingClientRect().top } : null;
     },
     show(data) {
-      for (const key of Object.keys(data.problems ?? {}).filter((each) => !(each in this.problems))) { // a new one is seen
+      const named = (each) => Object.keys({ ...each.problems, ...each.offers });
+      for (const key of named(data).filter((each) => !named(this).includes(each))) { // a new one is seen
         for (const { name } of this.parts) if (key === name || key.startsWith(`${name}.`)) this.opened[name] = true;
       }
       Object.assign(this, data);
@@ -158,10 +159,11 @@ export default {
       const chosen = this.among(field);
       this.use(field, field.names.filter((each) => chosen.includes(each) !== (each === name)).join(", "));
     },
-    remedy(field) {  // a number without a unit, with the one of the example
+    remedy(field) {  // a number without a unit, with the one of the example, or the value that the server offers
       const given = (this.values[field.key] ?? "").trim();
       const unit = UNIT.exec(field.example.split(",")[0])?.[0];
-      return field.units.length && unit && /^[+-]?(\d+\.?\d*|\.\d+)$/.test(given) ? `${Number(given)} ${unit}` : "";
+      const bare = this.problem(field) && field.units.length && unit && /^[+-]?(\d+\.?\d*|\.\d+)$/.test(given);
+      return bare ? `${Number(given)} ${unit}` : this.offers[field.key];
     },
     use(field, text) {
       if (text.length > LONGEST) {

@@ -72,7 +72,7 @@ class Workshop(Panel):
 
     def prepare(self, answer: Answer) -> dict[str, Any]:
         """Return the contents of the fields for an answer."""
-        return contents(answer.state.text, answer.reasons)
+        return {**contents(answer.state.text, answer.reasons), "offers": answer.offers}
 
     def show(self, answer: Answer, data: dict[str, Any]) -> None:
         """Show an answer."""

@@ -58,6 +58,9 @@ def with_alignment(surface: Surface, template: Surface, height: float | None) ->
         return surface
     tallest, most = float(surface.height.max()), surface.cap.tallest(surface.radius)
     given: dict[str, Any] = {"key": "part.alignment_height", "value": f"{height:g} mm"}
+    between = 0.5 * (tallest + most.max())
+    if tallest < float(f"{between:.4g}") < most.max():
+        given["example"] = f'"{between:.4g} mm"'
     must = f"must exceed the tallest summit, {tallest:g} mm, so that the alignment asperities touch first"
     refuse_if(height <= tallest, f"{must}; raise it, or {LEAVE_OUT}", **given)
     limit = f"the largest radius in use, {most.max():g} mm; a cap is at most as high as its radius"

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from metafem.explorer.answer import answered
-from metafem.explorer.certainty.places import part_of, warnings_by_place
+from metafem.explorer.certainty.places import warnings_by_place
 from metafem.explorer.session import State
 from metafem.files import demo_text
 from metafem.notes import Note
@@ -14,7 +14,7 @@ TEXT = demo_text("operating-points")
 
 def test_a_part_that_can_be_made_has_no_problem():
     answer = answered(State(TEXT), 1)
-    assert part_of(answer)[1] == ""
+    assert answer.no_part == ""
     assert "take" not in warnings_by_place(answer)
 
 
@@ -25,7 +25,7 @@ def test_a_summit_at_the_base_plane_is_told_at_the_surface_and_at_the_files():
     answer = replace(
         answer, design=replace(answer.design, surface=answer.design.surface.replaced(height=height))
     )
-    words = part_of(answer)[1]
+    words = answer.no_part
     assert words.startswith("no part can be made: the asperity at x = 5.25 mm, y = -5.25 mm has")
     assert "has the height 0 mm; a cap of radius 0.526 mm needs a height above 0" in words
     places = warnings_by_place(answer)

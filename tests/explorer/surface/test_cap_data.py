@@ -9,7 +9,6 @@ import pytest
 import metafem as mf
 from metafem.caps import Caps
 from metafem.explorer.answer import answered
-from metafem.explorer.certainty.places import part_of
 from metafem.explorer.session import State
 from metafem.explorer.surface.cap_data import (
     DECIMALS,
@@ -104,7 +103,7 @@ def test_a_mould_that_cannot_be_made_says_why(answer):
     height[7] = 0.0
     surface = answer.design.surface.replaced(height=height)
     low = replace(answer, design=replace(answer.design, surface=surface))
-    assert mould_data(low) == {"problem": part_of(low)[1]}
+    assert mould_data(low) == {"problem": low.no_part}
     tall = answer_to(limits__max_height="450 um")
     assert "must exceed the tallest summit" in mould_data(tall)["problem"]
     assert mould_data(replace(tall, problems={})) == {"problem": NO_SURFACE}

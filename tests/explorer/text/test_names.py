@@ -4,7 +4,8 @@ import re
 
 import pytest
 
-from metafem.explorer.answer import answered
+from metafem.errors import InvalidInput
+from metafem.explorer.answer import answered, specification_of
 from metafem.explorer.session import State
 from metafem.explorer.text.fields import with_field
 from metafem.explorer.text.names import label_of, title_of
@@ -35,14 +36,23 @@ def test_no_message_of_a_field_speaks_code(text):
         for key in form.keys.get("", ())
         if "." not in form.name
     ]
-    told = 0
+    told = offered = 0
     for key in keys:
         for typed in WRONG:
-            answer = answered(State(with_field(text, key, typed)), 1, before, draft=True)
+            wrong = with_field(text, key, typed)
+            answer = answered(State(wrong), 1, before, draft=True)
             for words in (*answer.reasons.values(), answer.refused):
                 assert not CODE.search(words), (key, typed, words)
                 told += bool(words)
+            for name, value in answer.offers.items():
+                try:
+                    specification_of(State(with_field(wrong, name, value)))
+                except InvalidInput as error:
+                    refused = [str(each) for each in error.problems]
+                    assert answer.problems[name] not in refused, (key, typed, name, value)
+                offered += 1
     assert told > 100
+    assert offered > 20
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import pytest
 import metafem as mf
 from metafem.files import PartOptions, planned
 from metafem.files.part.caps import alignment_positions, with_alignment
+from metafem.files.units import quantity
 
 MATERIAL = mf.Material(1.36)
 
@@ -22,6 +23,17 @@ def test_alignment_stands_one_pitch_outside_the_corners():
 def test_alignment_asperities_are_the_tallest():
     with pytest.raises(mf.InvalidInput, match="must exceed the tallest summit"):
         with_alignment(surface(0.2), surface(), 0.2)
+
+
+@pytest.mark.parametrize("height", [0.1, 0.2, 0.527, 3.0])
+def test_an_impossible_height_of_the_alignment_is_refused_with_a_possible_one(height):
+    with pytest.raises(mf.InvalidInput) as refused:
+        with_alignment(surface(0.2), surface(), height)
+    assert with_alignment(surface(0.2), surface(), quantity("height", refused.value.example[1:-1], "mm"))
+    lowest = surface(0.526)  # no height is above these summits
+    with pytest.raises(mf.InvalidInput) as refused:
+        with_alignment(lowest, lowest, height)
+    assert refused.value.example == ""
 
 
 def test_one_site_has_no_pitch():
