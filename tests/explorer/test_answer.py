@@ -11,8 +11,11 @@ from metafem.explorer.answer import answered
 from metafem.explorer.law.law_data import SEARCHED, law_data
 from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
+from metafem.explorer.text.fields import with_field
+from metafem.explorer.workshop.changes import with_section
 from metafem.explorer.workshop.header import header_data
 from metafem.files import Specification, demo_text, parsed
+from metafem.models import Independent
 
 TEXT = demo_text("operating-points")
 
@@ -157,6 +160,16 @@ def test_a_draft_of_many_asperities_or_under_a_slow_model_is_simplified(rows, mo
     assert draft.simplified == (model != drafted)
     assert law_data(draft)["model"] == (f"{drafted}, draft" if draft.simplified else model)
     assert header_data(draft)["status"].startswith("draft under") == draft.simplified
+
+
+def test_a_draft_neglects_what_takes_seconds():
+    arranged = answered(State(with_field(TEXT, "layout.tilt", "0.1 deg")), 1, draft=True)
+    assert arranged.current
+    assert "layout_after" not in arranged.design.parameters
+    adhesive = with_field(with_section(TEXT, "contact"), "contact.kind", "jkr")
+    draft = answered(State(with_field(adhesive, "model.kind", "layer")), 1, draft=True)
+    assert draft.current
+    assert draft.design.law.model == Independent(draft.specification.model.contact)
 
 
 @pytest.mark.parametrize("case", WITHOUT_LEVELS)

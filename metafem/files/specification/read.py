@@ -108,7 +108,7 @@ class Specification:
         """Return the design for the target of the file; the default model is also that of the file.
 
         If the file states a hardness, `design_for_hardness` keeps the contacts elastic, or a note states that
-        they are not. A draft ignores the hardness and the robustness, and omits most of the search.
+        they are not. A draft ignores hardness, robustness and layout, and omits most of the search.
         """
         chosen = self.model if model is None else model
         remedy = "add [block] with width, length and thickness"
@@ -119,7 +119,7 @@ class Specification:
         options: dict[str, Any] = {
             "limits": limits,
             "rng": self.seed,
-            "layout": self.layout,
+            "layout": None if draft else self.layout,
             "tools": self.tools,
             "common_radius": common,
             "robust": None if draft else self.robust,
