@@ -112,6 +112,7 @@ def test_a_law_is_pinned_beside_the_next_one_after_a_tour_that_is_left(visit):
     page.get_by_role("dialog", name="The heights follow").wait_for()
     hand.presses("Leave")
     assert page.locator(".tour-words").count() == 0
+    assert page.evaluate("() => document.activeElement.className") == "law"  # the next key goes on from there
     hand.presses("Pin as A")
     page.get_by_role("button", name="Unpin").wait_for()
     hand.drags("point 1 of 3", -15, 4)

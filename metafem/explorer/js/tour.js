@@ -27,11 +27,14 @@ const Tour = {
     return { at: null, ring: {}, place: {}, steps: STEPS };
   },
   methods: {
-    leave() { this.at = null; },
+    leave() {  // its buttons, one of which has the focus, are gone
+      this.at = null;
+      document.querySelector(".law").focus({ preventScroll: true });
+    },
     async go(at) {
-      this.at = at < STEPS.length ? at : null;
+      if (at === STEPS.length) return this.leave();
+      this.at = at;
       await this.$nextTick();
-      if (this.at === null) return;
       document.querySelector(STEPS[at][0])?.scrollIntoView({ block: "nearest" });
       this.$refs.next.focus({ preventScroll: true });
       this.follow(at);
