@@ -12,8 +12,9 @@ from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput, MetafemError, refuse_if
 from metafem.explorer.largest import largest_line
 from metafem.explorer.session import State
-from metafem.explorer.text.names import as_in_field, on_page
-from metafem.files import Specification, parsed, planned, section_forms
+from metafem.explorer.text.fields import shown
+from metafem.explorer.text.names import on_page
+from metafem.files import Specification, parsed, planned, section_forms, toml_table
 from metafem.inversion import Design, DesignStatus, OperatingPoints, SampledLaw
 from metafem.inversion.quantities.quantity import FRICTION
 from metafem.inversion.strategies.proportional import steepest_line
@@ -28,8 +29,8 @@ if TYPE_CHECKING:
 
 # Largest number of asperities whose interaction is computed while a handle is dragged. On two cores a draft
 # under "layer" takes 20 to 150 ms for 64 asperities and 130 to 1300 ms for 400; without interaction it takes
-# 15 to 90 ms for 400, and its law differs by 1 to 8 %. Of 64 adhesive asperities a draft takes 2 to 13 s with
-# interaction, and 30 to 160 ms without.
+# 15 to 90 ms for 400, and its law differs by 1 to 8 %. That of adhesive asperities is never computed: for 64
+# of them a draft takes 2 to 13 s with interaction, and 30 to 160 ms without.
 MOST_DRAFTED = 100
 
 # The entry of a list behind its key, or nothing.
@@ -54,7 +55,7 @@ class Answer:
     reasons : mapping of str to str
         The same messages by key in the words of the page, without key and value, which the field shows.
     offers : mapping of str to str
-        Valid values by key, as a field shows them, for those of these messages that name one.
+        Example values by key, as a field shows them, of those of these messages that have one.
     refusal : str
         Why no surface reaches the target; "" if a surface does.
     advice : str
@@ -114,14 +115,14 @@ class Answer:
 
     @cached_property
     def part(self) -> Part | InvalidInput | None:
-        """The part of the design, or why it cannot be made; None without a design or a block."""
+        """The part of the design, or why it cannot be made; None without a block or a current design."""
         design, specification = self.design, self.specification
         if not self.current or design is None or specification is None:
             return None
         try:
             return planned(design.surface, design.template, specification.part)
         except InvalidInput as error:
-            return error
+            return error.with_traceback(None)  # which would keep this answer
 
     @property
     def no_part(self) -> str:
@@ -161,7 +162,10 @@ def _advised(answer: Answer, design: Design) -> Answer:
     """Return a full answer whose design misses a line with the largest slope that is met."""
     given = answer.specification
     missed = design.status is DesignStatus.MISSED and not answer.draft
-    found = largest_line(given, _drafted(given)) if given is not None and missed else None
+    if given is None or not missed:
+        return answer
+    model = _drafted(given)
+    found = largest_line(given, model)
     if found is None:
         return answer
     target: Any = design.target
@@ -169,7 +173,7 @@ def _advised(answer: Answer, design: Design) -> Answer:
     slopes = line.wording.slopes
     advice = (
         f"{slopes(target.slope)} is not met. The largest over the loads that are reached, {loads}, is "
-        f"{slopes(line.slope)}"
+        f"{slopes(line.slope)}{', without interaction' * (given.model.couples and not model.couples)}"
     )
     return replace(answer, advice=advice, nearest_target=line)
 
@@ -227,7 +231,7 @@ def _in_units_of(state: State, specification: Specification, error: Infeasible) 
 
 
 def _drafted(specification: Specification) -> Model:
-    """Return the model of a draft: with sensitivities; without interaction of many or adhesive asperities."""
+    """Return the model of a draft: with sensitivities; without interaction of many or adhesive ones."""
     model, contact = specification.model, contact_of(specification.model)
     if model.couples and (specification.template.count > MOST_DRAFTED or contact.adhesive):
         return Independent(contact)
@@ -253,12 +257,18 @@ def _problems(error: InvalidInput) -> tuple[dict[str, str], dict[str, str]]:
 
 
 def _offers(error: InvalidInput) -> dict[str, str]:
-    """Return the values that an error names as valid, by key and as a field shows them.
+    """Return the examples of an error by key, as a field shows them.
 
-    An example for one entry of a list is no value of its field.
+    An example can be a line with another key of the section. One for an entry would replace its whole list,
+    and that of a file is not loaded.
     """
-    found = [(_known(each.key), each) for each in error.problems or (error,) if each.example]
-    return {key: as_in_field(each.example) for key, each in found if key == each.key or "=" in each.example}
+    found: dict[str, str] = {}
+    for each in error.problems or (error,):
+        section, _, name = each.key.rpartition(".")
+        if each.example and "[" not in each.key and name != "file":
+            line = each.example if " = " in each.example else f"{name} = {each.example}"
+            found |= {f"{section}.{key}": shown(value) for key, value in toml_table(line).items()}
+    return found
 
 
 def _known(key: str) -> str:
@@ -300,7 +310,8 @@ def _law_of(
     except InvalidInput:
         pass  # a target without a range of loads, whose law depends on the surface
     try:
-        found = replace(specification, target=target).design(draft=draft).law
+        given = replace(specification, target=target)
+        found = given.design(_drafted(given) if draft else None, draft=draft).law
     except MetafemError:
         return None
     return found.rescaled_load, found.rescaled_friction

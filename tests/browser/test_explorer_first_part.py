@@ -112,6 +112,13 @@ def test_a_law_is_pinned_beside_the_next_one_after_a_tour_that_is_left(visit):
     page.get_by_role("dialog", name="The heights follow").wait_for()
     hand.presses("Leave")
     assert page.locator(".tour-words").count() == 0
+    hand.presses("Menu")
+    page.get_by_role("menuitem", name="One-minute tour").click()
+    for number in range(1, 5):
+        page.get_by_text(f"{number} of 5").wait_for()
+        hand.presses("Next")
+    hand.presses("Done")
+    assert page.locator(".tour-words").count() == 0
     assert page.evaluate("() => document.activeElement.className") == "law"  # the next key goes on from there
     hand.presses("Pin as A")
     page.get_by_role("button", name="Unpin").wait_for()

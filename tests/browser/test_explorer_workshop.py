@@ -245,7 +245,7 @@ def test_keys_lead_through_the_head_of_the_page(visit):
     page.wait_for_function(f"() => ({FOCUSED})() === 'Menu'")
     page.keyboard.up("Enter")
     visit.settled()
-    assert page.get_by_role("menu").count() == 0  # and opens nothing
+    assert page.get_by_role("menu").count() == 0  # nor does it open the menu again
     page.keyboard.press("Enter")
     page.wait_for_function(f"() => ({FOCUSED})() === 'as first opened'")
     page.keyboard.press("Escape")

@@ -27,7 +27,7 @@ const Tour = {
     return { at: null, ring: {}, place: {}, steps: STEPS };
   },
   methods: {
-    leave() {  // its buttons, one of which has the focus, are gone
+    leave() {  // the button in focus is about to go
       this.at = null;
       document.querySelector(".law").focus({ preventScroll: true });
     },

@@ -54,7 +54,7 @@ NAME = re.compile(r"\[([a-z]+(?:\.[a-z]+)?)\]|\b((?:[a-z]+\.){0,2}[a-z_]+)(?:\[(
 # The place of an asperity, a list, and the example at the end of a message, in the notation of a file.
 PLACE = re.compile(r"\b(alignment )?asperity \d+ at \(([^,()]+), ([^()]+)\) mm")
 LIST = re.compile(r"(?<= = )\[[^=\n]*\]|\[[^\[\]\n]*,[^\[\]\n]*\]")
-EXAMPLE = re.compile(r"(?<=write for example ).+$", re.MULTILINE)
+EXAMPLE = re.compile(r"(write for example )(?:\w+ = )?(.+)$", re.MULTILINE)
 
 # Words about the notation of a specification, and those of a field.
 NOTATION = {
@@ -94,20 +94,14 @@ def on_page(message: str) -> str:
     message = PLACE.sub(r"the \1asperity at x = \2 mm, y = \3 mm", message)
     for notation, words in NOTATION.items():
         message = message.replace(notation, words)
-    message = LIST.sub(lambda found: as_in_field(found[0]), message)
-    message = EXAMPLE.sub(lambda found: as_in_field(found[0]), message)
+    message = LIST.sub(lambda found: _plain(found[0]), message)
+    message = EXAMPLE.sub(lambda found: found[1] + _plain(found[2]), message)
     return NAME.sub(_named, message)
 
 
-def as_in_field(value: str) -> str:
-    """Return a value of a specification, or a line with one, as a field shows it.
-
-    Examples
-    --------
-    >>> as_in_field('load_range = ["1 N", "5 N"]')
-    '1 N, 5 N'
-    """
-    return re.sub(r"^\w+ = |[\[\]\"']", "", value)
+def _plain(value: str) -> str:
+    """Return a value as a field shows it, without brackets and quotes."""
+    return re.sub(r"[\[\]\"']", "", value)
 
 
 def _named(found: re.Match[str]) -> str:

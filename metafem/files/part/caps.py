@@ -62,11 +62,11 @@ def with_alignment(surface: Surface, template: Surface, height: float | None) ->
     if tallest < float(f"{between:.4g}") < most.max():
         given["example"] = f'"{between:.4g} mm"'
     must = f"must exceed the tallest summit, {tallest:g} mm, so that the alignment asperities touch first"
-    refuse_if(height <= tallest, f"{must}; raise it, or {LEAVE_OUT}", **given)
+    refuse_if(height <= tallest, f"{must}; {LEAVE_OUT}. Or raise it", **given)
     limit = f"the largest radius in use, {most.max():g} mm; a cap is at most as high as its radius"
     if surface.cap != SPHERE:
         limit = f"{most.max():.4g} mm, where the profile of the caps ends"
-    refuse_if(height > most.max(), f"exceeds {limit}; lower it, or {LEAVE_OUT}", **given)
+    refuse_if(height > most.max(), f"exceeds {limit}; {LEAVE_OUT}. Or lower it", **given)
     high = np.flatnonzero(most >= height)
     used = int(high[surface.radius[high].argmin()])
     every = [surface.cap.one(i) for i in (*range(surface.count), *[used] * 4)]

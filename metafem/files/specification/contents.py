@@ -146,8 +146,8 @@ class Sections(Section):
         """Return the key that states the radii, and the radii or their bounds [mm]."""
         one, tools = self.lattice.radius, self.tools
         if tools is None or tools.exponent_range is not None:
-            example = 'radius = "526 um"' + ("" if tools else ", or radii in a section [tools]")
-            refuse_if(one is None, "is missing", key="radius", example=example)
+            missing = "is missing" + ("" if tools else ", and there is no section [tools]")
+            refuse_if(one is None, missing, key="radius", example='radius = "526 um"')
             return "lattice.radius", [one or 0.0]
         refuse_if(one is not None, "and [tools] both give radii; keep one", key="radius")
         if tools.radius_range is None:

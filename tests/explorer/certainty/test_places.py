@@ -15,6 +15,7 @@ TEXT = demo_text("operating-points")
 def test_a_part_that_can_be_made_has_no_problem():
     answer = answered(State(TEXT), 1)
     assert answer.no_part == ""
+    assert answer.part is answer.part  # planned once
     assert "take" not in warnings_by_place(answer)
 
 

@@ -1,9 +1,12 @@
 """A friction coefficient: F/P over a range of loads, carried by its handle, and the largest one."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from metafem.explorer.answer import answered
+import metafem as mf
+from metafem.explorer.answer import _advised, answered
 from metafem.explorer.law.law_data import law_data
 from metafem.explorer.law.nearest import offer, with_nearest
 from metafem.explorer.session import State
@@ -70,6 +73,14 @@ def test_an_impossible_coefficient_without_loads_names_the_largest_that_is_met(f
     used = answered(State(with_nearest(found)), 2, found)
     assert used.design.status is not DesignStatus.MISSED
     assert used.advice == ""
+
+
+def test_advice_from_a_simpler_model_says_so(first):
+    missed = answered(State(line(slope=40.0)), 1, first)
+    model = mf.Interacting(contact=mf.JKR(9e-6))
+    given = replace(missed, specification=replace(missed.specification, model=model), advice="")
+    found = _advised(given, missed.design)
+    assert found.advice.endswith(", without interaction")
 
 
 def test_a_draft_and_a_line_that_is_met_have_no_advice(first):

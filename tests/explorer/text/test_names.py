@@ -17,7 +17,7 @@ TEXTS = [demo_text(name) for name in ("operating-points", "linear", "bilinear")]
 # A key of a specification, its index, or quotation marks and brackets of its notation.
 CODE = re.compile(r"[a-z]{2,}_[a-z]|\b[a-z]+\.[a-z]|\[[a-z0-9]|for example (\"|'|\[)")
 
-WRONG = ("-1", "12 12", ".8", "abc", "1e9 mm", "100 um", "0 mm", "5 N", "0.1, 0.2", "[", "300 um; 2 um")
+WRONG = ("", "-1", "12 12", ".8", "abc", "1e9 mm", "100 um", "0 mm", "5 N", "0.1, 0.2", "[", "300 um; 2 um")
 
 
 def test_form_and_messages_use_the_same_names():
@@ -25,6 +25,17 @@ def test_form_and_messages_use_the_same_names():
         assert section["title"] == title_of(section["name"])
         for field in (field for keys in section["keys"].values() for field in keys):
             assert field["label"] == label_of(field["key"])
+
+
+def offers_end(text, offers, most=2):
+    """Return whether no offer is left after two steps: a value that is mended can need another one."""
+    for key, value in offers.items():
+        text = with_field(text, key, value)
+    try:
+        return bool(specification_of(State(text)))
+    except InvalidInput:
+        offers = answered(State(text), 1).offers
+        return not offers or (most > 1 and offers_end(text, offers, most - 1))
 
 
 @pytest.mark.parametrize("text", TEXTS)
@@ -44,13 +55,8 @@ def test_no_message_of_a_field_speaks_code(text):
             for words in (*answer.reasons.values(), answer.refused):
                 assert not CODE.search(words), (key, typed, words)
                 told += bool(words)
-            for name, value in answer.offers.items():
-                try:
-                    specification_of(State(with_field(wrong, name, value)))
-                except InvalidInput as error:
-                    refused = [str(each) for each in error.problems]
-                    assert answer.problems[name] not in refused, (key, typed, name, value)
-                offered += 1
+            offered += bool(answer.offers)
+            assert not answer.offers or offers_end(wrong, answer.offers), (key, typed)
     assert told > 100
     assert offered > 20
 
@@ -59,7 +65,7 @@ def test_no_message_of_a_field_speaks_code(text):
     ("key", "typed", "words"),
     [
         ("limits.offset", "500 um", "“largest height” = 270 um and “offset” = 500 um together exceed"),
-        ("part.alignment_height", "100 um", "or leave out “alignment height”: the part"),
+        ("part.alignment_height", "100 um", "; leave out “alignment height”: the part"),
         ("lattice.shape", "0 x 3", "Entry 1 = 0 must be a whole number of at least 1."),
         ("block.width", "3 mm", "the asperity at x = -5.25 mm, y = -5.25 mm has a cap"),
         ("limits.min_height", "12", "Needs a unit; write for example 10 um."),

@@ -176,12 +176,17 @@ def test_every_problem_is_listed_and_survives_a_process():
 @pytest.mark.parametrize(
     ("old", "new", "key", "words"),
     [
-        ('"400 um"', '"200 um"', "part.alignment_height", "raise it, or leave out part.alignment_height"),
+        (
+            '"400 um"',
+            '"200 um"',
+            "part.alignment_height",
+            "leave out part.alignment_height.* Or raise it; write for example",
+        ),
         (
             'radius = "526 um"',
             'radius = "0.3 mm"',
             "part.alignment_height",
-            "0.3 mm; .* lower it, or leave out",
+            "0.3 mm; .* Or lower it; write for example",
         ),
         ('width = "20 mm"', 'width = "12.5 mm"', "part.alignment_height", "leave out part.alignment_height"),
         ('length = "20 mm"', 'length = "11 mm"', "block.length", "block at least 14.6 by 14.6 mm"),
