@@ -147,7 +147,7 @@ def answered(
         answer = replace(answer, specification=specification)
         if stopped:
             return replace(answer, design=None, stopped=True)
-        design = specification.design(_drafted(specification) if draft else None, draft=draft)
+        design = _designed(specification, draft)
         return _advised(replace(answer, design=design), design)
     except InvalidInput as error:
         problems, reasons = _problems(error)
@@ -230,6 +230,11 @@ def _in_units_of(state: State, specification: Specification, error: Infeasible) 
     return error.in_units(Wording.of(template.material, template.friction) if state.newtons else Wording())
 
 
+def _designed(specification: Specification, draft: bool) -> Design:
+    """Return the design of a specification; a draft is under the model that `_drafted` chooses."""
+    return specification.design(_drafted(specification) if draft else None, draft=draft)
+
+
 def _drafted(specification: Specification) -> Model:
     """Return the model of a draft: with sensitivities; without interaction of many or adhesive ones."""
     model, contact = specification.model, contact_of(specification.model)
@@ -310,8 +315,7 @@ def _law_of(
     except InvalidInput:
         pass  # a target without a range of loads, whose law depends on the surface
     try:
-        given = replace(specification, target=target)
-        found = given.design(_drafted(given) if draft else None, draft=draft).law
+        found = _designed(replace(specification, target=target), draft).law
     except MetafemError:
         return None
     return found.rescaled_load, found.rescaled_friction
