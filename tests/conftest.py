@@ -4,8 +4,8 @@ import fcntl
 import gc
 import json
 import os
-from collections import Counter
 from functools import cache, partial
+from pathlib import Path
 from shutil import rmtree
 
 import numpy as np
@@ -20,78 +20,46 @@ from metafem import cli
 settings.register_profile("metafem", deadline=None, derandomize=True, max_examples=40)
 settings.load_profile("metafem")
 
-# The tests of this folder run in one process, one after the other, and share a browser and a server.
+# The tests of the README's second command, and the processor time [s] that none of them may take.
+CORE, LONGEST = Path(__file__).parent / "core", 2.0
+
+# One process shares the browser and the server of these tests.
 BROWSER = "tests/browser/"
 
-# The tests of one claim run in one process.
-CLAIMS = "tests/validation/test_claims.py"
 
-# One process compiles the kernels of interacting asperities in the first file, which takes 40 s. The second
-# runs the next files, which need no kernels. Those that take longest follow.
-FIRST = (
-    *("tests/models/test_contract.py", BROWSER, "tests/fe/", "tests/calibration/topography/"),
-    *("tests/calibration/images/", "tests/files/specification/", "tests/files/measurement/"),
-    *("tests/files/part/", "tests/files/schema/", "tests/validation/test_benchmarks.py"),
-    *("tests/studies/test_studies.py", "tests/inversion/test_any_law.py"),
-)
-
-# Claims are short, and let the processes end together. What all of them show is compared when they are done.
-LAST = (CLAIMS, "tests/validation/test_every_claim.py")
-
-# Examples that only call what the claims on finite elements call, for ten seconds.
-CLAIMED_EXAMPLES = ("hertz_check", "cap_check", "cell_check", "layer_check")
-
-# Examples that solve finite elements for longer than a few seconds.
-SLOW_EXAMPLES = (
-    *("FiniteContact", "press_finite", "tabulated_contact"),
-    *("search_contact", "ActiveSetContact", "measure_pedestal"),
-)
-
-
-def unit(nodeid):
-    """Return what runs in one process as a whole: a file, the folder of the browser, or a claim."""
-    file, _, test = nodeid.partition("::")
-    if file.startswith(BROWSER):
-        return BROWSER
-    return f"{file}[{test.partition('[')[2]}" if file == CLAIMS else file
-
-
-def is_example(item, names):
-    """Whether an item is the example in the docstring of one of these."""
-    return isinstance(item, pytest.DoctestItem) and item.name.endswith(names)
+def in_core(item):
+    """Whether a test belongs to the README's second command."""
+    return item.path.is_relative_to(CORE)
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Mark the examples that take long as slow, and sort the files: large ones first, to end together."""
-    items[:] = [item for item in items if not is_example(item, CLAIMED_EXAMPLES)]
+    """Mark as slow every test that the README's second command does not run."""
     for item in items:
-        if is_example(item, SLOW_EXAMPLES):
+        if not in_core(item):
             item.add_marker("slow")
 
-    def file(item):
-        return unit(item.nodeid).partition("[")[0]
 
-    count = Counter(map(file, items))
-
-    def place(item):
-        name, others = file(item), len(FIRST)
-        if name in LAST:
-            return others + 1 + LAST.index(name), 0
-        return next((i for i in range(others) if name.startswith(FIRST[i])), others), -count[name]
-
-    items.sort(key=place)
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item):
+    """Fail a core test that takes too much processor time."""
+    start = sum(os.times()[:4])
+    result = yield
+    taken = sum(os.times()[:4]) - start
+    if in_core(item) and taken > LONGEST:
+        pytest.fail(f"{taken:.1f} s of processor time; a core test may take {LONGEST:g} s", pytrace=False)
+    return result
 
 
 def pytest_xdist_make_scheduler(config, log):
-    """Give the tests of a unit to one process."""
+    """Give the tests of a file to one process where files are dealt out, and the browser's tests to one."""
     from xdist.scheduler import LoadFileScheduling
 
     class Scheduling(LoadFileScheduling):
         def _split_scope(self, nodeid):
-            return unit(nodeid)
+            return BROWSER if nodeid.startswith(BROWSER) else nodeid.partition("::")[0]
 
-    return Scheduling(config, log)
+    return Scheduling(config, log) if config.getvalue("dist") == "loadfile" else None
 
 
 @pytest.hookimpl(wrapper=True)
