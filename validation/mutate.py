@@ -1,16 +1,17 @@
-"""Mutants: constants, signs and terms of metafem are changed, which claims and default tests must notice."""
+"""Run the tests that enter a changed function in a copy of the package, and print which of them notice it."""
 
 from __future__ import annotations
 
 import multiprocessing
 import os
+import re
 import shutil
+import subprocess
 import sys
 import tempfile
-import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -18,12 +19,14 @@ import click
 
 from metafem._caches import VARIABLE
 from metafem._kernels.compiled import folder as kernels
+from validation import entered
+from validation.mutants import Mutant, drawn, listed, module_of
 
 ROOT = Path(__file__).parents[1]
-LIST = Path(__file__).with_name("mutants.toml")
 
-# Mutants at a time, and the time [s] after which a run that does not end counts as noticed.
-PROCESSES, PATIENCE = 2, 900.0
+# Mutants at a time; the time [s] after which a run that does not end counts as noticed; and the processor
+# time [s] of all tests that are run for a mutant, those that take least first.
+PROCESSES, PATIENCE, MOST = 2, 600.0, 120.0
 
 # Packages that every run needs: loaded once in a process from which all others are forked.
 LOADED = (
@@ -35,103 +38,78 @@ LOADED = (
 # Packages of the copy, which must not be those of this folder.
 OWN = ("metafem", "validation", "tests")
 
-TESTS = ("-x", "-q", "-n", "0", "-m", "not slow", "-p", "no:cacheprovider")
-
-# Row of the package without a change, which no claim and no test must notice.
-UNCHANGED = "unchanged"
-
-
-@dataclass(frozen=True)
-class Mutant:
-    """A change of one line of a file, and the claims and default tests that must notice it."""
-
-    name: str
-    file: str
-    old: str
-    new: str
-    claims: Sequence[str]
-    tests: Sequence[str]
-
-    def applied(self, root: Path) -> None:
-        """Change the file of a copy of the package."""
-        path = root / self.file
-        text = path.read_text("utf-8")
-        if text.count(self.old) != 1:
-            raise ValueError(
-                f"{self.name}: {self.file} holds {self.old!r} {text.count(self.old)} times, not once"
-            )
-        path.write_text(text.replace(self.old, self.new), "utf-8")
+# The tests of the README's second command, and those that `.ci/run` runs beside them.
+CORE = ("tests/core", "-m", "not slow")
+SLOW = ("tests", "metafem", "-m", "slow and not nightly", "--dist", "loadfile")
 
 
-@dataclass(frozen=True)
-class Noticed:
-    """The first check and the first default test that noticed a mutant; empty where none did."""
-
-    name: str
-    check: str
-    test: str
-
-    @property
-    def passed(self) -> bool:
-        """Whether both noticed the mutant, or neither the package without a change."""
-        return not (self.check or self.test) if self.name == UNCHANGED else bool(self.check and self.test)
-
-    def __str__(self) -> str:
-        mark = "" if self.passed else "FAILED: "
-        return f"{mark}{self.name}\n    claim  {self.check or 'none'}\n    test   {self.test or 'none'}"
+def recorded(root: Path, arguments: Sequence[str]) -> entered.Entered:
+    """Run tests, which must pass, and return which of them enter each function."""
+    with tempfile.TemporaryDirectory(prefix="entered-") as folder:
+        command = [sys.executable, "-m", "pytest", "-q", "-p", "validation.entered", *arguments]
+        subprocess.run(command, cwd=root, check=True, env=os.environ | {entered.FOLDER: folder})
+        return entered.read(Path(folder))
 
 
-def mutants() -> dict[str, Mutant]:
-    """Return the listed mutants by name."""
-    listed = tomllib.loads(LIST.read_text("utf-8"))
-    return {name: Mutant(name, **row) for name, row in listed.items()}
+def tests_of(mutant: Mutant, record: entered.Entered, root: Path) -> list[str]:
+    """Return the tests that enter a changed function, or what calls a compiled one, quickest first."""
+    if mutant.file.endswith(".js"):
+        return sorted(str(path.relative_to(root)) for path in (root / "tests/browser").glob("test_*.py"))
+    if mutant.function.startswith("metafem._kernels"):
+        callers = tuple(_callers_of_kernels(root))
+        names = [name for name in record if name.startswith(callers)]
+    else:  # what stands outside functions may concern all functions of its module
+        names = [name for name in record if name == mutant.function]
+        names = names or [name for name in record if name.startswith(module_of(mutant.file) + ".")]
+    tests = sorted({test for name in names for test in record[name]})
+    total, chosen = 0.0, []
+    for seconds, test in tests:
+        total += seconds
+        if total <= MOST:
+            chosen.append(test)
+    return chosen
 
 
-def chosen(names: Sequence[str]) -> list[Mutant]:
-    """Return the named mutants or all, after the package without a change."""
-    known = mutants()
-    if unknown := [name for name in names if name not in known]:
-        raise click.BadParameter(f"{unknown[0]!r} is none of the mutants {', '.join(known)}")
-    some = [known[name] for name in names or known]
-    every = {
-        kind: list(dict.fromkeys(x for each in some for x in getattr(each, kind)))
-        for kind in ("claims", "tests")
-    }
-    return [Mutant(UNCHANGED, "README.md", "", "", **every), *some]
+def _callers_of_kernels(root: Path) -> Iterable[str]:
+    """Yield the modules that import compiled functions."""
+    for path in (root / "metafem").rglob("*.py"):
+        if "_kernels" not in path.parts and re.search(
+            r"^from metafem\._kernels", path.read_text("utf-8"), re.M
+        ):
+            yield ".".join(path.relative_to(root).with_suffix("").parts) + "."
 
 
-def noticed(mutant: Mutant) -> Noticed:
-    """Run claims and default tests in a copy with the mutant, with caches of its own."""
+def noticed(mutant: Mutant | None, tests: Sequence[str], root: Path = ROOT) -> tuple[str, str]:
+    """Return the first test and the first check of claims that fail in a copy, or nothing for each."""
     with tempfile.TemporaryDirectory(prefix="mutant-") as name:
-        root, cache = Path(name, "copy"), Path(name, "cache")
+        copy, cache = Path(name, "copy"), Path(name, "cache")
         # with byte code; git's and other hidden folders are not needed
-        shutil.copytree(ROOT, root, ignore=shutil.ignore_patterns(".*", "results"))
+        shutil.copytree(root, copy, ignore=shutil.ignore_patterns(".*", "results"))
         if kernels().is_dir():
             shutil.copytree(kernels(), cache / "kernels" / kernels().name)
-        if mutant.name != UNCHANGED:
-            mutant.applied(root)
-        return Noticed(mutant.name, *_in_process(mutant, root, cache))
-
-
-def _in_process(mutant: Mutant, root: Path, cache: Path) -> tuple[str, str]:
-    """Return the failed check and test that another process finds in a copy."""
-    receiver, sender = FORKED.Pipe(duplex=False)
-    process = FORKED.Process(target=_in_copy, args=(mutant.claims, mutant.tests, root, cache, sender))
-    process.start()
-    sender.close()
-    late = f"no end within {PATIENCE:g} s"
-    try:
-        found = receiver.recv() if receiver.poll(PATIENCE) else (late, late)
-    finally:
-        process.kill()
-        process.join()
-    return found[0], found[1]
+        claims: Sequence[str] = ()
+        if mutant is not None:
+            mutant.applied(copy)
+            claims = mutant.claims
+        receiver, sender = FORKED.Pipe(duplex=False)
+        process = FORKED.Process(target=_in_copy, args=(claims, tests, copy, cache, sender))
+        process.start()
+        sender.close()
+        late = f"no end within {PATIENCE:g} s"
+        try:
+            found = receiver.recv() if receiver.poll(PATIENCE) else (late, late)
+        except EOFError:
+            found = ("the process ended", "the process ended")
+        finally:
+            process.kill()
+            process.join()
+        return found[0], found[1]
 
 
 def _in_copy(
     claims: Sequence[str], tests: Sequence[str], root: Path, cache: Path, sender: Connection
 ) -> None:
-    """Send what claims and tests of a copy notice."""
+    """Send what tests and claims of a copy notice."""
     for stream in (1, 2):
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream)
     os.environ[VARIABLE] = str(cache)
@@ -139,33 +117,43 @@ def _in_copy(
     sys.path.insert(0, str(root))
     for name in [each for each in sys.modules if each.partition(".")[0] in OWN]:
         del sys.modules[name]
-    sender.send((_check(claims), _test(tests)))
+    sender.send((_test(tests), _check(claims)))
 
 
 def _check(claims: Sequence[str]) -> str:
     """Return the first check of claims that fails, or nothing."""
-    from validation.results import evaluate
+    if claims:
+        from validation.results import evaluate
 
-    for name in claims:
-        for check in evaluate(name).checks:
-            if not check.passed:
-                return f"{name}: {check.name}: {check.computed:.6g}, expected {check.expected}"
+        for name in claims:
+            for check in evaluate(name).checks:
+                if not check.passed:
+                    return f"{name}: {check.name}: {check.computed:.6g}, expected {check.expected}"
     return ""
 
 
-def _test(paths: Sequence[str]) -> str:
-    """Return the first default test that fails, or nothing."""
+def _test(tests: Sequence[str]) -> str:
+    """Return the first test that fails, or nothing."""
+    if not tests:
+        return ""
     import pytest
 
     failed: list[str] = []
 
-    class Listener:
+    class Chosen:
+        def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+            place = {test: k for k, test in enumerate(tests)}
+            some = [item for item in items if item.nodeid in place or item.nodeid.partition("::")[0] in place]
+            items[:] = sorted(some, key=lambda item: place.get(item.nodeid, 0))
+
         def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
             failed.extend([report.nodeid] if report.failed else [])
 
         pytest_collectreport = pytest_runtest_logreport
 
-    status = pytest.main([*TESTS, *paths], plugins=[Listener()])
+    files = dict.fromkeys(test.partition("::")[0] for test in tests)
+    options = ("-x", "-q", "-n", "0", "-m", "", "-p", "no:cacheprovider")
+    status = pytest.main([*options, *files], plugins=[Chosen()])
     return failed[0] if failed else f"pytest: {status!r}" if status else ""
 
 
@@ -174,11 +162,44 @@ FORKED.set_forkserver_preload(list(LOADED))
 
 
 def survivors(names: Sequence[str]) -> int:
-    """Run the named mutants or all, print what noticed each, and return the number that were not noticed."""
+    """Run the named mutants or all of the list, print what notices each, and return how many pass unnoticed.
+
+    A core test must notice each, and one of its claims where it names any.
+    """
+    known = listed(ROOT)
+    if unknown := [name for name in names if name not in known]:
+        raise click.BadParameter(f"{unknown[0]!r} is none of the mutants {', '.join(known)}")
+    some = [known[name] for name in names or known]
     os.environ["OMP_NUM_THREADS"] = "1"
-    count = 0
+    record = recorded(ROOT, CORE)
     with ThreadPoolExecutor(PROCESSES) as pool:
-        for found in pool.map(noticed, chosen(names)):
-            print(found, flush=True)
-            count += not found.passed
+        run = partial(_with_tests, record=record)
+        count = 0
+        for mutant, (test, check) in zip(some, pool.map(run, some), strict=True):
+            passed = bool(test) and (bool(check) or not mutant.claims)
+            count += not passed
+            print(f"{'' if passed else 'FAILED: '}{mutant.name}\n    test   {test or 'none'}", flush=True)
+            if mutant.claims:
+                print(f"    claim  {check or 'none'}", flush=True)
+    print(f"{len(some) - count} of {len(some)} mutants are noticed")
     return count
+
+
+def _with_tests(mutant: Mutant, record: entered.Entered, root: Path = ROOT) -> tuple[str, str]:
+    return noticed(mutant, tests_of(mutant, record, root), root)
+
+
+def survey(count: int, seed: int = 0) -> None:
+    """Print which of so many random mutants core tests notice, and which of the others slow tests do."""
+    os.environ["OMP_NUM_THREADS"] = "1"
+    some = drawn(ROOT, count, seed)
+    for kind, arguments in (("core", CORE), ("slow", SLOW)):
+        record = recorded(ROOT, arguments)
+        left = []
+        with ThreadPoolExecutor(PROCESSES) as pool:
+            run = partial(_with_tests, record=record)
+            for mutant, (test, _) in zip(some, pool.map(run, some), strict=True):
+                print(f"{kind}: {test or 'none'}\n    {mutant.name}", flush=True)
+                left += [] if test else [mutant]
+        print(f"{kind} tests notice {len(some) - len(left)} of {len(some)} mutants")
+        some = left
