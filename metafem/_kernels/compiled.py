@@ -12,6 +12,7 @@ import hashlib
 import os
 import pickle
 import platform
+import subprocess
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
@@ -27,6 +28,7 @@ from numba.core import event
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
+from numba.core.types import unliteral
 
 from metafem import _caches
 
@@ -48,6 +50,9 @@ def compiled(function, *, any_order=False):
     options: Any = {"nogil": True, "no_cfunc_wrapper": True, "fastmath": fast}
     dispatcher: Any = njit(**options)(function)
     dispatcher._cache = _Kept(function)
+    template = dispatcher.get_call_template
+    # a call by another kernel with a constant then needs no version of its own
+    dispatcher.get_call_template = lambda args, kws: template(tuple(map(unliteral, args)), kws)
     return dispatcher
 
 
@@ -79,15 +84,38 @@ def folder() -> Path:
     return _caches.kernel_folder() / _version()
 
 
+def stored(function: Callable[..., Any]) -> bool:
+    """Whether any signature of a function is stored."""
+    try:
+        return any(folder().glob(f"{_name(function)}-*"))
+    except OSError:
+        return False
+
+
+def wait_for(function: Callable[..., Any], process: subprocess.Popen[bytes]) -> None:
+    """Let this process wait for another one, which compiles a function, before it compiles that function."""
+    _elsewhere[_name(function)] = process
+
+
+# Processes that compile functions, by the names of these.
+_elsewhere: dict[str, subprocess.Popen[bytes]] = {}
+
+
+def _name(function: Callable[..., Any]) -> str:
+    return f"{function.__module__}.{function.__qualname__}"
+
+
 class _Kept(NullCache):
     """Cache of one function's compiled signatures on disk; a signature without a valid file is compiled."""
 
     def __init__(self, function):
-        self._name = f"{function.__module__}.{function.__qualname__}"
+        self._name = _name(function)
 
     def load_overload(self, signature, target_context):
         """Return the stored code of a signature, or None if no valid file exists."""
         target_context.refresh()
+        if self._name in _elsewhere:
+            _elsewhere.pop(self._name).wait()
         try:
             path = self._path(signature, target_context.codegen())
             content = path.read_bytes()

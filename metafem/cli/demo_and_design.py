@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import metafem as mf
+from metafem._kernels import ahead
 from metafem.cli.group import (
     NOT_ACHIEVED,
     Ended,
@@ -94,6 +95,7 @@ def design(
     is written next to the result folder DIR, as DIR-nearest.csv.
     """
     mf.files.check_free(output, force)
+    ahead.start()  # the report needs them after everything else
     with progress(), doing("designing"):
         specification = mf.read_spec(spec)
         if chord_error is not None:
