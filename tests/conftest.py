@@ -4,6 +4,8 @@ import fcntl
 import gc
 import json
 import os
+import subprocess
+import sys
 from functools import cache, partial
 from pathlib import Path
 from shutil import rmtree
@@ -30,6 +32,15 @@ BROWSER = "tests/browser/"
 def in_core(item):
     """Whether a test belongs to the README's second command."""
     return item.path.is_relative_to(CORE)
+
+
+def pytest_sessionstart(session):
+    """Compile the kernels once, before processes start that would each compile them."""
+    if session.config.getoption("numprocesses", None) and not session.config.option.collectonly:
+        command = [sys.executable, "-m", "tests.kernels"]
+        parts = [subprocess.Popen([*command, part], cwd=CORE.parents[1]) for part in ("0", "1")]
+        codes = [part.wait() for part in parts]
+        assert codes == [0, 0], "the kernels could not be compiled"
 
 
 @pytest.hookimpl(tryfirst=True)
