@@ -1,75 +1,67 @@
-"""Each claim of the validation holds, and each check names a source."""
-
-import re
-from pathlib import Path
+"""Quick claims hold, each check names its source, and errors are failed checks."""
 
 import pytest
+from click.testing import CliRunner
 
-from validation.__main__ import claims, is_slow
+from metafem.drawing import new_figure
+from validation import results
+from validation.__main__ import claims, main
 from validation.chapters import CHAPTERS
-from validation.results import costs, evaluate
-from validation.sources import Source
+from validation.check import Claim, Picture
+from validation.discovery import groups
+from validation.paper import bounds
+from validation.published import paper
+from validation.results import costs, evaluate, evaluated
+from validation.sources import Kind, Source, printed
 
-# Long studies of which the README shows no number: `python -m validation NAME` evaluates them.
-# The tests of these folders compare what they call with the same sources, in smaller scenes.
-STUDIES = {
-    "diagnosis": "tests/calibration/diagnosis",
-    "fe_finite_strain": "tests/fe/large_strain",
-    "layout": "tests/inversion/placement",
-    "topography": "tests/calibration/topography",
-}
-
-# The claims that the tests evaluate.
-EVALUATED = [name for name in claims() if name not in STUDIES]
-
-# Quick claims whose pictures still take seconds.
-LONG = ("any_law", "fig_s3_manufacturing")
-
-# The longest of the slow ones come first, so that the processes end together.
-FIRST = ("block_or_layer", "several_radii", "order3_against_resolved", "fe_hertz", "calibration_bias")
-
-NAMES = [
-    pytest.param(name, marks=pytest.mark.slow) if is_slow(name) or name in LONG else name
-    for name in (*FIRST, *(name for name in EVALUATED if name not in FIRST))
-]
-
-# Words that name no source.
-VAGUE = re.compile(
-    r"promise|recomputed|independent(ly)? comput|another (code|implementation)|^solved|^exact$|^target$", re.I
+# Claims of less than half a second; `python -m validation` evaluates all.
+QUICK = (
+    *("bands", "bounds", "contact_calibration", "contacts_at_loads", "equations", "extreme_inputs"),
+    *("fig1_flow", "fig2_calibration", "fig3_branches", "fig3_operating_points", "fig4_linear"),
+    *("fig5_bilinear", "fig_s1_topography", "one_contact", "order3_equations", "pedestal_effect"),
+    *("plasticity", "static_and_sliding", "table_s1", "table_s2", "targets"),
 )
 
 
-@pytest.mark.parametrize("claim", NAMES, indirect=True)
-def test_claim_holds_and_each_check_names_its_source(claim):
+@pytest.mark.parametrize("name", QUICK)
+def test_a_quick_claim_holds_and_each_check_names_its_source(name):
+    claim = evaluate(name)
     assert not [check for check in claim.checks if not check.passed]
-    for check in claim.checks:
-        assert isinstance(check.source, Source), check
-        assert str(check.source).strip(), check.name
-        assert not VAGUE.search(str(check.source)), check
-
-
-@pytest.mark.parametrize("claim", NAMES, indirect=True)
-def test_each_figure_has_a_caption_and_each_claim_a_text(claim):
+    assert all(isinstance(check.source, Source) and str(check.source).strip() for check in claim.checks)
     assert claim.text.count(".") >= 2
-    for title, caption in claim.figures.items():
-        assert len(caption.split()) > 10, title
-        assert caption.endswith("."), title
+    assert all(picture.caption.endswith(".") for picture in claim.figures.values())
 
 
-def test_a_claim_that_raises_is_a_failed_check(monkeypatch):
-    from validation.paper import bounds
+def test_printed_numbers_are_those_of_the_paper_and_are_counted_once():
+    checks = [check for name in QUICK for check in evaluate(name).numbers]
+    numbers = [(check.source.text, check.source.quantity) for check in checks]
+    assert len(numbers) > 15
+    assert len(set(numbers)) == len(numbers)
+    assert all(check.source.kind is Kind.PAPER for check in checks)
+    assert all(check.source.link.endswith("science.adk4234") for check in checks)
+    expected = " ".join(
+        str(check.expected) for name in ("fig4_linear", "fig5_bilinear") for check in evaluate(name).checks
+    )
+    for slope, sd in (paper()["fig4"][colour]["measured_slope"] for colour in ("blue", "red")):
+        assert f"{slope:g} ± {sd:g}" in expected
+    with pytest.raises(ValueError, match="must begin with"):
+        printed("somewhere")
 
-    monkeypatch.setattr(bounds, "claim", lambda: 1 / 0)
-    (check,) = evaluate.__wrapped__("bounds").checks
-    assert not check.passed
-    assert "ZeroDivisionError" in check.name
 
-
-def test_studies_are_claims_of_the_report_whose_parts_have_tests():
-    assert set(STUDIES) < set(claims())
-    for folder in STUDIES.values():
-        assert list((Path(__file__).parents[2] / folder).glob("test_*.py")), folder
-
-
-def test_each_claim_is_in_one_chapter():
+def test_each_claim_is_found_once_and_is_in_one_chapter():
+    found = [name for names in groups("claim").values() for name in names]
+    assert len(set(found)) == len(found)
     assert sorted(name for chapter in CHAPTERS for name in chapter.claims) == sorted([*claims(), *costs()])
+
+
+def test_a_claim_or_a_figure_that_raises_is_a_failed_check_and_ends_with_one(monkeypatch, tmp_path):
+    monkeypatch.setattr(results, "evaluate", results.evaluate.__wrapped__)
+    figures = {"good": Picture(lambda: new_figure(3.0, 2.0)), "bad": Picture(lambda: 1 / 0)}
+    monkeypatch.setattr(bounds, "claim", lambda: Claim("Bounds", [], figures))
+    assert ["'bad'" in check.name for check in evaluated("bounds").failed] == [True]
+    monkeypatch.setattr(bounds, "claim", lambda: 1 / 0)
+    done = CliRunner().invoke(main, ["bounds", "-o", str(tmp_path / "site")])
+    assert done.exit_code == 1
+    assert "0 of 1 checks passed" in done.output
+    assert (tmp_path / "site" / "paper.html").exists()
+    assert CliRunner().invoke(main, ["--readme", "--quick"]).exit_code == 2

@@ -8,8 +8,9 @@ import numpy as np
 
 import metafem as mf
 from metafem.calibration import MeasuredLaw, MeasurementErrors, Priors
-from metafem.calibration.diagnosis.causes import Causes
-from metafem.calibration.diagnosis.linearised import response
+from metafem.calibration.diagnosis.causes import Causes, Made
+from metafem.calibration.diagnosis.linearised import Linear, Scene, response
+from metafem.models.model import contact_of
 
 ERRORS = MeasurementErrors()
 NOTHING = Priors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -70,3 +71,32 @@ def measured(
         material=nominal,
         friction=surface.friction,
     )
+
+
+def scene(model: mf.Model, priors: Priors, areas: bool, part: mf.Surface) -> Scene:
+    """Return the part with its measured values without noise."""
+    law = measured(part, areas=areas, model=None if part.cap == mf.Paraboloid() else model)
+    causes = Causes.of(part, law.load, law.load_sd, priors, True, contact_of(model).adhesive)
+    return Scene(model, causes, law, part.friction)
+
+
+def exact(surface: mf.Surface) -> Made:
+    """Return a part without errors."""
+    return Causes.of(surface, np.ones(1), np.ones(1), NOTHING, False).made(np.zeros(1))
+
+
+def computed(scene: Scene, z: np.ndarray) -> np.ndarray:
+    """Return the measured values less the residuals."""
+    at = scene.linear(z, np.zeros((len(z), len(z))))
+    return np.concatenate([-at.residual * at.sd, at.indentation])
+
+
+def gaussian(matrix: np.ndarray, data: np.ndarray, sd: np.ndarray):
+    """Return the linear observations data = matrix z with Gaussian errors."""
+    none = np.zeros(0)
+
+    def linear(z: np.ndarray, covariance: np.ndarray) -> Linear:
+        nothing = np.zeros((0, len(z)))
+        return Linear((data - matrix @ z) / sd, matrix / sd[:, None], sd, none, nothing, none)
+
+    return linear

@@ -1,0 +1,259 @@
+"""E* and adhesion energy from compression tests: exact data, other fits, closed forms and wrong data."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import metafem as mf
+from metafem.calibration import MeasurementErrors, Sample, fit_compression
+from metafem.calibration.bounded_interval import WIDTH
+from metafem.calibration.compression.adhesive_line import adhesive_line
+from metafem.calibration.compression.distance_fit import adhesive_load, distance_fit
+from tests.calibration.compression.scenes import (
+    AREA,
+    ENERGY,
+    MODULUS,
+    RADIUS,
+    SMALL,
+    TABLE,
+    A,
+    load_of,
+    noisy,
+    of_cap,
+)
+
+FIVE = Sample(5)
+CAP = mf.AxisymmetricCap(lambda rho: rho**2 / (2 * RADIUS) + rho**4, extent=0.4)
+PROFILE = mf.AxisymmetricCap(np.array([SMALL, SMALL**2 / (2 * RADIUS)]) * (SMALL > 0.05))
+EXACT = fit_compression(load_of(A), AREA, RADIUS)
+
+
+def test_caps_of_a_sample_give_modulus_and_adhesion():
+    for cap in (mf.Power(3.0), mf.Profile(lambda rho: rho**3, extent=0.6)):
+        place = [[0.0, 0.0], [70.0, 0.0], [0.0, 70.0]]
+        surface = mf.Surface(place, [0.3] * 3, RADIUS, mf.Material(1.0), cap=cap)
+        elastic = mf.Elastic()
+        sample = Sample(3, model=mf.Independent(elastic), surface=surface)
+        found = fit_compression(3 * load_of(A, elastic.bound(surface)), 3 * AREA, RADIUS, sample)
+        assert found.composite_modulus == pytest.approx(MODULUS, rel=1e-9)
+        assert found.adhesion_energy == pytest.approx(ENERGY, rel=1e-9)
+
+
+def test_exact_data_of_any_cap_give_e_and_w_back():
+    for cap in (mf.SphericalCap(), TABLE):
+        found = fit_compression(5.0 * load_of(SMALL, cap), 5.0 * math.pi * SMALL**2, RADIUS, of_cap(cap, 5))
+        assert found.composite_modulus == pytest.approx(MODULUS, rel=1e-9)
+        assert found.adhesion_energy == pytest.approx(ENERGY, rel=1e-7)
+        assert found.load_fitted == pytest.approx(found.load, rel=1e-9)
+        assert found.verdict.fits
+
+
+@settings(max_examples=20)
+@given(st.floats(0.1, 1e3), st.floats(0.0, 1e-4), st.integers(1, 9), st.floats(0.1, 10.0))
+def test_units_of_length_and_force_do_not_matter(modulus, energy, contacts, scale):
+    a = scale * A
+    load = contacts * (
+        modulus * 4.0 / 3.0 * a**3 / (scale * RADIUS) - np.sqrt(8.0 * math.pi * energy * modulus * a**3)
+    )
+    found = fit_compression(load, contacts * math.pi * a**2, scale * RADIUS, Sample(contacts))
+    assert found.composite_modulus == pytest.approx(modulus, rel=1e-7)
+    assert found.adhesion_root == pytest.approx(math.sqrt(energy), rel=1e-5, abs=1e-7 * math.sqrt(modulus))
+
+
+def test_of_given_variances_it_is_the_regression_of_odrpack():
+    import odrpack
+
+    errors = MeasurementErrors()
+    tests = [noisy(seed) for seed in range(3)]
+    load, area = (np.concatenate(part) for part in zip(*tests, strict=True))
+    sd = errors.of_area(np.tile(AREA, 3))
+
+    def curve(of):
+        rescaled = 4.0 / 3.0 * (of / math.pi) ** 1.5 / RADIUS
+        return rescaled, 1.5 * rescaled / of
+
+    def model(x, beta):
+        return beta[0] * curve(x)[0] - beta[1] * adhesive_load(x)[0]
+
+    given_sd = {"load_sd": errors.load, "area_sd": lambda _: sd[:, None]}
+    found = distance_fit(load, area[:, None], curve, contacts=1, **given_sd)
+    other = odrpack.odr_fit(
+        model, area, load, np.array([1.0, 0.0]), weight_x=sd**-2, weight_y=errors.load**-2,
+        diff_scheme="central", sstol=1e-15, partol=1e-15,
+    )  # fmt: skip
+    deviation = np.sqrt(np.diag(found.covariance))
+    assert abs(found.modulus - other.beta[0]) < 1e-5 * deviation[0]
+    assert abs(found.product - other.beta[1]) < 1e-5 * deviation[1]
+    assert np.abs(found.area[:, 0] - other.xplusd).max() < 1e-6 * sd.max()
+    assert (found.residual**2).sum() == pytest.approx(other.sum_square, rel=1e-6)
+
+
+def test_the_law_that_comes_out_predicts_the_data():
+    surface = mf.Surface([[0.0, 0.0]], [0.5], RADIUS, EXACT.material)
+    law = mf.friction_law(surface, mf.Independent(EXACT.contact_law), load=load_of(A)[5:])
+    assert law.area == pytest.approx(AREA[5:], rel=1e-6)
+    assert EXACT.contact_law == mf.JKR(EXACT.adhesion_energy)
+
+
+def test_areas_one_by_one_and_in_total_are_one_calibration_of_equal_contacts():
+    load, each = 5.0 * load_of(A), np.repeat(AREA[:, None], 5, axis=1)
+    total = fit_compression(load, 5.0 * AREA, RADIUS, FIVE)
+    single = fit_compression(load, each, RADIUS, FIVE)
+    assert single.composite_modulus == pytest.approx(total.composite_modulus, rel=1e-12)
+    assert single.root_covariance == pytest.approx(total.root_covariance, rel=1e-9)
+    assert single.total_area_sd == pytest.approx(total.total_area_sd, rel=1e-9)
+    assert single.line.slope == pytest.approx(total.line.slope, rel=1e-12)
+
+
+def test_an_open_contact_bears_no_load():
+    each = np.repeat(AREA[:, None], 3, axis=1)
+    each[:4, 2] = 0.0
+    load = 3.0 * load_of(A)
+    load[:4] *= 2.0 / 3.0
+    assert fit_compression(load, each, RADIUS, Sample(3)).composite_modulus == pytest.approx(
+        MODULUS, rel=1e-9
+    )
+
+
+def test_the_error_of_the_radius_enters_as_theory_says():
+    found = fit_compression(*noisy(2, contacts=5), RADIUS, Sample(5, radius_sd=0.005))
+    # P = E* 4 a^3/(3 R) - b sqrt(8 pi a^3) with b = sqrt(w E*): E* ~ R and sqrt(w) ~ 1/sqrt(R)
+    expected = 0.005 / RADIUS * np.array([found.composite_modulus, -0.5 * found.adhesion_root])
+    assert found.radius_change == pytest.approx(expected, rel=1e-3)
+    systematic = found.root_covariance - found.statistical_covariance
+    assert systematic == pytest.approx(np.outer(expected, expected), rel=2e-3)
+    assert found.parameters == ("radius", "composite_modulus")
+    assert found.parameter_covariance[0, 1] == pytest.approx(0.005 * expected[0], rel=1e-3)
+    assert "0.95 %" in str(found.notes[-1])
+
+
+def test_equal_tests_agree_and_different_ones_are_told_apart():
+    tests = [noisy(seed, contacts=5) for seed in range(3)]
+    labels = np.repeat(["a", "b", "c"], A.size)
+    load, area = (np.concatenate(part) for part in zip(*tests, strict=True))
+    same = fit_compression(load, area, RADIUS, FIVE, test=labels)
+    assert same.heterogeneity.agree
+    assert [test.name for test in same.tests] == ["a", "b", "c"]
+    alone = fit_compression(*tests[1], RADIUS, FIVE)
+    assert same.tests[1].value[0] == alone.composite_modulus
+    assert same.tests[1].verdict == alone.verdict
+    # chi-squares of nested fits of a linear law add
+    total = sum(test.verdict["chi_square"].statistic for test in same.tests) + same.heterogeneity.chi_square
+    assert same.verdict["chi_square"].statistic == pytest.approx(total, rel=0.02)
+    other = np.concatenate([*load[:40].reshape(2, 20), noisy(2, contacts=5, modulus=1.45)[0]])
+    different = fit_compression(other, area, RADIUS, FIVE, test=labels)
+    assert not different.heterogeneity.agree
+    assert len(different.notes) > len(same.notes)
+
+
+def test_without_adhesion_the_interval_of_w_begins_at_zero_and_a_negative_root_is_kept():
+    found = fit_compression(*noisy(5, energy=0.0), RADIUS)
+    assert found.adhesion_energy_interval[0] == 0.0
+    modulus, sd = found.modulus_without_adhesion
+    assert abs(modulus - MODULUS) < 3.0 * sd < 3.0 * math.sqrt(found.root_covariance[0, 0])
+    found = fit_compression(load_of(A, energy=0.0) + 5.0 * math.sqrt(1e-6) * A**1.5, AREA, RADIUS)
+    assert found.adhesion_root < 0.0
+    assert found.adhesion_energy == 0.0
+    assert found.contact_law == mf.Hertz()
+    assert np.linalg.eigvalsh(found.covariance).min() >= 0.0
+
+
+def test_an_outlier_is_named_and_loses_its_weight_in_a_robust_fit():
+    load, area = noisy(4, contacts=5)
+    load[-1] += 8.0 * MeasurementErrors().load
+    found = fit_compression(load, area, RADIUS, FIVE)
+    assert found.verdict["largest"].probability < 0.01
+    (note,) = [str(note) for note in found.notes if "load[19]" in str(note)]
+    assert "robust=True" in note
+    steady = fit_compression(load, area, RADIUS, FIVE, robust=True)
+    assert steady.weight[-1] < 0.5 < steady.weight[:-1].min()
+    assert steady.verdict.fits
+    assert "load[19]" in " ".join(map(str, steady.notes))
+    error, robust_error = (abs(each.composite_modulus - MODULUS) for each in (found, steady))
+    assert robust_error < 0.5 * error
+    assert (found.weight == 1.0).all()
+
+
+def test_a_fit_to_another_law_or_with_too_small_errors_says_so():
+    other = 10.0 * AREA**1.1, 5.0 * AREA, RADIUS, FIVE
+    found = fit_compression(*other)
+    assert not found.verdict.fits
+    assert any("does not fit" in str(note) for note in found.notes)
+    assert any(
+        note.warns and "may not fit" in str(note) for note in fit_compression(*other, robust=True).notes
+    )
+    points, usual = (*noisy(4, contacts=5), RADIUS, FIVE), MeasurementErrors()
+    small = MeasurementErrors(load=1e-4, boundary=0.02 * usual.boundary)
+    found = fit_compression(*points, errors=small, robust=True)
+    assert (found.weight < 0.5).sum() > 10
+    assert not found.verdict.law_fits
+    none = MeasurementErrors(load=1e-6, boundary=1e-4 * usual.boundary)
+    with pytest.raises(mf.InvalidInput, match="two points"):
+        fit_compression(*points, errors=none, robust=True)
+
+
+def test_radii_at_which_large_strains_change_the_law_are_noted():
+    assert any("0.76 R" in str(note) for note in EXACT.notes)
+    few = fit_compression(load_of(A[:10]), AREA[:10], RADIUS)
+    assert not any(" R; beyond" in str(note) for note in few.notes)
+
+
+def test_the_straight_line_of_the_paper_is_the_law_of_johnson_kendall_and_roberts():
+    law = mf.JKR(ENERGY).for_material(mf.Material(MODULUS))
+    load = MODULUS * law.load(A, RADIUS)
+    # a^3 = 3 R/(4 E*) [P + 3 pi w R + sqrt(6 pi w R P + (3 pi w R)^2)]
+    pull = 3.0 * math.pi * ENERGY * RADIUS
+    cube = 0.75 * RADIUS / MODULUS * (load + pull + np.sqrt(2.0 * pull * load + pull**2))
+    assert cube == pytest.approx(A**3, rel=1e-12)
+    line = adhesive_line(load, law.area(A), RADIUS)
+    assert line.slope == pytest.approx(0.75 / MODULUS, rel=1e-12)
+    assert line.intercept == pytest.approx(math.sqrt(0.75 * ENERGY / MODULUS), rel=1e-10)
+    assert line.composite_modulus == pytest.approx(MODULUS, rel=1e-12)
+    assert line.adhesion_energy == pytest.approx(ENERGY, rel=1e-9)
+    below = adhesive_line(MODULUS * mf.Hertz().load(A, RADIUS) + 1e-3, AREA, RADIUS)
+    assert below.adhesion_root < 0.0 == below.adhesion_energy
+
+
+def test_intervals_and_covariances_follow_from_those_of_modulus_and_root():
+    modulus, root = np.sqrt(np.diag(EXACT.root_covariance))
+    assert np.diff(EXACT.composite_modulus_interval) == pytest.approx(2.0 * WIDTH * modulus)
+    assert np.mean(EXACT.adhesion_root_interval) == pytest.approx(EXACT.adhesion_root)
+    assert np.diff(EXACT.adhesion_root_interval) == pytest.approx(2.0 * WIDTH * root)
+    low, high = EXACT.adhesion_energy_interval
+    assert high - EXACT.adhesion_energy > EXACT.adhesion_energy - low > 0.0
+    mean = [EXACT.composite_modulus, EXACT.adhesion_root]
+    drawn = np.random.default_rng(0).multivariate_normal(mean, EXACT.root_covariance, 100_000).T
+    assert EXACT.covariance == pytest.approx(np.cov(drawn[0], drawn[1] ** 2), rel=0.03)
+
+
+def test_the_modulus_without_adhesion_is_that_of_a_fit_without_it():
+    q = mf.Hertz().load(A, RADIUS)
+    slope = EXACT.composite_modulus * 1.5 * q / AREA
+    weight = 1.0 / (EXACT.load_sd**2 + (slope * EXACT.area_sd) ** 2)
+    modulus, sd = EXACT.modulus_without_adhesion
+    assert modulus == pytest.approx((weight * q * EXACT.load).sum() / (weight * q**2).sum(), rel=1e-3)
+    assert sd == pytest.approx((weight * q**2).sum() ** -0.5, rel=0.02)
+
+
+PLACE = np.array([[0.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]])
+
+
+@pytest.mark.parametrize(
+    ("model", "last"),
+    [(mf.Independent(), 0.41), (mf.Interacting(substrate=mf.BondedLayer(), pedestal=True), 0.4)],
+    ids=["uneven", "layer"],
+)
+def test_the_model_of_the_sample_gives_its_modulus_back(model, last):
+    height = [0.4, 0.4, 0.4, 0.4, last]
+    surface = mf.Surface(1.5 * PLACE, height, RADIUS, mf.Material(1.36), block=mf.Block(20.0, 20.0, 7.2))
+    load = 1.36 * 5.0 * 4.0 / 3.0 * A**3 / RADIUS
+    area = np.array([mf.equilibrium(surface, model, load=each).asperity_area for each in load])
+    sample = Sample(5, model=model, surface=surface)
+    total, single = (fit_compression(load, each, RADIUS, sample) for each in (area.sum(axis=1), area))
+    assert single.composite_modulus == pytest.approx(1.36, rel=1e-6)
+    # the adhesive part is that of equal contacts
+    assert total.composite_modulus == pytest.approx(1.36, rel=1e-4)
+    assert total.verdict["chi_square"].statistic < 1e-3

@@ -1,0 +1,90 @@
+"""The images of compression and of shear tests that are used, and what is said of the others."""
+
+import numpy as np
+import pytest
+
+from metafem.calibration import ContactTable, MeasurementErrors, shear
+from metafem.calibration.contact_table import pressed_images, sheared_points
+
+LIMIT = 0.01
+
+
+def pressed(area, load=None, matched=False):
+    area = np.array(area, dtype=float)
+    count, contacts = area.shape
+    none = np.full(area.shape, np.nan)
+    names = tuple(f"{i + 1}.tif" for i in range(count))
+    load = np.full(count, 0.1) if load is None else np.array(load)
+    position, site = np.zeros((contacts, 2)), 10 + np.arange(contacts)
+    return ContactTable(
+        names, ("",) * count, load, load * np.nan, position, site, matched, area, 0.01 * area, none, none
+    )
+
+
+def sheared(before, after, force=None):
+    before, after = np.array(before, dtype=float), np.array(after, dtype=float)
+    count, contacts = before.shape
+    force = np.full(count, 0.1) if force is None else np.array(force, dtype=float)
+    errors = [
+        np.where(area > 0.0, 0.01 * area, np.where(area == 0.0, LIMIT, np.nan)) for area in (before, after)
+    ]
+    names = tuple(f"{i + 1}.tif" for i in range(count))
+    return ContactTable(
+        *(names, ("",) * count, force * np.nan, force, np.zeros((contacts, 2)), np.arange(contacts), False),
+        *(before, errors[0], after, errors[1]),
+    )
+
+
+PRESSED = [
+    (pressed([[0.1, 0.2], [0.1, 0.0]]), [0, 1], [], []),
+    (pressed([[0.1, 0.2], [0.1, np.nan], [0.2, 0.3]]), [0, 2], ["contact 2"], [False]),
+    (pressed([[0.1, 0.2], [0.1, np.nan], [0.2, 0.3]], matched=True), [0, 2], ["site 11"], [False]),
+    (
+        pressed([[0.1, np.nan], [0.2, np.nan], [0.3, 0.3]], load=[0.1, 0.2, np.nan]),
+        *([], ["contact 2", "contact 2"], [False, True]),
+    ),
+    (pressed([[0.1, 0.2], [0.0, 0.0]]), [0], ["2.tif"], [False]),
+]
+
+
+def test_images_and_contacts_that_are_left_out_are_named():
+    for table, used, words, warns in PRESSED:
+        found, notes = pressed_images(table)
+        assert found.tolist() == used
+        assert [note.warns for note in notes] == warns
+        assert all(word in str(note) for word, note in zip(words, notes, strict=True))
+
+
+SHEARED = [
+    ([[0.1, 0.2], [0.1, 0.0]], [[0.08, 0.16], [0.08, 0.0]], [[0.3, 0.24, 0.1, 0], [0.1, 0.08, 0.1, 1]], []),
+    # a contact that was not measured before shear takes only itself from the ratio
+    ([[0.1, np.nan]], [[0.08, 0.16]], [[0.1, 0.08, None, 0], [None, 0.24, 0.1, 0]], []),
+    ([[np.nan, np.nan]], [[0.08, 0.16]], [[None, 0.24, 0.1, 0]], []),
+    ([[0.1, 0.2]], [[0.08, np.nan]], [[0.1, 0.08, None, 0]], ["contact 2"]),
+    # a contact that falls below the smallest area is not taken as open
+    ([[0.1, 0.011]], [[0.08, 0.0]], [[0.1, 0.08, None, 0], [None, 0.0888, 0.1, 0]], ["1.tif"]),
+    ([[0.1, 0.1]], [[0.08, 0.0]], [[0.1, 0.08, None, 0], [None, 0.09, 0.1, 0]], ["1.tif"]),
+    # one that only the sheared image shows is part of the strength alone
+    ([[0.1, 0.0]], [[0.08, 0.011]], [[0.1, 0.08, None, 0], [None, 0.091, 0.1, 0]], ["1.tif"]),
+]
+
+
+def test_images_are_points_of_what_they_show():
+    for before, after, expected, words in SHEARED:
+        points, image, notes = sheared_points(sheared(before, after))
+        rows = np.vstack([points, image]).T.tolist()
+        assert [[None if np.isnan(x) else round(x, 12) for x in row] for row in rows] == expected
+        assert all(word in str(note) for word, note in zip(words, notes, strict=True))
+
+
+def test_contacts_near_the_smallest_area_bias_neither_ratio_nor_strength():
+    """With 3 % of noise and areas of 1 to 3 times the smallest one; open contacts would bias B by -5 %."""
+    rng, ratio, strength = np.random.default_rng(0), 0.85, 0.4
+    area = LIMIT * rng.uniform(1.0, 3.0, (1500, 8))
+    measured = [true * (1.0 + 0.03 * rng.standard_normal(area.shape)) for true in (area, ratio * area)]
+    before, after = (np.where(each > LIMIT, each, 0.0) for each in measured)
+    points, _, _ = sheared_points(sheared(before, after, strength * ratio * area.sum(axis=1)))
+    found = shear(*points, errors=MeasurementErrors())
+    assert after.sum() / before.sum() / ratio < 0.98
+    assert found.area_ratio == pytest.approx(ratio, rel=0.003)
+    assert found.shear_strength == pytest.approx(strength, rel=0.005)

@@ -1,0 +1,219 @@
+"""Areas of contacts in synthetic images against the exact areas of the ellipses that are drawn."""
+
+import numpy as np
+import pytest
+
+from metafem.calibration import contact_areas, stack_areas
+from metafem.calibration.images.grey import clipped, grey_values
+from tests.calibration.images.scenes import (
+    CENTRE,
+    PIXEL,
+    RADII,
+    SHAPE,
+    centres,
+    ground,
+    images,
+    in_order,
+)
+from validation.scenes.pictures import BRIGHT, DARK, coverage, illumination, lattice, picture
+
+
+def test_sheared_contacts_are_ellipses():
+    shape, centre = centres(4, 90, np.random.default_rng(4))
+    rng = np.random.default_rng(5)
+    axes = np.sort(rng.uniform(12.0, 30.0, (16, 2)))[:, ::-1]
+    angle = rng.uniform(-1.5, 1.5, 16)
+    found = contact_areas(picture(shape, centre, axes, angle, gradient=(0.3, -0.2), vignetting=0.1), PIXEL)
+    which = in_order(found, centre)
+    assert found.area[which] == pytest.approx(np.pi * axes.prod(axis=1) * PIXEL**2, rel=1e-3)
+    assert found.centre[which] == pytest.approx(centre * PIXEL, abs=0.02 * PIXEL)
+    assert found.axes[which] == pytest.approx(axes * PIXEL, rel=2e-3)
+    turned = (found.angle[which] - angle + 0.5 * np.pi) % np.pi - 0.5 * np.pi
+    assert np.abs(turned * (1.0 - axes[:, 1] / axes[:, 0])).max() < 2e-3
+    assert found.complete.all()
+    assert not found.notes
+
+
+def test_without_noise_the_correction_leaves_no_bias():
+    for radius, blur in ((10.0, 2.5), (25.0, 0.8)):
+        shape, centre = centres(3, int(4 * radius), np.random.default_rng(3))
+        found = contact_areas(picture(shape, centre, np.full(9, radius), blur=blur), PIXEL)
+        error = found.area / (np.pi * (radius * PIXEL) ** 2) - 1.0
+        # 0.2 square pixels are left of the third order of the curvature, and of the steps between pixels
+        assert np.abs(error).max() < 0.2 / (np.pi * radius**2) + 2e-5
+        # a pixel adds the variance 1/12 of its square
+        assert found.blur / PIXEL == pytest.approx(np.sqrt(blur**2 + 1.0 / 12.0), abs=0.02)
+
+
+def test_reported_errors_are_the_scatter():
+    radius, noise, rng = 15.0, 0.02, np.random.default_rng(6)
+    shape, centre = centres(10, 60, rng)
+    found = contact_areas(picture(shape, centre, np.full(100, radius), noise=noise, rng=rng), PIXEL)
+    error = found.area - np.pi * (radius * PIXEL) ** 2
+    assert np.sqrt(np.mean((error / found.area_error) ** 2)) == pytest.approx(1.0, abs=0.2)
+    assert found.noise == pytest.approx(noise, rel=0.1)
+    # the Cramer-Rao bound of a straight edge as long as the perimeter
+    s = np.hypot(1.5, np.sqrt(1.0 / 12.0))
+    bound = noise * np.sqrt(2.0 * np.sqrt(np.pi) * s * 2.0 * np.pi * radius) * PIXEL**2
+    assert error.std() == pytest.approx(bound, rel=0.2)
+
+
+def test_counted_areas_carry_their_bias_as_error():
+    rng = np.random.default_rng(0)
+    shape, centre = centres(8, 40, rng)
+    image = picture(shape, centre, np.full(64, 10.0), noise=0.05, rng=rng)
+    found = contact_areas(image, PIXEL, subpixel=False)
+    assert np.array_equal(found.area, found.otsu_area)
+    error = found.area - np.pi * (10.0 * PIXEL) ** 2
+    assert np.sqrt(np.mean((error / found.area_error) ** 2)) == pytest.approx(1.0, abs=0.25)
+
+
+def test_flags_name_contacts_at_the_edge_merged_and_with_holes():
+    centre = [(60.0, 60.0), (96.0, 60.0), (100.0, 140.0), (190.0, 80.0), (30.0, 150.0)]
+    covered = coverage((200, 200), centre, [18.0, 18.0, 20.0, 25.0, 12.0])
+    covered -= coverage((200, 200), [(100.0, 140.0)], [6.0])
+    covered += coverage((200, 200), [(180.0, 180.0)], [3.5])
+    found = contact_areas(0.7 - 0.5 * np.minimum(covered, 1.0), PIXEL)
+    assert found.count == 4
+    (merged,) = np.flatnonzero(found.merged)
+    assert found.centre[merged] / PIXEL == pytest.approx((78.0, 60.0), abs=0.5)
+    (edge,) = np.flatnonzero(found.edge)
+    assert found.centre[edge, 0] / PIXEL > 175.0
+    assert found.holes.tolist() == [0, 1, 0, 0]
+    assert found.area[1] == pytest.approx(np.pi * (20.0**2 - 6.0**2) * PIXEL**2, rel=1e-3)
+    texts = " ".join(map(str, found.notes))
+    assert all(word in texts for word in ("edge of the frame", "merged", "bright spots", "1 dark spot"))
+
+
+def test_areas_do_not_depend_on_scale_direction_and_sign():
+    for change, bright in (
+        (lambda i: 3.0 * i, False),
+        (lambda i: i[::-1].T, False),
+        (lambda i: 0.9 - i, True),
+    ):
+        shape, centre = centres(2, 80, np.random.default_rng(1))
+        image = picture(shape, centre, [12.0, 15.0, 20.0, 25.0], noise=0.01, bits=16) / 65535.0
+        one, other = contact_areas(image, PIXEL), contact_areas(change(image), PIXEL, bright_contacts=bright)
+        # single precision of the image; Otsu's threshold is a bin of a histogram, and enters the dark level
+        assert np.sort(other.area) == pytest.approx(np.sort(one.area), rel=3e-3 if bright else 1e-4)
+        assert contact_areas(image, 2.0 * PIXEL).area == pytest.approx(4.0 * one.area, rel=1e-12)
+
+
+def test_saturated_contacts_and_ground_are_named():
+    shape, centre = centres(2, 80, np.random.default_rng(1))
+    good, low, high = (
+        contact_areas(picture(shape, centre, np.full(4, 20.0), noise=0.05, bits=8, levels=levels), PIXEL)
+        for levels in ((0.2, 0.7), (0.02, 0.7), (0.2, 1.0))
+    )
+    assert (good.saturated.any(), low.saturated.all(), high.saturated.all()) == (False, True, True)
+    assert "saturated" in str(high.notes[-1])
+
+
+def test_bad_pixels_and_a_dark_frame_do_not_change_the_areas():
+    shape, centre = centres(4, 80, np.random.default_rng(0))
+    image = picture(shape, centre, np.full(16, 20.0), noise=0.02, bits=16)
+    one = contact_areas(image, PIXEL)
+    bad = image.copy()
+    bad[5, 7], bad[40, 90] = 65535, 0
+    bad[:, -6:] = 200
+    found = contact_areas(bad, PIXEL)
+    frame = found.edge & (found.axes[:, 0] > 2.0 * found.axes[:, 1])
+    assert frame.sum() == 1
+    assert found.area[~frame] == pytest.approx(one.area, rel=2e-3)
+    spot = contact_areas(image.astype(float) + 1e6 * (image == image.max()), PIXEL)
+    assert spot.threshold == pytest.approx(one.threshold, abs=0.02)
+
+
+def test_dark_level_and_blur_are_those_of_the_picture():
+    for radius, blur in ((8.0, 2.0), (40.0, 0.5)):
+        rng = np.random.default_rng(int(radius))
+        shape, centre = lattice(3, radius, rng)
+        found = contact_areas(picture(shape, centre, np.full(9, radius), blur=blur, noise=0.02, rng=rng), 1.0)
+        assert found.dark_level == pytest.approx(DARK / BRIGHT, abs=0.01)
+        assert found.blur == pytest.approx(np.sqrt(blur**2 + 1.0 / 12.0), abs=0.06)
+
+
+def test_contacts_that_cover_a_thousandth_of_the_image():
+    # the threshold of Otsu lies in the noise of the ground here
+    radii = np.array([6.5, 8.0])
+    image = picture(
+        (420, 420), [(90.3, 100.0), (310.0, 300.4)], radii, noise=0.1, gradient=(0.15, -0.1), bits=8
+    )
+    image[200, 50] = 0
+    found = contact_areas(image, 1.0)
+    exact = np.pi * radii[::-1] ** 2
+    assert np.abs(found.area / exact - 1.0).max() < 4.0 * (found.area_error / exact).max() < 0.1
+    assert np.abs(found.otsu_area / exact - 1.0).max() < 0.1
+    assert found.dark_level == pytest.approx(DARK / BRIGHT, abs=0.02)
+    assert [note.warns for note in found.notes] == [False]
+
+
+def test_levels_are_those_of_the_largest_load():
+    stack = [picture(SHAPE, CENTRE, [1e-6, 1e-6], noise=0.02), *images()]
+    found = stack_areas(stack[::-1], PIXEL, loads=[0.4, 0.3, 0.2, 0.1, 0.0])[::-1]
+    assert found == stack_areas(stack, PIXEL)
+    assert contact_areas(stack[-1], PIXEL) == found[-1]
+    assert {areas.threshold for areas in found} == {found[-1].threshold}
+    assert [areas.count for areas in found] == [0, 1, 2, 2, 2]
+    assert not any(areas.failed for areas in found)
+    for areas, radius in zip(found[1:], RADII, strict=True):
+        exact = np.pi * np.array([r * PIXEL for r in radius if r]) ** 2
+        # contacts are numbered from top to bottom
+        assert np.abs(areas.area - exact[::-1]).max() < 4.0 * areas.area_error.max()
+        assert not areas.notes
+
+
+def test_an_image_that_fails_is_named_and_the_others_are_measured():
+    for bad, words, at in ((np.random.default_rng(0).normal(0.05, 0.01, SHAPE), "all dark", 1),
+                           (np.zeros(SHAPE), "constant", 3)):  # fmt: skip
+        stack = images()
+        rest = stack_areas([image for i, image in enumerate(stack) if i != at], PIXEL)
+        stack[at] = bad
+        found = stack_areas(stack, PIXEL)
+        assert [areas.failed for areas in found] == [i == at for i in range(4)]
+        assert all(word in str(found[at].notes[0]) for word in (f"images[{at}]", words))
+        assert found[at].count == 0
+        for areas, alone in zip([areas for areas in found if not areas.failed], rest, strict=True):
+            assert np.array_equal(areas.area, alone.area)
+    assert all(word in str(found[2].notes[-1]) for word in ("images[2]", "images[3]"))
+
+
+def test_contacts_of_another_grey_level_are_named_and_their_errors_contain_it():
+    for dark, words in ((0.23, "brighter by"), (0.17, "darker by")):
+        rng = np.random.default_rng(0)
+        shape, centre = lattice(4, 16.0, rng)
+        largest = picture(shape, centre, np.full(16, 18.0), noise=0.05, bits=8, rng=rng)
+        image = picture(shape, centre, np.full(16, 12.0), noise=0.05, bits=8, rng=rng, levels=(dark, 0.7))
+        found = stack_areas([image, largest], 1.0)
+        away = (found[0].area - 144.0 * np.pi) / found[0].area_error
+        assert np.sqrt(np.mean(away**2)) < 1.5
+        assert not found[1].notes
+        assert words in "".join(map(str, found[0].notes))
+
+
+def test_gradient_vignetting_and_a_dark_field_are_removed():
+    _, centre = lattice(4, 14.0, np.random.default_rng(0))
+    found = ground(centre, np.full(16, 14.0), gradient=(-0.8, 0.5), vignetting=0.2, noise=0.0)
+    level = 0.7 * illumination((240, 300), (-0.8, 0.5), 0.2)
+    bare = picture((240, 300), centre, np.full(16, 14.0)) / 0.7
+    assert found.corrected == pytest.approx(bare, abs=2e-3)
+    assert found.level == pytest.approx(level.mean(), rel=0.01)
+    assert found.divided
+    field = ground(centre, np.full(16, 14.0), bright_contacts=True, levels=(0.8, 0.01), noise=0.01)
+    assert not field.divided
+    assert np.median(field.corrected[-40:]) == pytest.approx(1.0, abs=1e-2)
+
+
+def test_grey_values_of_any_type_and_pixels_at_the_ends_of_their_scale():
+    image = np.arange(400).reshape(20, 20)
+    colour = np.repeat(image[..., None], 3, axis=2)
+    opaque = np.concatenate([colour, np.full((20, 20, 1), 255)], axis=2)
+    masked = np.ma.masked_array(image, mask=False)
+    for given in (image.tolist(), image.astype(np.float32), image[..., None], colour, opaque, masked):
+        assert np.array_equal(grey_values(given), image)
+    for largest, kind, full in ((255, np.uint8, True), (4000, np.uint16, False), (255, np.float64, False)):
+        image = np.linspace(0, largest, 400).reshape(20, 20).astype(kind)
+        low, high = clipped(image)
+        assert (high is not None) == full
+        assert (low is not None) == (kind is not np.float64)
+        assert not full or high.sum() == (image == largest).sum()

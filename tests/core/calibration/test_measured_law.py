@@ -1,0 +1,229 @@
+"""Measured laws, their two branches, and their agreement with designs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import minimize
+
+import metafem as mf
+from metafem.calibration import MeasuredLaw, MeasurementErrors, branches, compare, fit_segments
+from metafem.calibration.measured_law.bent_line import chi_square, deviations, fitted, least
+from tests.calibration.measured_law.scenes import (
+    FRICTION,
+    MATERIAL,
+    brute,
+    contacts,
+    law_of,
+    linear_design,
+    measured_on,
+    one,
+    template,
+    two_branches,
+)
+
+ERRORS = MeasurementErrors()
+
+
+def test_the_points_are_rescaled_with_the_errors_of_the_paper():
+    law = law_of()
+    np.testing.assert_array_equal(law.load, [0.1, 0.2, 0.3])  # in order of load
+    np.testing.assert_array_equal(law.friction_force, [0.05, 0.09, 0.13])
+    np.testing.assert_allclose(law.rescaled_load, law.load / 1.36)
+    np.testing.assert_allclose(law.rescaled_load_sd, 5e-3 / 1.36)
+    np.testing.assert_allclose(law.rescaled_friction, law.friction_force / (0.404 * 0.85))
+    np.testing.assert_allclose(law.rescaled_friction_sd, (1e-3 + 0.01 * law.friction_force) / (0.404 * 0.85))
+    np.testing.assert_allclose(law.friction_coefficient, law.friction_force / law.load)
+
+
+def test_areas_take_the_place_of_forces():
+    areas = np.array([[0.1, 0.0], [0.2, 0.05]])
+    law = MeasuredLaw([0.1, 0.2], asperity_area=areas, site=[7, 3], material=MATERIAL)
+    np.testing.assert_allclose(law.rescaled_friction, [0.1, 0.25])
+    # independent boundaries: the squares of the contacts' errors add up to that of their total area
+    np.testing.assert_allclose(law.area_sd, ERRORS.of_area(law.area), rtol=1e-12)
+    beside = MeasuredLaw([0.1, 0.2], area=law.area, material=MATERIAL, friction=FRICTION)
+    np.testing.assert_allclose(beside.friction_coefficient, 0.404 * 0.85 * law.area / law.load)
+    with pytest.raises(mf.InvalidInput, match="was not measured"):
+        _ = law.friction_coefficient
+
+
+def test_a_measured_and_a_predicted_law_have_the_same_fit_and_tables():
+    predicted = mf.friction_law(template(), load=np.linspace(0.1, 0.5, 9))
+    pair = {"material": predicted.material, "friction": predicted.friction}
+    measured = MeasuredLaw(predicted.load, friction_force=predicted.friction_force, **pair)
+    one_fit, other = predicted.fit(load=(0.1, 0.5)), measured.fit(load=(0.1, 0.5))
+    assert one_fit.slope == pytest.approx(other.slope, rel=1e-12)
+    shared = set(predicted.to_dataframe()) & set(measured.to_dataframe())
+    assert {"load_N", "rescaled_load_mm2", "friction_force_N", "friction_coefficient"} <= shared
+    for name in shared:
+        np.testing.assert_allclose(measured.to_dataframe()[name], predicted.to_dataframe()[name], rtol=1e-12)
+    assert measured.to_xarray()["load_sd"].attrs["units"] == "N"
+
+
+def test_the_contacts_of_images_become_a_law_without_images_that_lack_a_quantity():
+    law = MeasuredLaw.from_contacts(contacts(), MATERIAL)
+    np.testing.assert_allclose(law.area, [0.05, 0.3, 0.7])
+    np.testing.assert_allclose(law.area_sd, [5e-4, np.hypot(1e-3, 2e-3), np.hypot(3e-3, 4e-3)])
+    assert law.site.tolist() == [5, 2]
+    forces = np.array([0.1, 0.05, np.nan])
+    law = MeasuredLaw.from_contacts(contacts(friction_force=forces), MATERIAL, FRICTION)
+    np.testing.assert_allclose(law.friction_force, [0.05, 0.1])
+    assert ["image c" in str(note) for note in law.notes] == [True]
+    merged = np.array([[0.1, np.nan], [0.05, 0.0], [0.3, 0.4]])
+    law = MeasuredLaw.from_contacts(contacts(area=merged, area_error=0.01 * merged), MATERIAL)
+    assert np.isnan(law.area).tolist() == [False, True, False]
+    assert ["image a" in str(note) and "site 2" in str(note) for note in law.notes] == [True]
+    unmatched = contacts(area=merged, area_error=0.01 * merged, matched=False)
+    assert "contact 2" in str(MeasuredLaw.from_contacts(unmatched, MATERIAL).notes[0])
+    faint = contacts(area_error=np.array([[0.01, 0.01], [0.01, 0.006], [0.01, 0.01]]))
+    law = MeasuredLaw.from_contacts(faint, MATERIAL)
+    assert law.asperity_area_sd[0].tolist() == [0.01, 0.006]
+    assert "0.006 mm^2" in str(law.notes[0])
+
+
+def test_loads_with_an_unknown_contact_are_used_for_what_they_tell():
+    load = np.linspace(0.02, 0.2, 10)
+    whole = MeasuredLaw(load, asperity_area=np.outer(load, [1.0, 2.0]), material=MATERIAL)
+    areas = np.vstack([np.outer(load, [1.0, 2.0]), [[0.3, np.nan]]])
+    law = MeasuredLaw(np.append(load, 0.1), asperity_area=areas, material=MATERIAL)
+    assert np.isnan(law.area).sum() == np.isnan(law.area_sd).sum() == 1
+    np.testing.assert_array_equal(law.known().area, whole.area)
+    assert law.fit(load=(0.02, 0.2)).slope == whole.fit(load=(0.02, 0.2)).slope
+    forces = replace(law, friction_force=0.3 * law.load, friction=FRICTION)
+    assert len(forces.known().load) == 11
+    data = law.to_xarray()
+    assert data.asperity_area.sel(site=1).values[0] == 2.0 * load[0]
+
+
+@settings(max_examples=30)
+@given(
+    *[st.floats(-2.0, 2.0)] * 2, *[st.floats(0.1, 1.0)] * 2, *[st.floats(0.0, 4.0)] * 2
+)  # fmt: skip
+def test_chi_square_is_the_distance_from_the_nearest_point_of_two_lines(x, y, sx, sy, m1, m2):
+    found = chi_square(one(x, y, sx, sy), np.array([[0.2, -0.1, m1, m2]]))[0]
+    assert found == pytest.approx(brute(x, y, sx, sy, 0.2, -0.1, m1, m2), rel=1e-6, abs=1e-8)
+
+
+def test_the_least_chi_square_is_that_of_a_general_minimiser():
+    rng = np.random.default_rng(3)
+    x = np.linspace(0.01, 0.16, 16)
+    y = np.where(x < 0.08, 0.5 + 7.0 * (x - 0.08), 0.5 + 12.0 * (x - 0.08))
+    noisy = np.sort(x + rng.normal(0, 3e-3, 16)), y + rng.normal(0, 8e-3, 16)
+    points = one(*noisy, np.full(16, 3e-3), np.full(16, 8e-3))
+    (p,), (value,) = least(points, 41)
+    best = min(
+        minimize(
+            lambda p: chi_square(points, p[None])[0], [c, 0.5, 7.0, 12.0], method="Nelder-Mead",
+            options={"maxiter": 4000, "fatol": 1e-9, "xatol": 1e-9},
+        ).fun
+        for c in (0.06, 0.08, 0.1)
+    )  # fmt: skip
+    assert value == pytest.approx(best, abs=1e-3)
+    fixed, (of_fixed,) = least(points, 41, left=6.0)
+    assert fixed[0, 2] == 6.0
+    assert min(of_fixed, *fitted(points, np.array([0.1]))[1]) >= value
+    along_y, _, slopes = deviations(points, p[None])
+    for i, step in enumerate(1e-6 * np.eye(4)):
+        change = (deviations(points, (p + step)[None])[0] - along_y) / 1e-6
+        np.testing.assert_allclose(change, slopes[:, :, i], atol=1e-4)
+
+
+def test_two_lines_are_found_with_their_crossover():
+    found = fit_segments(two_branches())
+    np.testing.assert_allclose(found.slopes, (7.0, 12.5), rtol=1e-3)
+    assert found.crossover_load == pytest.approx(0.1, rel=1e-3)
+    assert found.crossover_friction == pytest.approx(0.7, rel=1e-3)
+    assert found.crossover_interval[0] < 0.1 < found.crossover_interval[1]
+    for slope, (low, high) in zip(found.slopes, found.slope_intervals, strict=True):
+        assert low < slope < high
+    noisy = fit_segments(two_branches(noise=1.0))
+    assert noisy.verdict.fits
+    assert noisy == fit_segments(two_branches(noise=1.0))
+
+
+def test_the_rule_of_the_paper_is_that_of_its_points():
+    found = branches(two_branches(sx=1e-3, sy=1e-3))
+    np.testing.assert_allclose(found.first.slope, 7.0, rtol=1e-9)
+    assert found.crossover_interval == pytest.approx((0.1, 0.11))
+    assert found.crossover_load == pytest.approx(0.105)  # late by half a step
+    fixed = branches(two_branches(sx=1e-3, sy=1e-3), first=6, second=5)
+    assert (fixed.first.points, fixed.second.points) == (6, 5)
+    assert fixed.crossover_interval == found.crossover_interval
+
+
+def test_a_common_factor_is_every_deviation_and_that_of_the_slope():
+    for factor in (1.0, 1.04):
+        found = compare(measured_on(linear_design(), np.linspace(0.02, 0.6, 12), factor), linear_design())
+        np.testing.assert_allclose(found.percent, 100.0 * (factor - 1.0), atol=1e-9)
+        (slope,) = found.features
+        assert slope.deviation == pytest.approx(factor - 1.0, abs=1e-10)
+        assert slope.target == 6.87
+    without = compare(measured_on(linear_design(), np.linspace(0.1, 0.6, 6)), linear_design().law)
+    np.testing.assert_allclose(without.percent, 0.0, atol=0.1)  # of the grid of 100 loads
+    assert without.features == ()
+
+
+def test_deviations_have_the_stated_covariance():
+    """Simulated parts with drawn forces, E*, sigma and B."""
+    rng, load, linear = np.random.default_rng(1), np.linspace(0.05, 0.55, 8), linear_design()
+    pair = {"composite_modulus": 0.04, "shear_strength": 0.006, "area_ratio": 0.01}
+    drawn, slopes = [], []
+    for _ in range(200):
+        e, s, b = rng.standard_normal(3)
+        # what the laboratory believes differs from what the part has
+        material = mf.Material(1.36 + 0.04 * e)
+        friction = mf.Friction(0.358 + 0.006 * s, 0.85 + 0.01 * b)
+        law = measured_on(linear, load, rng=rng, material=material, friction=friction)
+        found = compare(law, linear, parameters=pair)
+        drawn.append(found.deviation[np.argsort(law.load)])
+        slopes.append(found.features[0].normalised)
+    expected = compare(measured_on(linear, load), linear, parameters=pair)
+    ratio = np.std(drawn, axis=0, ddof=1) / expected.deviation_sd
+    # four standard errors of a standard deviation of 200 draws
+    np.testing.assert_allclose(ratio, 1.0, atol=4.0 / np.sqrt(400))
+    assert np.std(slopes, ddof=1) == pytest.approx(1.0, abs=4.0 / np.sqrt(400))
+    correlation = np.corrcoef(np.array(drawn).T)[-1, -2]
+    stated = expected.covariance[-1, -2] / np.prod(expected.deviation_sd[-2:])
+    assert correlation == pytest.approx(stated, abs=4.0 * (1.0 - stated**2) / np.sqrt(200))
+
+
+def test_operating_points_and_a_crossover_are_compared():
+    design = mf.design(mf.OperatingPoints([0.144, 0.336], [0.84, 1.68]), template(), limits=mf.Limits(0.27))
+    points = compare(measured_on(design, np.linspace(0.05, 0.49, 12), 1.02), design).features
+    np.testing.assert_allclose([point.target for point in points], [0.84, 1.68])
+    np.testing.assert_allclose([point.deviation for point in points], 0.02, rtol=2e-2)
+    at_one = compare(measured_on(design, 1.36 * np.array([0.1, 0.144])), design)
+    assert len(at_one.features) == 1
+    assert "0.336 mm²" in str(at_one.notes[0])
+    design = mf.design(mf.BilinearLaw((7.15, 12.52), 0.0737), template())
+    end = 1.36 * design.fits[-1][0].load_range[1]
+    *slopes, crossover = compare(measured_on(design, np.linspace(0.05 * end, end, 18)), design).features
+    assert [feature.target for feature in slopes] == [7.15, 12.52]
+    assert crossover.target == 0.0737
+    assert crossover.value == pytest.approx(crossover.predicted, rel=1e-9)
+    assert crossover.interval[0] < crossover.value < crossover.interval[1]
+    few = compare(measured_on(design, np.linspace(0.05 * end, end, 5)), design)
+    assert "5 measured points" in few.notes[-1].text
+
+
+def test_loads_beyond_the_design_and_loads_with_an_unknown_contact_are_left_out_and_named():
+    linear = linear_design()
+    end = float(linear.law.load[-1])
+    law = measured_on(linear, np.linspace(0.1, 0.8, 8))
+    load, force = np.append(law.load, [1.5 * end, 2.0 * end]), np.append(law.friction_force, [2.0, 2.5])
+    found = compare(measured_on(linear, load, friction_force=force), linear)
+    assert len(found.point) == (law.load <= end).sum()
+    assert "left out" in found.notes[0].text
+    few = compare(measured_on(linear, np.array([0.2, 0.3])), linear)
+    assert few.features == ()
+    assert "2 measured points" in few.notes[0].text
+    load = np.linspace(0.1, 0.5, 5)
+    areas = np.array([mf.equilibrium(linear.surface, load=value).asperity_area for value in load])
+    areas[1, 7] = np.nan
+    found = compare(MeasuredLaw(load, asperity_area=areas, material=linear.surface.material), linear)
+    assert found.point.tolist() == [0, 2, 3, 4]
+    assert np.isfinite(found.normalised).all()
+    assert "0.2 N" in found.notes[0].text

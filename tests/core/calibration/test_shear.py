@@ -1,0 +1,188 @@
+"""B and sigma from shear tests: lines with errors on all quantities, full contact, and records."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import minimize
+
+import metafem as mf
+from metafem.calibration import (
+    Bootstrap,
+    MeasurementErrors,
+    joint_covariance,
+    shear,
+    shear_record,
+    shear_strength,
+)
+from metafem.calibration.sheared.proportional import proportional
+from tests.calibration.sheared.scenes import SURFACE, X, area, force, measured
+from validation.scenes.sheared_contacts import ERRORS, RATIO, STRENGTH, sheared
+
+TESTS = np.repeat(["a", "b", "c"], 20)
+
+
+@pytest.fixture(scope="module")
+def points():
+    return sheared(np.random.default_rng(7))[0]
+
+
+def test_the_fit_minimises_the_sum_over_factors_and_values():
+    errors = (ERRORS.of_area, ERRORS.of_area, ERRORS.of_friction_force)
+    points, _ = sheared(np.random.default_rng(3), tests=1, loads=4)
+    points[2, 1] = points[0, 2] = np.nan
+    factor, covariance, value = proportional(points, errors)
+    fitted = np.vstack([value, factor[:, None] * value])
+    deviation = np.stack([of(each) for of, each in zip(errors, fitted, strict=True)])
+
+    def squares(unknown):
+        q, x = np.append(1.0, unknown[:2]), unknown[2:]
+        return 0.5 * np.nansum(((points - q[:, None] * x) / deviation) ** 2)
+
+    found = minimize(squares, np.append(factor, value) * 1.01, tol=1e-14, method="BFGS")
+    assert factor == pytest.approx(found.x[:2], abs=1e-5)
+    # the covariance of all unknowns is the inverse of the curvature
+    q = np.append(1.0, factor)
+    weight = np.isfinite(points) / deviation**2
+    hessian = np.diag(np.append([0.0, 0.0], (weight * q[:, None] ** 2).sum(0)))
+    for j in (1, 2):
+        hessian[j - 1, j - 1] = (weight[j] * value**2).sum()
+        hessian[j - 1, 2:] = hessian[2:, j - 1] = weight[j] * q[j] * value
+    assert covariance == pytest.approx(np.linalg.inv(hessian)[:2, :2], rel=1e-9)
+
+
+def test_exact_points_give_the_friction_also_from_areas_one_by_one():
+    _, exact = sheared(np.random.default_rng(0))
+    shares = np.array([0.2, 0.3, 0.5])
+    for before, after in (exact[:2], (exact[0][:, None] * shares, exact[1][:, None] * shares)):
+        found = shear(before, after, exact[2])
+        assert found.area_ratio == pytest.approx(RATIO, rel=1e-12)
+        assert found.shear_strength == pytest.approx(STRENGTH, rel=1e-12)
+        assert found.friction == mf.Friction(found.shear_strength, found.area_ratio)
+
+
+def test_tests_are_fitted_one_by_one_and_compared(points):
+    found = shear(*points, test=TESTS)
+    assert [each.name for each in found.tests] == ["a", "b", "c"]
+    own = shear(*points[:, 20:40])
+    assert found.tests[1].value[0] == own.area_ratio
+    assert found.tests[1].sd[1] == pytest.approx(own.covariance[1, 1] ** 0.5)
+    assert found.heterogeneity.freedom == 4
+    assert found.heterogeneity.agree
+    other = points.copy()
+    other[2, 40:] *= 1.1
+    different = shear(*other, test=TESTS)
+    assert not different.heterogeneity.agree
+    assert "Birge ratio" in str(different.notes[-1])
+
+
+def test_quantities_that_were_not_measured_are_left_out(points):
+    some = points.copy()
+    some[2, :20] = np.nan  # the first test has no forces, the last no area before shear
+    some[0, 40:] = np.nan
+    some[1, 0] = np.nan
+    found = shear(*some, test=TESTS)
+    assert np.isnan(found.tests[0].value[1])
+    assert np.isnan(found.tests[2].value[0])
+    assert found.heterogeneity.freedom == 2
+    assert found.area_verdict.freedom == 38
+    assert np.isnan(found.area_fitted).sum() == 1
+    assert "1 of 60 points" in str(found.notes[0])
+    assert len(shear(*some, test=TESTS, bootstrap=Bootstrap(10)).bootstrap) == 10
+
+
+@settings(max_examples=10)
+@given(st.floats(1e-4, 1e4), st.floats(1e-4, 1e4), st.permutations(range(60)))
+def test_units_and_the_order_of_the_points_do_not_matter(points, area_unit, force_unit, order):
+    errors = MeasurementErrors(
+        boundary=ERRORS.boundary * area_unit**0.5, friction_force=ERRORS.friction_force * force_unit
+    )
+    scaled = points * np.array([[area_unit], [area_unit], [force_unit]])
+    found, scale = shear(*points), np.array([1.0, force_unit / area_unit])
+    for in_order, each in ((True, scaled), (False, scaled[:, order])):
+        other = shear(*each, errors=errors)
+        assert other.area_ratio == pytest.approx(found.area_ratio, rel=1e-9)
+        assert other.shear_strength == pytest.approx(found.shear_strength * scale[1], rel=1e-9)
+        # an order in which the residuals are correlated by chance enlarges the covariance, as a drift does
+        if in_order:
+            np.testing.assert_allclose(other.covariance, found.covariance * np.outer(scale, scale), rtol=1e-6)
+        assert other.area_verdict["chi_square"].statistic == pytest.approx(
+            found.area_verdict["chi_square"].statistic, rel=1e-6
+        )
+
+
+def test_intervals_are_those_of_the_covariance_and_begin_at_zero_or_above(points):
+    found = shear(*points)
+    low, high = found.shear_strength_interval
+    assert 0.5 * (high - low) == pytest.approx(0.9945 * found.covariance[1, 1] ** 0.5, rel=1e-4)
+    assert found.area_verdict.fits
+    assert found.friction_verdict.freedom == 59
+    found = shear([1e-5, 2e-5], [1e-5, 1.5e-5], [3e-4, 1e-3])
+    for value, (low, high) in (
+        (found.area_ratio, found.area_ratio_interval),
+        (found.shear_strength, found.shear_strength_interval),
+    ):
+        assert 0.0 <= low < value < high
+
+
+def test_a_line_that_does_not_fit_and_areas_that_grow_are_noted(points):
+    found = shear(*points[:2], points[2] + 0.02)
+    assert not found.friction_verdict.fits
+    assert str(found.notes[0]).startswith("F = sigma Af:")
+    area = np.linspace(0.05, 0.5, 10)
+    assert len(shear(area, area / 0.85, 0.3 * area).notes) == 1
+    assert not shear(area, 1.001 * area, 0.3 * area).notes
+
+
+@pytest.mark.parametrize("model", [mf.Interacting(substrate=mf.BondedLayer()), mf.Independent(mf.Elastic())])
+def test_full_contact_gives_the_strength_of_the_model_and_a_sufficient_load(model):
+    cap = [mf.Power(3), mf.Sphere(), mf.Power(1.5, 0.3)] * 3 if model.contact == mf.Elastic() else SURFACE.cap
+    surface = SURFACE.replaced(cap=cap)
+    exact = mf.friction_law(surface, model, load=[0.05, 0.2, 0.4, 0.3])
+    found = shear_strength(measured(exact), surface, 0.1, model=model)
+    assert found.shear_strength == pytest.approx(0.37, rel=1e-12)
+    assert found.load.tolist() == [0.2, 0.3, 0.4]
+    assert found.friction == mf.Friction(found.shear_strength, 0.85)
+    with pytest.raises(mf.InvalidInput, match=r"load_min = 0\.001 ") as error:
+        shear_strength(measured(exact), surface, 0.001, model=model)
+    named = float(str(error.value).split("all are from ")[1].split()[0])
+    states = (mf.equilibrium(surface, model, load=each * named) for each in (1.05, 0.8))
+    assert [(state.asperity_area > 0.0).all() for state in states] == [True, False]
+
+
+def test_errors_of_modulus_ratio_and_radius_are_passed_on_to_the_strength():
+    exact = measured(mf.friction_law(SURFACE, load=np.linspace(0.1, 0.6, 12)))
+    names = ("radius", "composite_modulus", "area_ratio", "shear_strength")
+    sd = np.array([0.005, 0.04, 0.01, 0.006])
+    given_ = np.outer(sd, sd) * np.array(
+        [[1.0, 0.2, 0.0, 0.0], [0.2, 1.0, 0.3, 0.0], [0.0, 0.3, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
+    )
+    found = shear_strength(exact, SURFACE, 0.1, covariance=given_, parameters=names)
+    step = 1e-4
+    changed = [
+        SURFACE.replaced(radius=SURFACE.radius * (1.0 + step)),
+        SURFACE.replaced(material=mf.Material(1.36 * (1.0 + step))),
+        SURFACE.replaced(friction=mf.Friction(0.37, 0.85 * (1.0 + step))),
+    ]
+    slope = [(shear_strength(exact, each, 0.1).shear_strength - 0.37) / step for each in changed]
+    slope = slope / np.array([0.526, 1.36, 0.85])
+    assert slope[2] == pytest.approx(-0.37 / 0.85, rel=1e-3)
+    assert found.parameters == names
+    assert joint_covariance(found)[0] == names
+    assert found.covariance[:3, :3] == pytest.approx(given_[:3, :3], rel=1e-12)
+    assert found.covariance[3, :3] == pytest.approx(given_[:3, :3] @ slope, rel=1e-3)
+    square = slope @ given_[:3, :3] @ slope + found.measured_sd**2
+    assert found.covariance[3, 3] == pytest.approx(square, rel=1e-3)
+
+
+def test_peak_plateau_and_areas_of_an_exact_record():
+    found = shear_record(X, force(X), area(X))
+    assert (found.static_force, found.peak_displacement) == (pytest.approx(0.2), pytest.approx(0.15))
+    assert found.sliding_force == pytest.approx(0.17)
+    assert found.noise == pytest.approx(0.0, abs=1e-15)
+    assert (found.area_before, found.static_area) == (0.5, pytest.approx(0.425))
+    assert found.sliding_area == pytest.approx(0.4)
+    assert found.notes == ()
+    rising = force(X) + 0.05 * np.clip(X - 0.25, 0.0, None)
+    later = shear_record(X, rising, sliding_range=(0.2, 0.3))
+    assert later.sliding_force == pytest.approx(0.17 + 0.05 * 0.15)

@@ -1,0 +1,166 @@
+"""Contacts are matched to the sites of a design and followed through the images of a test."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from metafem.calibration import DesignSites, match_sites, track_contacts
+from metafem.notes import Note
+from tests.calibration.sites.scenes import SITES, contacts, loading
+from validation.scenes.lattice_views import seen, trial
+
+
+def test_all_contacts_of_a_lattice_with_open_ones():
+    for seed, spurious, side in ((0, 0, "glass"), (1, 4, "block"), (2, 4, "glass")):
+        centre, site = trial(seed, spurious=spurious, mirrored=side == "block")
+        found = match_sites(centre, SITES, viewed_from=side)
+        assert found.site.tolist() == site.tolist()
+        assert found.mirrored is (side == "block")
+        # the root mean square of a normal error of 5 µm along x and along y, with 4 of 90 fitted
+        assert found.residual == pytest.approx(0.005 * np.sqrt(2.0), rel=0.35)
+
+
+@settings(max_examples=10)
+@given(st.integers(12, 40), st.floats(-4.9, 4.9), st.floats(0.91, 1.09), st.booleans(), st.integers(0, 1000))
+def test_any_arrangement(n, turn, scale, mirrored, seed):
+    rng = np.random.default_rng(seed)
+    sites = rng.random((n, 2)) * 10.0
+    turn = np.radians(turn)
+    centre = seen(sites, turn=turn, scale=scale, mirrored=mirrored)
+    kept = rng.permutation(n)[: n - n // 4]
+    found = match_sites(centre[kept], sites, viewed_from="block" if mirrored else "glass")
+    assert found.site.tolist() == kept.tolist()
+    assert not found.ambiguous
+    # rounding of coordinates of 10 mm, over the extent of the arrangement
+    assert found.rotation == pytest.approx(turn, abs=1e-13)
+    assert found.scale == pytest.approx(scale, rel=1e-13)
+    np.testing.assert_allclose(found.to_image(sites), centre, atol=1e-12)
+    np.testing.assert_allclose(found.to_design(centre), sites, atol=1e-12)
+
+
+def test_an_open_outer_row_is_ambiguous_unless_areas_or_the_frame_decide():
+    expected = np.random.default_rng(3).uniform(0.02, 0.1, 64)
+    expected[56:] = 0.0
+    centre = seen(SITES[:56], turn=0.03, scale=1.02)
+    blind = match_sites(centre, SITES)
+    assert blind.ambiguous
+    assert "2 places" in str(blind.notes[0])
+    area = 1.3 * expected[:56] * np.random.default_rng(4).normal(1.0, 0.1, 56)
+    found = match_sites(centre, SITES, area=area, expected_area=expected)
+    assert not found.ambiguous
+    assert found.site.tolist() == list(range(56))
+    same = {"area": np.ones(56), "expected_area": np.ones(64)}
+    assert match_sites(centre, SITES, **same).ambiguous
+    # a frame that ends above the last row: its sites are not open, they are not seen
+    upper = match_sites(centre, SITES, **same, frame=centre.max(axis=0) + 0.1)
+    assert not upper.ambiguous
+    assert upper.site.tolist() == list(range(56))
+
+
+def test_areas_tell_another_view():
+    for quarters, mirrored, words in ((0, True, "block"), (1, False, "90°")):
+        expected = np.random.default_rng(3).uniform(0.02, 0.1, 64)
+        centre = seen(SITES, turn=0.02 + 0.5 * np.pi * quarters, mirrored=mirrored)
+        areas = {"area": expected * np.random.default_rng(4).normal(1.0, 0.1, 64), "expected_area": expected}
+        (note,) = match_sites(centre, SITES, **areas).notes
+        assert note.warns
+        assert words in str(note)
+        side = "block" if mirrored else "glass"
+        right = match_sites(centre, SITES, viewed_from=side, rotation=0.5 * np.pi * quarters, **areas)
+        assert right.site.tolist() == list(range(64))
+        assert right.notes == ()
+
+
+def test_areas_stand_at_their_sites_in_all_images():
+    found, exact = loading(mirrored=True)
+    names = [f"{i}.tif" for i in range(6)]
+    tracked = track_contacts(
+        found, names, load=0.1 * np.arange(6), sites=DesignSites(SITES, viewed_from="block")
+    )
+    table = tracked.table
+    np.testing.assert_allclose(table.area, exact, rtol=1e-12)
+    np.testing.assert_allclose(table.area_error, 0.01 * exact, rtol=1e-12)
+    assert tracked.reference == 5
+    assert table.matched
+    assert table.site.tolist() == list(range(64))
+    assert table.remarks == ()
+    assert np.isnan(table.sheared_area).all()
+    np.testing.assert_array_equal(table.position, SITES)
+    for areas, placed in zip(found, tracked.placed, strict=True):
+        distance = np.linalg.norm(areas.centre - placed.position[placed.site], axis=1)
+        assert distance.max() < 0.03
+    few = np.arange(3, 64, 2)
+    areas = contacts(seen(SITES[few])[::-1], 0.1 + 0.001 * few[::-1])
+    table = track_contacts([areas], ["a"], sites=DesignSites(SITES[few], few)).table
+    assert table.site.tolist() == few.tolist()
+    np.testing.assert_allclose(table.area[0], np.pi * (0.1 + 0.001 * few) ** 2, rtol=1e-12)
+
+
+def test_without_sites_contacts_are_numbered_and_followed():
+    """Five caps 7.1 mm apart, in the order in which the fullest image shows them."""
+    caps = 2.0 + 7.1 * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.5, 0.5]])
+    rng = np.random.default_rng(1)
+    shifts = rng.uniform(-0.5, 0.5, (4, 2))
+    shifts[-1] = 0.0
+    closed = [[2], [2, 4], [4, 2, 0, 1], [0, 1, 2, 3, 4]]
+    found = [contacts(caps[c] + d, 0.1 + 0.01 * np.array(c)) for c, d in zip(closed, shifts, strict=True)]
+    tracked = track_contacts(found, list("abcd"), test=["1"] * 4)
+    exact = np.zeros((4, 5))
+    for i, c in enumerate(closed):
+        exact[i, c] = np.pi * (0.1 + 0.01 * np.array(c)) ** 2
+    np.testing.assert_allclose(tracked.table.area, exact, rtol=1e-12)
+    np.testing.assert_allclose(tracked.table.position, caps, atol=1e-12)
+    assert not tracked.table.matched
+    assert tracked.match is None
+    assert tracked.table.test == ("1",) * 4
+
+
+def test_sheared_images_move_with_their_contacts():
+    found, exact = loading(drift=0.05)
+    moved = [
+        None if i % 2 else replace(each, centre=each.centre + np.array([0.4, 0.1]), area=0.85 * each.area)
+        for i, each in enumerate(found)
+    ]
+    table = track_contacts(found, list("abcdef"), sheared=moved, sites=DesignSites(SITES)).table
+    np.testing.assert_allclose(table.sheared_area[::2], 0.85 * exact[::2], rtol=1e-12)
+    assert np.isnan(table.sheared_area[1::2]).all()
+
+
+def test_what_cannot_be_measured_is_named():
+    where = seen(SITES)
+    # at the edge, merged with its neighbour to the right, saturated, and a region between the sites
+    centre = np.vstack([where[:61], [0.5 * (where[61] + where[62])], where[63:], [where[9] + 0.7]])
+    second = contacts(centre, 0.3, saturated=np.arange(64) == 20, edge=[0], merged=[61])
+    axes = second.axes.copy()
+    axes[61] = [0.9, 0.3]
+    second = replace(second, axes=axes)
+    third = contacts(where[:0], 0.3, failed=True, notes=(Note("cannot be read: truncated"),))
+    fourth = contacts(where[where[:, 1] < 12.0], 0.3, shape=(1200, 1400))
+    beside = where.copy()
+    beside[5] += 0.15
+    stack = [contacts(where, 0.3), second, third, fourth, contacts(beside, 0.3)]
+    found = track_contacts(stack, list("abcde"), sites=DesignSites(SITES)).table
+    assert [remark.partition(":")[0] for remark in found.remarks] == [
+        *("b", "b, site 0", "b, site 20", "b, site 61", "b, site 62", "c"),
+        *("d", "e, site 5"),
+    ]
+    assert "(2.95, 3.95) mm" in found.remarks[0]
+    assert [np.flatnonzero(np.isnan(area)).tolist() for area in found.area] == [
+        *([], [0, 61, 62], list(range(64)), list(range(56, 64)), [5]),
+    ]
+
+
+def test_expected_areas_decide_by_the_load_of_the_image():
+    expected = np.random.default_rng(3).uniform(0.02, 0.1, (2, 64))
+    expected[0, :] = np.nan
+    expected[1, 56:] = 0.0
+    closed = contacts(seen(SITES[:56]), np.sqrt(expected[1, :56] / np.pi), shape=(1400, 1200))
+    few = contacts(seen(SITES[:5]), 0.1, shape=(1400, 1200))
+    blind = track_contacts([few, closed], ["a", "b"], sites=DesignSites(SITES))
+    assert blind.table.remarks[0].startswith("b: ")
+    tracked = track_contacts([few, closed], ["a", "b"], sites=DesignSites(SITES, expected_area=expected))
+    assert tracked.match.site.tolist() == list(range(56))
+    assert [note.warns for note in tracked.notes] == [False]

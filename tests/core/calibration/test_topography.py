@@ -1,0 +1,206 @@
+"""The made surface that a height map shows: caps, base plane, sites, errors and corrections."""
+
+import math
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.calibration.figures import made_figure, residuals
+from metafem.calibration.topography.alignment import aligned
+from metafem.calibration.topography.cells import HeightMap, cells
+from metafem.calibration.topography.correlation import correlation, lagged, summed
+from metafem.calibration.topography.levelled import levelled
+from tests.calibration.topography.scenes import FOUR, PIXEL, damaged, lattice, made_surface, mapped
+from validation.scenes.height_maps import Placement, Roughness, height_map
+
+EXACT = {"roughness": Roughness(0.0), "noise": 0.0, "steepest": None}
+measured_surface = mf.calibration.measured_surface
+
+
+def test_exact_caps_are_found_exactly():
+    made = measured_surface(mapped(**EXACT), PIXEL, FOUR)
+    # single precision of a map of 0.3 mm: 2e-8 mm
+    assert np.abs(made.height_error).max() < 2e-8
+    assert np.abs(made.radius_error).max() < 1e-6
+    assert made.rotation == pytest.approx(0.01, abs=1e-6)
+    assert np.abs(made.position_error).max() < 1e-6
+    assert made.missing.size == 0
+    assert not made.mirrored
+
+
+def test_heights_radii_and_positions_of_rough_caps_and_of_a_mould():
+    rough = mapped()
+    made = measured_surface(rough, PIXEL, FOUR)
+    assert np.abs(made.height_error).max() < 4.0 * made.height_sd.max() < 1e-3
+    assert np.abs(made.radius_error / made.radius_sd).max() < 4.0
+    assert np.abs(made.position_error / made.position_sd[:, None]).max() < 4.0
+    assert made.levelling.tilt == pytest.approx([2e-3, -1e-3], abs=5e-5)
+    assert not made.notes
+    mould = measured_surface(-rough[:, ::-1], PIXEL, FOUR, mould=True)
+    np.testing.assert_allclose(mould.surface.height, made.surface.height, atol=1e-4)
+    assert mould.mirrored
+    common = measured_surface(rough, PIXEL, FOUR, common_radius=True)
+    assert (common.height_sd < made.height_sd).all()
+    assert np.ptp(common.surface.radius) == 0.0
+    assert np.abs(common.height_error / common.height_sd).max() < 4.0
+    other = FOUR.replaced(height=np.array([0.5, 2.0, 0.7, 1.6]) * FOUR.height)
+    assert "heights" in str(measured_surface(rough, PIXEL, other).notes[0])
+
+
+def test_a_turned_or_mirrored_map_gives_the_same_surface():
+    rough = mapped()
+    for quarter, mirrored in ((3, True), (2, False)):
+        turned = np.rot90(rough[:, ::-1] if mirrored else rough, quarter)
+        made = measured_surface(turned, PIXEL, FOUR)
+        assert made.mirrored == mirrored
+        assert np.abs(made.height_error).max() < 1e-3
+        assert np.abs(made.position_error).max() < 2e-3
+
+
+def test_missing_summits_and_hills_are_named():
+    gone = mapped()
+    gone[400:, :400] = np.nan  # asperity 0, on the lower left
+    gone[600:620, 600:606] += 0.05  # dust at a foot
+    gone[20:50, 100:130] += 0.03
+    gone[::7, ::5] = np.inf  # not measured
+    made = measured_surface(gone, PIXEL, FOUR)
+    assert made.missing.tolist() == [0]
+    assert made.site.tolist() == [1, 2, 3]
+    text = "\n".join(map(str, made.notes))
+    assert "asperity 0 of the design, at (-0.750, -0.750) mm" in text
+    assert "is no cap" in text
+    assert np.abs(made.height_error).max() < 1e-3
+
+
+@pytest.mark.parametrize("kind", ["dust", "dropouts"])
+def test_damaged_maps_give_the_same_heights(kind):
+    made = measured_surface(damaged(mapped(), kind), PIXEL, FOUR)
+    assert made.missing.size == 0
+    assert np.abs(made.height_error / made.height_sd).max() < 4.0
+    assert np.abs(made.position_error).max() < 1e-3
+
+
+def test_sums_over_lags_are_those_of_double_loops():
+    rng = np.random.default_rng(0)
+    columns = rng.normal(size=(2, 4, 5))
+    kernel = rng.normal(size=(5, 5))
+    kernel += kernel[::-1, ::-1]
+    expected = np.zeros((2, 2))
+    places = list(np.ndindex(4, 5))
+    for i in places:
+        for j in places:
+            lag = np.subtract(i, j) + 2
+            if lag.min() >= 0 and lag.max() <= 4:
+                expected += kernel[tuple(lag)] * np.outer(columns[:, *i], columns[:, *j])
+    np.testing.assert_allclose(summed(columns, kernel), expected, atol=1e-12)
+    assert lagged(columns[0], columns[0], 2)[2, 2] == pytest.approx((columns[0] ** 2).sum())
+    assert correlation([np.zeros((8, 8))], [np.ones((8, 8))], 1).sum() == 1.0
+
+
+def test_tilt_and_bow_of_an_exact_map_are_found_from_below():
+    exact = HeightMap(height_map(FOUR, (400, 400), 8e-3, rng=0, **EXACT), (8e-3, 8e-3))
+    level = levelled(exact, cells(exact, 4), True)
+    # cells that a foot crosses rise less than 4.5 s.d. only if the s.d. is not 0: single precision is left
+    np.testing.assert_allclose(level.tilt, [2e-3, -1e-3], atol=1e-7)
+    np.testing.assert_allclose(level.bow, [3e-4, 1e-4, -2e-4], atol=1e-7)
+    np.testing.assert_allclose(level.base(level.centre[:1], level.centre[1:]), 0.0, atol=1e-7)
+    assert 0.1 < level.excluded < 0.4
+    flat = height_map(FOUR, (400, 400), 8e-3, rng=0, bow=(0.0, 0.0, 0.0), **EXACT)
+    plane = HeightMap(flat, (8e-3, 8e-3))
+    level = levelled(plane, cells(plane, 4), False)
+    np.testing.assert_allclose(level.tilt, [2e-3, -1e-3], atol=1e-7)
+    assert not level.bow.any()
+
+
+def test_the_standard_error_of_the_base_plane_covers_its_error():
+    """The cells with caps are known here, so that the fit is one of least squares."""
+    scores = []
+    for rng in range(40):
+        rough = height_map(FOUR, (400, 400), 8e-3, rng=rng, roughness=Roughness(length=0.03), steepest=None)
+        rough = HeightMap(rough, (8e-3, 8e-3))
+        found = cells(rough, 4)
+        x, y = np.meshgrid(found.x, found.y)
+        caps = np.zeros(x.shape, dtype=bool)
+        for cx, cy in FOUR.position + 1.6:
+            caps |= np.hypot(x - cx, y - cy) < 0.52
+        level = levelled(rough, found, True, caps)
+        at = np.array([0.8]), np.array([2.4])
+        true = 2e-3 * -0.8 - 1e-3 * 0.8 + (3e-4 - 1e-4 - 2e-4) * 0.64
+        scores.append(float((level.base(*at) - true)[0] / level.base_sd(*at)[0]))
+    # 40 values of s.d. 1: their s.d. within three of its standard errors
+    assert np.std(scores) == pytest.approx(1.0, abs=3.0 / np.sqrt(80))
+    assert np.mean(scores) == pytest.approx(0.0, abs=3.0 / np.sqrt(40))
+
+
+def test_summits_are_matched_whichever_way_the_part_lay_on_the_map():
+    rng = np.random.default_rng(0)
+    design = lattice(rng, (5, 4))
+    for degrees, mirrored in ((10.0, False), (172.0, True)):
+        summits = rng.permutation(20)[:14]
+        centre = Placement(math.radians(degrees), (7.0, 5.0)).of(design.position[summits])
+        centre = centre * np.array([-1.0, 1.0]) if mirrored else centre
+        found = aligned(
+            centre + rng.normal(0.0, 2e-4, centre.shape),
+            design.height[summits] + rng.normal(0.0, 1e-3, 14),
+            *(design, None),
+        )
+        assert found.site.tolist() == summits.tolist()
+        assert found.mirrored == mirrored
+        assert found.decided
+        assert np.abs(found.position - design.position[summits]).max() < 1e-3
+        turned = -degrees if mirrored else degrees
+        assert math.remainder(found.rotation - math.radians(turned), math.tau) == pytest.approx(0, abs=1e-3)
+    pair = mf.Surface([[0.0, 0.0], [0.1, 1.5]], [0.1, 0.2], 0.526, mf.Material(1.36))
+    found = aligned(pair.position[::-1] + 4.0, pair.height[::-1], pair, None)
+    assert found.site.tolist() == [1, 0]
+    np.testing.assert_allclose(found.position, pair.position[::-1], atol=1e-15)
+
+
+def test_systematic_errors_of_heights_are_found_and_corrected():
+    rng = np.random.default_rng(1)
+    true = {"offset": 3e-3, "scale": -0.02, "tilt_x": 4e-4, "tilt_y": -6e-4}
+    scores, random, seen = [], [], []
+    for _ in range(40):
+        design = lattice(rng)
+        x, y = (design.position - design.position.mean(axis=0)).T
+        terms = {
+            "offset": np.ones(64),
+            "scale": design.height - design.height.mean(),
+            "tilt_x": x,
+            "tilt_y": y,
+        }
+        error = sum(true[name] * term for name, term in terms.items())
+        made = made_surface(design, error + rng.normal(0.0, 0.9e-3, 64))
+        found = mf.calibration.corrected_heights(design, made)
+        known = dict(zip(found.terms, zip(found.value, found.value_sd, strict=True), strict=True))
+        scores += [(known[name][0] - value) / known[name][1] for name, value in true.items()]
+        random.append(found.random_sd)
+        terms["scale"] = found.surface.height - design.height.mean()
+        again = found.surface.height + sum(true[name] * term for name, term in terms.items())
+        again += rng.normal(0.0, 0.9e-3, 64)
+        seen.append(((again - design.height) ** 2).mean() / found.expected_error**2)
+    # 160 values of s.d. 1: their s.d. within three of its standard errors
+    assert np.std(scores) == pytest.approx(1.0, abs=3.0 / np.sqrt(320))
+    # 40 parts of 60 degrees of freedom each: 1.5 % standard error
+    assert np.sqrt(np.mean(np.square(random))) == pytest.approx(0.9e-3, rel=0.05)
+    assert np.mean(seen) == pytest.approx(1.0, rel=0.12)
+
+
+def test_an_exact_map_leaves_nothing_above_the_feet_and_is_drawn():
+    row = mf.Surface.square_lattice([0.05, 0.12, 0.2], (1, 3), radius=0.526, material=mf.Material(1.36))
+    exact = height_map(row, (160, 460), 0.01, **EXACT)
+    exact[20:40, 20:40] += 5e-3
+    made = measured_surface(exact, 0.01, row)
+    shown = HeightMap(exact, (0.01, 0.01))
+    rest = residuals(shown, made)
+    np.testing.assert_allclose(shown.extent, (4.6, 1.6))
+    assert rest.shape == (80, 230)
+    # caps and feet leave nothing: the spheres are subtracted at the pixels, not at the middles of cells
+    assert np.abs(rest[25:]).max() < 1e-6
+    np.testing.assert_allclose(rest[11:19, 11:19], 5e-3, atol=1e-6)
+    np.testing.assert_allclose(residuals(HeightMap(-exact, (0.01, 0.01), -1.0), made), rest)
+    law = mf.friction_law(row)
+    correction = mf.calibration.corrected_heights(row, made)
+    figure = made_figure(made, correction, shown, law, mf.friction_law(made.surface, load=law.load))
+    assert [ax.get_ylabel() != "" for ax in figure.axes[:4]] == [True] * 4
