@@ -1,7 +1,5 @@
 """Errors of parts that are found from measured laws, and how sure they are."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -13,14 +11,7 @@ import metafem as mf
 from metafem.calibration import MeasuredLaw, Priors, explain
 from metafem.calibration.diagnosis.linearised import Linear
 from metafem.calibration.diagnosis.update import update
-from tests.calibration.diagnosis.scenes import (
-    COMMON,
-    NOTHING,
-    computed,
-    design,
-    measured,
-    scene,
-)
+from tests.calibration.diagnosis.scenes import COMMON, NOTHING, computed, design, measured, scene
 
 ALONE = mf.Independent()
 

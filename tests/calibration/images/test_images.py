@@ -1,7 +1,5 @@
 """Areas of contacts in images that are difficult, and images that are read one by one."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -10,10 +8,7 @@ from metafem.calibration import contact_areas, stack_areas
 from metafem.calibration.images import errors
 from metafem.calibration.images.boundary import contours
 from metafem.calibration.images.levels import smoothed
-from tests.calibration.images.scenes import (
-    PIXEL,
-    images,
-)
+from tests.calibration.images.scenes import PIXEL, images
 from validation.scenes.pictures import BRIGHT, DARK, coverage, lattice, picture
 
 

@@ -6,13 +6,7 @@ import pytest
 import metafem as mf
 from metafem.calibration import MeasuredLaw, compare, fit_segments
 from metafem.calibration.measured_law.bent_line import REGULAR_GROWTH, growths
-from tests.calibration.measured_law.scenes import (
-    LOAD,
-    law_of,
-    linear_design,
-    measured_on,
-    two_branches,
-)
+from tests.calibration.measured_law.scenes import LOAD, law_of, linear_design, measured_on, two_branches
 
 
 def test_the_part_that_is_the_design_is_accepted_as_often_as_stated():

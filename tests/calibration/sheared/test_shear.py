@@ -3,11 +3,7 @@
 import numpy as np
 import pytest
 
-from metafem.calibration import (
-    Bootstrap,
-    shear,
-    shear_record,
-)
+from metafem.calibration import Bootstrap, shear, shear_record
 from metafem.calibration.sheared.proportional import proportional
 from tests.calibration.sheared.scenes import X, area, force
 from validation.scenes.sheared_contacts import ERRORS, sheared

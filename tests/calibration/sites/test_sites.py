@@ -1,7 +1,5 @@
 """Contacts that are matched to sites and followed in difficult images."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Made surfaces on rough and damaged maps, and their errors."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter

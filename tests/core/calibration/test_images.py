@@ -5,16 +5,7 @@ import pytest
 
 from metafem.calibration import contact_areas, stack_areas
 from metafem.calibration.images.grey import clipped, grey_values
-from tests.calibration.images.scenes import (
-    CENTRE,
-    PIXEL,
-    RADII,
-    SHAPE,
-    centres,
-    ground,
-    images,
-    in_order,
-)
+from tests.calibration.images.scenes import CENTRE, PIXEL, RADII, SHAPE, centres, ground, images, in_order
 from validation.scenes.pictures import BRIGHT, DARK, coverage, illumination, lattice, picture
 
 

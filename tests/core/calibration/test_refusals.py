@@ -1,14 +1,10 @@
-"""What calibrations refuse: the argument, and the value that was given, are in the message."""
-
-from dataclasses import replace
+"""What calibrations refuse: the argument and the value that was given are in the message."""
 
 import numpy as np
 import pytest
 
 import metafem as mf
 from metafem.calibration import (
-    Bootstrap,
-    DesignSites,
     MeasuredLaw,
     MeasurementErrors,
     Priors,
@@ -17,103 +13,36 @@ from metafem.calibration import (
     compare,
     contact_areas,
     corrected_heights,
-    explain,
     fit_compression,
-    fit_segments,
     joint_covariance,
-    match_sites,
-    measured_surface,
     shear,
     shear_record,
-    shear_strength,
-    stack_areas,
-    track_contacts,
 )
 from metafem.calibration.images.grey import grey_values
 from metafem.calibration.topography.alignment import aligned
-from tests.calibration.compression.scenes import AREA, RADIUS, TABLE, A, load_of, noisy, of_cap
-from tests.calibration.diagnosis import scenes as parts
-from tests.calibration.images.scenes import PIXEL, SHAPE
+from tests.calibration.compression.scenes import AREA, RADIUS, A, load_of, noisy, of_cap
+from tests.calibration.images.scenes import PIXEL
 from tests.calibration.measured_law.scenes import (
     LOAD,
     MATERIAL,
     contacts,
     law_of,
     linear_design,
-    measured_on,
     two_branches,
 )
-from tests.calibration.sheared.scenes import SURFACE, X, area, force, measured
+from tests.calibration.refused import compared, mapped, matched, press, sampled, slid, strength, tracked
+from tests.calibration.sheared.scenes import SURFACE, X, force
 from tests.calibration.sites import scenes as images
-from tests.calibration.topography.scenes import FOUR, lattice, made_surface
+from tests.calibration.topography.scenes import FOUR, made_surface
 from validation.scenes.lattice_views import lattice as sites
 from validation.scenes.lattice_views import seen
 from validation.scenes.pictures import picture
-from validation.scenes.sheared_contacts import sheared
 
 EXACT, FIRST = load_of(A), A < 0.09
 FEW = mf.Surface.square_lattice(0.1, (1, 2), radius=0.526, material=mf.Material(1.36))
-RNG = np.random.default_rng(0)
-
-
-def press(**given):
-    """Fit a compression test of one contact with changed arguments."""
-    return lambda: fit_compression(**({"load": EXACT, "area": AREA, "radius": RADIUS} | given))
-
-
-def sampled(**given):
-    """Fit a compression test of five caps with a changed sample."""
-    place = 5.0 * np.array([[0.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]])
-    height = given.pop("height", [0.4] * 5)
-    surface = mf.Surface(place, height, RADIUS, mf.Material(1.36), cap=given.pop("cap", mf.Paraboloid()))
-    radius, one_by_one = given.pop("radius", RADIUS), given.pop("one_by_one", False)
-    each = np.repeat(AREA[:, None], 5, axis=1)
-    areas = each if one_by_one else 5.0 * AREA
-    return lambda: fit_compression(
-        AREA**1.5, areas, radius, Sample(**{"contacts": 5, "surface": surface} | given)
-    )
-
-
-def slid(change):
-    """Fit the points of one shear test that a function changes."""
-    return lambda: shear(*change(*sheared(np.random.default_rng(1), tests=1)[0]))
-
-
-def strength(load_min=0.1, surface=SURFACE, known=None, **given):
-    """Fit the strength to a law of forces with changed arrays."""
-
-    def call():
-        exact = mf.friction_law(SURFACE, load=np.linspace(0.1, 0.6, 12))
-        return shear_strength(measured(exact, **(known or {})), surface, load_min, **given)
-
-    return call
-
-
-def compared(**given):
-    """Compare two points with a design."""
-    return lambda: compare(measured_on(linear_design(), np.array([0.2, 0.3])), linear_design(), **given)
-
-
-def matched(**given):
-    """Match all contacts of a lattice with changed arguments."""
-    return lambda: match_sites(**{"centre": sites(), "site_position": sites()} | given)
-
-
-def tracked(**given):
-    """Follow the contacts of one image with changed arguments."""
-    one = {"areas": [images.contacts(seen(images.SITES), 0.1)], "image": ["a"]}
-    return lambda: track_contacts(**one | given)
-
-
-def mapped(**given):
-    """Measure a flat map with changed arguments."""
-    flat = {"height_map": np.zeros((80, 80)), "pixel_size": 0.04, "design_surface": FOUR}
-    return lambda: measured_surface(**flat | given)
-
 
 REFUSALS = [
     (press(load=EXACT[:2], area=AREA[:2]), "load", "2"),
-    (press(area=AREA[:5]), "area", "5"),
     (press(area=np.where(FIRST, 0.0, AREA)), "area[0]", "0"),
     (press(area=np.where(FIRST, -0.01, AREA)), "area[0]", "-0.01"),
     (press(area=np.full(20, 0.1)), "area", "0.1"),
@@ -122,122 +51,67 @@ REFUSALS = [
     (press(area=5.0 * AREA, load=5.0 * EXACT), "area[19]", "0.526"),
     (press(area_sd=np.zeros(20)), "area_sd[0]", "0"),
     (press(sample=Sample(radius_sd=0.6)), "radius_sd", "0.6"),
-    (press(test=["a"] * 19), "test", "20"),
-    (press(sample=5), "sample", "5"),
-    (press(errors=0.005), "errors", "0.005"),
     (lambda: of_cap(mf.JKR(1e-6)), "contact", "1e-06"),
     (lambda: of_cap(mf.KogutEtsion(0.1)), "contact", "0.1"),
-    (lambda: of_cap(replace(TABLE, material=None)), "contact", "E*"),
-    (lambda: of_cap(mf.Elastic()), "contact", "Elastic"),
-    (lambda: Sample(model=mf.Interacting()), "model", "surface"),
+    (lambda: of_cap(mf.TabulatedContact(*np.ones((3, 1)) * [1, 2, 3])), "contact", "E*"),
     (lambda: Sample(0), "contacts", "0"),
-    (lambda: Bootstrap(-1), "bootstrap", "-1"),
-    (lambda: MeasurementErrors(load=-1.0), "load", "-1"),
-    (sampled(contacts=4), "contacts", "4"),
     (sampled(radius=0.5), "surface.radius[0]", "0.526"),
-    (sampled(poisson_ratio=0.4), "poisson_ratio", "0.4"),
-    (sampled(cap=[mf.Paraboloid()] * 4 + [mf.Sphere()]), "surface.cap", "Sphere"),
     (sampled(height=[0.4] * 4 + [-0.5], one_by_one=True), "surface", "4"),
-    (lambda: joint_covariance("E*"), "E*", "fit_compression"),
     (lambda: joint_covariance(*[shear(AREA, AREA, AREA)] * 2), "area_ratio", "two"),
     (slid(lambda b, s, f: (b, s, -f)), "friction_force", "sigma = -"),
     (slid(lambda b, s, f: (b, s, f[::-1])), "friction_force", "slope -"),
     (slid(lambda b, s, f: (b, s[:5], f)), "area_sheared", "5"),
     (slid(lambda b, s, f: (b, -s, f)), "area_sheared[0]", "-0"),
     (slid(lambda b, s, f: (b, s, f * np.nan)), "sigma", "0"),
-    (lambda: shear(AREA, AREA, AREA).plot(line="load"), "line", "load"),
     (strength(known={"friction_force": None, "area": np.full(12, 0.2)}), "law", "sigma"),
     (strength(known={"friction_force": np.linspace(-3e-3, -1e-3, 12)}), "friction_force", "-"),
-    (strength(load_min=0.6), "load_min", "0.6"),
     (strength(covariance=[[1e-4, 1.0], [1.0, 1e-4]]), "covariance", "0.0001"),
-    (strength(covariance=[[1e-4]], parameters=["wear"]), "parameters", "wear"),
     (
         strength(surface=SURFACE.replaced(friction=None), known={"friction": None, "area": np.full(12, 0.2)}),
         *("B", "area_ratio"),
     ),
     (lambda: shear_record(X[:31], force(X[:31])), "displacement", "0.15"),
     (lambda: shear_record(X, X), "friction_force", "0.6"),
-    (lambda: shear_record(X, -force(X)), "friction_force", "0"),
-    (lambda: shear_record(X[::-1], force(X)), "displacement[1]", "0.59"),
-    (lambda: shear_record(X[::30], force(X[::30], peak=0.3)), "sliding_range", "0.2"),
-    (lambda: shear_record(X, force(X), area(X)[:9]), "area", "9"),
-    (lambda: shear_record(X, force(X), np.where(X > 0.1, np.nan, area(X))), "area", "0.15"),
-    (lambda: shear_record(X, force(X), np.where((X > 0.2) & (X < 0.5), np.nan, area(X))), "area", "frame"),
-    (lambda: shear_record(X, force(X), sliding_range=(0.2, 0.1)), "sliding_range", "0.2"),
     (lambda: law_of(friction_force=None), "friction_force", "area"),
-    (lambda: law_of(friction=None), "friction", "Friction"),
     (lambda: law_of(load=[-0.2, 0.1, 0.3]), "load[0]", "-0.2"),
     (lambda: law_of(friction_force=[0.2, 0.3, 0.1]), "friction_force[2]", "0.1"),
     (lambda: law_of(area_sd=[0.1, 0.1, 0.1]), "area_sd", "area"),
     (lambda: law_of(asperity_area=np.ones((3, 2)), site=[1, 1]), "site", "1"),
-    (lambda: law_of(asperity_area=np.ones((3, 2)), site=[1, -1]), "site", "-1"),
     (lambda: law_of(asperity_area=-np.ones((3, 2))), "asperity_area[0, 0]", "-1"),
-    (lambda: law_of(area=[0.1, np.nan, 0.3]), "area[1]", "nan"),
     (lambda: law_of(area=[0.0, 0.0, 0.0]), "area", "0"),
-    (
-        lambda: MeasuredLaw(LOAD, asperity_area=np.outer(LOAD, [1, np.nan]), material=MATERIAL).known(),
-        "area",
-        "nan",
-    ),
     (lambda: MeasuredLaw.from_contacts(contacts(load=np.full(3, np.nan)), MATERIAL), "load", "3"),
-    (lambda: fit_segments(two_branches(LOAD[:6])), "law", "6"),
-    (lambda: fit_segments(two_branches(), draws=5), "draws", "5"),
-    (lambda: fit_segments(two_branches(np.repeat([0.1, 0.2], 4))), "law", "2"),
     (lambda: branches(two_branches(LOAD[:5])), "law", "5"),
-    (lambda: branches(two_branches(), first=19), "first", "19"),
-    (lambda: branches(two_branches(), second=40), "second", "40"),
-    (lambda: branches(two_branches(np.repeat([0.1, 0.2], 4))), "points", "3"),
     (lambda: branches(two_branches(crossover=9.0)), "law", "one branch"),
     (compared(parameters={"radius": 0.005}), "parameters", "radius"),
-    (compared(parameters={"composite_modulus": -1.0}), "composite_modulus", "-1"),
-    (compared(parameters=["area_ratio"]), "parameters", "covariance"),
-    (compared(parameters={"area_ratio": 1.0}, covariance=[[1.0]]), "parameters", "covariance"),
-    (lambda: compare(measured_on(linear_design(), np.array([9.0])), linear_design()), "load", "9"),
     (
         lambda: compare(
             MeasuredLaw([0.1], area=[0.5], material=MATERIAL),
-            *(linear_design(), {"shear_strength": 0.01}),
+            linear_design(),
+            parameters={"shear_strength": 0.01},
         ),
-        *("shear_strength", "Friction"),
+        "shear_strength",
+        "Friction",
     ),
-    (lambda: explain(parts.measured(parts.design()), parts.design((2, 2))), "site", "24"),
     (lambda: Priors(friction_sd=0.5), "friction_sd", "0.5"),
     (lambda: contact_areas(np.full((50, 50), 7), PIXEL), "image", "7"),
-    (lambda: contact_areas(RNG.normal(200.0, 5.0, (100, 100)), PIXEL), "image", "noise"),
-    (lambda: contact_areas(np.eye(50), PIXEL, threshold=1.2), "threshold", "1.2"),
+    (lambda: contact_areas(np.random.default_rng(0).normal(200.0, 5.0, (100, 100)), PIXEL), "image", "noise"),
     (
         lambda: contact_areas(picture((80, 80), [(40, 40)], [20], noise=0.02), PIXEL, threshold=0.1),
         "threshold",
         "0.1",
     ),
     (lambda: grey_values(np.where(np.eye(50) > 0, np.nan, 1.0)), "image", "nan"),
-    (lambda: grey_values(RNG.random((50, 50, 3))), "image", "3"),
-    (lambda: grey_values(np.zeros((4, 50, 50))), "image", "(4, 50, 50)"),
+    (lambda: grey_values(np.random.default_rng(0).random((50, 50, 3))), "image", "3"),
     (lambda: grey_values(np.eye(50) > 0), "image", "bool"),
-    (lambda: grey_values(np.eye(50) * 1e38), "image", "1e+38"),
-    (lambda: grey_values("picture.tif"), "image", "picture.tif"),
-    (lambda: stack_areas([np.zeros(SHAPE), np.ones(SHAPE)], PIXEL), "images[1]", "1"),
-    (lambda: stack_areas([], PIXEL), "images", "empty"),
     (matched(centre=sites()[:2]), "2 contacts", "2"),
-    (matched(viewed_from="below"), "viewed_from", "below"),
-    (matched(expected_area=np.ones(64)), "expected_area", "area"),
-    (matched(site_position=np.zeros((4, 2))), "site", "4"),
+    (matched(site_position=np.zeros((4, 2))), "site", "coincident"),
     (matched(centre=seen(sites((8, 8), 1.2))), "64", "1.2"),
-    (tracked(areas=[]), "image", "1"),
     (tracked(areas=[images.contacts(np.zeros((0, 2)), 0.1)]), "contact", "a"),
-    (tracked(areas=[images.contacts(sites(), 0.1)] * 2, image=["a", "a"]), "image", "a"),
-    (tracked(sites=DesignSites(sites(), expected_area=np.ones(64))), "expected_area", "(1, 64)"),
-    (tracked(sites=DesignSites(1.4 * sites())), "a", "2.1"),
-    (lambda: DesignSites(sites(), [1] * 64), "site", "64"),
     (mapped(), "map", "0.526"),
-    (mapped(height_map=np.zeros(800)), "map", "(800,)"),
     (mapped(height_map=np.full((80, 80), np.nan)), "map", "heights"),
-    (mapped(pixel_size=-1.0), "pixel_size", "-1"),
     (mapped(design_surface=FOUR.replaced(cap=mf.Power(3))), "design_surface.cap", "3"),
-    (lambda: aligned(FEW.position, FEW.height, lattice(RNG, (5, 4)), None), "2 caps", "20"),
     (lambda: aligned(0.7 * FOUR.position, FOUR.height, FOUR, False), "caps", "1.05"),
     (lambda: corrected_heights(FEW, made_surface(FEW, np.zeros(2))), "made", "2"),
-    (lambda: corrected_heights(FOUR, made_surface(FEW, np.zeros(2))), "design", "made.design"),
 ]
 
 
