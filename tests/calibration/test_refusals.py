@@ -29,7 +29,7 @@ from tests.calibration.measured_law.scenes import (
     measured_on,
     two_branches,
 )
-from tests.calibration.refused import compared, matched, sampled, strength, tracked
+from tests.calibration.refused import compared, mapped, matched, sampled, strength, tracked
 from tests.calibration.sheared.scenes import X, area, force
 from tests.calibration.sites import scenes as images
 from tests.calibration.topography.scenes import FOUR, lattice, made_surface
@@ -38,6 +38,7 @@ from validation.scenes.lattice_views import lattice as sites
 FEW = mf.Surface.square_lattice(0.1, (1, 2), radius=0.526, material=mf.Material(1.36))
 
 REFUSALS = [
+    (mapped(height_map=np.full((80, 80), np.nan)), "map", "heights"),
     (lambda: Sample(model=mf.Interacting()), "model", "surface"),
     (sampled(poisson_ratio=0.4), "poisson_ratio", "0.4"),
     (sampled(cap=[mf.Paraboloid()] * 4 + [mf.Sphere()]), "surface.cap", "Sphere"),

@@ -33,14 +33,6 @@ def design(shape=(5, 5)) -> mf.Surface:
     )
 
 
-def drawn(surface: mf.Surface, priors: Priors, rng: np.random.Generator) -> tuple[Causes, np.ndarray]:
-    """Return unknown errors drawn from their priors, with exact loads."""
-    causes = Causes.of(surface, LOADS, ERRORS.of_load(LOADS), priors, True)
-    z = rng.standard_normal(causes.size)
-    z[causes.where["load"]] = 0.0
-    return causes, z
-
-
 def measured(
     surface: mf.Surface,
     *,

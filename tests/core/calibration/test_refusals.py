@@ -108,7 +108,6 @@ REFUSALS = [
     (matched(centre=seen(sites((8, 8), 1.2))), "64", "1.2"),
     (tracked(areas=[images.contacts(np.zeros((0, 2)), 0.1)]), "contact", "a"),
     (mapped(), "map", "0.526"),
-    (mapped(height_map=np.full((80, 80), np.nan)), "map", "heights"),
     (mapped(design_surface=FOUR.replaced(cap=mf.Power(3))), "design_surface.cap", "3"),
     (lambda: aligned(0.7 * FOUR.position, FOUR.height, FOUR, False), "caps", "1.05"),
     (lambda: corrected_heights(FEW, made_surface(FEW, np.zeros(2))), "made", "2"),

@@ -73,12 +73,12 @@ def test_missing_summits_and_hills_are_named():
     assert np.abs(made.height_error).max() < 1e-3
 
 
-@pytest.mark.parametrize("kind", ["dust", "dropouts"])
-def test_damaged_maps_give_the_same_heights(kind):
-    made = measured_surface(damaged(mapped(), kind), PIXEL, FOUR)
-    assert made.missing.size == 0
-    assert np.abs(made.height_error / made.height_sd).max() < 4.0
-    assert np.abs(made.position_error).max() < 1e-3
+def test_damaged_maps_give_the_same_heights():
+    for kind in ("dust", "dropouts"):
+        made = measured_surface(damaged(mapped(), kind), PIXEL, FOUR)
+        assert made.missing.size == 0
+        assert np.abs(made.height_error / made.height_sd).max() < 4.0
+        assert np.abs(made.position_error).max() < 1e-3
 
 
 def test_sums_over_lags_are_those_of_double_loops():
