@@ -62,22 +62,6 @@ def test_standard_errors_cover_the_errors_and_are_near_the_smallest_possible():
     assert 0.85 < ratio < 1.3
 
 
-def test_few_asperities_of_one_height_determine_only_an_offset():
-    design = mf.Surface.square_lattice(0.1, (1, 3), radius=0.526, material=mf.Material(1.36))
-    correction = mf.calibration.corrected_heights(design, made_surface(design, np.full(3, 2e-3), sd=0.0))
-    assert correction.terms == ("offset",)
-    assert len(correction.notes) == 1
-
-
-def test_radii_and_impossible_heights_are_noted():
-    design = mf.Surface.square_lattice([0.001, 0.1, 0.1], (1, 3), radius=0.526, material=mf.Material(1.36))
-    made = made_surface(design, np.full(3, 2e-3), sd=0.0)
-    made = type(made)(**{**vars(made), "surface": made.surface.replaced(radius=0.536)})
-    text = "\n".join(map(str, mf.calibration.corrected_heights(design, made).notes))
-    assert "1.9 %" in text
-    assert "asperity 0 is -0.001 mm" in text
-
-
 def test_a_design_can_be_saved_with_corrected_heights(tmp_path):
     template = mf.Surface.square_lattice(0.12, (4, 4), radius=0.526, material=mf.Material(1.36))
     design = mf.design(mf.LinearLaw(6.87), template)

@@ -6,12 +6,20 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import quad
+from scipy.stats import norm
 
 import metafem as mf
 from metafem.calibration import MeasurementErrors, Sample, fit_compression
 from metafem.calibration.bounded_interval import WIDTH
 from metafem.calibration.compression.adhesive_line import adhesive_line
-from metafem.calibration.compression.distance_fit import adhesive_load, distance_fit
+from metafem.calibration.compression.distance_fit import (
+    HUBER,
+    TUKEY,
+    TUKEY_VARIANCE,
+    adhesive_load,
+    distance_fit,
+)
 from tests.calibration.compression.scenes import (
     AREA,
     ENERGY,
@@ -96,6 +104,10 @@ def test_the_law_that_comes_out_predicts_the_data():
     law = mf.friction_law(surface, mf.Independent(EXACT.contact_law), load=load_of(A)[5:])
     assert law.area == pytest.approx(AREA[5:], rel=1e-6)
     assert EXACT.contact_law == mf.JKR(EXACT.adhesion_energy)
+    # radii at which large strains change the law are noted
+    assert any("0.76 R" in str(note) for note in EXACT.notes)
+    few = fit_compression(load_of(A[:10]), AREA[:10], RADIUS)
+    assert not any(" R; beyond" in str(note) for note in few.notes)
 
 
 def test_areas_one_by_one_and_in_total_are_one_calibration_and_an_open_contact_bears_no_load():
@@ -188,10 +200,18 @@ def test_a_fit_to_another_law_or_with_too_small_errors_says_so():
         fit_compression(*points, errors=none, robust=True)
 
 
-def test_radii_at_which_large_strains_change_the_law_are_noted():
-    assert any("0.76 R" in str(note) for note in EXACT.notes)
-    few = fit_compression(load_of(A[:10]), AREA[:10], RADIUS)
-    assert not any(" R; beyond" in str(note) for note in few.notes)
+def test_the_constants_of_tukeys_fit_are_those_of_normal_errors():
+    def mean(of, end=TUKEY):
+        return quad(lambda r: of(r) * norm.pdf(r), -end, end)[0]
+
+    # psi(r) = r w(r) with w(r) = (1 - (r/c)^2)^2
+    square = mean(lambda r: (r * (1.0 - (r / TUKEY) ** 2) ** 2) ** 2)
+    slope = mean(lambda r: (1.0 - (r / TUKEY) ** 2) * (1.0 - 5.0 * (r / TUKEY) ** 2))
+    weight = mean(lambda r: (1.0 - (r / TUKEY) ** 2) ** 2)
+    assert pytest.approx(slope**2 / square, abs=1e-3) == 0.95
+    assert pytest.approx(square * weight / slope**2, abs=1e-3) == TUKEY_VARIANCE
+    huber = mean(lambda r: np.clip(r, -HUBER, HUBER) ** 2, 10.0)
+    assert mean(lambda _: 1.0, HUBER) ** 2 / huber == pytest.approx(0.95, abs=1e-3)
 
 
 def test_the_straight_line_of_the_paper_is_the_law_of_johnson_kendall_and_roberts():

@@ -4,13 +4,14 @@ import math
 
 import numpy as np
 import pytest
+from scipy.special import ndtri
 
 import metafem as mf
 from metafem.calibration.figures import made_figure, residuals
 from metafem.calibration.topography.alignment import aligned
 from metafem.calibration.topography.cells import HeightMap, cells
 from metafem.calibration.topography.correlation import correlation, lagged, summed
-from metafem.calibration.topography.levelled import levelled
+from metafem.calibration.topography.levelled import SD_OF_MEDIAN, levelled
 from tests.calibration.topography.scenes import FOUR, PIXEL, damaged, lattice, made_surface, mapped
 from validation.scenes.height_maps import Placement, Roughness, height_map
 
@@ -106,6 +107,7 @@ def test_tilt_and_bow_of_an_exact_map_are_found_from_below():
     np.testing.assert_allclose(level.bow, [3e-4, 1e-4, -2e-4], atol=1e-7)
     np.testing.assert_allclose(level.base(level.centre[:1], level.centre[1:]), 0.0, atol=1e-7)
     assert 0.1 < level.excluded < 0.4
+    assert ndtri(0.75) == pytest.approx(1.0 / SD_OF_MEDIAN, abs=1e-4)
     flat = height_map(FOUR, (400, 400), 8e-3, rng=0, bow=(0.0, 0.0, 0.0), **EXACT)
     plane = HeightMap(flat, (8e-3, 8e-3))
     level = levelled(plane, cells(plane, 4), False)
