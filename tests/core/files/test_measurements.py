@@ -1,0 +1,477 @@
+"""Tables of measurements, images and height maps are read with their units."""
+
+import json
+import math
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tifffile
+from PIL import Image
+
+import metafem as mf
+from metafem import files
+from metafem._given import Names
+from metafem.calibration import fit_compression, shear
+from metafem.drawing import new_figure
+from metafem.files.measurement.calibrated import calibration_data
+from metafem.files.measurement.contacts import HEADER
+from metafem.files.measurement.images.find import natural, read_image
+from metafem.files.measurement.numbers import interval, published, rounded
+from metafem.progress import listening
+from tests.core.files.specs import spec
+from tests.core.files.test_files import CONTACTS, PRESSED, SHEARED, A
+
+MATERIAL, FRICTION = mf.Material(1.36), mf.Friction(0.404, 0.85)
+PULL = "displacement_um,friction_force_mN,area_mm2\n" + "".join(
+    f"{10 * i},{i if i <= 15 else 12},{0.5 - 0.01 * min(i, 15) if i % 5 == 0 else ''}\n" for i in range(61)
+)  # fmt: skip
+
+
+@pytest.fixture
+def read(tmp_path, monkeypatch):
+    """Write tables into an empty folder and pool them."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*tables, **options):
+        for name, table in zip("abc", tables, strict=False):
+            Path(f"{name}.csv").write_text(table, "utf-8")
+        return files.read_calibration([f"{name}.csv" for name in "abc"[: len(tables)]], **options)
+
+    return call
+
+
+def test_a_measured_law_is_read_in_any_unit_and_order(tmp_path):
+    path = tmp_path / "a.csv"
+
+    def law(table, **given):
+        path.write_text(table, "utf-8")
+        return files.read_measured_law(path, MATERIAL, FRICTION, **given)
+
+    found = law("friction_force_mN,load_N,load_sd_mN\n90,0.2,2\n50,0.1,1\n", label="sliding")
+    assert (found.load.tolist(), found.friction_force.tolist()) == ([0.1, 0.2], [0.05, 0.09])
+    assert found.label == "sliding"
+    np.testing.assert_array_equal(found.load_sd, [1e-3, 2e-3])
+    np.testing.assert_allclose(found.friction_force_sd, [1.5e-3, 1.9e-3], rtol=1e-12)  # of the paper
+    found = law("load_N;area_um2;area_sd_mm2\n0,1;100000;.01\n0,2;200000;.02\n")
+    assert (found.area.tolist(), found.area_sd.tolist()) == ([0.1, 0.2], [0.01, 0.02])
+    area = np.array([[0.1, 0.2], [0.3, 0.4]])
+    one = {"friction_force": np.full(2, np.nan), "area": area, "area_error": 0.01 * area}
+    table = replace(CONTACTS, load=np.array([0.1, 0.2]), **one)
+    images = files.contacts_table(table)
+    found = law(images)
+    assert (found.site.tolist(), found.load.tolist()) == ([7, 3], [0.1, 0.2])
+    np.testing.assert_allclose(found.area, [0.3, 0.7], rtol=1e-12)
+    assert law(images, sites=np.array([3, 5, 7])).site.tolist() == [2, 0]
+    assert law(images.replace("load_N", "load_mN")).load.tolist() == [1e-4, 2e-4]
+
+
+def test_contacts_have_one_line_for_each_image_and_contact(tmp_path):
+    assert HEADER == (
+        "image,test,load_N,friction_force_N,contact,site,x_mm,y_mm,area_mm2,area_error_mm2,sheared_area_mm2,"
+        "sheared_area_error_mm2,remark"
+    )
+    assert files.contacts_table(CONTACTS).splitlines()[1:4] == [
+        '"1, ""a"".tif:1",,0.03333333333333333,,1,7,0.0,-0.3333333333333333,0.1,0.001,0.08,0.001,'
+        "table: dark | image: its background",
+        '"1, ""a"".tif:1",,0.03333333333333333,,2,3,1500.0,0.0,0.0,0.0,,,',
+        '"#2.tif",b,,1e-07,1,7,0.0,-0.3333333333333333,,,,,',
+    ]
+    with pytest.raises(mf.InvalidInput, match=r"image 1 of test 'a' is in the table twice"):
+        files.contacts_table(replace(CONTACTS, image=("1", "1"), test=("a", "a"), remarks=()))
+    same = replace(CONTACTS, image=("1", "1"), test=("a", "b"), matched=False, site=np.arange(2), remarks=(
+        "1 of test a, contact 1: not seen", "1 of test b: dark",
+    ))  # fmt: skip
+    path = tmp_path / "contacts.csv"
+    path.write_text(files.contacts_table(same), "utf-8")
+    assert files.read_contacts(path) == same
+    path.write_text(
+        "image;load_mN;contact;x_um;y_um;area_um2;area_error_um2;by\n# by hand\na.tif;50,5;4;0;0;1e4;200;me\n"
+        "a.tif;50,5;2;1500;0;0;0;me\nb.tif;60;2;1500;0;;;me\nb.tif;60;4;0;0;2e4;200;me\n", "utf-8",
+    )  # fmt: skip
+    heard = []
+    with listening(lambda step, done: None, heard.append):
+        table = files.read_contacts(path)
+    assert heard[0].endswith("the column by is not read")
+    assert (table.image, table.load.tolist(), table.test) == (("a.tif", "b.tif"), [0.0505, 0.06], ("", ""))
+    assert (table.position.tolist(), table.matched) == ([[0.0, 0.0], [1.5, 0.0]], False)
+    np.testing.assert_array_equal(table.area, [[0.01, 0.0], [0.02, np.nan]])
+
+
+def test_compression_tests_are_pooled_with_their_labels(read):
+    one = "load_mN,area_um2\n10,100000\n20,200000\n"
+    labelled = "load_mN;area_mm2;test\n10,5;0,1;first\n20;0,2;second\n"
+    data = read(one, labelled)
+    assert data.compression.load.tolist() == [0.01, 0.02, 0.0105, 0.02]
+    assert data.compression.area.tolist() == [0.1, 0.2, 0.1, 0.2]
+    assert data.compression.test == ("a", "a", "first", "second")
+    assert data.compression.place[1:3] == ("a.csv, line 3", "b.csv, line 2")
+    assert (data.shear, data.compression.contacts) == (None, None)
+    assert read("area_10_mm2,load_mN,area_2_mm2\n0.1,10,0.2\n").compression.area.tolist() == [[0.2, 0.1]]
+    data = read("load_mN,area_1_mm2,area_2_mm2\n10,0.1,0.2\n", "load_mN,area_mm2\n10,0.3\n")
+    assert (data.compression.area.tolist(), data.compression.contacts) == ([pytest.approx(0.3), 0.3], 2)
+    assert "the totals are used" in data.notes[0].text
+    with pytest.raises(mf.InvalidInput, match=r"2 \(a.csv, line 2\) and 1 \(b.csv, line 2\) contacts"):
+        read("load_mN,area_1_mm2,area_2_mm2\n1,2,3\n", "load_mN,area_1_mm2\n1,2\n")
+    Path("d").mkdir()
+    Path("d/a.csv").write_text(one, "utf-8")
+    assert files.read_calibration(["a.csv", "d/a.csv"]).compression.test == ("a", "d/a", "d/a")
+    with pytest.raises(mf.InvalidInput, match=r"a\.csv is given twice"):
+        files.read_calibration(["a.csv", "./a.csv"])
+
+
+def test_shear_tests_and_records_are_points(read):
+    table = "load_mN,area_mm2,area_sheared_mm2,friction_force_mN\n10,0.1,0.085,31\n20,0.15,,\n,0.2,0.17,63\n"
+    data = read(table)
+    assert data.compression.load.tolist() == [0.01, 0.02]
+    assert data.shear.area_before.tolist() == [0.1, 0.15, 0.2]
+    np.testing.assert_array_equal(data.shear.area_sheared, [0.085, np.nan, 0.17])
+    np.testing.assert_array_equal(data.shear.friction_force, [0.031, np.nan, 0.063])
+    assert data.shear.place[2] == "a.csv, line 4"
+    assert np.isnan(read("area_sheared_mm2,friction_force_mN\n0.085,31\n").shear.area_before).all()
+    static = read(PULL, PULL).shear
+    assert (static.friction_force.tolist(), static.test) == ([0.015] * 2, ("records",) * 2)
+    np.testing.assert_allclose(static.area_sheared, 0.35, rtol=1e-12)
+    np.testing.assert_allclose(static.area_before, 0.5, rtol=1e-12)
+    data = read(PULL, sliding=True, sliding_range=(0.2, 0.3))
+    np.testing.assert_allclose(data.shear.friction_force, 0.012, rtol=1e-12)
+    assert data.records["a.csv"].sliding_range == (0.2, 0.3)
+
+
+def test_contacts_of_images_are_points(read):
+    area = np.array([[0.1, 0.2], [0.15, np.nan], [0.2, 0.3]])
+    table = replace(
+        CONTACTS, image=("1", "2", "3"), test=("", "", "b"), load=np.array([0.05, 0.08, np.nan]), remarks=(),
+        friction_force=np.array([0.09, 0.13, 0.15]), area=area, area_error=2e-3 * np.sqrt(np.pi * area),
+        sheared_area=0.85 * area, sheared_area_error=0.01 * area,
+    )  # fmt: skip
+    data = read(files.contacts_table(table))
+    assert (data.compression.area.tolist(), data.compression.load.tolist()) == ([[0.1, 0.2]], [0.05])
+    assert data.compression.place == ("a.csv, image 1",)
+    np.testing.assert_allclose(data.shear.area_before, [0.3, 0.15, 0.5], rtol=1e-12)
+    np.testing.assert_array_equal(data.shear.friction_force, [0.09, np.nan, 0.15])
+    assert data.shear.test == ("a", "a", "b")
+    assert [note.text.partition(":")[0] for note in data.notes] == ["a.csv"] * 2
+    assert data.boundary == pytest.approx(1e-3, rel=1e-12)
+    np.testing.assert_array_equal(data.position, CONTACTS.position)
+    assert read(files.contacts_table(table), "load_mN,area_mm2\n10,0.3\n").boundary is None
+    for words, message in (("too few", "a.csv, b.csv: too few"), ("b.csv, line 2: x", "b.csv, line 2: x")):
+        with pytest.raises(mf.InvalidInput) as caught, files.of_tables(Names(), ["a.csv", "b.csv"]):
+            raise mf.InvalidInput(words)
+        assert str(caught.value) == message
+
+
+def test_images_have_their_forces_in_their_own_order(tmp_path):
+    names = ("1.tif", "2.tif", "10.tif", "s.tif:1")
+    images, path = [files.ImageFile(name, Path(name.partition(":")[0])) for name in names], tmp_path / "f.csv"
+    path.write_text(
+        "image;load_mN;friction_force_N;sheared_image;test;frict_force_mN\n10.tif:1;200,5;;9.tif;b;\n"
+        "1.tif;50;0,1;2.tif;a;\n3.tif;6;;;;\n", "utf-8",
+    )  # fmt: skip
+    found, notes = files.shots(images, path)
+    shots = [(shot.image.name, shot.load, shot.test) for shot in found[:2]]
+    assert shots == [("1.tif", 0.05, "a"), ("10.tif", 0.2005, "b")]
+    assert (found[0].sheared, found[0].friction_force, found[1].sheared) == (images[1], 0.1, None)
+    assert math.isnan(found[1].friction_force)
+    assert (found[2].image.name, math.isnan(found[2].load), len(found)) == ("s.tif:1", True, 3)
+    assert [note.text.partition(":")[0] for note in notes] == [
+        "the sheared image is left out", "the line is left out", "s.tif",
+    ]  # fmt: skip
+    path.write_text("image,load_mN,friction_mN\n1.tif,5,6\n", "utf-8")
+    note, *_ = files.shots(images, path)[1]
+    assert "the column friction_mN is not read; did you mean friction_force_mN?" in note.text
+    alone, notes = files.shots(images)
+    assert ([shot.image for shot in alone], notes) == (images, [])
+
+
+def test_sites_are_read_with_and_without_numbers(tmp_path):
+    path = tmp_path / "heights.csv"
+    for table, numbers in (
+        ("site,x_mm,y_um,z\n7,0,1500,1\n3,1.5,0,1\n", [7, 3]), ("x_mm,y_mm\n0,1.5\n1.5,0\n", [0, 1])
+    ):  # fmt: skip
+        path.write_text(table, "utf-8")
+        position, number = files.read_sites(path)
+        assert (position.tolist(), number.tolist()) == ([[0.0, 1.5], [1.5, 0.0]], numbers)
+
+
+def test_values_have_the_digits_of_their_errors():
+    pairs = (1.35987, 0.0393), (0.404, 0.0054), (0.8512, 0.0121), (0.8512, 0.00996)
+    assert [published(*pair) for pair in pairs] == [
+        "1.36 ± 0.04", "0.404 ± 0.005", "0.851 ± 0.012", "0.851 ± 0.010",
+    ]  # fmt: skip
+    assert (published(523.4, 47.1, "mm"), published(0.85, 0.0)) == ("523 ± 47 mm", "0.85 ± 0")
+    assert (rounded(1.35987, 0.0393, 3), rounded(0.37, math.inf)) == ("1.3599", "0.37")
+    assert interval((0.36, 0.39), 0.0148, "MPa") == "0.360 to 0.390 MPa"
+
+
+def adhesive(energy):
+    """Return the calibration of exact points with an adhesion energy [N/mm]."""
+    load = 1.36 * 4.0 / 3.0 * A**3 / 0.526 - math.sqrt(8.0 * math.pi * energy * 1.36) * A**1.5
+    return fit_compression(load, np.pi * A**2, 0.526)
+
+
+def test_a_calibration_is_written_as_sections():
+    found = adhesive(5e-4)
+    whole = files.block_text(found, SHEARED, ["a.csv", "b.csv"], "power 4 0.5")
+    assert whole.startswith("# Calibration by metafem: sections of a specification")
+    assert "# Measured: a.csv\n# Measured: b.csv\n" in whole
+    table = tomllib.loads(whole)
+    assert list(table) == ["material", "contact", "friction"]
+    material, contact, friction = table.values()
+    read = spec(**{name: toml(keys) for name, keys in table.items()})
+    assert read.template.material.composite_modulus == pytest.approx(1.36, abs=6e-4)
+    assert read.template.friction.shear_strength == pytest.approx(0.37, abs=1e-4)
+    assert read.template.friction.area_ratio == pytest.approx(0.85, abs=1e-4)
+    assert read.model.contact.adhesion_energy == pytest.approx(5e-4, rel=0.02)
+    assert read.model.contact.cap == mf.PowerCap(4, 0.5)
+    assert (material["poisson_ratio"], contact["kind"]) == (0.5, "jkr")
+    assert friction["shear_strength"].endswith(" MPa")
+    named = tomllib.loads(files.block_text(found, None, [], "profile cap.csv"))
+    assert named["contact"]["cap"] == {"kind": "profile", "file": "cap.csv"}
+    doubtful = files.block_text(adhesive(1e-7), None, [])
+    assert '# The data do not show adhesion; without it, kind = "hertz"' in doubtful
+    bent = files.block_text(None, shear(np.pi * A**2, 0.85 * np.pi * A**2, 0.3145 * np.pi * A**2 + 0.01), [])
+    assert list(tomllib.loads(bent)) == ["friction"]
+    assert "the line does not fit" in bent
+
+
+def toml(keys):
+    """Return the lines of a section; a section in it has dotted keys."""
+    lines = [(f"{name}.{key}", each) for name, part in keys.items() if isinstance(part, dict)
+             for key, each in part.items()]  # fmt: skip
+    lines += [(name, value) for name, value in keys.items() if not isinstance(value, dict)]
+    return "\n".join(f"{name} = {json.dumps(value)}" for name, value in lines)
+
+
+def test_without_adhesion_the_modulus_is_that_of_no_adhesion():
+    rising = adhesive(1e-5)
+    found = fit_compression(2.0 * 1.36 * 4.0 / 3.0 * A**3 / 0.526 - rising.load, np.pi * A**2, 0.526)
+    assert found.adhesion_energy == 0.0
+    modulus, sd = found.modulus_without_adhesion
+    table = tomllib.loads(files.block_text(found, None, []))
+    assert table["contact"] == {"kind": "hertz"}
+    written = float(table["material"]["composite_modulus"].removesuffix(" MPa"))
+    assert written == pytest.approx(modulus, abs=0.01 * sd)
+    data = calibration_data(found, None, [], {})
+    assert data["values"] == [modulus]
+
+
+def two_tests():
+    """Return the calibration of two tests of which the second has twice the load."""
+    load = np.concatenate([PRESSED.load, 2.0 * PRESSED.load])
+    return fit_compression(load, np.tile(np.pi * A**2, 2), 0.526, test=["a"] * 20 + ["b"] * 20)
+
+
+def test_a_calibration_is_written_as_data(read):
+    record = read(PULL).records
+    data = calibration_data(PRESSED, SHEARED, ["a.csv"], record)
+    parameter = ("{}_MPa", "{}_sd_MPa", "{}_interval_MPa")
+    assert set(data) == {
+        "kind", "files", *(key.format("composite_modulus") for key in parameter), "poisson_ratio",
+        "adhesion_energy_N_per_mm", "adhesion_energy_interval_N_per_mm", "modulus_without_adhesion_MPa",
+        "modulus_without_adhesion_sd_MPa", "compression_verdict", "compression_tests",
+        "compression_heterogeneity",
+        "compression_bootstrap_sd", "area_ratio", "area_ratio_sd", "area_ratio_interval",
+        *(key.format("shear_strength") for key in parameter), "area_ratio_verdict", "shear_strength_verdict",
+        "shear_tests", "shear_heterogeneity", "shear_bootstrap_sd", "records", "parameters", "units",
+        "values",
+        "covariance",
+    }  # fmt: skip
+    assert (data["kind"], data["files"]) == ("metafem calibration", ["a.csv"])
+    assert data["parameters"] == ["composite_modulus", "area_ratio", "shear_strength"]
+    assert data["units"] == ["MPa", "1", "MPa"]
+    np.testing.assert_allclose(data["values"], [1.36, 0.85, 0.37], rtol=1e-6)
+    covariance = np.array(data["covariance"])
+    np.testing.assert_allclose(covariance[1:, 1:], SHEARED.covariance, rtol=1e-12)
+    assert data["area_ratio_sd"] == pytest.approx(math.sqrt(SHEARED.covariance[0, 0]), rel=1e-12)
+    assert data["shear_strength_sd_MPa"] == pytest.approx(math.sqrt(SHEARED.covariance[1, 1]), rel=1e-12)
+    sd = math.sqrt(PRESSED.root_covariance[0, 0])
+    assert data["composite_modulus_sd_MPa"] == pytest.approx(sd, rel=1e-12)
+    assert data["composite_modulus_interval_MPa"] == list(PRESSED.composite_modulus_interval)
+    assert data["poisson_ratio"] == 0.5
+    (own,) = data["records"]
+    assert own == {
+        "file": "a.csv", "static_force_N": 0.015, "sliding_force_N": record["a.csv"].sliding_force,
+        "area_before_mm2": 0.5, "static_area_mm2": pytest.approx(0.35),
+        "sliding_area_mm2": record["a.csv"].sliding_area, "noise_N": record["a.csv"].noise,
+    }  # fmt: skip
+    tests = calibration_data(two_tests(), None, [], {})
+    assert [test["test"] for test in tests["compression_tests"]] == ["a", "b"]
+    for test in tests["compression_tests"]:
+        assert list(test) == ["test", "points", "composite_modulus_MPa", "composite_modulus_sd_MPa"]
+        assert test["points"] == 20
+    first, second = (test["composite_modulus_MPa"] for test in tests["compression_tests"])
+    assert (first, second / first) == (pytest.approx(1.36, rel=1e-6), pytest.approx(2.0, rel=1e-2))
+    assert list(tests["compression_heterogeneity"]) == ["agree", "chi_square", "freedom", "probability"]
+    assert tests["compression_heterogeneity"]["agree"] is False
+    assert data["area_ratio_verdict"] == {
+        "fits": True, "freedom": 19, **{
+            name: pytest.approx(value, abs=1e-6) for name, value in {
+                "chi_square": 0.0, "probability": 1.0, "runs": 0.0, "runs_probability": 1.0,
+                "correlation": 0.0,
+                "correlation_probability": 1.0, "largest": 0.0, "largest_probability": 1.0,
+            }.items()
+        },
+    }  # fmt: skip
+    assert data["compression_bootstrap_sd"] is None
+    draws = np.array([[1.0, 2.0], [2.0, 5.0]])
+    spread = calibration_data(replace(PRESSED, bootstrap=draws), None, [], {})["compression_bootstrap_sd"]
+    assert spread == pytest.approx({"composite_modulus": math.sqrt(0.5), "adhesion_root": math.sqrt(4.5)})
+    one = calibration_data(replace(PRESSED, bootstrap=draws[:1]), None, [], {})
+    assert one["compression_bootstrap_sd"] is None
+
+
+def test_images_of_all_kinds_have_their_grey_levels(tmp_path):
+    grey = np.random.default_rng(0).integers(0, 256, (3, 16, 20), dtype=np.uint8)
+    luminance = np.rint(np.moveaxis(grey, 0, -1) @ [0.2126, 0.7152, 0.0722])
+    Image.fromarray(grey[0]).save(tmp_path / "2.png")
+    Image.fromarray(grey[0].astype(np.uint16) * 257).save(tmp_path / "10.png")
+    Image.fromarray(np.moveaxis(grey, 0, -1)).save(tmp_path / "3.png")
+    floats = grey.astype(np.float32)
+    tifffile.imwrite(tmp_path / "4.tif", floats, compression="zlib", photometric="minisblack")
+    tifffile.imwrite(tmp_path / "5.tif", grey[0], photometric="miniswhite")
+    palette = np.tile(257 * np.arange(256, dtype=np.uint16), (3, 1))
+    tifffile.imwrite(tmp_path / "6.tif", grey[0], photometric="palette", colormap=palette)
+    first, *others = (Image.fromarray(page) for page in grey)
+    first.save(tmp_path / "7.tiff", compression="tiff_lzw", save_all=True, append_images=others)
+    with tifffile.TiffWriter(tmp_path / "8.tif", imagej=True) as file:  # tags of the first page alone
+        file.write(grey.astype(np.uint16), contiguous=True, truncate=True)
+    (tmp_path / "9.jpg").touch()
+    (tmp_path / ".1.png").touch()
+    files.write_figure(tmp_path / "1.png", new_figure(1.0, 1.0), "no image")
+    heard = []
+    with listening(lambda step, done: None, heard.append):
+        images = files.find_images([tmp_path, tmp_path / "2.png"])
+    assert [fact.rpartition(": ")[2] for fact in heard] == ["9.jpg", "1.png"]
+    stack = files.Images(images)
+    expected = {
+        "2.png": grey[0], "3.png": luminance, **{f"4.tif:{i + 1}": grey[i] for i in range(3)},
+        "5.tif": 255 - grey[0],
+        "6.tif": 257.0 * grey[0], **{f"7.tiff:{i + 1}": grey[i] for i in range(3)},
+        **{f"8.tif:{i + 1}": grey[i] for i in range(3)}, "10.png": 257.0 * grey[0],
+    }  # fmt: skip
+    assert [image.name for image in images] == list(expected)
+    for found, (name, values) in zip(stack, expected.items(), strict=True):
+        np.testing.assert_allclose(found, values, err_msg=name)
+    assert (list(stack.coloured), len(stack[1:3])) == (["3.png"], 2)
+    assert [image.shape for image in images] == [(16, 20)] * len(images)
+    assert sorted(["a10", "a2", "A1", "b"], key=natural) == ["A1", "a2", "a10", "b"]
+    (tmp_path / "4.tif").write_bytes((tmp_path / "4.tif").read_bytes()[:-40])
+    (tmp_path / "5.tif").write_bytes(b"")
+    (tmp_path / "2.png").write_bytes((tmp_path / "2.png").read_bytes()[:100])
+    for name in ("4.tif", "5.tif", "2.png"):
+        with pytest.raises(mf.InvalidInput, match=rf"^{name}(:3)?: (is cut off|cannot be read)"):
+            read_image(files.find_images([tmp_path / name])[-1])
+    (tmp_path / "empty").mkdir()
+    for name in ("empty", "9.jpg", "none.tif"):
+        with pytest.raises(mf.InvalidInput, match=name):
+            files.find_images([tmp_path / name])
+
+
+PIXEL = 5.3e-3
+
+
+def test_the_size_of_pixels_is_that_of_the_files_or_the_given_one(tmp_path):
+    grey, per_cm = np.zeros((8, 8), np.uint8), (10 / PIXEL, 10 / PIXEL)
+
+    def tiff(name, **options):
+        tifffile.imwrite(tmp_path / name, grey, **options)
+        return files.find_images([tmp_path / name])
+
+    for options in (
+        {"resolution": per_cm, "resolutionunit": "CENTIMETER"},
+        {"resolution": (25.4 / PIXEL, 25.4 / PIXEL), "resolutionunit": "INCH"},
+        {"imagej": True, "resolution": (1 / 5.3, 1 / 5.3), "metadata": {"unit": "micron"}},
+        {"ome": True, "metadata": {"PhysicalSizeX": 5300.0, "PhysicalSizeXUnit": "nm", "PhysicalSizeY": 5.3}},
+    ):
+        size, (note,) = files.pixel_size(tiff("1.tif", **options))
+        assert size == pytest.approx(PIXEL, rel=1e-5)  # ratios of two integers
+        assert note.text.startswith("pixels of 5.3 um, as 1.tif states by")
+    Image.fromarray(grey).save(tmp_path / "1.png", dpi=(25.4 / PIXEL, 25.4 / PIXEL))
+    assert files.pixel_size(files.find_images([tmp_path / "1.png"]))[0] == pytest.approx(PIXEL, rel=1e-4)
+    for options in (
+        {}, {"resolution": (72, 72), "resolutionunit": 2}, {"resolution": (1, 1), "resolutionunit": 1},
+        {"imagej": True, "resolution": (1.0, 1.0), "metadata": {"unit": "pixel"}},
+    ):  # fmt: skip
+        images = tiff("2.tif", **options)
+        with pytest.raises(mf.InvalidInput, match=r'2\.tif states no size .*--pixel "5\.3 um"'):
+            files.pixel_size(images)
+        assert files.pixel_size(images, PIXEL) == (PIXEL, [])
+    first = tiff("3.tif", resolution=per_cm, resolutionunit=3)
+    assert files.pixel_size(first, PIXEL * 1.0001) == (PIXEL * 1.0001, [])
+    size, (note,) = files.pixel_size(first, 0.01)
+    assert (size, note.warns) == (0.01, True)
+    assert "pixels of 5.3 um by its resolution tags, and --pixel 10 um is used" in note.text
+    assert note.text.endswith("areas change by +256 %")
+    for other, words in (((1000, 1000), "3.tif states pixels of 5.3 um, and 4.tif of 10 um"),
+                         ((1000, 2000), "4.tif states oblong pixels, 10 um x 5 um")):  # fmt: skip
+        with pytest.raises(mf.InvalidInput, match=words):
+            files.pixel_size([*first, *tiff("4.tif", resolution=other, resolutionunit=3)])
+    (tmp_path / "5.tif").write_bytes(b"")
+    with pytest.raises(mf.InvalidInput, match=r"none of the images can be read: 5\.tif: cannot be read"):
+        files.pixel_size(files.find_images([tmp_path / "5.tif"]))
+
+
+HEIGHTS = np.arange(30.0).reshape(6, 5)  # [um], with two holes
+HEIGHTS[0, 1] = HEIGHTS[4, 3] = np.nan
+POINTS = [
+    f"{2.0 * j:.6f} {3.0 * (5 - i):.6f} {HEIGHTS[i, j]:.6f}"
+    for j in range(5) for i in range(6) if HEIGHTS[i, j] >= 0.0
+]  # fmt: skip
+
+
+def test_height_maps_are_read_from_arrays_and_lists_of_points(tmp_path):
+    np.save(tmp_path / "map.npy", HEIGHTS)
+    (tmp_path / "map.xyz").write_text("\n".join(["# x y z", *POINTS]))
+    (tmp_path / "b.xyz").write_text("\n".join(POINTS).replace(" ", ";"))
+    for name, pixel, unit, sides in (
+        ("map.npy", "2 um", "um", (2e-3, 2e-3)), ("map.npy", "0.002 mm", "nm", (2e-3, 2e-3)),
+        ("map.xyz", "2 um", "um", (2e-3, 3e-3)), ("b.xyz", "2 um", "mm", (2e-3, 3e-3)),
+    ):  # fmt: skip
+        found = files.read_height_map(tmp_path / name, pixel, unit)
+        size = {"um": 1e-3, "nm": 1e-6, "mm": 1.0}[unit]
+        assert found.pixel == pytest.approx(sides, rel=1e-12)
+        np.testing.assert_allclose(found.values, size * (HEIGHTS - np.nanmedian(HEIGHTS)), rtol=1e-6)
+    for name, content in {
+        "two.xyz": "0 0\n1 1\n", "line.xyz": "0 0 1\n1 0 1\n2 0 1\n", "words.xyz": "0 0 1\n1 0 high\n",
+        "no.xyz": "# a\n",
+        "off.xyz": "0 0 1\n1 0 1\n2.4 0 1\n3 0 1\n4 0 1\n0 1 1\n1 1 1\n3 1 1\n4 1 1\n", "t.npy": "no array",
+        "nan.xyz": "0 0 1\nNaN 0 1\n1 1 1\n",
+    }.items():  # fmt: skip
+        (tmp_path / name).write_text(content)
+    np.save(tmp_path / "cube.npy", np.zeros((3, 3, 3)))
+    np.savetxt(tmp_path / "sparse.xyz", [[i, i, 1] for i in range(30)])
+    both = ("2 um", "um")
+    for name, options, words in (
+        ("none.npy", (), "no such file"), ("map.npy", (), '--pixel "2 um" --height-unit "um"'),
+        ("map.npy", ("2 um",), "--height-unit"), ("map.npy", ("2", "um"), "--pixel"),
+        ("map.npy", ("-2 um", "um"), "-0.002"),
+        ("map.npy", ("2 um", "N"), "--height-unit"), ("cube.npy", both, "rows and columns"),
+        ("t.npy", both, "array of numpy"),
+        ("two.xyz", both, "2 columns"), ("line.xyz", both, "the same y"),
+        ("words.xyz", both, "not a list of points"),
+        ("no.xyz", both, "no points"), ("off.xyz", both, "point 3, x = 2.4"), ("nan.xyz", both, "point 2"),
+        ("sparse.xyz", both, "30 x 30 pixels"),
+    ):  # fmt: skip
+        with pytest.raises(mf.InvalidInput) as error:
+            files.read_height_map(tmp_path / name, *options)
+        assert words in str(error.value), name
+
+
+def test_figures_are_written_and_replaced_only_if_metafem_wrote_them(tmp_path):
+    figure = new_figure(2.0, 1.0)
+    for name in ("a.svg", "a.png"):
+        files.write_figure(tmp_path / name, figure, "A title")
+        with pytest.raises(mf.InvalidInput, match=f"{name} exists"):
+            files.write_figure(tmp_path / name, figure, "A title")
+        files.write_figure(tmp_path / name, figure, "A title", force=True)
+        (tmp_path / name).write_text("mine")
+        with pytest.raises(mf.InvalidInput, match=f"{name} was not written by metafem"):
+            files.refuse_figure(tmp_path / name, True)
+    files.write_figure(tmp_path / "b.svg", figure, "A title")
+    assert (tmp_path / "b.svg").read_text("utf-8").startswith("<!-- figure by metafem -->\n<svg")
+    files.write_figure(tmp_path / "b.png", figure, "A title")
+    with Image.open(tmp_path / "b.png") as image:
+        assert image.size == (400, 200)  # 200 pixels per inch

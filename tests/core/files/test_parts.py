@@ -1,0 +1,227 @@
+"""The files of a part: closed solids of the right volume, their formats, and the drawing of the mould."""
+
+import io
+import math
+import re
+import zipfile
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import trimesh
+
+import metafem as mf
+from metafem.files import PartOptions, part_notes, planned
+from metafem.files.part.block import block_mesh, cap_faces, cap_vertices, mould_mesh, ring_count
+from metafem.files.part.caps import alignment_positions, with_alignment
+from metafem.files.part.formats import WRITERS, stl_size
+from metafem.files.part.mould_drawing import mould_drawing
+from metafem.files.part.plan import MOST_BY_DEFAULT
+
+MATERIAL, BLOCK = mf.Material(1.36), mf.Block(8.0, 7.0, 3.0)
+HEIGHTS = np.array([0.02, 0.05, 0.1, 0.2, 0.3, 0.4])
+PART = mf.Surface.square_lattice(HEIGHTS, (2, 3), 1.5, radius=0.526, material=MATERIAL, block=BLOCK)
+LOW = PART.replaced(height=HEIGHTS * 0.3)
+RHO = np.linspace(0.0, 0.6, 40)
+TABLE = mf.Profile([RHO, 0.5 * RHO**2 + 0.004 * (1.0 - np.cos(20.0 * RHO))])
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def volume(mesh):
+    """Return the enclosed volume by the divergence theorem."""
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0
+
+
+@pytest.mark.parametrize("part", [
+    PART, PART.replaced(height=np.full(6, 0.526)),
+    LOW.replaced(radius=np.array([0.3, 0.526, 0.6, 0.6, 0.3, 0.526])),
+    LOW.replaced(cap=mf.Power(4)), LOW.replaced(cap=mf.Power(1.5, 0.4)), LOW.replaced(cap=TABLE),
+], ids=["lattice", "hemispheres", "radii", "quartic", "pointed", "table"])  # fmt: skip
+def test_part_and_mould_are_closed_and_fill_a_box_together(part):
+    made = planned(part, part, PartOptions(chord_error=1e-3))
+    block = block_mesh(part, BLOCK, 1e-3)
+    mould = mould_mesh(block, part, BLOCK)
+    assert block.closed
+    assert mould.closed
+    assert len(block.faces) == len(mould.faces) == made.triangles
+    top = float(part.height.max())
+    assert volume(block) + volume(mould) == pytest.approx(8.0 * 7.0 * (6.0 + top), rel=1e-12)
+    exact = 8.0 * 7.0 * 3.0 + float(part.cap.volume(part.height, part.radius).sum())
+    shell = (
+        1e-3 * 2.0 * math.pi * float((part.radius * part.height).sum())
+    )  # chord error over the area of spheres
+    area = float(part.cap.largest_area(part.height, part.radius).sum())
+    assert exact - volume(block) == pytest.approx(0.0, abs=shell + 1e-3 * area)
+    assert block.vertices[:, 2].max() == pytest.approx(top, rel=1e-12)
+    assert block.vertices[:, 2].min() == -3.0
+    deepest = mould.vertices[8 + mould.vertices[8:, 2].argmin()]  # from the open face: x is mirrored
+    assert tuple(deepest) == pytest.approx(
+        (*(part.position[part.height.argmax()] * (-1, 1)), -top), abs=1e-12
+    )
+    assert (mould.vertices[:, 2].max(), mould.vertices[:, 2].min()) == (0.0, pytest.approx(-3.0 - top))
+
+
+@pytest.mark.parametrize("cap", [mf.Sphere(), mf.Power(12), mf.Power(1.3, 0.4), TABLE])
+def test_faces_of_a_cap_keep_the_chord_error(cap):
+    for height, chord_error in ((0.005, 2e-4), (0.005, 1e-3), (0.12, 2e-4), (0.12, 1e-3)):
+        h, R = np.array([height]), np.array([0.526])
+        rings = int(ring_count(h, R, chord_error, cap)[0])
+        vertices, faces = cap_vertices(h, R, rings, cap)[0], cap_faces(rings)
+        across = np.linalg.norm(vertices[:, :2], axis=1)
+        np.testing.assert_allclose(height - vertices[:, 2], cap.depth_at(across, 0.526), atol=1e-12)
+        assert vertices[0].tolist() == [0.0, 0.0, height]
+        np.testing.assert_allclose(across[-6 * rings :], cap.foot_radius(h, R)[0], rtol=1e-12)
+        assert len(faces) == 6 * rings**2
+        corner = vertices[faces]
+        share = np.array([[1, 1, 1], [1, 1, 0], [0, 1, 1], [1, 0, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4]])
+        point = np.einsum("sk,fkx->fsx", share / share.sum(axis=1, keepdims=True), corner)
+        depth = height - cap.depth_at(np.linalg.norm(point[..., :2], axis=-1), 0.526) - point[..., 2]
+        normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+        assert (normal[:, 2] > 0.0).all()  # outwards
+        depth *= (normal[:, 2] / np.linalg.norm(normal, axis=1))[:, None]
+        assert np.abs(depth).max() <= chord_error
+        assert rings <= 8 or np.abs(depth).max() >= 0.1 * chord_error  # and not much finer than it must be
+
+
+def test_solids_are_written_in_three_formats(tmp_path):
+    mesh = block_mesh(PART, BLOCK, 1e-2)
+    for kind, write in WRITERS.items():
+        write(mesh, tmp_path / f"a.{kind}", "block")
+        write(mesh, tmp_path / "again", "block")
+        assert (tmp_path / "again").read_bytes() == (tmp_path / f"a.{kind}").read_bytes()
+    assert list(WRITERS) == ["stl", "3mf", "obj"]
+    for kind in ("stl", "obj"):
+        again = trimesh.load(tmp_path / f"a.{kind}", file_type=kind)
+        assert again.is_volume
+        assert len(again.faces) == len(mesh.faces)
+        assert again.volume == pytest.approx(volume(mesh), rel=1e-6)  # single precision
+        np.testing.assert_allclose(again.bounds, [[-4.0, -3.5, -3.0], [4.0, 3.5, 0.4]], rtol=1e-7)
+    content = (tmp_path / "a.stl").read_bytes()
+    assert content[:80].rstrip() == b"metafem block; units: mm"
+    assert len(content) == stl_size(len(mesh.faces)) == 84 + 50 * len(mesh.faces)
+    triangle = np.frombuffer(
+        content[84:], np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("no", "<u2")])
+    )
+    a, b, c = np.moveaxis(triangle["corners"].astype(float), 1, 0)
+    normal = np.cross(b - a, c - a)
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    np.testing.assert_allclose(triangle["normal"], normal, atol=1e-4)
+    assert (tmp_path / "a.obj").read_text().startswith("# metafem block\n# units: mm\no block\nv ")
+    with zipfile.ZipFile(tmp_path / "a.3mf") as archive:
+        assert archive.namelist() == ["[Content_Types].xml", "_rels/.rels", "3D/3dmodel.model"]
+        assert "/3D/3dmodel.model" in archive.read("_rels/.rels").decode()
+        model = ElementTree.parse(io.BytesIO(archive.read("3D/3dmodel.model"))).getroot()
+    space = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
+    assert model.attrib["unit"] == "millimeter"
+    found = [[float(v.attrib[k]) for k in "xyz"] for v in model.iter(f"{space}vertex")]
+    np.testing.assert_allclose(found, mesh.vertices, rtol=1e-8, atol=1e-12)
+    faces = [[int(t.attrib[k]) for k in ("v1", "v2", "v3")] for t in model.iter(f"{space}triangle")]
+    np.testing.assert_array_equal(faces, mesh.faces)
+
+
+def test_a_plan_states_size_files_and_chord_error(tmp_path):
+    part = planned(PART, PART, PartOptions(chord_error=1e-3, formats=("obj", "stl", "obj")))
+    assert part.record() == {
+        "chord_error_mm": 1e-3, "triangles": part.triangles,
+        "files": ["block.obj", "mould.obj", "block.stl", "mould.stl", "mould.svg"],
+    }  # fmt: skip
+    assert part.size() == (
+        f"block.obj, mould.obj and block.stl, mould.stl: {part.triangles:,} triangles each, "
+        f"{(84 + 50 * part.triangles) / 1e6:.3g} MB as STL, at most 1 um below the spheres"
+    )
+    part.write(tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == set(part.record()["files"])
+    mould = trimesh.load(tmp_path / "mould.stl")
+    np.testing.assert_allclose(mould.bounds, [[-4.0, -3.5, -3.4], [4.0, 3.5, 0.0]], rtol=1e-7)
+    assert planned(PART, PART, PartOptions()).chord_error == pytest.approx(4e-4 * 0.526, rel=1e-12)
+    assert part_notes(part) == ()
+    assert planned(PART.replaced(block=None), PART, PartOptions()) is None
+    assert part_notes(None)[0].text.startswith("no part was written")
+    many = mf.Surface.square_lattice(
+        0.2, (100, 100), 1.5, radius=0.526, material=MATERIAL, block=mf.Block(160, 160, 7)
+    )
+    coarse = planned(many, many, PartOptions())
+    assert 0.8 * MOST_BY_DEFAULT < coarse.triangles <= MOST_BY_DEFAULT == 2_000_000
+    (note,) = part_notes(coarse)
+    assert f"{coarse.triangles:,} triangles, up to {1e3 * coarse.chord_error:.2g} um below" in note.text
+    assert not note.warns
+
+
+def test_alignment_asperities_stand_one_pitch_outside_and_are_the_tallest():
+    corners = {(x, y) for x in (-3.0, 3.0) for y in (-2.25, 2.25)}
+    assert {tuple(place) for place in alignment_positions(PART)} == corners
+    radii = np.array([0.3, 0.526, 0.8, 0.8, 0.3, 0.526])
+    part = LOW.replaced(radius=radii, friction=mf.Friction(0.4), cell=mf.PeriodicCell(4.5, 3.0))
+    for top, tool in ((0.25, 0.3), (0.4, 0.526), (0.6, 0.8)):  # the smallest tool that is large enough
+        whole = with_alignment(part, PART, top)
+        assert (whole.radius[6:].tolist(), whole.height[6:].tolist()) == ([tool] * 4, [top] * 4)
+        assert (whole.friction, whole.cell) == (None, None)
+        np.testing.assert_array_equal(whole.position[6:], alignment_positions(PART))
+    assert with_alignment(part, PART, None) is part
+    for wrong in (0.1, 0.12, 0.81):
+        with pytest.raises(mf.InvalidInput) as error:
+            with_alignment(part, PART, wrong)
+        assert (error.value.key, error.value.value) == ("part.alignment_height", f"{wrong:g} mm")
+        assert error.value.example == '"0.46 mm"'  # the middle of what is possible
+    with pytest.raises(mf.InvalidInput, match=r"exceeds 0\.1806 mm, where the profile of the caps ends"):
+        with_alignment(LOW.replaced(cap=TABLE), PART, 0.4)
+
+
+def holes(text):
+    return [c.attrib for g in ElementTree.fromstring(text).iter(f"{SVG}g") for c in g.findall(f"{SVG}circle")]
+
+
+def test_the_mould_is_drawn_to_scale_mirrored_and_dimensioned():
+    part = planned(PART, PART, PartOptions(0.5))
+    text = mould_drawing(part.surface, part.asperities, part.block)
+    root = ElementTree.fromstring(text)
+    outline = next(
+        g.find(f"{SVG}rect") for g in root.iter(f"{SVG}g") if g.find(f"{SVG}rect") is not None
+    ).attrib
+    scale = float(outline["width"]) / 8.0
+    assert (scale, float(outline["height"])) == (20.0, 140.0)
+    x = (float(outline["x"]) + 80.0 - np.array([float(hole["cx"]) for hole in holes(text)])) / scale
+    y = (float(outline["y"]) + 70.0 - np.array([float(hole["cy"]) for hole in holes(text)])) / scale
+    np.testing.assert_allclose(np.column_stack([x, y]), part.surface.position, atol=1e-3)
+    h = part.surface.height
+    np.testing.assert_allclose(
+        [float(hole["r"]) / scale for hole in holes(text)], np.sqrt(h * (1.052 - h)), rtol=5e-3
+    )
+    words = [element.text for element in root.iter(f"{SVG}text")]
+    for word in ("8", "7", "Mould, seen from its open face",
+                 "10 holes, tool radius R 0.526, depths from 0.02 to 0.5",
+                 "Lengths in mm. Scale 20:1. Circles: rims of the holes in the face.",
+                 *map(str, range(1, 11))):  # fmt: skip
+        assert word in words
+    assert words.count("pitch 1.5") == 2
+    assert (
+        sum(re.fullmatch(r"1(\.25)?", str(word)) is not None for word in words) >= 2
+    )  # from the edge to the first row
+    assert any("x is mirrored" in str(word) for word in words)
+    assert any("3 thick" in str(word) for word in words)
+    assert (
+        sum('stroke-width=".15"' in part for part in text.split("<path")) == 4 + 1
+    )  # crosses and centre lines
+
+
+def test_each_tool_has_its_line_and_each_profile_its_rims():
+    mixed = PART.replaced(radius=np.array([0.3, 0.3, 0.3, 0.5, 0.5, 0.5]), height=np.full(6, 0.1))
+    text = mould_drawing(mixed, 6, BLOCK)
+    assert "3 holes, tool radius R 0.3, depth 0.1" in text
+    assert "3 holes, tool radius R 0.5, depth 0.1" in text
+    assert "Profile" not in text
+    many = mould_drawing(mixed.replaced(radius=np.linspace(0.3, 0.55, 6)), 6, BLOCK)
+    assert "6 holes, 6 tools, radii R from 0.3 to 0.55, depth 0.1" in many
+    caps = mixed.replaced(cap=[mf.Power(4, 0.3), *[mf.Sphere()] * 4, mf.Paraboloid()])
+    for words in ("1 holes, tool radius R 0.3, power 4.0 0.3", "2 holes, tool radius R 0.5, sphere",
+                  "1 holes, tool radius R 0.5, paraboloid"):  # fmt: skip
+        assert words in mould_drawing(caps, 6, BLOCK)
+    pair = mf.Surface([[0, 0], [3, 0.2]], [0.1, 0.1], 0.5, MATERIAL, cap=mf.Power(4))
+    text = mould_drawing(pair, 2, mf.Block(10.0, 10.0, 3.0))
+    # the foot R (2 h/R)^(1/4), drawn at 20:1
+    assert [float(c["r"]) for c in holes(text)][:2] == [7.95, 7.95]
+    assert "Profile of the holes: Power(exponent=4.0, coefficient=0.5)." in text
+    three = mf.Surface([[0, 0], [1.3, 0.2], [3.1, 1.7]], 0.1 * np.ones(3), 0.5, MATERIAL)
+    assert "pitch" not in mould_drawing(three, 3, mf.Block(300.0, 300.0, 3.0))
+    assert "Scale 1:2" in mould_drawing(three, 3, mf.Block(300.0, 300.0, 3.0))

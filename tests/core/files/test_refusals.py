@@ -1,0 +1,374 @@
+"""Wrong input is refused with the key and the value that was given."""
+
+import os
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem import files
+from metafem.files.reading import SPECIFICATION, TABLE, read_record
+from metafem.files.result.records import from_record, to_record
+from metafem.files.samples import MEASURED, PROFILE, TARGET, columns_of, samples_of
+from metafem.files.specification.models import model_named
+from metafem.files.specification.options import contact_named
+from tests.core.files.specs import SHAPE, spec, text
+
+MATERIAL = mf.Material(1.36)
+POINTS = 'rescaled_load = ["0.1 mm^2", "0.2 mm^2"]\nrescaled_friction = ["0.8 mm", "1.5 mm"]'
+SAMPLED = 'kind = "sampled"\nfile = "w.csv"'
+JKR = 'kind = "jkr"\nadhesion_energy = "9 mJ/m^2"'
+TOOLS = 'radii = ["0.3 mm", "0.4 mm"]'
+BLOCK = mf.Block(8.0, 7.0, 3.0)
+PART = mf.Surface.square_lattice(0.2, (2, 3), 1.5, radius=0.526, material=MATERIAL, block=BLOCK)
+PAIR = mf.Surface([[0.0, 0.0], [0.6, 0.0]], [0.1, 0.1], 0.526, MATERIAL, block=BLOCK)
+
+
+def of_spec(tables=None, **sections):
+    """Return a call that reads a specification with these sections."""
+    return lambda folder: spec(tables, **sections)
+
+
+def linear(keys):
+    return of_spec(target=f'kind = "linear"\n{keys}')
+
+
+def tools(keys, **sections):
+    return of_spec(lattice=SHAPE, tools=keys, **sections)
+
+
+def of_file(read, content, name="t.csv"):
+    """Return a call that reads a file with this content."""
+
+    def call(folder):
+        (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+        return read(folder / name)
+
+    return call
+
+
+def of_value(call, *given, **options):
+    return lambda folder: call(*given, **options)
+
+
+def large(size):
+    """Return the content of a file of this size plus one byte."""
+    return b" " * (size + 1)
+
+
+quantity = files.quantity
+length = partial(of_value, quantity, "limits.max_height", unit="mm")
+
+
+def design_json(content):
+    return of_file(lambda path: mf.load(path.parent), content, "design.json")
+
+
+def samples(path, columns):
+    """Read a table that a specification names."""
+    return (samples_of if columns is TARGET else partial(columns_of, columns=columns))(
+        path.name, path.read_bytes()
+    )
+
+
+def calibration(path, **options):
+    return files.read_calibration([path], **options)
+
+
+def pipe(folder):
+    os.mkfifo(folder / "pipe")
+    mf.read_spec(folder / "pipe")
+
+
+def planned(part, alignment=None, **options):
+    """Return a call that plans the files of a part."""
+    return lambda folder: files.planned(part, part, files.PartOptions(alignment, **options))
+
+
+REFUSALS = [
+    # sections and keys
+    (of_spec(limit=""), "limit", "limits"), (of_spec(limits=None), "limits", "[limits]"),
+    (of_spec(limits='max_height = "1 mm"\noff = 1'), "limits.off", "offset?"),
+    (of_spec(lattice="shape = [8, 8]"), "lattice.pitch", "1.5 mm"),
+    (linear(""), "target", "friction_coefficient"),
+    (of_spec(target="slope = 6"), "target.kind", "operating-points"),
+    (of_spec(target='kind = "linaer"'), "target.kind", '"linaer"'),
+    (linear('slope = "6"'), "target.slope", "'6'"),
+    (linear("slope = nan"), "target.slope", "nan"), (linear("slope = -1"), "target.slope", "-1"),
+    (linear("slope = 1979-05-27"), "target.slope", "1979-05-27"),
+    (linear("slope = true"), "target.slope", "true"),
+    (of_spec(lattice='shape = 8\npitch = "1 mm"'), "lattice.shape", "must be a list"),
+    (of_spec(lattice='shape = [8.5, 8]\npitch = "1 mm"'), "lattice.shape[0]", "8.5 must be a whole number"),
+    (of_spec(sites="empty = [-3]"), "sites.empty[0]", "-3 must be at least 0"),
+    (of_spec(part="formats = [3]"), "part.formats[0]", "3 must be a text"),
+    (of_spec(part='formats = ["step"]'), "part.formats", "step"),
+    (of_spec(layout="follow_law = 1"), "layout.follow_law", "1 must be true or false"),
+    (tools("radii = []"), "tools.radii", "[] must have at least 1"),
+    (of_spec(part='chord_error = "0 um"'), "part.chord_error", "0 um must be greater than 0"),
+    (of_spec(model='kind = "flat"'), "model.kind", '"flat"'),
+    (of_spec(contact=f"{JKR}\ncap = 3"), "contact.cap", "3"),
+    # targets
+    (linear('slope = 6\nload_range = ["1 mm^2", "2 N"]'), "target.load_range", "mm^2 and N"),
+    (linear('slope = 6\nload_range = ["0.3 N", "0.2 N"]'), "target.load_range[1]", "0.2 N"),
+    (linear("slope = 6\nload_range = [3, 4]"), "target.load_range[0]", "3"),
+    (linear('of = "stiffness"\nfriction_coefficient = 1.5'), "target.of", "stiffness"),
+    (of_spec(target=f'kind = "sampled"\n{POINTS}'), "target.rescaled_friction", "0.8 mm"),
+    (of_spec(target='kind = "multilinear"\nslopes = [6, 7]\ncrossover_loads = [[]]\nload_range = ["1 N"]'),
+     "target.crossover_loads[0]", "[]"),
+    (of_spec(target='kind = "linear"\nfriction_coefficient = 1.5', friction=None), "friction_coefficient",
+     "[friction]"),
+    (of_spec(target='kind = "operating-points"\nload = ["1 N"]\nfriction_force = ["1 N"]', friction=None),
+     "target.friction_force", "[friction]"),
+    # other sections
+    (of_spec(friction='shear_strength = ["0.4 MPa", "1 MPa"]'), "friction.shear_strength", "2 values for 64"),
+    (of_spec(friction='shear_strength = "1 MPa"\narea_ratio = [1, -0.5]'), "friction.area_ratio[1]", "-0.5"),
+    (of_spec(lattice=SHAPE), "lattice.radius", "526 um"), (of_spec(tools=TOOLS), "lattice.radius", "[tools]"),
+    (of_spec(lattice='shape = [3000, 3000]\npitch = "1 mm"\nradius = "1 mm"'), "lattice.shape", "9,000,000"),
+    (tools(f'{TOOLS}\nstep = "10 um"'), "tools.step", "radius_range"),
+    (of_spec(tools="exponent_range = [1.0, 6.0]"), "tools.exponent_range", "[1, 6]"),
+    (of_spec(tools="exponent_range = [2, 33]"), "tools.exponent_range", "[2, 33]"),
+    (tools('radius_range = ["2 mm", "1 mm"]'), "tools.radius_range", "[2 mm, 1 mm]"),
+    (tools(f'{TOOLS}\ncaps = ["sphere"]'), "tools.caps", "1 caps for 2 radii"),
+    (tools(f'{TOOLS}\ncaps = ["sphere", "ball"]'), "tools.caps[1]", "ball"),
+    (tools(f'{TOOLS}\ncaps = ["sphere", "power 1"]'), "tools.caps[1]", "exponent = 1"),
+    (tools(f'{TOOLS}\nshear_strengths = ["1 MPa", "2 MPa"]', friction=None), "tools.shear_strengths",
+     "[friction]"),
+    (tools('radii = ["0.3 mm", "2 mm"]\ncaps = ["sphere", "power 4"]'), "tools", "radius=2.0"),
+    (of_spec(sites="empty = [3, 64]"), "sites.empty[1]", "64"),
+    (of_spec(sites="empty = [3, 3]"), "sites.empty[1]", "3 is given twice"),
+    (of_spec(sites=f"empty = {list(range(64))}"), "sites.empty", "all 64"),
+    (of_spec(sites='pinned = [3, 4]\nheights = ["1 um"]'), "sites.heights", "1 entries"),
+    (of_spec(sites='pinned = [3]\nheights = ["300 um"]'), "sites.heights[0]", "300 um must be at most 204"),
+    (of_spec(sites='pinned = [3]\nheights = ["-1 um"]'), "sites.heights[0]", "-1 um"),
+    (of_spec(sites='pinned = [3]\nheights = ["0 um"]'), "sites.heights[0]", "0 um"),
+    (of_spec(layout="tilt_weight = 2"), "layout.tilt_weight", "tilt"),
+    (of_spec(robust='angle = "0 deg"'), "robust", "height_sd"),
+    (of_spec(cell='width = "5 mm"'), "cell.width", "5 mm"),
+    (of_spec(contact='kind = "sphere"', cap='kind = "power"\nexponent = 3.0'), "cap.kind", "exponent=3.0"),
+    (of_spec(limits='max_height = "600 um"'), "limits.max_height", "600 um and limits.offset = 0 mm"),
+    (of_spec(lattice='shape = [8, 8]\npitch = "0.75 mm"\nradius = "526 um"'), "limits.max_height",
+     "0.157 mm high"),
+    (of_spec(block='width = "20 mm"\nlength = "11 mm"\nthickness = "7 mm"'), "block.length", "20 by 11 mm"),
+    (of_spec(part='alignment_height = "200 um"'), "part.alignment_height", "0.2 mm must exceed"),
+    (of_spec(part='alignment_height = "600 um"'), "part.alignment_height", "0.6 mm exceeds"),
+    (lambda folder: spec().with_chord_error(1e-6), "part.chord_error", "0.001 um"),
+    (lambda folder: spec(block=None, model='kind = "layer"').design(), "layer", "[block]"),
+    # tables that a specification names
+    (of_spec({"a.csv": ""}, target=SAMPLED), "target.file", "a.csv"),
+    (lambda folder: files.parsed(text(target=SAMPLED), {"w.csv": large(TABLE)}), "target.file", "64 MiB"),
+    (of_spec(target='kind = "sampled"\nfile = 3'), "target.file", "3"),
+    (of_spec(target='kind = "sampled"\nfile = "a/.."'), "target.file", "a/.."),
+    (of_spec({"w.csv": ""}, target=f'{SAMPLED}\nload = ["1 N"]'), "target.file", "target.load"),
+    (of_spec({"a/w": "load_N,area_mm2\n1,1\n"}, target='kind = "sampled"\n"f\\u0069le" = "a/w"'),
+     "target.file", "a/w"),
+]  # fmt: skip
+
+
+def refused(call, key, value, folder):
+    """Check that a call is refused in one line that holds the key and the value."""
+    with pytest.raises(mf.InvalidInput) as error:
+        call(folder)
+    words = str(error.value)
+    assert key in words
+    assert value in words
+    assert all(str(problem).startswith(problem.key) for problem in error.value.problems)
+    assert len(words.splitlines()) == max(1, len(error.value.problems))
+
+
+@pytest.mark.parametrize(("call", "key", "value"), REFUSALS)
+def test_wrong_input_is_refused_by_its_key_and_value(call, key, value, tmp_path):
+    refused(call, key, value, tmp_path)
+
+
+# Refusals at the other borders.
+BORDERS = {
+    "units": [
+        (length(120.0), "limits.max_height", "120"), (length("120"), "limits.max_height", "120"),
+        (length(["1 mm"]), "limits.max_height", "1 mm"), (length("um"), "limits.max_height", "um"),
+        (length("120 foo"), "limits.max_height", "foo"), (length("120 MPa"), "limits.max_height", "120 MPa"),
+        (length("1,5 mm"), "limits.max_height", "decimals with a point"),
+        (length("1e999 mm"), "limits.max_height", "1e999"),
+        (length("9**9**9 mm"), "limits.max_height", "9**9**9"),
+        (of_value(quantity, "--misfit", "3", "%"), "--misfit", '"300 %"'),
+        (of_value(quantity, "area_ratio", "85 %", "1"), "area_ratio", "85 %"),
+    ],
+    "texts": [
+        (of_file(mf.read_spec, "[lattice]\nshape = [8"), "t.csv", "line 2"),
+        (of_file(mf.read_spec, b"[lattice]\npitch = '5 \xb5m'"), "t.csv", "line 2"),
+        (of_value(files.parsed, "a = '\ud800'"), "spec.toml", "line 1"),
+        (of_value(files.parsed, "a" + ".a" * 9000 + " = 1"), "spec.toml", "deeply"),
+        (of_value(files.parsed, "a = " + "[" * 9000), "spec.toml", "deeply"),
+        (of_value(files.parsed, " " * (SPECIFICATION + 1)), "spec.toml", "0.25 MiB"),
+        (of_file(mf.read_spec, large(SPECIFICATION)), "t.csv", "0.25 MiB"),
+        (pipe, "pipe", "a device or a pipe"), (mf.read_spec, "read", "a folder"),
+        (of_value(mf.read_spec, "a\0"), r"a\x00", "name"),
+        (lambda folder: mf.read_spec(folder / "none"), "none", "no such file"),
+        (of_file(read_record, '{"a": NaN}'), "t.csv", "NaN"),
+        (of_file(read_record, "[" * 100_000), "t.csv", "deeply"),
+    ],
+    "names": [
+        (of_value(contact_named, "powr 4"), "powr", "power?"),
+        (of_value(contact_named, "sphere 3"), "sphere", "3"),
+        (of_value(contact_named, "power 4 -1"), "coefficient", "-1"),
+        (of_value(contact_named, "power"), "exponent", "power EXP"),
+        (of_value(model_named, "layr"), "model", "layr"),
+        (of_value(files.demo_text, "lineal"), "lineal", "linear"),
+        (of_value(files.PartOptions, chord_error=0.0), "chord_error", "0"),
+        (of_value(files.PartOptions, formats="stl"), "formats", "'stl'"),
+    ],
+    "results": [
+        (design_json("[]"), "design.json", "metafem design 1"),
+        (of_file(mf.load, "", "design.json"), "design.json", "a file"),
+        (design_json('{"format": "metafem design 1", "design": 3}'), "design.json", "no design"),
+        (lambda folder: mf.save("design", folder / "out"), "design", "'design'"),
+        (lambda folder: files.study_path(folder, "interaction", False), "design.json", "no such file"),
+        (lambda folder: files.refuse_figure(folder / "a.pdf", False), "a.pdf", ".svg or .png"),
+        (of_file(files.read_parameters, "{}"), "t.csv", "metafem calibrate"),
+        (planned(PART.replaced(height=np.array([0.1, 0.1, 0.0, 0.1, 0.1, 0.1]))), "asperity 2", "0 mm"),
+        (planned(PART.replaced(height=np.array([0.1, 0.6, 0.1, 0.1, 0.1, 0.1]))), "asperity 1", "0.6 mm"),
+        (planned(PART.replaced(block=mf.Block(6.8, 7.0, 3.0)), 0.4), "part.alignment_height", "6.8 by 7 mm"),
+        (planned(PAIR.replaced(position=np.zeros((1, 2)), height=[0.1], radius=[0.5]), 0.3),
+         "part.alignment_height", "two sites"),
+        (planned(PAIR, 0.2), "overlap", "asperity 0"),
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("border", BORDERS)
+def test_other_borders_refuse_by_key_and_value(border, tmp_path):
+    for i, (call, key, value) in enumerate(BORDERS[border]):
+        (tmp_path / f"{i}").mkdir()
+        refused(call, key, value, tmp_path / f"{i}")
+
+
+# Tables that each reader refuses, by line, column and entry.
+SURFACE = "x_mm,y_mm,height_um,radius_um"
+IMAGES = "image,load_N,contact,site,x_mm,y_mm,area_mm2,area_error_mm2"
+FIRST = f"{IMAGES}\na,.05,1,3,0,0,.1,.01\n"
+PULL = "displacement_um,friction_force_mN,area_mm2\n"
+TABLES = {
+    partial(files.read_surface, material=MATERIAL): [
+        ("", "t.csv", "empty"), ("x_mm:y_mm\n", "t.csv", "x_mm:y_mm"),
+        (f"{SURFACE}\n0,0,5\n", "line 2", "3 entries"),
+        (f"{SURFACE}\n0,0,0,5,5\n", "line 2", "commas are decimal"),
+        ("x_mm,y_mm,height,radius_um\n", "height", "height_um"),
+        ("x_mm,y_mm,height_N,radius_um\n", "height_N", '"N"'),
+        ("x_mm,y_mm,height_um,height_mm\n", "height", "two columns"),
+        ("x_mm,y_mm,radius_um\n0,0,5\n", "height_um", "radius_um"), (f"{SURFACE}\n", "t.csv", "summit"),
+        (f"{SURFACE}\n# a\n0,0,nan,5\n", "line 3: height_um", "'nan'"),
+        (f"{SURFACE}\n0,0,1e999,5\n", "height_um", "1e999"),
+        (f"{SURFACE}\n0,0,5,5\n\n1,0,5,-5\n", "line 4: radius_um", "-5"),
+        (f'{SURFACE}\n0,0,"0\n,5",5\n', "line 3", r"0\n,5"),
+        (f"{SURFACE}\n0,0,5,5\n0,0,6,5\n", "line 2: x_mm, y_mm", "line 3: x_mm, y_mm"),
+        (b"x_mm,\xff\n", "line 1", "UTF-8"),
+        ("x_mm,y_mm,height_um\n0,0,5\n", "radius_um", "--radius"),
+        (f"{SURFACE},cap\n0,0,5,5,cone\n", "cap", "cone"),
+        (f"{SURFACE},area_ratio\n0,0,5,5,0.8\n", "area_ratio", "shear_strength_MPa"),
+        (f"{SURFACE},cap\n0,0,5,5,power x\n", "cap", "power x"),
+        (f"{SURFACE},cap\n0,0,5,5,sphere 1\n", "cap", "sphere 1"),
+    ],
+    partial(files.read_surface, material=MATERIAL, radius=0.5, friction=mf.Friction(1.0)): [
+        (f"{SURFACE}\n0,0,5,5\n", "radius", "--radius"),
+        ("x_mm,y_mm,height_um,shear_strength_MPa\n0,0,5,1\n", "shear_strength", "--shear-strength"),
+    ],
+    partial(files.read_measured_law, material=MATERIAL): [
+        ("load_N,friction_force_N\n1,1\n", "t.csv", "--area-ratio"),
+        ("area_mm2,friction_force_N\n1,1\n", "load_mN", "area_mm2"),
+        ("load_N,area_mm2,friction_force_sd_mN\n1,1,1\n", "friction_force_sd_mN", "without friction_force"),
+        ("load_N,area_mm2,area_sd_mm2\n1,1,1\n#\n2,2,0\n", "line 4: area_sd_mm2", "0"),
+    ],
+    partial(files.read_measured_law, material=MATERIAL, sites=np.arange(3)): [(FIRST, "site", "3")],
+    files.read_sites: [
+        ("x_mm,y_mm,depth_mm\n", "t.csv", "heights.csv"), ("site,x_mm,y_mm\n1.5,1,1\n", "site", "'1.5'"),
+        ("site,x_mm,y_mm\n1,1,1\n1,2,2\n", "line 3: site", "1 is"), (large(TABLE), "t.csv", "64 MiB"),
+    ],
+    files.measured_pairs: [("load_N,area_mm2\n1,2\n", "t.csv", "load_N,friction_force_N")],
+    partial(samples, columns=TARGET): [
+        ("load_N,other\n1,2\n", "other", "friction_force_N"),
+        ("load_N,area_mm2\n0,2\n", "line 2: load_N", "0"),
+        ("load_N,area_mm2,area_sd_mm2\n1,2,0\n", "line 2: area_sd_mm2", "0"),
+        ("load_N,area_mm2,area_sd_mm2,relative_error\n1,2,1,1\n", "relative_error", "area_sd"),
+        ("load_N,load_sd_N,area_mm2\n1,2,3\n", "t.csv", "sample 1"),
+    ],
+    partial(samples, columns=PROFILE): [
+        ("rho_mm,f_um\n0.1,1\n0.2,3\n", "line 2: rho_mm", "0.1"),
+        ("rho_mm,f_um\n0,0\n1,3\n2,2\n", "line 4: f_um", "2"),
+        ("rho_mm,f_um\n0,0\n1,0\n", "line 3: f_um", "0"),
+    ],
+    partial(samples, columns=MEASURED): [
+        ("indentation_um,load_mN,area_mm2\n5,1,2\n6,2,0\n", "line 3: area_mm2", "0"),
+        ("indentation_um,load_mN,area_mm2\n5,1,2\n5,2,3\n", "line 3: indentation_um", "5"),
+    ],
+    files.read_contacts: [
+        (f"{IMAGES}\n", "t.csv", "no contact"),
+        (f"{IMAGES}\n,.05,1,3,0,0,.1,.01\n", "line 2: image", "empty"),
+        (f"{FIRST}a,.05,0,4,1,0,.1,.01\n", "line 3: contact", "'0'"),
+        (f"{FIRST}a,.05,1,4,1,0,.1,.01\n", "line 3: contact", "line 2"),
+        (f"{FIRST}b,.05,2,4,1,0,.1,.01\n", "image a", "contact 2"),
+        (f"{FIRST}a,.05,2,4,1,0,-.2,.01\n", "line 3: area_mm2", "-.2"),
+        (f"{FIRST}a,.05,2,4,1,0,.2,-1\n", "line 3: area_error_mm2", "-1"),
+        (f"{FIRST}a,.05,2,4,1,0,,.01\n", "line 3: area_mm2", "area_error_mm2"),
+        (f"{FIRST}a,.05,2,4,1,0,.1,\n", "line 3: area_error_mm2", "area_mm2"),
+        (f"{FIRST}a,.05,2,4,,0,.1,.01\n", "line 3: x_mm", "empty"),
+        (f"{FIRST}a,.06,2,4,1,0,.1,.01\n", "line 3: load_N", "'.06'"),
+        (f"{FIRST}b,.05,1,3,1,0,.1,.01\n", "line 3: x_mm", "'1'"),
+        (f"{FIRST}b,.05,1,4,0,0,.1,.01\n", "line 3: site", "'4'"),
+        (f"{FIRST}a,.05,2,,1,0,.1,.01\n", "line 3: site", "''"),
+        (f"{FIRST}a,.05,2,3,1,0,.1,.01\n", "line 3: site", "3 is"),
+        ("image,load_N,contact,x_mm,y_mm,area_error_mm2,area_mm2,sheared_area_mm2\na,1,1,0,0,1,1,1\n",
+         "sheared_area_error_mm2", "lacks"),
+    ],
+    calibration: [
+        ("load_mN,height_um\n1,2\n", "height_um", "load_mN,area_mm2"),
+        ("load_mN,area_mm2,area_1_mm2\n1,2,3\n", "area", "area_1"),
+        ("area_mm2,area_before_mm2,area_sheared_mm2\n1,2,3\n", "area", "area_before"),
+        ("load_mN,area_1_mN\n1,2\n", "area_1_mN", "area_1_mm2"),
+        (f"{PULL}1,2,3\n".replace(",area_mm2", ",test"), "area_mm2", "displacement_um"),
+        ("load_mN,area_mm2\n1,2\n3,\n", "line 3: area_mm2", "''"),
+        (PULL + "".join(f"{i},{i},{5 - i}\n" for i in range(5)), "friction_force_mN", "last entry"),
+        (f"{IMAGES}\na,,1,3,0,0,.1,.01\n", "t.csv", "no image has a load"),
+    ],
+    partial(calibration, sliding=True): [("load_mN,area_mm2\n1,2\n", "--sliding", "displacement_um")],
+    partial(calibration, sliding_range=(0.1, 0.2)): [
+        ("load_mN,area_mm2\n1,2\n", "--sliding-range", "area_mm2"),
+    ],
+    partial(files.shots, [files.ImageFile(name, Path("a")) for name in ("1.tif", "s.tif:1", "s.tif:2")]): [
+        ("image,force_mN\n1.tif,5\n", "load_mN", "force_mN"),
+        ("image,load_mN\n1.tif,\n", "line 2: load_mN", "empty"),
+        ("image,load_mN\n,5\n", "line 2: image", "empty"),
+        ("image,load_mN\n3.tif,5\n", "line 2: image", "1.tif?"),
+        ("image,load_mN\ns.tif,5\n", "line 2: image", "2 pages"),
+        ("image,load_mN\n1.tif,5\n1.tif,6\n", "line 3: image", "line 2"),
+        ("image,load_mN,sheared_image\n1.tif,5,1.tif\n", "line 2: sheared_image", "'1.tif'"),
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("read", TABLES)
+def test_a_wrong_table_is_refused_by_its_line_column_and_entry(read, tmp_path):
+    for content, key, value in TABLES[read]:
+        refused(of_file(read, content), key, value, tmp_path)
+
+
+# Records that are not those of a value, with the member and its wrong content.
+RECORDS = [
+    ({"type": "os.system", "command": "ls"}, "record", "os.system"),
+    ({"type": ["Status"]}, "record", "Status"),
+    ({"type": "Status", "name": "FINE"}, "record", "FINE"),
+    ({"type": "Friction", "area_ratio": 1.0}, "Friction", "shear_strength"),
+    ({"type": "Friction", "area_ratio": 1.0, "shear_strength": 1.0, "way": 2}, "Friction", "way"),
+    ({"type": "Friction", "shear_strength": "much", "area_ratio": 1.0}, "record.shear_strength", "much"),
+    ({"type": "Friction", "shear_strength": -1.0, "area_ratio": 1.0}, "shear_strength", "-1"),
+    ({"float64": [[1.0], [2.0, 3.0]]}, "record", "float64"), ({"float64": ["0.1"]}, "record", "float64"),
+    ({"int64": [1.5]}, "record", "int64"), ({"float64": [1e999]}, "record", "finite"),
+]  # fmt: skip
+
+
+def test_a_foreign_record_is_refused(tmp_path):
+    for given, key, value in RECORDS:
+        refused(of_value(from_record, given), key, value, tmp_path)
+    refused(of_value(to_record, object()), "object", "record", tmp_path)
+    profile = mf.AxisymmetricCap(np.square, extent=0.3)
+    refused(of_value(to_record, profile), "AxisymmetricCap.profile", "square", tmp_path)

@@ -1,0 +1,464 @@
+"""The result folder of a design: its files, keys, columns and guards."""
+
+import csv
+import hashlib
+import io
+import json
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import meshio
+import numpy as np
+import pytest
+import xarray as xr
+
+import metafem as mf
+from metafem import files
+from metafem.caps import Caps
+from metafem.files.atomic import MANIFEST
+from metafem.files.part.caps import with_alignment
+from metafem.files.result.records import from_record, to_record
+from metafem.files.result.tables import mould_table, write_surface
+from metafem.files.specification.named_tables import RESERVED
+from metafem.models.curve import ModelError
+from tests.core.files.specs import small
+from tests.core.files.test_files import MIXED
+
+
+def columns(table):
+    """Return the columns of a table; those of numbers as arrays."""
+    rows = list(csv.reader(io.StringIO(table)))
+    assert len({len(row) for row in rows}) == 1
+    found = dict(zip(rows[0], map(list, zip(*rows[1:], strict=True)), strict=True))
+    return {name: number(column) for name, column in found.items()}
+
+
+def number(column):
+    try:
+        return np.array(column, float)
+    except ValueError:
+        return column
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """The result folder of the small design."""
+    spec, design = small()
+    mf.save(design, tmp_path / "out", specification=spec, pages={"report.html": "<p>µ</p>"})
+    return tmp_path / "out"
+
+
+def test_the_folder_holds_all_files_and_their_hashes(folder):
+    spec, _ = small()
+    names = {path.name for path in folder.iterdir()} - {MANIFEST}
+    assert names == {
+        "design.json", "heights.csv", "law.csv", "mould.csv", "mould.svg", "mould.stl", "block.stl",
+        "surface.vtu",
+        "spec.toml", "report.html",
+    }  # fmt: skip
+    assert names <= RESERVED
+    hashes = dict(line.split("  ")[::-1] for line in (folder / MANIFEST).read_text("utf-8").splitlines())
+    assert hashes == {name: hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in names}
+    assert (folder / "spec.toml").read_text("utf-8") == spec.text
+    assert (folder / "report.html").read_text("utf-8") == "<p>µ</p>"
+    assert (folder / "mould.csv").read_text("utf-8").count("alignment") == 4
+
+
+def test_the_record_has_its_keys(folder):
+    spec, design = small()
+    record = json.loads((folder / "design.json").read_text("utf-8"))
+    assert list(record) == ["format", "versions", "specification", "part", "notes", "design"]
+    assert record["format"] == "metafem design 1"
+    assert list(record["versions"]) == ["python", "metafem", "numpy", "scipy", "numba", "meshio"]
+    assert record["versions"]["numpy"] == np.__version__
+    assert record["specification"] == {
+        "sha256": spec.sha256, "seed": 0, "alignment_height": 0.4, "hardness": 10.0,
+        "model": to_record(mf.Independent()), "text": spec.text,
+    }  # fmt: skip
+    part = files.planned(design.surface, design.template, spec.part)
+    assert record["part"] == {
+        "chord_error_mm": 0.002, "triangles": part.triangles,
+        "files": ["block.stl", "mould.stl", "mould.svg"],
+    }  # fmt: skip
+    found = record["design"]
+    assert set(found) == {
+        "type", "surface", "law", "misfit", "status", "parameters", "sites", "target", "template", "limits",
+        "notes",
+        "density", "fits", "layout", "tools", "robust", "pinned",
+    }  # fmt: skip
+    assert set(found["surface"]) == {
+        "type", "position", "height", "radius", "material", "friction", "block", "cap", "cell",
+    }  # fmt: skip
+    assert set(found["law"]) == {
+        "type", "rescaled_load", "area", "separation", "approach", "rescaled_stiffness", "residual", "status",
+        "model", "material", "friction", "friction_area", "notes", "model_error", "cell",
+    }  # fmt: skip
+    assert found["surface"]["height"] == {"float64": design.surface.height.tolist()}
+    assert found["sites"] == {"int64": design.sites.tolist()}
+    assert found["law"]["area"] == {"float64": design.law.area.tolist()}
+    assert found["status"] == {"type": "DesignStatus", "name": "EXACT", "message": design.status.value}
+    assert found["limits"]["max_height"] == 0.16
+    assert found["surface"]["block"] == {"type": "Block", "width": 20.0, "length": 20.0, "thickness": 7.2}
+    assert files.stored_hardness(folder) == 10.0
+
+
+def test_heights_law_and_mould_have_their_columns(folder):
+    spec, design = small()
+    surface, law = design.surface, design.law
+    heights = columns((folder / "heights.csv").read_text("utf-8"))
+    assert list(heights) == ["site", "x_mm", "y_mm", "height_mm", "radius_mm"]
+    for found, expected in zip(
+        heights.values(), (design.sites, *surface.position.T, surface.height, surface.radius), strict=True
+    ):
+        np.testing.assert_allclose(found, expected, rtol=1e-12)
+    found = columns((folder / "law.csv").read_text("utf-8"))
+    names = ("load", "area", "separation", "rescaled_load", "rescaled_friction", "friction_force")
+    units = ("N", "mm2", "mm", "mm2", "mm2", "N")
+    assert list(found) == [f"{name}_{unit}" for name, unit in zip(names, units, strict=True)]
+    for column, name in zip(found.values(), names, strict=True):
+        np.testing.assert_allclose(column, getattr(law, name), rtol=1e-12)
+    holes = columns((folder / "mould.csv").read_text("utf-8"))
+    assert list(holes) == ["number", "kind", "site", "x_mm", "y_mm", "depth_mm", "tool_radius_mm"]
+    whole = with_alignment(surface, design.template, 0.4)
+    n = surface.count
+    assert holes["number"].tolist() == list(range(1, n + 5))
+    assert holes["kind"] == ["asperity"] * n + ["alignment"] * 4
+    assert holes["site"] == [*map(str, design.sites), *[""] * 4]
+    np.testing.assert_allclose(holes["x_mm"], -whole.position[:, 0], rtol=1e-12)  # seen from the open face
+    np.testing.assert_allclose(holes["y_mm"], whole.position[:, 1], rtol=1e-12)
+    np.testing.assert_allclose(holes["depth_mm"], [*surface.height, *[0.4] * 4], rtol=1e-12)
+    assert set(holes["tool_radius_mm"]) == {0.526}
+    assert "-0.0" not in (folder / "mould.csv").read_text("utf-8")
+    assert spec.part.alignment_height == 0.4
+
+
+def test_caps_frictions_cells_and_errors_have_columns_where_they_differ():
+    heights = columns(files.heights_table(MIXED, np.arange(4)))
+    assert list(heights)[4:] == ["radius_mm", "cap", "shear_strength_MPa", "area_ratio"]
+    assert heights["cap"] == ["power 4.0 0.3", "sphere", "paraboloid", "power 4.0 0.3"]
+    assert (heights["shear_strength_MPa"].tolist(), set(heights["area_ratio"])) == (
+        [0.4, 0.1, 0.1, 0.4],
+        {0.85},
+    )
+    assert "0.147" in files.heights_table(MIXED, np.arange(4))  # 0.1 + 0.047 without its rounding error
+    _, design = small()
+    caps = design.surface.replaced(cap=mf.Power(4, 0.3))
+    assert columns(mould_table(replace(design, surface=caps)))["cap"] == ["power 4.0 0.3"] * caps.count
+    lattice = design.surface.replaced(cell=mf.PeriodicCell(4.5, 5.0))
+    law = mf.friction_law(lattice, load=[0.01, 0.02])
+    table = columns(files.result_tables(replace(design, law=law), files.PartOptions())["law.csv"])
+    assert list(table)[6:] == ["nominal_pressure_MPa", "nominal_shear_stress_MPa"]
+    np.testing.assert_allclose(table["nominal_pressure_MPa"], law.load / 22.5, rtol=1e-12)
+    np.testing.assert_allclose(table["nominal_shear_stress_MPa"], law.friction_force / 22.5, rtol=1e-12)
+    bare = mf.friction_law(design.surface.replaced(friction=None), load=[0.01])
+    assert "friction_force_N" not in files.law_table(bare)
+    sd = {"position_sd": np.array([1e-3]), "height_sd": np.array([2e-3]), "radius_sd": np.array([3e-3])}
+    one = mf.Surface([[1.0, 2.0]], [0.1], 0.5, mf.Material(1.0))
+    made = files.made_table(SimpleNamespace(surface=one, site=np.array([1]), **sd), np.array([7, 5]))
+    assert made.splitlines() == [
+        "site,x_mm,y_mm,height_mm,radius_mm,sd_position_mm,sd_height_mm,sd_radius_mm",
+        "5,1.0,2.0,0.1,0.5,0.001,0.002,0.003",
+    ]
+
+
+def test_tables_of_summits_are_read_with_other_units_separators_and_decimals(tmp_path):
+    path, material = tmp_path / "heights.csv", mf.Material(1.36)
+    for table in (
+        "x_mm;y_mm;height_um;radius_mm\n0;0;120,5;0,5\n15e-1;0;94.3;0,5\n",
+        "x_mm\ty_cm\theight_um\tradius_um\n0\t0\t120,5\t500\n1,5\t0\t94,3\t500\n",
+        "# cold; d\nby,X (mm),y_mm,Height [nm],radius_mm\n  # first\na,0,0,120500,0.5\r\nb,1.5,0,94300,.5",
+    ):
+        path.write_bytes(table.encode("utf-8-sig"))
+        surface = files.read_surface(path, material)
+        assert surface == mf.Surface([[0.0, 0.0], [1.5, 0.0]], [0.1205, 0.0943], 0.5, material)
+    path.write_text("x_mm,y_mm,height_um,shear_strength_kPa\n0,0,100,400\n1.5,0,110,100\n", "utf-8")
+    surface = files.read_surface(path, material, radius=0.526)
+    assert (set(surface.radius), surface.friction) == ({0.526}, mf.Friction([0.4, 0.1]))
+
+
+def test_the_field_file_holds_the_contacts_at_the_largest_load(folder, tmp_path):
+    _, design = small()
+    mesh = meshio.read(folder / "surface.vtu")
+    surface, load = design.surface, design.law.load[-1]
+    np.testing.assert_array_equal(mesh.points, np.column_stack([surface.position, surface.height]))
+    data = mesh.point_data
+    assert list(data) == ["site", "height", "radius", "load", "area", "contact_radius"]
+    for name, expected in (("site", design.sites), ("height", surface.height), ("radius", surface.radius)):
+        np.testing.assert_array_equal(data[name], expected)
+    np.testing.assert_allclose(data["load"].sum(), load, rtol=1e-12)
+    np.testing.assert_allclose(data["area"].sum(), design.law.area[-1], rtol=1e-12)
+    np.testing.assert_allclose(np.pi * data["contact_radius"] ** 2, data["area"], rtol=1e-12)
+    # Hertz: a^2 = R d, P = 4/3 E* a^3/R
+    np.testing.assert_allclose(
+        data["load"], 4.0 / 3.0 * 1.36 * data["contact_radius"] ** 3 / 0.526, rtol=1e-9
+    )
+    mixed = MIXED.replaced(cap=Caps.of([mf.Power(4), mf.Sphere(), mf.Power(4), mf.Sphere()]))
+    law = mf.friction_law(mixed, mf.Independent(mf.Elastic()), load=[0.1])
+    write_surface(
+        replace(design, surface=mixed, law=law, sites=np.arange(4), template=mixed), tmp_path / "a.vtu"
+    )
+    data = meshio.read(tmp_path / "a.vtu").point_data
+    assert data["cap"].tolist() == [0, 1, 0, 1]
+    assert (data["shear_strength_MPa"].tolist(), set(data["area_ratio"])) == ([0.4, 0.1, 0.1, 0.4], {0.85})
+
+
+def through_json(value):
+    return from_record(json.loads(json.dumps(to_record(value), allow_nan=False)))
+
+
+CAPS = [
+    mf.Hertz(),
+    mf.PowerCap(4, 0.3),
+    mf.SphericalCap(),
+    mf.AxisymmetricCap([[0, 0.1, 0.2], [0, 0.01, 0.04]]),
+]
+OF_MATERIALS = [
+    *(mf.JKR(9e-6), mf.JKR(9e-6, mf.PowerCap(4)), mf.KogutEtsion(10.0), mf.JacksonGreen(4.0)),
+    mf.TabulatedContact([0.0, 0.01, 0.02, 0.04], [0.0, 0.1, 0.3, 0.8], [0.0, 0.01, 0.02, 0.05]),
+]
+FLATTENED, _ = OF_MATERIALS[2].for_material(mf.Material(1.36)).unloaded(np.array([0.0, 0.01]), np.ones(2))
+
+
+def test_every_value_is_read_back_from_its_record():
+    laws = [*CAPS, *OF_MATERIALS, *(law.for_material(mf.Material(1.0)) for law in OF_MATERIALS), FLATTENED]
+    lattice = mf.Surface.square_lattice(
+        0.12, (2, 3), 1.5, radius=0.526, material=mf.Material(1.36), cell=mf.PeriodicCell(4.5, 3.0)
+    )
+    values = [
+        *(make() for make in files.MODELS.values()), *(mf.Independent(law) for law in laws), lattice, MIXED,
+        mf.Surface([[1e-7, -1.0 / 3.0]], [1e7], 1e7 / 3.0, mf.Material(1e-30)),
+        mf.LinearLaw(1.0 / 3.0), mf.LinearLaw(6.87, (0.1, 0.2), of="stiffness"),
+        mf.PowerLaw(1.2, (0.1, 0.4), 7.0),
+        mf.BilinearLaw((7.15, 12.52), 0.038), mf.MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26)),
+        mf.SampledLaw([0.1, 0.2], [0.8, 1.5], weight=[1.0, 2.0]), mf.Band([0.1], [0.8], [0.9]),
+        mf.Limits(0.12, pinned={9: 0.1, 3: None}), mf.Layout(tilt=0.002), mf.Tolerances(0.003),
+        mf.Tool(0.3, mf.Power(4)),
+        mf.RadiusRange(0.2, 0.8), mf.PowerRange(1.2, 6.0), mf.friction_law(lattice, load=[0.01, 0.02]),
+        mf.friction_law(MIXED, mf.Independent(mf.Elastic()), load=[0.1]), mf.DesignStatus.EXACT,
+    ]  # fmt: skip
+    for value in values:
+        assert through_json(value) == value
+    notes = (mf.Note("a", quantity="q", value=0.1, bound=0.2, remedies=("offset",)), mf.Note("b"))
+    assert [vars(note) for note in through_json(notes)] == [vars(note) for note in notes]
+    error = through_json(ModelError(math.nan, "no reason"))
+    assert math.isnan(error)
+    assert error.source == "no reason"
+
+
+def test_designs_with_all_members_are_read_back():
+    template = mf.Surface.square_lattice(0.12, (4, 4), radius=0.526, material=mf.Material(1.36))
+    for target, options in (
+        (mf.LinearLaw(6.87), {"limits": mf.Limits(0.12, offset=0.084, height_step=0.006, height_sd=0.01)}),
+        (mf.OperatingPoints([0.02], [0.2]), {"layout": mf.Layout(tilt=0.002)}),
+        (mf.OperatingPoints([0.02], [0.2]), {"limits": mf.Limits(0.12, pinned={9: 0.1, 3: None})}),
+        (mf.OperatingPoints([0.02], [0.2]), {"tools": [0.3, 0.526], "robust": mf.Tolerances(0.003)}),
+    ):
+        design = mf.design(target, template, **options)
+        assert through_json(design) == design
+        assert [vars(note) for note in through_json(design).notes] == [vars(note) for note in design.notes]
+
+
+def test_records_of_earlier_versions_are_read():
+    record = to_record(MIXED)
+    old = {name: value for name, value in record.items() if name not in ("cap", "cell")}
+    assert from_record(old) == MIXED.replaced(cap=mf.Sphere())
+    law = mf.friction_law(small()[1].surface, load=[0.01])
+    record = {name: value for name, value in to_record(law).items() if name not in ("friction_area", "cell")}
+    assert from_record(record) == law
+    coated = to_record(mf.friction_law(MIXED, mf.Independent(mf.Elastic()), load=[0.1]))
+    del coated["friction_area"]
+    with pytest.raises(mf.InvalidInput, match="friction_area"):
+        from_record(coated)
+    record = to_record(mf.LinearLaw(6.87))
+    del record["of"], record["wording"]["quantity"]
+    assert from_record(record) == mf.LinearLaw(6.87)
+    design = to_record(mf.design(mf.LinearLaw(6.87), small()[1].template, tools=[0.3, 0.526]))
+    design["radii"] = design.pop("tools")
+    assert from_record(design).tools == (0.3, 0.526)
+
+
+def edit(folder, change):
+    """Change the design in design.json as with an editor."""
+    record = json.loads((folder / "design.json").read_text("utf-8"))
+    change(record["design"])
+    (folder / "design.json").write_text(json.dumps(record), "utf-8")
+
+
+def heighten(design):
+    heights = design["surface"]["height"]["float64"]
+    heights[int(np.argmax(heights))] += 0.03
+
+
+def thin(design):
+    design["law"]["area"]["float64"] = [1.01 * value for value in design["law"]["area"]["float64"]]
+
+
+@pytest.mark.parametrize("listed", [True, False])
+def test_a_changed_design_is_noticed_and_stated_by_its_heights(folder, listed):
+    assert files.load_compared(folder)[1] == ()
+    edit(folder, heighten)
+    if not listed:  # a copy of the folder without its hidden files
+        (folder / MANIFEST).unlink()
+    design, notes = files.load_compared(folder)
+    words = "was changed since metafem wrote it" if listed else "does not fit together"
+    assert f"{folder / 'design.json'} {words}" in notes[0].text
+    assert notes[1].text.endswith(
+        f"1 of {design.surface.count} heights outside its limits, from 0 to 0.16 mm"
+    )
+    assert design.notes[:2] == notes
+    assert all(note.warns for note in notes)
+    assert design.status.name == "MISSED"
+    law = mf.friction_law(design.surface, design.law.model, load=design.law.load)
+    np.testing.assert_allclose(design.law.area, law.area, rtol=1e-12)
+    assert design.misfit == pytest.approx(
+        np.abs(design.target_law.difference(design.target_area)).max(), rel=1e-9
+    )
+    mf.save(design, folder.with_name("new"))  # without the notes on the old folder
+    assert mf.load(folder.with_name("new")).notes == design.notes[2:]
+
+
+def test_changes_of_a_law_a_misfit_a_target_and_a_table_are_noticed(folder, tmp_path):
+    before = mf.load(folder)
+    for change in (thin, lambda design: design.update(misfit=0.5)):
+        whole = (folder / "design.json").read_text("utf-8")
+        edit(folder, change)
+        design, (note,) = files.load_compared(folder)
+        assert note.text.endswith("law and misfit are computed anew")
+        assert design.misfit < 1e-9
+        np.testing.assert_allclose(design.law.area, before.law.area, rtol=1e-12)
+        (folder / "design.json").write_text(whole, "utf-8")
+    edit(
+        folder,
+        lambda design: design["law"]["notes"].append({"type": "Note", "text": "by hand", "level": WARNING}),
+    )
+    (note,) = files.load_compared(folder)[1]
+    assert note.text.endswith("as it states")
+    (folder / "heights.csv").write_text("x", "utf-8")
+    (folder / "law.csv").unlink()
+    assert [note.text.partition(" was changed")[0] for note in files.load_compared(folder)[1]] == [
+        str(folder / "design.json"), str(folder / "heights.csv"),
+    ]  # fmt: skip
+    lattice = mf.Surface.square_lattice(0.12, (4, 4), radius=0.526, material=mf.Material(1.36))
+    for i, (target, change) in enumerate((
+        (mf.LinearLaw(7.0), {"slope": 9.5}), (mf.BilinearLaw((7.0, 11.0), 0.01), {"crossover_load": 0.02}),
+        (mf.LinearLaw(7.0, (0.02, 0.045)), {"load_range": [0.02, 0.05]}),
+    )):  # fmt: skip
+        out = tmp_path / f"{i}"
+        mf.save(mf.design(target, lattice, limits=mf.Limits(0.16)), out)
+        (out / MANIFEST).unlink()
+        assert files.load_compared(out)[1] == ()
+        edit(out, lambda design, change=change: design["target"].update(change))
+        note = files.load_compared(out)[1][0]
+        assert "its heights were designed for slope 7 to " in note.text
+
+
+WARNING = {"type": "Level", "name": "WARNING"}
+
+
+def test_a_damaged_member_is_named(folder):
+    whole = (folder / "design.json").read_text("utf-8")
+    n, site = small()[1].surface.count, small()[1].sites[0]
+    for place, value, message in (
+        ("sites.int64", [0] * n, f"design: sites must hold {n} different sites"),
+        ("sites.int64", [9, *range(1, n)], "design: sites must be from 0 to 8"),
+        ("misfit", "small", "design.misfit = 'small'"), ("misfit", -1.0, "design: misfit = -1"),
+        ("misfit", True, "design.misfit = True"),
+        ("status", {"type": "Status", "name": "CONVERGED"}, "design.status"),
+        ("parameters", 3, "design.parameters"), ("template.pitch", 3, "design.template, a Surface"),
+        ("surface.position.float64", [[i, 0.0] for i in range(n)], "surface.position"),
+        ("law.rescaled_load.float64", [1.0], "design.law: area"),
+        ("law.model", {"type": "Hertz"}, "design.law.model"),
+        ("law.material.composite_modulus", 2.0, "law.material"),
+        ("limits.max_height", 1e308, "max_height = 1e+308"),
+        ("notes", "all well", "design.notes = 'all well'"), ("target", {"type": "Hertz"}, "design.target"),
+        ("pinned", {f"{site}": None}, f"site {site}"), ("law.area.float64", [-1.0] * 200, "design.law"),
+    ):  # fmt: skip
+        record = json.loads(whole)
+        *parents, last = place.split(".")
+        member = record["design"]
+        for parent in parents:
+            member = member[parent]
+        member[last] = value
+        (folder / "design.json").write_text(json.dumps(record), "utf-8")
+        with pytest.raises(mf.InvalidInput) as error:
+            mf.load(folder)
+        (words,) = str(error.value).splitlines()
+        assert words.startswith(f"{folder / 'design.json'} is damaged: design")
+        assert message in words, place
+
+
+def test_only_force_replaces_a_result_and_its_studies(folder):
+    spec, design = small()
+    files.write_text(folder / "interaction.nc", "of the old design")
+    with pytest.raises(
+        mf.InvalidInput, match=r"out exists; choose another folder, or replace it with force=True"
+    ):
+        mf.save(design, folder)
+    still = files.same_design(folder)
+    still()
+    mf.save(replace(design, misfit=0.5 * design.misfit), folder, force=True)
+    assert not (folder / "interaction.nc").exists()
+    assert not (folder / "spec.toml").exists()
+    assert files.stored_hardness(folder) is None
+    with pytest.raises(mf.InvalidInput, match=r"design\.json was replaced in the meantime"):
+        files.write_text(folder / "report.html", "of the old design", still=still)
+    mf.save(design, folder, specification=spec, force=True)
+    (folder / "spec.toml").write_text(spec.text.replace("10 MPa", "20 MPa"), "utf-8")
+    with pytest.raises(mf.InvalidInput, match=r"spec\.toml was changed since metafem wrote it"):
+        mf.save(design, folder, specification=spec, force=True)
+    again = mf.read_spec(folder / "spec.toml")  # the changed file itself
+    mf.save(design, folder, specification=again, force=True)
+    assert files.stored_hardness(folder) == 20.0
+    (folder / "design.json").write_text('{"format": "metafem design 1"}', "utf-8")
+    with pytest.raises(mf.InvalidInput, match=r"design\.json is damaged"):
+        files.stored_hardness(folder)
+
+
+def test_a_folder_that_cannot_be_used_is_named(folder, tmp_path):
+    spec, design = small()
+    folder.rename(tmp_path / "out.old")
+    with pytest.raises(mf.InvalidInput, match=r"design\.json: no such file; .* complete as .*out\.old"):
+        mf.load(folder)
+    with pytest.raises(mf.InvalidInput, match="cannot be written"):
+        files.write_all(design, tmp_path / "none")
+    with pytest.raises(mf.InvalidInput, match='folder = ""'):
+        mf.save(design, "")
+    close = spec.template.replaced(position=0.2 * spec.template.position)
+    with pytest.raises(mf.InvalidInput, match="overlap"):
+        mf.save(mf.design(spec.target, close, limits=spec.limits), tmp_path / "none")
+    assert [path.name for path in tmp_path.iterdir()] == ["out.old"]
+    bare = mf.design(spec.target, spec.template.replaced(block=None), limits=spec.limits)
+    mf.save(bare, tmp_path / "bare")
+    assert not (tmp_path / "bare/block.stl").exists()
+    record = json.loads((tmp_path / "bare/design.json").read_text("utf-8"))
+    assert (record["part"], record["specification"]) == (None, None)
+    assert "no block" in record["notes"][0]
+
+
+def test_studies_are_kept_by_name_and_become_plain_data(folder):
+    path = files.study_path(folder, "interaction", False)
+    assert path == folder / "interaction.nc"
+    study = xr.Dataset(
+        {"slope": (("load",), [1.0, math.nan], {"units": "mm"}), "count": ((), 3)},
+        attrs={"study": "interaction", "notes": "", "draws": 20},
+    )
+    files.write_study(study, path)
+    assert files.stored_studies(folder).keys() == {"interaction"}
+    for force, words in ((False, "exists"), (True, "")):
+        if words:
+            with pytest.raises(mf.InvalidInput, match=words):
+                files.study_path(folder, "interaction", force)
+        else:
+            assert files.study_path(folder, "interaction", force) == path
+    assert files.study_data(study) == {
+        "study": "interaction", "notes": [], "draws": 20,
+        "data": {
+            "slope": {"dims": ["load"], "units": "mm", "values": [1.0, None]},
+            "count": {"dims": [], "units": "", "values": 3},
+        },
+    }  # fmt: skip
+    assert files.plain_data({"a": (np.arange(2), math.inf)}) == {"a": [[0, 1], None]}
+    path.rename(folder / "fidelity.nc")
+    with pytest.raises(mf.InvalidInput, match=r"fidelity\.nc is not a study 'fidelity'"):
+        files.stored_studies(folder)

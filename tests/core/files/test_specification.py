@@ -1,0 +1,530 @@
+"""Each key of a specification becomes a value."""
+
+import hashlib
+import json
+import math
+import pickle
+import re
+import tomllib
+
+import numpy as np
+import pytest
+from jsonschema import Draft7Validator
+
+import metafem as mf
+from metafem.files import (
+    DEMOS,
+    MODELS,
+    PartOptions,
+    all_keys,
+    chosen_model,
+    demo_text,
+    given_load,
+    manual,
+    measured_pairs,
+    parsed,
+    place_schema,
+    rescaled_range,
+    schema_text,
+    section_forms,
+    toml_table,
+    write_schema,
+)  # fmt: skip
+from metafem.files.specification.contents import Sections, tell_cost
+from metafem.files.specification.forms import as_toml
+from metafem.files.specification.options import contact_named, contacts
+from metafem.files.specification.schema import SCHEMA_FILE, schema
+from metafem.models.model import with_contact
+from metafem.progress import listening
+from tests.core.files.specs import SHAPE, spec, text
+
+MATERIAL, FRICTION = mf.Material(1.36, 0.5), mf.Friction(0.358, 0.85)
+CAP_TABLE = "rho_mm,f_um\n0,0\n0.2,39.5\n0.4,184\n0.6,600\n"
+CAP = mf.AxisymmetricCap([[0.0, 0.2, 0.4, 0.6], [0.0, 39.5e-3, 0.184, 0.6]])
+CONTACT_TABLE = "indentation_um,load_mN,area_mm2\n0,0,0\n5,0.46,0.0083\n20,3.7,0.033\n90,35,0.15\n"
+CONTACT = mf.TabulatedContact([0.005, 0.02, 0.09], [0.00046, 0.0037, 0.035], [0.0083, 0.033, 0.15])
+TABLES = {"cap.csv": CAP_TABLE, "contact.csv": CONTACT_TABLE}
+
+AREAS = 'rescaled_load = ["0.1 mm^2", "0.2 mm^2"]\n'
+POINTS = 'rescaled_friction = ["0.8 mm^2", "1.5 mm^2"]'
+FORCES = 'load = ["136 mN", "0.272 N"]\n'
+COEFFICIENT = 0.358 * 0.85 / 1.36  # friction coefficient of the slope 1
+
+# Keys of a target, and its value.
+TARGETS = [
+    ('kind = "linear"\nslope = 6.87\nload_range = ["0.05 mm^2", "200000 um^2"]',
+     mf.LinearLaw(6.87, (0.05, 0.2))),
+    ('kind = "linear"\nslope = 6.87\nload_range = ["68 mN", "0.272 N"]', mf.LinearLaw(6.87, (0.05, 0.2))),
+    ('kind = "linear"\nfriction_coefficient = 1.5', mf.LinearLaw(1.5 / COEFFICIENT)),
+    ('kind = "bilinear"\nslopes = [7, 12.5]\ncrossover_load = "0.038 mm2"\n'
+     'load_range = ["0.02 mm^2", "0.1 mm^2"]',
+     mf.BilinearLaw((7.0, 12.5), 0.038, (0.02, 0.1))),
+    ('kind = "bilinear"\nfriction_coefficients = [1.2, 1.9]\ncrossover_load = "0.0544 N"',
+     mf.BilinearLaw((1.2 / COEFFICIENT, 1.9 / COEFFICIENT), 0.04)),
+    ('kind = "multilinear"\nslopes = [9.5, 7.0, 8.0]\ncrossover_loads = [["0.07 mm2", "0.18 mm2"], "0.2 mm2"]\n'
+     'load_range = ["0.03 mm^2", "0.26 mm^2"]',
+     mf.MultilinearLaw([9.5, 7.0, 8.0], [(0.07, 0.18), 0.2], (0.03, 0.26))),
+    ('kind = "multilinear"\nfriction_coefficients = [2, 1.5]\ncrossover_loads = [["0.136 N", "0.272 N"]]\n'
+     'load_range = ["0.068 N", "0.408 N"]',
+     mf.MultilinearLaw([2.0 / COEFFICIENT, 1.5 / COEFFICIENT], [(0.1, 0.2)], (0.05, 0.3))),
+    ('kind = "power"\nexponent = 1.2\nload_range = ["0.136 N", "0.544 N"]\nprefactor = 7.0',
+     mf.PowerLaw(1.2, (0.1, 0.4), 7.0)),
+    (f'kind = "operating-points"\n{AREAS}{POINTS}', mf.OperatingPoints([0.1, 0.2], [0.8, 1.5])),
+    (f'kind = "operating-points"\n{FORCES}friction_force = ["243.44 mN", "0.6086 N"]',
+     mf.OperatingPoints([0.1, 0.2], [0.8, 2.0])),
+    (f'kind = "sampled"\n{AREAS}{POINTS}\nweight = [1.0, 3.0]',
+     mf.SampledLaw([0.1, 0.2], [0.8, 1.5], weight=[1.0, 3.0])),
+    (f'kind = "sampled"\n{AREAS}{POINTS}\nrelative_error = [0.01, 0.02]',
+     mf.SampledLaw([0.1, 0.2], [0.8, 1.5], relative_error=[0.01, 0.02])),
+    (f'kind = "sampled"\n{FORCES}{POINTS}', mf.SampledLaw([0.1, 0.2], [0.8, 1.5])),
+    (f'kind = "band"\n{AREAS}lowest = ["0.8 mm^2", "1.4 mm^2"]\nhighest = ["0.9 mm^2", "1.6 mm^2"]',
+     mf.Band([0.1, 0.2], [0.8, 1.4], [0.9, 1.6])),
+    (f'kind = "band"\n{FORCES}lowest_force = ["243.44 mN", "0.6086 N"]\n'
+     'highest_force = ["0.3043 N", "0.91290 N"]',
+     mf.Band([0.1, 0.2], [0.8, 2.0], [1.0, 3.0])),
+    (f'kind = "band"\nof = "stiffness"\n{AREAS}lowest = ["3 mm", "5 mm"]\nhighest = ["4 mm", "6 mm"]',
+     mf.Band([0.1, 0.2], [3.0, 5.0], [4.0, 6.0], of="stiffness")),
+    (f'kind = "sampled"\nof = "stiffness"\n{AREAS}rescaled_friction = ["3.5 mm", "5100 um"]',
+     mf.SampledLaw([0.1, 0.2], [3.5, 5.1], of="stiffness")),
+    (f'kind = "operating-points"\nof = "conductance"\n{AREAS}rescaled_friction = ["3.5 mm", "5.1 mm"]',
+     mf.OperatingPoints([0.1, 0.2], [3.5, 5.1], of="conductance")),
+    ('kind = "power"\nof = "tangential_stiffness"\nexponent = 0.6\nload_range = ["0.1 mm^2", "0.2 mm^2"]',
+     mf.PowerLaw(0.6, (0.1, 0.2), of="tangential_stiffness")),
+    ('kind = "linear"\nof = "stiffness"\nslope = 20.0\nload_range = ["0.1 mm^2", "0.2 mm^2"]',
+     mf.LinearLaw(20.0, (0.1, 0.2), of="stiffness")),
+]  # fmt: skip
+
+
+def numbers(target):
+    """Return all numbers of a target, in the order of its members."""
+    members = [member for member in vars(target).values() if isinstance(member, (float, tuple, np.ndarray))]
+    return np.hstack([np.ravel(member) for member in members])
+
+
+def test_each_kind_of_target_is_read():
+    for keys, expected in TARGETS:
+        found = spec(target=keys).target
+        assert (type(found), found.of) == (type(expected), expected.of), keys
+        np.testing.assert_allclose(numbers(found), numbers(expected), rtol=1e-14, err_msg=keys)
+
+
+def test_a_target_is_stated_in_the_units_in_which_it_was_given():
+    for keys, end in (
+        ('kind = "linear"\nslope = 6.87\nload_range = ["68 mN", "0.272 N"]',
+         "slope 6.87 from 0.068 to 0.272 N"),
+        ('kind = "linear"\nfriction_coefficient = 1.5\nload_range = ["0.05 mm^2", "0.2 mm^2"]',
+         "friction coefficient 1.5 from 0.068 to 0.272 N"),
+        ('kind = "bilinear"\nslopes = [7, 9]\ncrossover_load = "0.04 N"\nload_range = ["0.03 N", "0.1 N"]',
+         "slopes 7 and 9 through the origin from 0.03 to 0.1 N"),
+        ('kind = "power"\nexponent = 1.2\nload_range = ["0.136 N", "0.544 N"]',
+         "exponent 1.2 from 0.136 to 0.544 N"),
+    ):  # fmt: skip
+        assert spec(target=keys).target.title.endswith(end)
+
+
+def test_loads_of_a_command_are_forces_or_areas():
+    loads = [given_load("0.2 N"), given_load("300 mN"), given_load("0.144 mm^2")]
+    assert [(load.value, load.unit) for load in loads] == [(0.2, "N"), (0.3, "N"), (0.144, "mm^2")]
+    assert rescaled_range(loads[:2], MATERIAL) == (0.2 / 1.36, 0.3 / 1.36)
+
+
+# Sections, a member of the specification or of its template, and its value.
+DEGREE = math.pi / 180.0
+ROBUST = 'height_sd = "3 um"\nangle = "0.1 deg"\nradius_sd = "2 um"\nposition_sd = "5 um"'
+COATED = '["0.4 MPa", ' + '"100 kPa", ' * 62 + '"0.4 MPa"]'
+MEMBERS = [
+    ({}, "material", MATERIAL),
+    ({"material": 'young_modulus = "1020 kPa"'}, "material", mf.Material.from_young(1.02, 0.5)),
+    ({"material": 'composite_modulus = "2 MPa"\npoisson_ratio = 0.3'}, "material", mf.Material(2.0, 0.3)),
+    ({}, "friction", FRICTION),
+    ({"friction": None}, "friction", None),
+    ({"friction": 'shear_strength = "1 MPa"'}, "friction", mf.Friction(1.0, 1.0)),
+    ({"friction": f"shear_strength = {COATED}"}, "friction", mf.Friction([0.4, *[0.1] * 62, 0.4])),
+    ({}, "block", mf.Block(20.0, 20.0, 7.2)),
+    ({"block": 'width = "30 mm"\nlength = "2 cm"\nthickness = "7.2 mm"'}, "block", mf.Block(30.0, 20.0, 7.2)),
+    ({"block": None}, "block", None),
+    ({"cell": ""}, "cell", mf.PeriodicCell(12.0, 12.0)),
+    ({"cell": 'width = "16 mm"\nlength = "15 mm"'}, "cell", mf.PeriodicCell(16.0, 15.0)),
+    ({}, "limits", mf.Limits(0.12, offset=0.084)),
+    ({"limits": 'max_height = "120 um"\nmin_height = "10 um"\nheight_step = "6 um"\nheight_sd = "0.9 um"'},
+     "limits", mf.Limits(0.12, 0.01, height_step=0.006, height_sd=0.0009)),
+    ({}, "layout", None),
+    ({"layout": "follow_law = true"}, "layout", mf.Layout()),
+    ({"layout": 'tilt = "0.1 deg"\ntilt_weight = 2'}, "layout", mf.Layout(True, 0.1 * DEGREE, 2.0)),
+    ({"layout": 'tilt = "0.1 deg"\nfollow_law = false'}, "layout", mf.Layout(False, 0.1 * DEGREE, 1.0)),
+    ({}, "seed", 0),
+    ({"layout": "seed = 3"}, "seed", 3),
+    ({}, "robust", None),
+    ({"robust": ROBUST}, "robust", mf.Tolerances(0.003, 0.1 * DEGREE, 0.002, 0.005)),
+    ({}, "hardness", None),
+    ({"checks": 'hardness = "10 MPa"'}, "hardness", 10.0),
+    ({}, "part", PartOptions()),
+    ({"part": 'alignment_height = "400 um"\nchord_error = "1 um"\nformats = ["3mf", "stl"]'},
+     "part", PartOptions(0.4, 0.001, ("3mf", "stl"))),
+    ({}, "pinned", {}),
+    ({"sites": 'empty = [17, 3]\npinned = [9, 12]\nheights = ["150 um", "0.12 mm"]'},
+     "pinned", {3: None, 17: None, 9: 0.15, 12: 0.12}),
+    ({}, "mixed", False),
+    ({"lattice": SHAPE, "tools": 'radii = ["526 um"]\nmixed = true'}, "mixed", True),
+    ({}, "tools", None),
+    ({"lattice": SHAPE, "tools": 'radii = ["526 um", "0.3 mm"]'}, "tools", (0.526, 0.3)),
+    ({"lattice": SHAPE, "radii": 'tools = ["526 um", "0.3 mm"]'}, "tools", (0.526, 0.3)),
+    # of earlier versions
+    ({"lattice": SHAPE, "radii": 'range = ["0.2 mm", "0.8 mm"]'}, "tools", mf.RadiusRange(0.2, 0.8, 0.01)),
+    ({"lattice": SHAPE, "tools": 'radius_range = ["0.2 mm", "0.8 mm"]\nstep = "25 um"'},
+     "tools", mf.RadiusRange(0.2, 0.8, 0.025)),
+    ({"tools": "exponent_range = [1.2, 6]"}, "tools", mf.PowerRange(1.2, 6.0)),
+    ({"tools": "exponent_range = [2, 3]\nexponent_step = 0.5\ncoefficient = 1"},
+     "tools", mf.PowerRange(2, 3, 0.5, coefficient=1.0)),
+    ({"tools": "exponent_range = [1.2, 6]"}, "model", mf.Independent(mf.Elastic())),
+    ({"lattice": SHAPE, "tools": 'radii = ["300 um", "0.4 mm"]\ncaps = ["sphere", "power 4"]'},
+     "tools", (mf.Tool(0.3), mf.Tool(0.4, mf.Power(4)))),
+    ({"lattice": SHAPE, "contact": 'kind = "elastic"', "cap": 'kind = "power"\nexponent = 4.0',
+      "tools": 'radii = ["0.3 mm", "0.5 mm"]\nshear_strengths = ["0.1 MPa", "500 kPa"]'},
+     "tools", (mf.Tool(0.3, mf.Power(4), 0.1), mf.Tool(0.5, mf.Power(4), 0.5))),
+    ({}, "cap", mf.Sphere()),
+    ({"contact": 'kind = "power"\nexponent = 4.0'}, "cap", mf.Power(4)),
+    *(({"contact": 'kind = "elastic"', "cap": keys}, "cap", cap) for keys, cap in {
+        'kind = "sphere"': mf.Sphere(), 'kind = "paraboloid"': mf.Paraboloid(),
+        'kind = "power"\nexponent = 4.0\ncoefficient = 0.3': mf.Power(4, 0.3),
+        'kind = "profile"\nfile = "cap.csv"': mf.Profile(CAP.profile),
+    }.items()),
+]  # fmt: skip
+
+
+def test_each_key_becomes_a_value():
+    for sections, name, expected in MEMBERS:
+        found = spec(TABLES, **sections)
+        value = getattr(found, name) if hasattr(found, name) else getattr(found.template, name)
+        assert value == expected, sections
+
+
+def test_the_lattice_has_its_sites_with_summits_at_the_largest_height():
+    template = spec(lattice='shape = [2, 3]\npitch = "2 mm"\nradius = "0.5 mm"', layout="").template
+    assert template.position.tolist() == [[x, y] for y in (-1.0, 1.0) for x in (-2.0, 0.0, 2.0)]
+    assert set(template.radius) == {0.5}
+    np.testing.assert_allclose(template.height, 0.204, rtol=1e-15)
+    tools = spec(lattice=SHAPE, tools='radii = ["526 um", "0.3 mm"]').template
+    assert (tools.count, set(tools.radius)) == (64, {0.3})
+
+
+def test_each_model_has_its_name():
+    assert list(MODELS) == [
+        "independent", "mean-field", "half-space", "layer", "block", "resolved", "automatic",
+    ]  # fmt: skip
+    models = [
+        *(mf.Independent(), mf.MeanField(), mf.Interacting(), mf.Interacting(substrate=mf.BondedLayer())),
+        *(mf.Interacting(substrate=mf.fe.Block3D()), mf.BoundaryElements(0.008), mf.Automatic(1e-3)),
+    ]
+    assert [spec(model=f'kind = "{name}"').model for name in MODELS] == models
+    folder = mf.Independent(contact=mf.SphericalCap())
+    assert chosen_model(folder, None, None) is folder
+    assert chosen_model(folder, "independent", None) == folder
+    assert chosen_model(folder, None, "hertz") == mf.Independent()
+    assert chosen_model(mf.MeanField(), "independent", "power 3") == mf.Independent(contact=mf.PowerCap(3))
+    assert with_contact(mf.Interacting(), mf.KogutEtsion(10.0)).order == 1  # it has no profile
+    assert with_contact(mf.Interacting(), mf.PowerCap(4)).order == 3
+
+
+# Words of each contact law, the keys of its section, and the law.
+LAWS = {
+    "hertz": ("", mf.Hertz()),
+    "elastic": ("", mf.Elastic()),
+    "sphere": ("", mf.SphericalCap()),
+    "power 4 0.3": ("exponent = 4.0\ncoefficient = 0.3", mf.PowerCap(4, 0.3)),
+    "profile cap.csv": ('file = "cap.csv"', CAP),
+    "jkr 9 mJ/m^2": ('adhesion_energy = "9 mJ/m^2"', mf.JKR(9e-6)),
+    "jkr 27mJ/m^2 power 4": (
+        'adhesion_energy = "0.027 N/m"\ncap = {kind = "power", exponent = 4.0}',
+        mf.JKR(2.7e-5, mf.PowerCap(4))
+    ),
+    "jkr 9 mJ/m^2 profile cap.csv": (
+        'adhesion_energy = "9 mJ/m^2"\ncap = {kind = "profile", file = "cap.csv"}', mf.JKR(9e-6, CAP)
+    ),
+    "kogut-etsion 10 MPa": ('hardness = "10 MPa"', mf.KogutEtsion(10.0)),
+    "jackson-green 4000kPa": ('yield_strength = "4 MPa"', mf.JacksonGreen(4.0)),
+    "tabulated contact.csv": ('file = "contact.csv"', CONTACT),
+}  # fmt: skip
+
+
+def test_each_contact_law_is_read_from_words_and_from_its_section(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, table in TABLES.items():
+        (tmp_path / name).write_text(table, "utf-8")
+    assert list(dict.fromkeys(words.split()[0] for words in LAWS)) == list(contacts())
+    for words, (keys, law) in LAWS.items():
+        assert contact_named(words) == law, words
+        model = spec(TABLES, contact=f'kind = "{words.split()[0]}"\n{keys}').model
+        assert model == mf.Independent(law), words
+    rows = 'rho = ["0 um", "0.2 mm", "0.4 mm", "0.6 mm"]\nf = ["0 um", "39.5 um", "184 um", "600 um"]'
+    assert spec(contact=f'kind = "profile"\n{rows}').model.contact == CAP
+
+
+# Tables of a sampled target, with its loads, values, relative errors and weights.
+SAMPLES = [
+    ("load_mN,friction_force_N,weight\n136,0.24344,1\n272,0.6086,2\n", [0.8, 2.0], None, [1.0, 2.0]),
+    ("# a remark\nload_N;friction_force_N\n0,136;0,24344\n0,272;0,6086\n", [0.8, 2.0], None, [1.0, 1.0]),
+    ("Normal load [mN];Friction (N)\n136;0,24344\n272;0,6086\n", [0.8, 2.0], None, [1.0, 1.0]),
+    ("rescaled_load_mm2,rescaled_friction_mm2,relative_error\n0.1,0.8,.01\n0.2,1.6,.02\n", [0.8, 1.6],
+     [0.01, 0.02], [1e4, 2500]),
+    ("load_mN,area_mm2,area_sd_mm2\n136,0.8,0.008\n272,1.5,0.03\n", [0.8, 1.5], [0.01, 0.02], [1e4, 2500]),
+    # the exponent is 2, so that 1 % of the load is 2 % of the friction
+    ("load_mN,area_mm2,load_sd_mN\n272,3.2,2.72\n136,0.8,1.36\n", [0.8, 3.2], [0.02, 0.02], [2500, 2500]),
+    # means of repeated loads have smaller errors, or larger weights
+    ("load_N,area_mm2,area_sd_mm2\n.272,1,.01\n.136,.4,.004\n.272,2,.02\n", [0.4, 1.5],
+     [0.01, 0.01 / math.sqrt(2)], [1e4, 2e4]),
+    ("load_N,area_mm2,weight\n.272,1,3\n.136,.4,2\n.272,2,4\n", [0.4, 1.5], None, [2, 7]),
+    ("load_N,area_mm2\n.272,1\n.136,.4\n.272,2\n", [0.4, 1.5], None, [1, 2]),
+    ("image,load_mN,contact,x_mm,y_mm,area_mm2,area_error_mm2\n" + "".join(
+        f"{i}.tif,{136 * i},{j},{j},0,{a},0.001\n" for i in (1, 2) for j, a in ((1, 0.3 * i), (2, 0.5))
+    ), [0.8, 1.1], [math.sqrt(2e-6) / 0.8, math.sqrt(2e-6) / 1.1], None),
+]  # fmt: skip
+
+
+def test_tables_of_a_target_are_read_with_their_units_and_errors():
+    for table, values, error, weight in SAMPLES:
+        found = spec({"w.csv": table}, target='kind = "sampled"\nfile = "w.csv"').target
+        np.testing.assert_allclose(found.rescaled_load, [0.1, 0.2], rtol=1e-14, err_msg=table)
+        np.testing.assert_allclose(found.rescaled_friction, values, rtol=1e-14, err_msg=table)
+        assert (found.relative_error is None) == (error is None)
+        if error is not None:
+            np.testing.assert_allclose(found.relative_error, error, rtol=1e-12, err_msg=table)
+        if weight is not None:
+            np.testing.assert_allclose(found.weight, weight, rtol=1e-12, err_msg=table)
+
+
+def test_pairs_of_forces_are_read_in_the_order_of_the_loads(tmp_path):
+    (tmp_path / "a.csv").write_text("load_mN,friction_force_N\n200,.3\n100,.1\n", "utf-8")
+    assert measured_pairs(tmp_path / "a.csv") == ([0.1, 0.2], [0.1, 0.3])
+
+
+def test_tables_are_kept_beside_the_specification():
+    remark, table = '# as measured, not file = "other.csv"\n', SAMPLES[0][0].encode()
+    for name, copy in (
+        ("wanted.csv", "wanted.csv"), ("sub/w.csv", "w.csv"), ("../w.csv", "w.csv"),
+        ("law.csv", "wanted-law.csv"),
+        ("sub/SPEC.toml", "wanted-SPEC.toml"), (".metafem-files", "wanted-metafem-files"),
+        ("C:w µ.csv", "w µ.csv"),
+    ):  # fmt: skip
+        given = text(target=f'{remark}kind = "sampled"\nfile = "{name}"  # of June').replace("\n", "\r\n")
+        found = parsed(given, {name: table})
+        again = parsed(found.files["spec.toml"].decode(), {copy: found.files[copy]})
+        assert again.files == found.files == {"spec.toml": again.text.encode(), copy: table}
+        assert again.target == found.target
+        comment = "" if copy == name else f'# The design read "{name}"; {copy} is a copy of it.\r\n'
+        assert again.text == given.replace(f'file = "{name}"', f'{comment}file = "{copy}"')
+    for target in (
+        """[target]\nkind = "sampled"\n'file' = '''sub/w.csv'''""",
+        'target = {kind = "sampled", file = "sub/w.csv"}',
+        '[target]\nkind = "sampled"\n"file"="""\\\n   sub/w.csv"""',
+    ):  # fmt: skip
+        kept = parsed(f"{target}\n{text(target=None)}", {"sub/w.csv": table}).files["spec.toml"]
+        assert tomllib.loads(kept.decode())["target"] == {"kind": "sampled", "file": "w.csv"}
+
+
+def test_tables_of_two_sections_are_kept_under_two_names():
+    sections = {
+        "target": 'kind = "sampled"\nfile = "a/t.csv"', "contact": 'kind = "profile"\nfile = "b/t.csv"',
+    }  # fmt: skip
+    found = spec({"a/t.csv": SAMPLES[0][0], "b/t.csv": CAP_TABLE}, **sections)
+    assert found.files.keys() == {"spec.toml", "t.csv", "wanted-t.csv"}
+    assert found.files["wanted-t.csv"] == CAP_TABLE.encode()
+
+
+def test_a_file_is_read_as_its_text(tmp_path):
+    raw = text().replace("\n", "\r\n").encode("utf-8-sig")
+    (tmp_path / "a.toml").write_bytes(raw)
+    found, same = mf.read_spec(tmp_path / "a.toml"), parsed(raw.decode())
+    assert found.text == same.text == raw.decode()
+    assert found.sha256 == same.sha256 == hashlib.sha256(raw).hexdigest()
+    assert found.files == same.files == {"spec.toml": raw}
+    assert (found.target, found.template, found.limits) == (same.target, same.template, same.limits)
+    assert toml_table("[layout]\nseed = 3") == {"layout": {"seed": 3}}
+
+
+def test_the_published_surfaces_are_demos():
+    assert DEMOS == ("operating-points", "linear", "bilinear")
+    points, linear, bilinear = (parsed(demo_text(name)) for name in DEMOS)
+    assert linear.target == mf.LinearLaw(6.87)
+    assert linear.limits == mf.Limits(0.12, offset=0.084, height_step=0.006, height_sd=0.0009)
+    assert bilinear.target == mf.BilinearLaw((7.15, 12.52), 0.038)
+    assert points.target == mf.OperatingPoints([0.144, 0.336, 0.649], [0.84, 1.68, 4.12])
+    for demo, modulus, strength, ratio, top in (
+        (points, 1.36, 0.37, 0.85, 0.27), (linear, 1.36, 0.358, 0.85, 0.204),
+        (bilinear, 1.52, 0.225, 0.92, 0.17),
+    ):  # fmt: skip
+        template = demo.template
+        assert template.material == mf.Material(modulus, 0.5)
+        assert template.friction == mf.Friction(strength, ratio)
+        assert (template.block, template.count) == (mf.Block(20.0, 20.0, 7.2), 64)
+        assert (demo.model, demo.seed, demo.part.alignment_height) == (mf.Independent(), 0, 0.4)
+        np.testing.assert_allclose(template.height, top, rtol=1e-15)
+        np.testing.assert_array_equal(np.ptp(template.position, axis=0), [10.5, 10.5])
+
+
+def test_a_design_uses_all_keys():
+    lattice = 'shape = [4, 4]\npitch = "1.5 mm"'
+    found = spec(
+        target='kind = "linear"\nslope = 4.5', lattice=lattice, tools='radii = ["526 um", "300 um"]',
+        sites='empty = [5]\npinned = [2]\nheights = ["100 um"]', layout="seed = 3",
+    )  # fmt: skip
+    result = found.design()
+    assert dict(result.pinned) == {5: None, 2: 0.1}
+    assert result.surface.height[result.sites == 2] == 0.1
+    same = mf.design(
+        found.target, found.template, limits=mf.Limits(0.12, offset=0.084, pinned={5: None, 2: 0.1}), rng=3,
+        tools=[0.526, 0.3], common_radius=True,
+    )  # fmt: skip
+    np.testing.assert_array_equal(result.surface.height, same.surface.height)
+    draft = found.design(draft=True)
+    assert (draft.target, dict(draft.pinned)) == (found.target, {5: None, 2: 0.1})
+    soft = spec(lattice=f'{lattice}\nradius = "526 um"', checks='hardness = "0.4 MPa"').design()
+    assert soft.law.model == mf.Independent(mf.KogutEtsion(0.4))
+    assert found.with_chord_error(0.002).part.chord_error == 0.002
+
+
+def test_the_cost_of_many_sites_is_told():
+    facts = []
+    with listening(lambda step, done: None, facts.append):
+        tell_cost(64)
+        tell_cost(1_000_000)
+    (fact,) = facts
+    assert fact.startswith("1,000,000 sites: about 45 s and 1.7 GiB of memory")
+
+
+def test_all_problems_are_listed_and_survive_a_process():
+    with pytest.raises(mf.InvalidInput) as caught:
+        parsed(text().replace('"1.5 mm"', "1.5").replace('"120 um"', "120"), name="mine.toml")
+    error = caught.value
+    assert [problem.key for problem in error.problems] == ["lattice.pitch", "limits.max_height"]
+    assert str(error) == "\n".join(f"mine.toml: {problem}" for problem in error.problems)
+    assert str(pickle.loads(pickle.dumps(error))) == str(error)
+
+
+# Keys of the manual that exclude others, and a table that is not there.
+COMMON = {
+    *("load", "friction_force", "friction_coefficient", "friction_coefficients", "file", "radius", "caps"),
+    *("shear_strengths", "exponent_range", "exponent_step", "coefficient"),
+}
+FIRST = {*("composite_modulus", "radius_range", "step", "mixed", "lowest_force", "highest_force"), *COMMON}
+SECOND = {
+    *("young_modulus", "rescaled_load", "rescaled_friction", "lowest", "highest", "slope", "slopes", "file"),
+    *("radius", "radii", "caps", "shear_strengths", "exponent_range", "exponent_step", "coefficient"),
+}
+THIRD = FIRST - {"radius"} | {"radii"}
+KEYS = all_keys()
+KINDS = sorted({key.kind for key in KEYS if key.section == "target"})
+
+
+def made(kind, law, left_out):
+    """Return the text of a specification of the manual's examples."""
+    lines, chosen = [], {"target": kind, "contact": law}
+    for section in Sections.model_fields:
+        absent = {"file"} if section == "contact" else left_out
+        keys = [
+            key for key in KEYS
+            if key.section == section and key.kind in (None, chosen.get(section)) and key.name not in absent
+        ]  # fmt: skip
+        lines += [f"[{section}]"] if keys or section in chosen else []
+        lines += [f'kind = "{chosen[section]}"'] if section in chosen else []
+        lines += [f"{key.name} = {as_toml(key.example)}" for key in keys]
+    return "\n".join(lines).replace('"layer"', '"layer"' if law == "hertz" else '"independent"')
+
+
+@pytest.mark.parametrize("left_out", [FIRST, SECOND, THIRD], ids=["either", "or", "one radius"])
+def test_the_examples_of_the_manual_make_specifications_that_follow_the_schema(left_out):
+    editor = Draft7Validator(schema())
+    for kind, law in [*((kind, "hertz") for kind in KINDS), *(("linear", law) for law in contacts())]:
+        parsed(made(kind, law, left_out))
+        assert list(editor.iter_errors(tomllib.loads(made(kind, law, left_out)))) == []
+
+
+def test_the_manual_lists_every_section_kind_and_key():
+    whole = manual()
+    for form in section_forms():
+        if "." not in form.name:
+            words = "optional: " * form.optional + re.escape(form.meaning)
+            assert re.search(rf"^\[{form.name}\] +# {words}$", whole, re.MULTILINE)
+            assert all(f'\nkind = "{kind}"' in whole for kind in form.kinds)
+    assert [form.name for form in section_forms() if "." not in form.name] == list(Sections.model_fields)
+    assert all(f"\n{key.name} = {as_toml(key.example)}" in whole for key in KEYS)
+    lines = {line.split("=")[0].strip(): line for line in whole.splitlines()}
+    for name, start in {
+        "poisson_ratio": "optional, default 0.5: ", "hardness": "optional: ", "slope": "either: ",
+        "max_height": "of the summits", "formats": 'optional, default ["stl"]: ',
+    }.items():  # fmt: skip
+        assert f"# {start}" in lines[name]
+
+
+def test_forms_describe_the_values_of_keys():
+    kinds = {"quantity": str, "text": str, "number": float, "integer": int, "truth": bool, "section": dict}
+    for key in KEYS:
+        entries = key.example if key.listed else [key.example]
+        entries = [part for entry in entries for part in (entry if isinstance(entry, list) else [entry])]
+        if key.example is not None:
+            assert {type(entry) for entry in entries} == {kinds[key.value]}, key
+            assert key.pairs == (key.example != entries and key.listed and key.value == "quantity")
+        assert bool(key.units) == (key.value == "quantity")
+        assert not key.units or all(entry.split(" ")[1] in key.units for entry in entries)
+        assert not key.names or set(entries) <= set(key.names)
+    forms = {form.name: form for form in section_forms()}
+    needed = {
+        (name, kind): [key.name for key in keys if key.needed]
+        for name, form in forms.items() for kind, keys in form.keys.items()
+    }  # fmt: skip
+    assert needed["target", "sampled"] == ["rescaled_load", "rescaled_friction"]
+    assert needed["lattice", ""] == ["shape", "pitch"]
+    assert [key.name for key in KEYS if key.several] == ["shear_strength", "area_ratio"]
+    assert (forms["robust"].fewest, forms["limits"].fewest) == (1, 0)
+    assert list(forms["contact.cap"].kinds) == ["hertz", "elastic", "sphere", "power", "profile"]
+
+
+def test_the_schema_describes_every_key_and_is_replaced_only_if_metafem_wrote_it(tmp_path):
+    found, path = schema(), tmp_path / SCHEMA_FILE
+    Draft7Validator.check_schema(found)
+    for key in KEYS:
+        described = found["properties"][key.section]["properties"][key.name]
+        assert key.meaning in described["description"]
+        assert key.example is None or key.example in described["examples"]
+    for name in DEMOS:
+        assert f"#:schema ./{SCHEMA_FILE}\n" in demo_text(name)
+        assert Draft7Validator(found).is_valid(tomllib.loads(demo_text(name)))
+    write_schema(path)
+    assert json.loads(path.read_text("utf-8")) == found
+    write_schema(path)  # it holds the schema already
+    assert place_schema(tmp_path) is None
+    older = schema_text().replace('"additionalProperties": false', '"additionalProperties": true')
+    path.write_text(older, "utf-8")
+    assert str(path) in place_schema(tmp_path)
+    with pytest.raises(mf.InvalidInput, match="exists"):
+        write_schema(path)
+    write_schema(path, force=True)
+    assert path.read_text("utf-8") == schema_text()
+    path.write_text("{}", "utf-8")
+    with pytest.raises(mf.InvalidInput, match="not written by metafem"):
+        write_schema(path, force=True)
+
+
+# Sections that the parser and the schema refuse.
+UNKNOWN = [
+    {"target": "slope = 6.87"}, {"target": 'kind = "linaer"\nslope = 6.87'}, {"target": 'kind = "linear"'},
+    {"target": 'kind = "linear"\nslope = 6\nfriction_coefficient = 1'}, {"limits": "max_height = 120"},
+    {"target": 'kind = "linear"\nslopes = [6, 7]'}, {"target": 'kind = "linear"\nslope = "6"'},
+    {"limits": 'max_height = "120 MPa"'}, {"limits": ""}, {"limits": None}, {"limit": ""}, {"robust": ""},
+    {"lattice": SHAPE}, {"tools": ""}, {"tools": 'radii = ["1 mm"]'}, {"tools": "radii = []"},
+    {"lattice": SHAPE, "tools": 'radii = ["0 mm"]'}, {"lattice": SHAPE, "tools": 'radius_range = ["2 mm"]'},
+    {"layout": "seed = -1"}, {"layout": "seed = true"}, {"layout": 'follow_law = "yes"'},
+    {"part": 'formats = ["step"]'}, {"part": 'chord_error = "0 um"'}, {"checks": 'hardness = "-1 MPa"'},
+    {"model": 'kind = "flat"'}, {"sites": "empty = [-3]"}, {"cell": 'width = "0 mm"'},
+    {"contact": 'kind = "jkr"\nadhesion_energy = "9 mJ/m^2"\ncap.kind = "jkr"'},
+    {"contact": 'kind = "tabulated"'}, {"cap": 'kind = "power"'},
+]  # fmt: skip
+
+
+def test_what_the_parser_refuses_is_marked_by_the_schema():
+    editor = Draft7Validator(schema())
+    assert editor.is_valid(tomllib.loads(text()))
+    for sections in UNKNOWN:
+        assert not editor.is_valid(tomllib.loads(text(**sections))), sections
+        with pytest.raises(mf.InvalidInput):
+            spec(**sections)

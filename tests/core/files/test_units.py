@@ -1,0 +1,94 @@
+"""The factor of each unit, and numbers with units."""
+
+import math
+import re
+from fractions import Fraction
+
+import pytest
+
+from metafem.errors import InvalidInput
+from metafem.files import converted, quantity, units, written_unit
+from metafem.files.units import EXAMPLES, USUAL, decimal, factor, option_names, pattern, written_units
+
+PSI = Fraction("0.45359237") * Fraction("9.80665") / Fraction("0.0254") ** 2 / 10**6  # its definition
+
+# Size of each usual unit in the package's unit.
+SIZES = {
+    "mm": {
+        "nm": "1e-6", "um": "1e-3", "µm": "1e-3", "μm": "1e-3", "mm": "1", "cm": "10", "m": "1e3", "inch": "25.4"
+    },
+    "mm^2": {"um^2": "1e-6", "µm^2": "1e-6", "μm^2": "1e-6", "mm^2": "1", "cm^2": "100", "m^2": "1e6"},
+    "N": {"uN": "1e-6", "µN": "1e-6", "μN": "1e-6", "mN": "1e-3", "N": "1", "kN": "1000"},
+    "N/mm": {"mJ/m^2": "1e-6", "J/m^2": "1e-3", "uN/mm": "1e-6", "mN/m": "1e-6", "N/m": "1e-3", "N/mm": "1"},
+    "MPa": {"Pa": "1e-6", "kPa": "1e-3", "MPa": "1", "GPa": "1e3", "N/mm^2": "1", "bar": "0.1", "psi": PSI},
+    "rad": {"deg": math.pi / 180, "°": math.pi / 180, "mrad": "1e-3", "rad": "1"},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("unit", SIZES)
+def test_each_unit_has_its_factor_and_no_other_dimension(unit, monkeypatch):
+    assert USUAL[unit] == tuple(SIZES[unit])
+    for known in (units._KNOWN, {}):  # the table, and pint
+        monkeypatch.setattr(units, "_KNOWN", known)
+        factor.cache_clear()
+        for name, size in SIZES[unit].items():
+            found, size = factor(name, unit), Fraction(size)
+            assert found == size or (unit == "rad" and math.isclose(found, size, rel_tol=1e-15))
+            for other in EXAMPLES.keys() - {unit}:
+                with pytest.raises(InvalidInput, match=f'has the unit "{re.escape(name)}", '):
+                    factor(name, other)
+    factor.cache_clear()
+
+
+def test_each_unit_is_read_in_all_spellings_and_matched_by_its_pattern_alone():
+    for unit, name, size in ((unit, *pair) for unit, sizes in SIZES.items() for pair in sizes.items()):
+        for square in ("^2", "2", "**2", "²"):
+            text = f"1.5 {name.replace('^2', square)}"
+            assert math.isclose(converted(text, unit), 1.5 * float(Fraction(size)), rel_tol=1e-15)
+            assert [other for other in USUAL if re.search(pattern((other,)), text)] == [unit]
+        assert re.search(pattern((unit,)), EXAMPLES[unit])
+
+
+def test_prefixes_are_those_of_the_si():
+    for prefix, size in {"p": "1e-12", "n": "1e-9", "u": "1e-6", "m": "1e-3", "k": "1e3", "M": "1e6"}.items():
+        assert factor(f"{prefix}m", "mm") == 1000 * Fraction(size)
+        assert factor(f"{prefix}N", "N") == Fraction(size)
+        assert factor(f"{prefix}Pa", "MPa") == Fraction(size) / 10**6
+
+
+def test_a_quantity_is_rounded_once():
+    for text, unit, value in (
+        ("526um", "mm", 0.526), (" 0.526 mm ", "mm", 0.526), ("5.26e-4 m", "mm", 0.526),
+        ("120.1 um", "mm", 0.1201),
+        ("-.5 mm", "mm", -0.5), ("+1. mm", "mm", 1.0), ("0.5 mm*mm", "mm^2", 0.5), ("85 %", "%", 0.85),
+        ("3%", "%", 0.03), ("0.85", "1", 0.85), ("180 deg", "rad", math.pi), ("526 microns", "mm", 0.526),
+    ):  # fmt: skip
+        assert quantity("key", text, unit) == value
+
+
+def test_decimals_are_exact_fractions():
+    assert decimal("-12.5e-3") == Fraction(-1, 80)
+    for wrong in ("1e9999", "1_0", "0x1", "nan", "1 ", "٣"):
+        with pytest.raises(ValueError, match=re.escape(wrong)):
+            decimal(wrong)
+
+
+def test_patterns_of_positive_quantities_hold_the_numbers_above_zero():
+    above = re.compile(pattern(("mm",), positive=True))
+    for text in ("1e-30 mm", "0.001 um", "10 mm", "+3.5e10mm", "9" * 40 + " mm", ".5 cm"):
+        assert above.search(text)
+        assert converted(text, "mm") > 0.0
+    for text in ("0 mm", "0.0e5 mm", "-1 mm", "- 1 mm", "mm", "1.2.3 mm", "1 N", "1"):
+        assert not above.search(text)
+    assert re.search(pattern(("mm", "N")), "-0.0e-5 N")
+
+
+def test_errors_repeat_the_unit_that_was_written():
+    assert written_unit([["120 um"], "3 mm"]) == ("um", 1e-3)
+    assert [written_unit(value) for value in ("6", 6.0, "6 foo", "high", [])] == [None] * 5
+    found = option_names({"contact_radius": "3 um", "rng": None})
+    assert (found.names["contact_radius"], found.units) == (
+        "--contact-radius",
+        {"contact_radius": ("um", 1e-3)},
+    )
+    assert written_units({"limits": {"offset": "2 m", "n": 3}, "a": 1}) == {"limits.offset": ("m", 1e3)}
