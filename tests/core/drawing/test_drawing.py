@@ -1,0 +1,294 @@
+"""What figures show, and where: data on axes, pictures in pages, cards of notebooks and files of papers."""
+
+import re
+from urllib.parse import unquote
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem import drawing
+from metafem.drawing import calibration, card, contacts, diagnosis, paper, topography
+from metafem.drawing.inline import drawn, themed
+
+X = np.array([1.0, 2.0, 4.0])
+PLACES = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [0.0, 1.0]])
+
+
+@pytest.fixture
+def ax():
+    return drawing.new_figure(5.0, 4.0).add_subplot()
+
+
+def points(line):
+    return np.column_stack(line.get_data()).tolist()
+
+
+def labels(ax):
+    return [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def names(ax):
+    return ax.get_xlabel(), ax.get_ylabel()
+
+
+def bars(container):
+    """Return the ends of error bars along x and y, or along y alone, (n, 2) each."""
+    along = ([0, 1] if len(container.lines[2]) == 2 else [1])[: len(container.lines[2])]
+    return [np.array(each.get_segments())[:, :, k] for each, k in zip(container.lines[2], along, strict=True)]
+
+
+def test_a_surface_is_drawn_at_its_places_and_heights(rough, ax):
+    assert rough.plot(ax) is ax
+    dots = ax.collections[0]
+    np.testing.assert_array_equal(dots.get_offsets(), rough.position)
+    np.testing.assert_allclose(dots.get_array(), 1e3 * rough.height, rtol=1e-15)
+    np.testing.assert_allclose(dots.get_widths(), 0.8 * drawing.spacing(rough.position), rtol=1e-12)
+    assert (ax.get_legend(), ax.get_aspect(), names(ax)) == (None, 1.0, ("x [mm]", "y [mm]"))
+    (edge,) = ax.patches  # of the block
+    assert (*edge.get_xy(), edge.get_width(), edge.get_height()) == (-10.0, -10.0, 20.0, 20.0)
+    ax.figure.clear()
+    ax = ax.figure.add_subplot()
+    rough.replaced(radius=np.where(np.arange(64) % 2, 0.3, 0.6)).plot(ax)
+    size = ax.collections[0].get_widths()
+    assert size[1] / size[0] == pytest.approx(0.5, rel=1e-12)
+    assert labels(ax) == ["R = 300 µm", "R = 600 µm"]
+    many = drawing.new_figure(5.0, 4.0).add_subplot()
+    rough.replaced(radius=np.linspace(0.3, 0.6, 64)).plot(many)
+    assert labels(many) == ["R = 300 µm", "R = 450 µm", "R = 600 µm"]
+    assert drawing.spacing(PLACES) == pytest.approx(np.sqrt(3.0 / 4.0))
+    assert (drawing.spacing(PLACES[:2]), drawing.spacing(PLACES[:1])) == (1.5, 1.0)
+
+
+def test_a_law_is_drawn_rescaled_or_in_newtons(template, ax):
+    law = mf.friction_law(template, load=[0.1, 0.2])
+    law.plot(ax, label="rescaled")
+    assert points(ax.lines[0]) == [[0.0, 0.0], *map(list, zip(law.rescaled_load, law.area, strict=True))]
+    assert names(ax) == ("rescaled load  P/E* [mm²]", "rescaled friction  F/(σB) [mm²]")
+    law.plot(ax, units="N")
+    assert points(ax.lines[1]) == [[0.0, 0.0], *map(list, zip(law.load, law.friction_force, strict=True))]
+    assert names(ax) == ("load  P [N]", "friction force  F [N]")
+    bare = mf.friction_law(template.replaced(friction=None), load=[0.1])
+    for wrong, units, value in ((bare, "N", "friction_force"), (law, "kN", "'kN'")):
+        with pytest.raises(mf.InvalidInput, match=value):
+            wrong.plot(ax, units=units)
+    assert len(ax.lines) == 2
+
+
+@pytest.mark.parametrize(
+    ("target", "words"),
+    [
+        (mf.OperatingPoints([0.1, 0.2, 0.4], [0.8, 1.5, 2.9]), ["achieved", "target"]),
+        (mf.LinearLaw(7.5, load_range=(0.02, 0.1)), ["achieved", "target"]),
+        (mf.LinearLaw(6.87), ["achieved", "law of the height density", "target slope"]),
+    ],
+    ids=["points", "line", "density"],
+)
+def test_a_design_is_drawn_beside_its_target(target, words, template, ax):
+    design = mf.design(target, template, limits=mf.Limits(0.16, offset=0.084))
+    assert design.plot(ax) is ax
+    assert [label.split(",")[0] for label in labels(ax)] == words
+    np.testing.assert_array_equal(ax.lines[0].get_ydata()[1:], design.law.area)
+    x, y = (np.array(values) for values in ax.lines[1].get_data())
+    np.testing.assert_array_equal(x, design.target_law.load)
+    achieved = np.interp(x, design.law.rescaled_load, design.law.area)
+    # between the points of the drawn law A0 is interpolated, to half a percent here
+    assert np.sqrt(np.mean((y / achieved - 1.0) ** 2)) < design.misfit + 5e-3
+
+
+def test_marks_and_grids_are_drawn_to_scale(ax):
+    drawing.rings(ax, PLACES, 0.5)
+    (rings,) = ax.collections
+    assert (rings.get_widths().tolist(), rings.get_facecolor().size) == ([0.5] * 4, 0)
+    drawing.empty_sites(ax, PLACES[:2])
+    np.testing.assert_array_equal(ax.collections[1].get_offsets(), PLACES[:2])
+    drawing.grids(ax, np.array([[1.0, 2.0]]), 0.5, [np.array([[0.0, 3.0], [1.0, 2.0], [4.0, 0.0]])], "p")
+    (image,) = ax.images
+    assert image.get_extent() == [0.75, 2.25, 1.75, 2.75]
+    assert image.get_array().tolist() == [[None, 1.0, 4.0], [3.0, 2.0, None]]
+    assert (image.get_clim(), ax.figure.axes[1].get_ylabel()) == ((0.0, 4.0), "p")
+    scale = drawing.height_scale(np.array([0.1, 0.2]))
+    assert (scale.norm.vmin, scale.norm.vmax) == (100.0, 200.0)
+    forth, back = drawing.scaling(4.0)
+    assert (forth(0.5), back(2.0)) == (2.0, 0.5)
+    figure = drawing.new_figure(10.0, 5.0, (1.0, 2.0, 0.5, 1.5))
+    place = figure.subplotpars
+    assert (place.left, place.right, place.bottom, place.top) == pytest.approx((0.1, 0.8, 0.1, 0.7))
+    assert figure.get_size_inches().tolist() == [10.0, 5.0]
+
+
+def test_onsets_and_trade_offs_are_drawn(ax):
+    drawing.onset(ax, X, 0.1 * X)
+    assert points(ax.lines[0]) == [[0.0, 0.0], [1.0, 0.1], [2.0, 0.2], [4.0, 0.4]]
+    assert points(ax.lines[1]) == [[1.0, 0.1], [2.0, 0.2]]
+    assert names(ax) == ("tangential displacement  x [µm]", "friction force  F [N]")
+    both = drawing.new_figure(5.0, 4.0).add_subplot()
+    drawing.trade_off(both, PLACES, 2, ["a", "b"])
+    assert (points(both.lines[0]), points(both.lines[1])) == (PLACES.tolist(), [[3.0, 1.0]])
+    assert (names(both), len(labels(both))) == (("a", "b"), 2)
+
+
+@pytest.mark.parametrize("shape", [(40, 60), (2001, 3500)])
+def test_an_image_lies_in_its_frame(ax, shape):
+    image = np.zeros(shape)
+    image[: shape[0] // 2] = 1.0  # the upper half is bright
+    contacts.picture(ax, image, 0.01)
+    (shown,) = ax.images
+    left, right, low, high = shown.get_extent()
+    values = np.asarray(shown.get_array())
+    assert (values[0, 0], values[-1, 0], ax.get_xlim()) == (1.0, 0.0, (0.0, 0.01 * shape[1]))
+    assert (left, high) == pytest.approx((0.0, 0.01 * shape[0]))
+    assert (high - low) / values.shape[0] == pytest.approx((right - left) / values.shape[1])
+    assert (0.01 * shape[1] - right, low) == pytest.approx((0.0, 0.0), abs=0.03)
+    assert max(values.shape) <= 1600
+    width, height = contacts.picture_figure(*shape[::-1]).get_size_inches()
+    assert (width, height) == pytest.approx((8.0, 8.0 * shape[0] / shape[1] + 0.7))
+
+
+def test_contacts_are_ellipses_to_scale(ax):
+    contacts.heading(ax, "1.tif")  # matplotlib warns of an empty legend
+    assert (ax.get_legend(), ax.get_title(loc="left")) == (None, "1.tif")
+    centre, axes = np.array([[1.0, 2.0], [3.0, 4.0]]), np.array([[0.3, 0.2], [0.1, 0.1]])
+    contacts.outlines(ax, centre, axes, np.array([0.5, 0.0]), contacts.MEASURED, "measured")
+    (shown,) = ax.collections
+    np.testing.assert_array_equal(shown.get_offsets(), centre)
+    np.testing.assert_allclose(shown.get_widths(), 2.0 * axes[:, 0])
+    np.testing.assert_allclose(shown.get_heights(), 2.0 * axes[:, 1])
+    np.testing.assert_allclose(shown.get_angles(), np.degrees([0.5, 0.0]))
+    contacts.crosses(ax, centre, "open")
+    contacts.numbers(ax, centre, ["7", "8"], contacts.OPEN)
+    contacts.heading(ax, "1.tif")
+    assert (labels(ax), points(ax.lines[-1])) == (["2 measured", "2 open"], centre.tolist())
+    assert [(text.get_text(), text.xy) for text in ax.texts] == [("7", (1.0, 2.0)), ("8", (3.0, 4.0))]
+    contacts.outlines(ax, centre[:0], axes[:0], np.zeros(0), contacts.STRAY, "of no site")
+    contacts.crosses(ax, centre[:0], "open")
+    assert (len(ax.collections), len(ax.lines)) == (1, 2)
+
+
+def test_fits_have_their_points_bars_and_residuals():
+    figure, places = calibration.with_residuals(2)
+    (law, below), _ = places
+    assert (len(figure.axes), figure.get_size_inches().tolist()) == (4, [9.2, 4.6])
+    assert law.get_shared_x_axes().joined(law, below)
+    calibration.measured(law, X, 2.0 * X, 0.1 * X, 0.2 * X, "points")
+    calibration.fitted(law, X, 2.0 * X, "law")
+    calibration.residuals(below, X, X - 2.0)
+    across, up = bars(law.containers[0])
+    np.testing.assert_allclose(across, np.column_stack([0.9 * X, 1.1 * X]))
+    np.testing.assert_allclose(up, np.column_stack([1.8 * X, 2.2 * X]))
+    assert (points(law.lines[-1]), points(below.lines[-1])) == (
+        np.column_stack([X, 2.0 * X]).tolist(), np.column_stack([X, X - 2.0]).tolist(),
+    )  # fmt: skip
+    ax = places[1][0]
+    calibration.proportional(ax, X, 2.0 * X, 0.1 * X, 0.2 * X, 2.5)
+    np.testing.assert_allclose(points(ax.lines[-1]), [[0.0, 0.0], [4.2, 10.5]])
+
+
+def test_errors_of_a_part_are_drawn_in_their_units(ax):
+    topography.height_errors(ax, PLACES, np.array([1e-3, -2e-3, 0.0, 0.0]), PLACES[:1])
+    dots = ax.collections[0]
+    assert (dots.get_array().tolist(), dots.get_clim()) == ([1.0, -2.0, 0.0, 0.0], (-2.0, 2.0))
+    first, second, third, fourth = drawing.new_figure(9.0, 9.0).subplots(2, 2).ravel()
+    topography.errors_over_height(first, 0.1 * X, 1e-3 * X, 1e-4 * X, 2e-3 * X)
+    np.testing.assert_allclose(points(first.lines[1]), np.column_stack([100.0 * X, X]))
+    np.testing.assert_allclose(points(first.lines[2]), np.column_stack([100.0 * X, 2.0 * X]))
+    np.testing.assert_allclose(bars(first.containers[0])[0], np.column_stack([0.9 * X, 1.1 * X]))
+    topography.residual_map(second, np.array([[1e-3, np.nan], [-3e-3, 0.0]]), 2.0, 1.0)
+    (image,) = second.images
+    assert (image.get_extent(), image.get_array().tolist()) == (
+        [0.0, 2.0, 0.0, 1.0],
+        [[1.0, None], [-3.0, 0.0]],
+    )
+    assert image.get_clim() == pytest.approx((-2.96, 2.96))  # 99 % of the range
+    topography.made_law(third, X, 2.0 * X, 3.0 * X)
+    assert (labels(third), third.lines[1].get_ydata().tolist()) == (
+        ["designed", "made"],
+        [0.0, 3.0, 6.0, 12.0],
+    )
+    diagnosis.heights(fourth, X, 0.5 * X, 2.0)
+    np.testing.assert_allclose(bars(fourth.containers[0])[0], np.column_stack([0.5 * X, 1.5 * X]))
+    assert (fourth.patches[0].get_y(), fourth.patches[0].get_height()) == (-2.0, 4.0)
+    ax = drawing.new_figure(5.0, 4.0).add_subplot()
+    diagnosis.posteriors(ax, ["a", "b", "c"], X, 0.5 * X)
+    assert [text.get_text() for text in ax.get_yticklabels()] == ["a", "b", "c"]
+    (line,) = ax.containers[0].lines[2]
+    np.testing.assert_allclose(np.array(line.get_segments())[:, :, 0], np.column_stack([0.5 * X, 1.5 * X]))
+    assert (ax.get_xlim(), ax.get_ylim()) == (pytest.approx((-6.9, 6.9)), (2.5, -0.5))
+
+
+def test_figures_of_papers_have_their_size_scales_and_one_legend():
+    for width, height, side in ((90.0, 120.0, "right"), (180.0, 60.0, "right"), (120.0, 110.0, "bottom")):
+        figure, first, second, found = paper.two_parts(width, height)
+        np.testing.assert_allclose(25.4 * figure.get_size_inches(), (width, height))
+        assert (found, first.get_title(loc="left"), second.get_title(loc="left")) == (side, "a", "b")
+    first.plot(X, X, label="law")
+    first.legend()
+    paper.scaled_axes(first, (2.0, "x [m]"), (3.0, "y [m]"))
+    first.set(xlim=(0.0, 4.0), ylim=(0.0, 4.0))
+    text = paper.saved(figure, "A law", "svg")
+    across, up = first.child_axes
+    assert (across.get_xlim(), up.get_ylim()) == ((0.0, 8.0), (0.0, 12.0))
+    assert (across.get_xlabel(), up.get_ylabel(), first.get_legend()) == ("x [m]", "y [m]", None)
+    assert [each.get_text() for each in figure.legends[0].get_texts()] == ["law"]
+    assert text.startswith(b"<svg")
+    figure.legends[0].remove()
+    assert paper.saved(figure, "A law", "pdf").startswith(b"%PDF")
+
+
+def test_pictures_of_pages_are_equal_small_and_in_the_colours_of_the_page(ax):
+    ax.plot([0.0, 1.0 / 3.0], [1.0, 2.0], "o-", color=drawing.ACHIEVED, label='a "name" at 1.23456 & #5')
+    drawing.finished(ax.figure)
+    assert not ax.spines["top"].get_visible()
+    plain = drawing.svg(ax.figure, "heights & <places>")
+    assert plain == drawing.svg(ax.figure, "heights & <places>")
+    assert plain.startswith("<svg")
+    assert "<title>heights &amp; &lt;places&gt;</title>" in plain
+    text = themed(plain)
+    assert len(text) < 0.8 * len(plain)
+    assert "at 1.23456 &amp; #5" in text  # digits of words stay
+    assert text.count("<use") == plain.count("<use") > 0
+    for reference in {part.split('"')[0] for part in plain.split('href="#')[1:]}:
+        assert f'id="{reference}"' in text
+    for colour, name in (("#000000", "--ink"), ("#ffffff", "--paper"), (drawing.ACHIEVED, "--achieved")):
+        assert 0 < text.count(colour) == text.count(f"var({name}, {colour})")
+    first = drawn(ax.figure, "A law: µ / 2", "See")
+    assert first == drawn(ax.figure, "A law: µ / 2", "See")
+    assert (first.file_name, first.caption) == ("a_law_2.csv", "See")
+    kind, _, data = first.link.partition(",")
+    assert (kind, unquote(data)) == ("data:text/csv;charset=utf-8", first.csv)
+    assert not set(data) & set("\"'<># \n")
+
+
+def test_results_show_their_facts_in_a_notebook(template):
+    pair = mf.Surface([[0.0, 0.0], [1.0, 0.0]], [0.1, 0.11], 0.526, mf.Material(1.36))
+    for value, pictured in (
+        (template, True), (mf.friction_law(pair), True), (mf.equilibrium(template, load=0.1), True),
+        (mf.equilibrium(pair, load=0.1), False),
+    ):  # fmt: skip
+        text = value._repr_html_()
+        root = ElementTree.fromstring(text)
+        words = " ".join(" ".join(root.itertext()).split())
+        for name, fact in value._facts().items():
+            assert f"{name} {' '.join(fact.split()).replace('mm^2', 'mm²')}" in words
+        elements = {element.tag.rpartition("}")[2] for element in root.iter()}
+        assert ("svg" in elements, "script" in elements) == (pictured, False)
+        assert not re.findall(r"(?:src|href)=\"(?!#|data:)", text)
+    assert "&lt;b&gt;" in card.card("<b>", {"a": "<b>"})
+    x = np.arange(12_345.0)
+    kept, same = card.thinned(x, 2.0 * x)
+    assert (kept[0], kept[-1], len(kept)) == (0.0, 12_344.0, 1000)
+    assert np.array_equal(same, 2.0 * kept)
+    assert len(card.thinned(x[:7])[0]) == 7
+    ax = drawing.new_figure(3.0, 2.0).add_subplot()
+    card.distribution(ax, x, "h")
+    assert (sum(bar.get_height() for bar in ax.patches), ax.get_xlabel()) == (12_345.0, "h")
+
+
+def test_without_axes_pyplot_shows_the_picture(template):
+    from matplotlib import pyplot
+
+    before = pyplot.get_fignums()
+    figure = template.plot().figure
+    assert set(pyplot.get_fignums()) - set(before) == {figure.number}
+    pyplot.close(figure)

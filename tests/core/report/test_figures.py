@@ -1,0 +1,316 @@
+"""The figures and sections of the page show the numbers of the design, its law, its studies and its checks."""
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from matplotlib.collections import EllipseCollection
+
+import metafem as mf
+from metafem import report
+from metafem.calibration import MeasuredLaw, Priors, compare, explain
+from metafem.drawing import TARGET
+from metafem.reference import single_contacts
+from metafem.report import elements, study_figures
+from metafem.report.comparison import compared
+from metafem.report.figures import comparison_figure, force_figure, law_figure, sensitivity_figure
+from metafem.report.relief import projected, relief
+from metafem.report.sections.exactness import QUESTIONS, exactness_section
+from metafem.report.sections.explanation import errors_figure, explanation_section, heights_figure
+from metafem.report.sections.measured import measured_figure, measured_section
+from metafem.report.sections.sliding import sliding_section
+from metafem.report.views import MOST_SHAPED, contact_figure, height_figure, shape_figure
+from metafem.studies.measurements import explained, measured
+from tests.core.report.test_page import LATTICE, POINTS
+
+MATERIAL = LATTICE.material
+
+
+@pytest.fixture(scope="module")
+def design():
+    return mf.design(POINTS, LATTICE, limits=mf.Limits(0.16))
+
+
+def of_surface(design, surface, load=0.5):
+    """Return a design whose surface is this one, its law drawn up to a load [N]."""
+    law = mf.friction_law(surface, load=[load])
+    return replace(design, surface=surface, template=surface, sites=np.arange(surface.count), law=law)
+
+
+def test_laws_are_drawn_with_their_target_reach_and_forces(design):
+    law, strength = design.law, 0.358 * 0.85
+    above, below = law_figure(design).axes
+    np.testing.assert_array_equal(above.lines[0].get_ydata()[1:], law.area)
+    top, right = above.child_axes
+    below.figure.draw_without_rendering()
+    assert top.get_xlim()[1] / above.get_xlim()[1] == pytest.approx(1.36)
+    assert right.get_ylim()[1] / above.get_ylim()[1] == pytest.approx(strength)
+    left, right = force_figure(design, design.surface.friction).axes
+    np.testing.assert_allclose(left.lines[0].get_ydata()[1:], strength * law.area, rtol=1e-12)
+    np.testing.assert_allclose(right.lines[0].get_ydata(), strength * law.area / law.load, rtol=1e-12)
+    np.testing.assert_allclose(
+        np.array(left.lines[1].get_data()), [[0.0272, 0.068], strength * POINTS.rescaled_friction]
+    )
+    np.testing.assert_allclose(
+        right.lines[1].get_ydata(), strength * POINTS.rescaled_friction / [0.0272, 0.068]
+    )
+    line = mf.design(mf.PowerLaw(0.9, (0.02, 0.05)), LATTICE, limits=mf.Limits(0.16))
+    above, _ = law_figure(line).axes
+    low, high = mf.feasible_region(LATTICE, [0.05], mf.Limits(0.16))
+    corners = above.collections[0].get_paths()[0].vertices
+    at_end = corners[np.isclose(corners[:, 0], 0.05), 1]
+    assert (at_end.min(), at_end.max()) == pytest.approx((low[0], high[0]))
+    for ax in (above, force_figure(line, LATTICE.friction).axes[0]):
+        (wanted,) = [each for each in ax.lines if each.get_color() == TARGET]
+        assert (wanted.get_marker(), wanted.get_linestyle()) == ("None", "--")
+    sloped = mf.design(mf.LinearLaw(6.87), LATTICE, limits=mf.Limits(0.12, offset=0.084))
+    (branch, _), *_ = sloped.fits
+    wanted = force_figure(sloped, LATTICE.friction).axes[1].lines[-1]
+    np.testing.assert_allclose(wanted.get_xdata(), 1.36 * np.array(branch.load_range))
+    np.testing.assert_allclose(wanted.get_ydata(), branch.slope * strength / 1.36)
+
+
+def test_interaction_and_sensitivity_are_drawn(design):
+    comparisons, left_out = compared(design)
+    assert [each.name for each in comparisons] == ["half-space", "layer"]
+    assert "true block is left out" in left_out[0].text
+    _, first, _ = comparison_figure(comparisons).axes[0].lines
+    other = mf.friction_law(design.surface, mf.Interacting(), load=design.law.load)
+    np.testing.assert_allclose(first.get_ydata(), 100.0 * (other.area / design.law.area - 1.0), atol=1e-9)
+    np.testing.assert_allclose(first.get_xdata(), design.law.rescaled_load)
+    np.testing.assert_allclose(comparisons[0].sinking, design.law.separation - other.separation, atol=1e-12)
+    own = mf.friction_law(design.surface, mf.MeanField(), load=design.law.load)
+    assert compared(replace(design, law=own))[0][-1].name == "mean-field"
+    crowd = mf.Surface.square_lattice(0.1, (39, 39), radius=0.526, material=MATERIAL)
+    assert compared(of_surface(design, crowd)) == ((), ())
+    (mesh,) = sensitivity_figure(design).axes[0].collections
+    values, order = np.asarray(mesh.get_array()), np.argsort(-design.surface.height)
+    assert values.shape == (len(design.law.load[:: max(1, len(design.law.load) // 33)]), design.surface.count)
+    step, surface = 1e-6, design.surface
+    for column, i in ((0, order[0]), (-1, order[-1])):
+        ends = [surface.height + sign * step * (np.arange(surface.count) == i) for sign in (1.0, -1.0)]
+        high, low = (
+            mf.friction_law(surface.replaced(height=h), load=design.law.load[-1:]).area[0] for h in ends
+        )
+        assert values[-1, column] == pytest.approx((high - low) / (2.0 * step), rel=1e-5, abs=1e-5)
+    assert mesh.get_clim() == pytest.approx((-np.abs(values).max(), np.abs(values).max()))
+
+
+def test_heights_shapes_and_contacts_are_shown(design):
+    empty = design.template.count - design.surface.count
+    ax = height_figure(design).axes[0]
+    assert (len(ax.collections[0].get_offsets()), ax.get_title()) == (
+        empty,
+        f"{empty} sites stay empty (rings)",
+    )
+    lattice = {"radius": 0.526, "material": MATERIAL, "block": mf.Block(20.0, 18.0, 7.2)}
+    few, many = (mf.Surface.square_lattice(0.1, (n, n), pitch=0.6, **lattice) for n in (8, 21))
+    words = [
+        [text.get_text() for text in shape_figure(of_surface(design, each)).axes[0].texts]
+        for each in (few, many)
+    ]
+    assert words == [["x: 20 mm", "y: 18 mm"], ["x: 12 mm", "y: 12 mm"]]  # the whole block, and an excerpt
+    surface = mf.Surface.square_lattice([0.1, 0.1, 0.2, 0.2], (2, 2), radius=0.526, material=MATERIAL)
+    first, _, last = contact_figure(of_surface(design, surface)).axes
+    for ax, count, load in ((first, 2, 0.05), (last, 4, 0.5)):
+        hollow, filled = (part for part in ax.collections if isinstance(part, EllipseCollection))
+        assert (len(hollow.get_offsets()), len(filled.get_offsets())) == (4 - count, count)
+        state = mf.equilibrium(surface, load=load)
+        assert ax.get_title() == f"P = {load:g} N\n{count} of 4 in contact, {state.area:.3g} mm²"
+        diameter = 2.0 * np.sqrt(state.asperity_area[state.asperity_area > 0.0] / np.pi)
+        np.testing.assert_allclose(filled.get_widths(), np.maximum(diameter, 0.1 * 0.75), rtol=1e-9)
+    height = np.full(900, 0.1)
+    height[899] = 0.2
+    crowd = mf.Surface.square_lattice(height, (30, 30), radius=0.526, material=MATERIAL)
+    ax = contact_figure(of_surface(design, crowd, 0.3)).axes[0]
+    low, high = np.array([ax.get_xlim(), ax.get_ylim()]).T
+    assert ((crowd.position[899] > low) & (crowd.position[899] < high)).all()
+    shown = ((crowd.position > low) & (crowd.position < high)).all(axis=1).sum()
+    assert 0.5 * MOST_SHAPED < shown < 1.3 * MOST_SHAPED
+    assert "1 of 900 in contact" in ax.get_title()
+
+
+def test_a_cap_is_drawn_at_its_projection_and_hides_what_is_behind_it():
+    red, corners = np.array([[1.0, 0.0, 0.0, 1.0]]), np.array([[-1.0, -1.0], [1.0, 1.0]])
+    image, (left, right, low, high), factor = relief(
+        np.zeros((1, 2)), np.array([0.5]), np.array([0.5]), red, corners
+    )
+    rows, columns = image.shape[:2]
+
+    def pixel(place, height):
+        u, s = projected(np.array(place), height)
+        row, column = (s - low) / (high - low), (u - left) / (right - left)
+        return image[min(int(row * rows), rows - 1), min(int(column * columns), columns - 1)]
+
+    behind = 0.6 * np.array([-math.sin(math.radians(30.0)), math.cos(math.radians(30.0))])
+    for place, height in (((0.0, 0.0), 0.49), (behind, 0.0)):
+        assert pixel(place, height)[0] > 1.2 * pixel(place, height)[1]
+    assert pixel([0.9, -0.9], 0.0)[0] == pytest.approx(pixel([0.9, -0.9], 0.0)[1])  # the base is grey
+    assert (factor, image[-1, 0, 3]) == (1, 0.0)  # nothing beside the block
+    areas = []
+    for cap in (mf.Sphere(), mf.Power(8)):
+        image, *_ = relief(np.zeros((1, 2)), np.array([0.3]), np.array([0.5]), red, corners, cap)
+        areas.append(int((image[..., 0] > 1.1 * image[..., 1]).sum()))
+    assert areas[0] < areas[1]  # nearly those of the feet
+    assert relief(np.zeros((1, 2)), np.array([0.02]), np.array([0.5]), red, corners)[2] == 20
+    np.testing.assert_allclose(projected(np.array([1.0, 0.0]), 1.0), [
+        math.cos(math.radians(30)), math.cos(math.radians(38)) - 0.5 * math.sin(math.radians(38)),
+    ])  # fmt: skip
+
+
+def test_studies_are_drawn_and_answered(design):
+    made = mf.studies.manufacturing(design.surface, (0.003, 0.001), draws=5)
+    tilted = mf.studies.misalignment(design.surface, [0.0005, 0.001], shuffles=2)
+    inputs = mf.studies.uncertainty(design.surface, {"composite_modulus": 0.04, "radius": 0.002})
+    ax = study_figures.manufacturing_figure({"a": made}).axes[0]
+    line, _, (bars,) = ax.containers[0].lines
+    one = made.sortby("height_sd")
+    np.testing.assert_allclose(line.get_xdata(), [1.0, 3.0])
+    np.testing.assert_allclose(line.get_ydata(), one["slope_mean"] / float(one["nominal_slope"]))
+    span = np.ptp(np.array(bars.get_segments())[:, :, 1], axis=1)
+    np.testing.assert_allclose(span, 2.0 * one["slope_sd"] / float(one["nominal_slope"]))
+    first, *others = study_figures.misalignment_figure({"a": tilted}).axes[0].lines
+    np.testing.assert_allclose(first.get_xdata(), np.degrees([0.0, 0.0005, 0.001]))
+    scatter = 100.0 * tilted["slope_sd"].values / float(tilted["nominal_slope"])
+    np.testing.assert_allclose([line.get_ydata()[1:] for line in (first, *others)], scatter)
+    left, right = study_figures.uncertainty_figure(inputs).axes
+    np.testing.assert_array_equal(left.lines[0].get_ydata()[1:], inputs["friction_force_mean"])
+    weight = inputs["friction_force_sd"].values ** 2
+    for bars, index in zip(right.containers, ("total", "first_order"), strict=True):
+        mean = inputs[f"friction_force_{index}"].values @ weight / weight.sum()
+        np.testing.assert_allclose([bar.get_width() for bar in bars], 100.0 * mean)
+    section = exactness_section({"manufacturing": made, "misalignment": tilted, "uncertainty": inputs})
+    for answer, name in zip(section["answers"], list(QUESTIONS)[:3], strict=True):
+        assert (answer["question"], answer["answer"][-1]) == (QUESTIONS[name].text, ".")
+        assert {len(row) for row in answer["rows"]} == {len(answer["columns"])}
+    assert section["missing"] == [(QUESTIONS["combined"].text, QUESTIONS["combined"].command)]
+    low, high = made.attrs["load_range"]
+    assert f"P/E* = {low:.4g} to {high:.4g} mm²" in section["fitted"]
+    assert exactness_section({})["fitted"] == ""
+
+
+def test_combined_tolerances_are_drawn(design):
+    study = mf.studies.combined(design, mf.Tolerances(0.003))
+    ax = study_figures.combined_figure(study).axes[0]
+    finite = np.isfinite(study["factor"].values)
+    np.testing.assert_allclose([bar.get_width() for bar in ax.patches], study["factor"].values[finite])
+    words = [text.get_text() for text in ax.get_yticklabels()]
+    assert {"all together", "heights, 3 µm (SD)"} >= set(words)
+    assert ax.get_xlabel() == "largest multiple for a probability of 90 %"
+    nothing = study.assign(factor=study["factor"] * np.nan)
+    assert study_figures.combined_figure(nothing) is None
+
+
+def measured_study(design, *factors, **options):
+    load, laws = np.linspace(0.01, 0.06, 14), []
+    for factor, label in zip(factors, ("static", "sliding"), strict=False):
+        force = factor * mf.friction_law(design.surface, load=load).friction_force
+        pair = {"material": MATERIAL, "friction": LATTICE.friction}
+        laws.append(MeasuredLaw(load, friction_force=force, **pair, label=label))
+    return measured([compare(law, design, **options) for law in laws], design.law.model)
+
+
+def test_measured_laws_are_drawn_and_compared(design):
+    bilinear = mf.design(mf.BilinearLaw((7.15, 12.52), 0.02), LATTICE, limits=mf.Limits(0.16))
+    study = measured_study(bilinear, 1.0, 1.1)
+    above, below = measured_figure(bilinear, study).axes
+    drawn = [line.get_ydata() for line in below.lines if line.get_marker() == "o"]
+    np.testing.assert_allclose(drawn[0], 0.0, atol=1e-9)
+    np.testing.assert_allclose(drawn[1], (study.deviation / study.deviation_sd).values[14:])
+    line, _, (across, up) = above.containers[1].lines
+    points = study.isel(point=slice(14, 28))
+    np.testing.assert_array_equal(line.get_xdata(), points.rescaled_load)
+    np.testing.assert_array_equal(line.get_ydata(), points.rescaled_friction)
+    spans = (np.ptp(np.array(bar.get_segments())[:, :, k], axis=1) for k, bar in ((0, across), (1, up)))
+    for span, name in zip(spans, ("rescaled_load_sd", "rescaled_friction_sd"), strict=True):
+        np.testing.assert_allclose(span, 2.0 * points[name])
+    assert above.get_xlim()[1] == pytest.approx(1.08 * (study.rescaled_load + study.rescaled_load_sd).max())
+    names = [text.get_text() for text in above.get_legend().get_texts()]
+    assert {"measured: static", "measured: sliding", "crossover, 68 %: static"} <= set(names)
+    section = measured_section(bilinear, {"measured": measured_study(
+        bilinear, 1.1, parameters={"composite_modulus": 0.04, "area_ratio": 0.01}
+    )})  # fmt: skip
+    assert (section["differs"], section["shaded"]) == (True, True)
+    assert section["bars"] == ", which include the errors of E* and B"
+    assert [row[1].split(",")[0] for row in section["features"]] == ["slope 1", "slope 2", "crossover"]
+    assert measured_section(design, {}) is None
+    for laws in ([], [compare(MeasuredLaw([0.03, 0.06], area=[0.2, 0.4], material=MATERIAL), design)] * 2):
+        with pytest.raises(mf.InvalidInput, match="must be different"):
+            measured(laws, design.law.model)
+
+
+def test_what_explains_a_law_is_drawn():
+    lattice = LATTICE.replaced(height=np.random.default_rng(0).uniform(0.05, 0.12, 16))
+    load = np.linspace(0.02, 0.3, 12)
+    tilted = mf.friction_law(lattice.tilted(0.002, 0.0), load=load)
+    law = MeasuredLaw(load, area=tilted.area, material=MATERIAL)
+    study = explained(explain(law, lattice, model=mf.Independent()))
+    section = explanation_section({"explained": study})
+    assert any("tilt (" in sentence for sentence in section["answers"])
+    assert ([row[0] for row in section["rows"]].count("tilt along x"), len(section["figures"])) == (1, 2)
+    (ax,) = errors_figure(study).axes
+    assert ax.get_yticklabels()[0].get_text() == "tilt along x"
+    np.testing.assert_allclose(ax.containers[0].lines[0].get_xdata(), study["mean"] / study["prior_sd"])
+    (ax,) = heights_figure(study).axes
+    np.testing.assert_allclose(ax.containers[0].lines[0].get_ydata(), 1e3 * study["height"])
+    assert ax.patches[0].get_height() == pytest.approx(
+        2e3 * float(study["single_prior_sd"].sel(kind="height"))
+    )
+    assert explanation_section({}) is None
+    only = explained(explain(law, lattice, Priors(0.0, 0.0, 0.0, 0.0, radius_sd=0.0), model=mf.Independent()))
+    assert len(explanation_section({"explained": only})["figures"]) == 1
+
+
+def test_the_onset_of_sliding_is_stated(design):
+    onset = mf.onset(design.surface, load=0.02)
+    data = report.onset_data(onset)
+    law = mf.friction_law(design.surface, load=[0.02])
+    assert list(data) == [
+        "load_N", "sliding_displacement_mm", "stiffness_N_per_mm", "displacement_mm", "friction_force_N", "asperity",
+    ]  # fmt: skip
+    assert (data["load_N"], data["stiffness_N_per_mm"]) == (pytest.approx(0.02), onset.stiffness)
+    assert data["friction_force_N"][-1] == pytest.approx(law.friction_force[0], rel=1e-12)
+    assert data["sliding_displacement_mm"] == data["displacement_mm"][-1]
+    assert sorted(data["asperity"]) == np.flatnonzero(onset.state.asperity_area > 0.0).tolist()
+    words = report.onset_words(onset)
+    for number in (0.02, 1e3 * onset.displacement[0], 1e3 * onset.sliding_displacement, onset.friction_force[-1],
+                   onset.stiffness):  # fmt: skip
+        assert f"{number:.3g}" in words
+    one = mf.onset(mf.Surface([[0, 0]], [0.1], 0.5, MATERIAL, mf.Friction(0.4)), load=0.02)
+    assert "the only contact slides from" in report.onset_words(one)
+    bare = mf.design(POINTS, LATTICE.replaced(friction=None), limits=mf.Limits(0.16))
+    assert sliding_section(bare) is None
+
+
+def test_checks_of_the_finite_elements_are_tabulated_and_drawn(design, monkeypatch):
+    def press(a, radius, nu, **options):
+        """Return Hertz's contact in place of one of the finite elements."""
+        return SimpleNamespace(
+            contact_radius=a, pressure=lambda r: single_contacts.hertz_pressure(r, a, radius),
+            displacement=lambda r: single_contacts.hertz_displacement(r, a, radius),
+        )  # fmt: skip
+
+    check = SimpleNamespace(name="a", computed=1.0 / 3.0, expected="0.33", passed=True, source="Hertz")
+    for name in ("hertz_check", "cap_check", "layer_check", "cell_check"):
+        monkeypatch.setattr(mf.studies, name, lambda: [check])
+    monkeypatch.setattr(mf.fe, "press", press)
+    monkeypatch.setattr(elements, "drawn", lambda figure, *_: figure)
+    section = elements.elements_section(design)
+    assert [row[1:] for row in section["rows"]] == [("a", "0.333333", "0.33", True, "Hertz")] * 4
+    state = mf.equilibrium(design.surface, load=float(design.law.load[-1]))
+    a = math.sqrt(state.asperity_area[design.surface.height.argmax()] / math.pi)
+    assert (section["contact_radius"], len(section["figures"]), section["left_out"]) == (f"{a:.3g}", 3, "")
+    bare = replace(design, surface=design.surface.replaced(block=None))
+    assert "no block" in elements.elements_section(bare)["left_out"]
+    left, right = elements.hertz_figure(press(0.1, 0.526, 0.5), 0.526).axes
+    for ax, x, factor in ((left, (0.0, 1.0), 1.0), (right, (1.0, 5.0), 1e3)):
+        numbers, curve = ax.lines
+        np.testing.assert_allclose(numbers.get_ydata(), curve.get_ydata())
+        assert curve.get_xdata().max() == pytest.approx(x[1])
+        closed = (single_contacts.hertz_pressure, single_contacts.hertz_displacement)[ax is right]
+        np.testing.assert_allclose(curve.get_ydata(), factor * closed(0.1 * curve.get_xdata(), 0.1, 0.526))
+    (ax,) = elements.cap_pressure_figure([(press(0.1, 0.526, 0.5), 0.12)], 0.526).axes
+    assert ax.get_title() == "h = 0.12 mm, a = 0.1 mm"
+    assert (ax.lines[0].get_xdata() <= 1.0).all()

@@ -1,0 +1,263 @@
+"""The numbers of the page: those of the design, of its law and of other models."""
+
+import math
+import re
+from dataclasses import replace
+from html import unescape
+from importlib import import_module
+
+import numpy as np
+import pytest
+from jinja2 import UndefinedError
+
+import metafem as mf
+from metafem.drawing.inline import Drawn
+from metafem.report import all_notes, parameter_rows
+from metafem.report.fits import fit_table
+from metafem.report.html import headings, render
+from metafem.report.names import error_data, error_words, in_python, model_data, model_words
+from metafem.report.page import PARAMETERS, page
+
+LATTICE = mf.Surface.square_lattice(
+    0.12, (4, 4), radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.358, 0.85),
+    block=mf.Block(12.0, 10.0, 3.0),
+)  # fmt: skip
+POINTS = mf.OperatingPoints([0.02, 0.05], [0.2, 0.45])
+
+
+FIGURES = ("law", "force", "shape", "height", "sensitivity", "contact", "comparison")
+
+
+def words_of(design, **options):
+    """Return the page without its pictures, which take most of its time."""
+    module = import_module("metafem.report.page")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "drawn", lambda figure, title: Drawn(title, "", "", ""))
+        for name in FIGURES:
+            patch.setattr(module, f"{name}_figure", lambda *_: None)
+        return page(design, **options)
+
+
+def rows_of(text):
+    """Return the rows of all tables of a page as texts."""
+    return [
+        [unescape(re.sub("<[^>]+>", "", cell)) for cell in re.findall(r"<t[dh][^>]*>(.*?)</t[dh]>", row, re.DOTALL)]
+        for row in re.findall(r"<tr>(.*?)</tr>", text, re.DOTALL)
+    ]  # fmt: skip
+
+
+def rms(values):
+    return math.sqrt(float(np.mean(np.square(values))))
+
+
+def test_the_page_states_the_numbers_of_the_design():
+    limits = mf.Limits(0.12, offset=0.084, height_step=0.006, height_sd=0.0009, pinned={3: None, 5: 0.1})
+    design = mf.design(mf.LinearLaw(6.87), LATTICE, limits=limits, rng=1)
+    text, law, surface = words_of(design), design.law, design.surface
+    rows = rows_of(text)
+    base = 4.0 / 3.0 * 1.36 * math.sqrt(0.526) * float((surface.height**1.5).sum())  # Hertz's load at d = h
+    for row in (
+        ["composite modulus E*", "1.36", "MPa"], ["Poisson's ratio ν", "0.5", ""], ["shear strength σ", "0.358", "MPa"],
+        ["area ratio B", "0.85", ""], ["summit radius R", "526", "µm"], ["sites for asperities", "16", ""],
+        ["block", "12 × 10 × 3", "mm"], ["largest height h_m", "120", "µm"], ["offset h_0", "84", "µm"],
+        ["height step", "6", "µm"], ["height error", "0.9", "µm"], ["given height of site 5", "100", "µm"],
+        ["sites that stay empty by the specification", "3", ""],
+        ["load at which the plane reaches the base plane", f"{base:.4g}", "N"],
+    ):  # fmt: skip
+        assert row in rows
+    heights = 1e3 * surface.height
+    misfit, sites, span, load = re.findall(r"<b>(.*?)</b>", text)[:4]
+    assert misfit == f"{100.0 * design.misfit:.2g} %"
+    assert sites.startswith(f"{surface.count} of 16")
+    assert span == f"{heights.min():.1f} – {heights.max():.1f} µm"
+    assert load == f"{law.load[-1]:.3g} N"
+    start = rows.index(["site", "x [mm]", "y [mm]", "height [µm]"]) + 1
+    assert rows[start : start + surface.count] == [
+        [str(site), f"{x:.4f}", f"{y:.4f}", f"{height:.2f}"]
+        for site, (x, y), height in zip(design.sites, surface.position, heights, strict=True)
+    ]
+    assert f"All {surface.count} summits" in text
+    (branch, fit), *_ = design.fits
+    columns, (row, *_) = fit_table(design)
+    assert list(columns) in rows
+    assert list(row) in rows
+    half = 0.5 * (fit.slope_interval[1] - fit.slope_interval[0])
+    assert row == (
+        "{:.4g} – {:.4g}".format(*fit.load_range), "6.87", f"{fit.slope:.4g} ± {half:.1g}",
+        f"{100.0 * (fit.slope / 6.87 - 1.0):+.2f} %", f"{fit.intercept:.4f}", f"{branch.intercept:.4f}",
+        f"{fit.slope * 0.358 * 0.85 / 1.36:.4g}", f"{fit.intercept * 0.358 * 0.85:.4f}",
+    )  # fmt: skip
+    for name, model in (
+        ("half-space", mf.Interacting()),
+        ("layer", mf.Interacting(substrate=mf.BondedLayer())),
+    ):
+        other = mf.friction_law(surface, model, load=law.load)
+        change, sinking = other.area / law.area - 1.0, 1e3 * (law.separation - other.separation)[-1]
+        (row,) = [row for row in rows if row[0] == name]
+        assert row[1:] == [
+            f"{100.0 * rms(change):.2f} %", f"{100.0 * change[np.abs(change).argmax()]:+.2f} %", f"{sinking:.1f} µm",
+        ]  # fmt: skip
+    assert "the true block is left out" in text
+    assert "Model: independent, in Python Independent()" in text
+    assert f"residual of the equilibria: {law.residual.max():.1e}" in unescape(text)
+    onset = mf.onset(surface, load=float(law.load[-1]))
+    for number in (onset.sliding_displacement * 1e3, onset.friction_force[-1], onset.stiffness):
+        assert f"{number:.3g}" in text[text.index("Onset of sliding</h2>") :]
+    assert design.status.value.split(":")[0] in text
+
+
+def test_the_page_is_self_contained():
+    design = mf.design(POINTS, LATTICE.replaced(block=None), limits=mf.Limits(0.16))
+    text = page(design)
+    links = re.findall(r"""(?:src|href)="([^"]*)"|url\(([^)]*)\)""", text)
+    assert {(first or second)[0] for first, second in links} <= {"#", "d"}  # elements, and data
+    assert text.count("<svg") == text.count("data:text/csv") == 8
+    for anchor, title in headings(text):
+        assert (
+            text.count(f'<a href="#{anchor}">{title}</a>') == 2
+        )  # at the side, and unfolded where it is narrow
+    assert "friction coefficient  μ = F/P" in text
+
+
+@pytest.mark.parametrize(("target", "meaning"), [
+    (POINTS, "largest difference from the target"),
+    (mf.LinearLaw(6.87), "rms difference from the law of the height density"),
+    (mf.LinearLaw(9.0, (0.01, 0.05)), "largest difference from the target"),
+    (mf.PowerLaw(1.2, (0.02, 0.05)), "rms difference from the target"),
+])  # fmt: skip
+def test_the_misfit_is_that_of_the_drawn_difference(target, meaning):
+    from metafem.report.figures import law_figure
+
+    design = mf.design(target, LATTICE, limits=mf.Limits(0.16))
+    law = design.target_law
+    difference = law.difference(mf.friction_law(design.surface, load=1.36 * law.load).area)
+    figure = law_figure(design)
+    drawn = figure.axes[1].lines[-1]
+    np.testing.assert_array_equal(drawn.get_xdata(), law.load)
+    np.testing.assert_allclose(drawn.get_ydata(), 100.0 * difference, rtol=1e-9, atol=1e-9)
+    misfit = np.abs(difference).max() if law.pointwise else rms(difference)
+    assert design.misfit == pytest.approx(misfit, rel=1e-9, abs=1e-12)
+    assert f"misfit: {meaning}" in unescape(words_of(design))
+
+
+# Printed unit of each parameter, and its factor.
+UNITS = {
+    ("µm", 1e3): "scale crossover_height levels adjustment_heights span radius tried_radii used_radii lowest_radius "
+    "highest_radius level_radii adjustment_radii step_levels",
+    ("mm²", 1.0): "intercept foot_load intercepts load_range", ("mm^(2-2β)", 1.0): "prefactor",
+    ("%", 100.0): "radius_misfits layout_before layout_after expected_misfit plain_expected_misfit robust_gain "
+    "robust_gain_error irreducible_share band_margin step_loss",
+    ("", 1.0): "weight counts adjustment_counts lowest_coefficients highest_coefficients radius_counts tool_counts "
+    "used_exponents exponent_counts reachable_coefficients plasticity_index largest_modulus_ratio step_counts",
+}  # fmt: skip
+
+
+def test_parameters_have_their_units_and_no_false_digits():
+    design = mf.design(POINTS, LATTICE, limits=mf.Limits(0.16))
+    units = {name: pair for pair, names in UNITS.items() for name in names.split()}
+    assert units.keys() == PARAMETERS.keys()
+    rows = parameter_rows(replace(design, parameters=dict.fromkeys(units, 0.123456789)))
+    for (_, value, unit), (printed, factor) in zip(rows, units.values(), strict=True):
+        assert (unit, value) == (printed, f"{factor * 0.123456789:.{3 if unit == '%' else 6}g}")
+    values = {"intercept": 4.12643e-112, "levels": np.array([0.1, 1e-15]), "counts": np.arange(30)}
+    rows = {unit: value for _, value, unit in parameter_rows(replace(design, parameters=values))}
+    many = ", ".join(map(str, range(24))) + ", and 6 more in design.json"
+    assert rows == {"mm²": "0", "µm": "100, 0", "": many}
+
+
+def test_other_inputs_are_stated():
+    design = replace(mf.design(POINTS, LATTICE, limits=mf.Limits(0.16), rng=1), notes=())
+    radius = np.linspace(0.3, 0.8, design.surface.count)
+    surface = design.surface.replaced(radius=radius, height=np.linspace(0.1, 0.16, len(radius)))
+    law = mf.friction_law(surface, load=design.law.load)
+    coated = LATTICE.replaced(friction=mf.Friction(np.linspace(0.1, 0.4, 16), 0.85))
+    other = replace(design, surface=surface, law=law, tools=mf.RadiusRange(0.2, 0.8, 0.01))
+    robust = replace(design, robust=mf.Tolerances(0.003, math.radians(0.1)), tools=mf.PowerRange(1.2, 6.0))
+    tools = replace(design, template=coated, tools=(mf.Tool(0.3), mf.Tool(0.5, mf.Sphere(), 0.1)))
+    for changed, rows in (
+        (other, [["summit radius R", "300 – 800", "µm"], ["radii to choose from", "200 – 800 in steps of 10", "µm"],
+                 ["site", "x [mm]", "y [mm]", "height [µm]", "radius [µm]"]]),
+        (robust, [["exponents of power caps to choose from", "1.2 – 6 in steps of 0.1, coefficient 0.5", ""],
+                  ["robust.height_sd", "3", "µm"], ["robust.angle", "0.1", "°"]]),
+        (tools, [["tools to choose from", "Sphere() of R = 300 µm; Sphere() of R = 500 µm, σ = 0.1 MPa", ""],
+                 ["shear strength σ", "0.1 – 0.4", "MPa"]]),
+    ):  # fmt: skip
+        found = rows_of(words_of(changed))
+        assert all(row in found for row in rows)
+    assert rows_of(words_of(other))[-1][3:] == ["160.00", "800"]
+
+
+def test_slopes_of_friction_coefficients_are_stated_in_newtons():
+    target = mf.LinearLaw.from_friction_coefficient(2.0, LATTICE.material, LATTICE.friction, (0.02, 0.07))
+    design = mf.design(target, LATTICE, limits=mf.Limits(0.16))
+    columns, ((load, wanted, fitted, _, intercept, _),) = fit_table(design)
+    assert columns[:2] == ("loads [N]", "target friction coefficient")
+    (_, fit), per_slope = design.fits[0], 0.358 * 0.85 / 1.36
+    assert (load, wanted) == ("{:.4g} – {:.4g}".format(*(1.36 * end for end in fit.load_range)), "2")
+    assert fitted.startswith(f"{per_slope * fit.slope:.4g} ± ")
+    assert intercept == f"{0.358 * 0.85 * fit.intercept:.4f}"
+
+
+def test_warnings_come_first_and_make_the_page_red():
+    low = mf.design(mf.LinearLaw(6.87), LATTICE, limits=mf.Limits(0.12, height_sd=0.01))
+    text = words_of(low, hardness=0.5)
+    assert '<section class="warned">' in text
+    assert "plasticity index" in text
+    assert "No warnings" not in text
+    levels = [note.warns for note in all_notes(low, 0.5)]
+    assert levels == sorted(levels, reverse=True)
+    with pytest.warns(mf.MetafemWarning):
+        psi = mf.plasticity_index(low.surface, 0.5)
+    (index,) = [note for note in all_notes(low, 0.5) if note.quantity == "plasticity index"]
+    assert (index.value, index.bound) == (psi, 0.6)
+    assert all_notes(low, 1e3) == tuple(sorted(low.notes, key=lambda note: not note.warns))
+    calm = replace(mf.design(POINTS, LATTICE, limits=mf.Limits(0.16, offset=0.2)), notes=())
+    text = words_of(calm)
+    assert "No warnings" in text
+    assert '<section class="warned">' not in text
+    assert "The plasticity index was not evaluated" in text
+    assert "another seed" in text
+    assert "another seed" not in words_of(replace(calm, layout=mf.Layout()))
+
+
+def test_models_are_written_in_words_and_in_python():
+    table = mf.AxisymmetricCap([[0.0, 0.1, 0.2], [0.0, 0.01, 0.04]])
+    for model, words, code in (
+        (mf.Independent(), "independent", "Independent()"),
+        (mf.Interacting(order=1), "half-space, order 1", "Interacting(order=1)"),
+        (mf.Independent(mf.SphericalCap()), "independent, spherical caps", "Independent(contact=SphericalCap())"),
+        (mf.Independent(mf.JKR(1.604e-5, mf.PowerCap(4))), "independent, JKR, w = 16 mJ/m², power cap, exponent 4",
+         "Independent(contact=JKR(adhesion_energy=1.604e-05, cap=PowerCap(exponent=4.0)))"),
+        (mf.Independent(mf.KogutEtsion(10.0)), "independent, Kogut and Etsion, hardness 10 MPa",
+         "Independent(contact=KogutEtsion(hardness=10.0))"),
+        (mf.Independent(mf.JacksonGreen(4.0)), "independent, Jackson and Green, yield strength 4 MPa",
+         "Independent(contact=JacksonGreen(yield_strength=4.0))"),
+        (mf.Independent(table), "independent, AxisymmetricCap(<3 points>, extent=0.2)",
+         "Independent(contact=AxisymmetricCap(<3 points>, extent=0.2))"),
+    ):  # fmt: skip
+        assert (model_words(model), in_python(model)) == (words, code)
+        assert model_data(model) == {"name": model.name, "python": code}
+    error = mf.equilibrium(LATTICE, mf.Interacting(1), load=0.02).model_error
+    assert error_data(error) == {"value": float(error), "source": "order 3 on the half-space"}
+    assert error_words(error).startswith(f"estimated error of A0(P): {100.0 * error:.2g}"[:30])
+    unknown = mf.equilibrium(LATTICE, mf.Interacting(), load=0.02).model_error
+    assert not math.isnan(unknown) or error_data(unknown)["value"] is None
+
+
+PAGE = """{% extends "base.html" %}{% from "macros.html" import table %}
+{% block title %}A & B{% endblock %}
+{% block navigation %}{{ bar|safe }}{% endblock %}
+{% block main %}<h2 id="one">First <b>part</b></h2>{{ table(["<x>"], [["&"]]) }}{% endblock %}
+"""
+
+
+def test_templates_escape_texts_and_list_their_headings(tmp_path):
+    (tmp_path / "own.html").write_text(PAGE, "utf-8")
+    text = render("own.html", tmp_path, bar="")
+    assert text.startswith("<!doctype html>")
+    assert headings('<h2 id="a">A <i>b</i></h2><h2>without</h2>') == [("a", "A b")]
+    assert text.count('<a href="#one">First part</a>') == 2
+    assert "<th>&lt;x&gt;</th>" in text
+    assert "<td>&amp;</td>" in text
+    with pytest.raises(UndefinedError, match="'bar' is undefined"):
+        render("own.html", tmp_path)
