@@ -1,14 +1,13 @@
 """A process that is killed, stopped or out of disk leaves the old files or the new ones."""
 
 import contextlib
-import os
 from pathlib import Path
 
 import pytest
 
 import metafem as mf
 from metafem.files import atomic
-from metafem.files.atomic import LOCK, WORK, earlier_result, staged, write_text
+from metafem.files.atomic import LOCK, WORK, earlier_result, write_text
 from metafem.progress import listening
 from tests.core.files.test_atomic import everything, put, texts
 
@@ -103,46 +102,6 @@ def test_a_run_killed_while_it_wrote_a_file_leaves_the_old_one_or_the_new(tmp_pa
         assert texts(target) == {"a": "3"}
         assert not hidden(tmp_path)
     assert n > 1
-
-
-def test_an_error_while_a_folder_is_replaced_leaves_the_old_one(tmp_path, monkeypatch):
-    target = tmp_path / "out"
-    put(target, a="1", b="1", stale="1")
-    before = everything(tmp_path)
-    move = Path.rename
-
-    def refused(path, goal):
-        if path.name.endswith(WORK):
-            raise PermissionError(13, "Permission denied")
-        return move(path, goal)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(Path, "rename", refused)
-        with pytest.raises(mf.InvalidInput, match=r"out cannot be written: Permission denied"):
-            put(target, True, a="2", b="2", c="2")
-    assert everything(tmp_path) == before
-
-
-@pytest.mark.parametrize("n", range(8))
-def test_a_signal_while_the_working_folder_is_removed_leaves_nothing(tmp_path, monkeypatch, n):
-    count = iter(range(n))
-
-    def once(change):
-        def call(*arguments, **options):
-            if next(count, None) is None and not stopped:
-                stopped.append(True)
-                raise KeyboardInterrupt
-            return change(*arguments, **options)
-
-        return call
-
-    stopped = []
-    with contextlib.suppress(KeyboardInterrupt), staged(tmp_path / "out") as fresh:
-        (fresh / "a.txt").write_text("1")
-        for owner, name in ((os, "unlink"), (os, "rmdir"), (os, "close"), (Path, "unlink"), (Path, "rmdir")):
-            monkeypatch.setattr(owner, name, once(getattr(owner, name)))
-    monkeypatch.undo()
-    assert {path.name for path in tmp_path.iterdir()} <= {"out"}
 
 
 def test_a_full_disk_leaves_the_old_file_and_nothing_else(tmp_path):

@@ -2,7 +2,6 @@
 
 import struct
 import warnings
-import zipfile
 
 import numpy as np
 import pytest
@@ -26,17 +25,15 @@ def topography():
     return Topography(np.ma.masked_invalid(upwards), (10.0, 18.0), unit="µm")  # pixels of 2 x 3 um
 
 
-def check(stored, pixel=(2e-3, 3e-3)):
-    assert stored.pixel == pytest.approx(pixel, rel=1e-12)
-    # single precision of 15 um
-    np.testing.assert_allclose(stored.values, 1e-3 * (HEIGHTS - MIDDLE), atol=1e-9)
-
-
 def test_a_map_in_x3p(topography, tmp_path):
     topography.to_x3p(str(tmp_path / "map.x3p"))
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # an importer without mpi warns nobody
-        check(read_height_map(tmp_path / "map.x3p"))
+        stored = read_height_map(tmp_path / "map.x3p")
+    assert stored.pixel == pytest.approx((2e-3, 3e-3), rel=1e-12)
+    np.testing.assert_allclose(
+        stored.values, 1e-3 * (HEIGHTS - MIDDLE), atol=1e-9
+    )  # single precision of 15 um
     for option in ({"pixel": "2 um"}, {"height_unit": "um"}):
         with pytest.raises(mf.InvalidInput, match="leave --"):
             read_height_map(tmp_path / "map.x3p", **option)
@@ -55,22 +52,9 @@ def sur_file(path):
     path.write_bytes(header + raw.tobytes())
 
 
-def plux_file(path):
-    """Write the map in the format of Sensofar: single precision in um, row by row."""
-    index = (
-        "<xml><GENERAL><DATE>Thu Jan 1 10:00:00 2026</DATE><IMAGE_SIZE_X>5</IMAGE_SIZE_X>"
-        "<IMAGE_SIZE_Y>6</IMAGE_SIZE_Y><FOV_X>2</FOV_X><FOV_Y>3</FOV_Y></GENERAL>"
-        "<INFO><ITEM_0><NAME>Device</NAME><VALUE>S</VALUE></ITEM_0></INFO><LAYER_0><FILENAME_Z>LAYER_0.raw</FILENAME_Z></LAYER_0></xml>"
-    )
-    with zipfile.ZipFile(path, "w") as file:
-        file.writestr("index.xml", index)
-        file.writestr("LAYER_0.raw", HEIGHTS[::-1].astype("<f4").tobytes())
-
-
-@pytest.mark.parametrize(("name", "written"), [("map.sur", sur_file), ("map.plux", plux_file)])
-def test_maps_of_instruments(tmp_path, name, written):
-    written(tmp_path / name)
-    stored = read_height_map(tmp_path / name)
+def test_a_map_of_digital_surf(tmp_path):
+    sur_file(tmp_path / "map.sur")
+    stored = read_height_map(tmp_path / "map.sur")
     # a header in single precision
     assert stored.pixel == pytest.approx((2e-3, 3e-3), rel=1e-6)
     np.testing.assert_allclose(stored.values, 1e-3 * (HEIGHTS - MIDDLE), atol=1e-8)

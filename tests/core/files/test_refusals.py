@@ -1,11 +1,13 @@
 """Wrong input is refused with the key and the value that was given."""
 
 import os
+import tomllib
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
+from jsonschema import Draft7Validator
 
 import metafem as mf
 from metafem import files
@@ -14,11 +16,13 @@ from metafem.files.result.records import from_record, to_record
 from metafem.files.samples import MEASURED, PROFILE, TARGET, columns_of, samples_of
 from metafem.files.specification.models import model_named
 from metafem.files.specification.options import contact_named
+from metafem.files.specification.schema import schema
 from tests.core.files.specs import SHAPE, spec, text
 
 MATERIAL = mf.Material(1.36)
 POINTS = 'rescaled_load = ["0.1 mm^2", "0.2 mm^2"]\nrescaled_friction = ["0.8 mm", "1.5 mm"]'
 SAMPLED = 'kind = "sampled"\nfile = "w.csv"'
+LINEAR = 'kind = "linear"'
 JKR = 'kind = "jkr"\nadhesion_energy = "9 mJ/m^2"'
 TOOLS = 'radii = ["0.3 mm", "0.4 mm"]'
 BLOCK = mf.Block(8.0, 7.0, 3.0)
@@ -28,11 +32,16 @@ PAIR = mf.Surface([[0.0, 0.0], [0.6, 0.0]], [0.1, 0.1], 0.526, MATERIAL, block=B
 
 def of_spec(tables=None, **sections):
     """Return a call that reads a specification with these sections."""
-    return lambda folder: spec(tables, **sections)
+
+    def call(folder):
+        spec(tables, **sections)
+
+    call.sections = sections
+    return call
 
 
 def linear(keys):
-    return of_spec(target=f'kind = "linear"\n{keys}')
+    return of_spec(target=f"{LINEAR}\n{keys}")
 
 
 def tools(keys, **sections):
@@ -88,28 +97,9 @@ def planned(part, alignment=None, **options):
 
 
 REFUSALS = [
-    # sections and keys
-    (of_spec(limit=""), "limit", "limits"), (of_spec(limits=None), "limits", "[limits]"),
-    (of_spec(limits='max_height = "1 mm"\noff = 1'), "limits.off", "offset?"),
-    (of_spec(lattice="shape = [8, 8]"), "lattice.pitch", "1.5 mm"),
-    (linear(""), "target", "friction_coefficient"),
-    (of_spec(target="slope = 6"), "target.kind", "operating-points"),
-    (of_spec(target='kind = "linaer"'), "target.kind", '"linaer"'),
-    (linear('slope = "6"'), "target.slope", "'6'"),
+    # targets
     (linear("slope = nan"), "target.slope", "nan"), (linear("slope = -1"), "target.slope", "-1"),
     (linear("slope = 1979-05-27"), "target.slope", "1979-05-27"),
-    (linear("slope = true"), "target.slope", "true"),
-    (of_spec(lattice='shape = 8\npitch = "1 mm"'), "lattice.shape", "must be a list"),
-    (of_spec(lattice='shape = [8.5, 8]\npitch = "1 mm"'), "lattice.shape[0]", "8.5 must be a whole number"),
-    (of_spec(sites="empty = [-3]"), "sites.empty[0]", "-3 must be at least 0"),
-    (of_spec(part="formats = [3]"), "part.formats[0]", "3 must be a text"),
-    (of_spec(part='formats = ["step"]'), "part.formats", "step"),
-    (of_spec(layout="follow_law = 1"), "layout.follow_law", "1 must be true or false"),
-    (tools("radii = []"), "tools.radii", "[] must have at least 1"),
-    (of_spec(part='chord_error = "0 um"'), "part.chord_error", "0 um must be greater than 0"),
-    (of_spec(model='kind = "flat"'), "model.kind", '"flat"'),
-    (of_spec(contact=f"{JKR}\ncap = 3"), "contact.cap", "3"),
-    # targets
     (linear('slope = 6\nload_range = ["1 mm^2", "2 N"]'), "target.load_range", "mm^2 and N"),
     (linear('slope = 6\nload_range = ["0.3 N", "0.2 N"]'), "target.load_range[1]", "0.2 N"),
     (linear("slope = 6\nload_range = [3, 4]"), "target.load_range[0]", "3"),
@@ -175,6 +165,49 @@ def refused(call, key, value, folder):
     assert value in words
     assert all(str(problem).startswith(problem.key) for problem in error.value.problems)
     assert len(words.splitlines()) == max(1, len(error.value.problems))
+
+
+# Names, types and choices of keys, which the schema refuses too.
+KEYS = [
+    (of_spec(limit=""), "limit", "limits"), (of_spec(limits=None), "limits", "[limits]"),
+    (of_spec(limits='max_height = "1 mm"\noff = 1'), "limits.off", "offset?"),
+    (of_spec(lattice="shape = [8, 8]"), "lattice.pitch", "1.5 mm"),
+    (linear(""), "target", "friction_coefficient"),
+    (of_spec(target="slope = 6"), "target.kind", "operating-points"),
+    (of_spec(target='kind = "linaer"'), "target.kind", '"linaer"'),
+    (linear('slope = "6"'), "target.slope", "'6'"), (linear("slope = true"), "target.slope", "true"),
+    (of_spec(lattice='shape = 8\npitch = "1 mm"'), "lattice.shape", "must be a list"),
+    (of_spec(lattice='shape = [8.5, 8]\npitch = "1 mm"'), "lattice.shape[0]", "8.5 must be a whole number"),
+    (of_spec(sites="empty = [-3]"), "sites.empty[0]", "-3 must be at least 0"),
+    (of_spec(part="formats = [3]"), "part.formats[0]", "3 must be a text"),
+    (of_spec(part='formats = ["step"]'), "part.formats", "step"),
+    (of_spec(layout="follow_law = 1"), "layout.follow_law", "1 must be true or false"),
+    (tools("radii = []"), "tools.radii", "[] must have at least 1"),
+    (of_spec(part='chord_error = "0 um"'), "part.chord_error", "0 um must be greater than 0"),
+    (of_spec(model='kind = "flat"'), "model.kind", '"flat"'),
+    (of_spec(contact=f"{JKR}\ncap = 3"), "contact.cap", "3"),
+    (of_spec(target=f'{LINEAR}\nslope = 6\nfriction_coefficient = 1'), "target",
+     "has slope and friction_coefficient"),
+    (of_spec(limits="max_height = 120"), "limits.max_height", "120 needs a unit"),
+    (of_spec(limits='max_height = "120 MPa"'), "limits.max_height", "120 MPa"),
+    (of_spec(tools=""), "tools", "radii"),
+    (tools('radii = ["0 mm"]'), "tools.radii[0]", "0 mm must be greater"),
+    (of_spec(robust=""), "robust", "height_sd"),
+    (tools('radius_range = ["2 mm"]'), "tools.radius_range[1]", "missing"),
+    (of_spec(layout="seed = -1"), "layout.seed", "-1"),
+    (of_spec(checks='hardness = "-1 MPa"'), "checks.hardness", "-1"),
+    (of_spec(contact='kind = "tabulated"'), "contact", "file"),
+    (of_spec(cap='kind = "power"'), "cap.exponent", "4.0"),
+    (of_spec(contact=f'{JKR}\ncap.kind = "jkr"'), "contact.cap.kind", '"jkr"'),
+]  # fmt: skip
+
+
+def test_what_the_parser_refuses_is_marked_by_the_schema(tmp_path):
+    editor = Draft7Validator(schema())
+    assert editor.is_valid(tomllib.loads(text()))
+    for call, key, value in KEYS:
+        refused(call, key, value, tmp_path)
+        assert not editor.is_valid(tomllib.loads(text(**call.sections))), key
 
 
 @pytest.mark.parametrize(("call", "key", "value"), REFUSALS)
@@ -262,8 +295,7 @@ TABLES = {
         (f"{SURFACE}\n0,0,5,5\n\n1,0,5,-5\n", "line 4: radius_um", "-5"),
         (f'{SURFACE}\n0,0,"0\n,5",5\n', "line 3", r"0\n,5"),
         (f"{SURFACE}\n0,0,5,5\n0,0,6,5\n", "line 2: x_mm, y_mm", "line 3: x_mm, y_mm"),
-        (b"x_mm,\xff\n", "line 1", "UTF-8"),
-        ("x_mm,y_mm,height_um\n0,0,5\n", "radius_um", "--radius"),
+        (b"x_mm,\xff\n", "line 1", "UTF-8"), ("x_mm,y_mm,height_um\n0,0,5\n", "radius_um", "--radius"),
         (f"{SURFACE},cap\n0,0,5,5,cone\n", "cap", "cone"),
         (f"{SURFACE},area_ratio\n0,0,5,5,0.8\n", "area_ratio", "shear_strength_MPa"),
         (f"{SURFACE},cap\n0,0,5,5,power x\n", "cap", "power x"),
@@ -355,8 +387,7 @@ def test_a_wrong_table_is_refused_by_its_line_column_and_entry(read, tmp_path):
 # Records that are not those of a value, with the member and its wrong content.
 RECORDS = [
     ({"type": "os.system", "command": "ls"}, "record", "os.system"),
-    ({"type": ["Status"]}, "record", "Status"),
-    ({"type": "Status", "name": "FINE"}, "record", "FINE"),
+    ({"type": ["Status"]}, "record", "Status"), ({"type": "Status", "name": "FINE"}, "record", "FINE"),
     ({"type": "Friction", "area_ratio": 1.0}, "Friction", "shear_strength"),
     ({"type": "Friction", "area_ratio": 1.0, "shear_strength": 1.0, "way": 2}, "Friction", "way"),
     ({"type": "Friction", "shear_strength": "much", "area_ratio": 1.0}, "record.shear_strength", "much"),

@@ -12,24 +12,7 @@ import pytest
 from jsonschema import Draft7Validator
 
 import metafem as mf
-from metafem.files import (
-    DEMOS,
-    MODELS,
-    PartOptions,
-    all_keys,
-    chosen_model,
-    demo_text,
-    given_load,
-    manual,
-    measured_pairs,
-    parsed,
-    place_schema,
-    rescaled_range,
-    schema_text,
-    section_forms,
-    toml_table,
-    write_schema,
-)  # fmt: skip
+from metafem import files
 from metafem.files.specification.contents import Sections, tell_cost
 from metafem.files.specification.forms import as_toml
 from metafem.files.specification.options import contact_named, contacts
@@ -123,9 +106,9 @@ def test_a_target_is_stated_in_the_units_in_which_it_was_given():
 
 
 def test_loads_of_a_command_are_forces_or_areas():
-    loads = [given_load("0.2 N"), given_load("300 mN"), given_load("0.144 mm^2")]
+    loads = [files.given_load("0.2 N"), files.given_load("300 mN"), files.given_load("0.144 mm^2")]
     assert [(load.value, load.unit) for load in loads] == [(0.2, "N"), (0.3, "N"), (0.144, "mm^2")]
-    assert rescaled_range(loads[:2], MATERIAL) == (0.2 / 1.36, 0.3 / 1.36)
+    assert files.rescaled_range(loads[:2], MATERIAL) == (0.2 / 1.36, 0.3 / 1.36)
 
 
 # Sections, a member of the specification or of its template, and its value.
@@ -158,9 +141,9 @@ MEMBERS = [
     ({"robust": ROBUST}, "robust", mf.Tolerances(0.003, 0.1 * DEGREE, 0.002, 0.005)),
     ({}, "hardness", None),
     ({"checks": 'hardness = "10 MPa"'}, "hardness", 10.0),
-    ({}, "part", PartOptions()),
+    ({}, "part", files.PartOptions()),
     ({"part": 'alignment_height = "400 um"\nchord_error = "1 um"\nformats = ["3mf", "stl"]'},
-     "part", PartOptions(0.4, 0.001, ("3mf", "stl"))),
+     "part", files.PartOptions(0.4, 0.001, ("3mf", "stl"))),
     ({}, "pinned", {}),
     ({"sites": 'empty = [17, 3]\npinned = [9, 12]\nheights = ["150 um", "0.12 mm"]'},
      "pinned", {3: None, 17: None, 9: 0.15, 12: 0.12}),
@@ -209,19 +192,21 @@ def test_the_lattice_has_its_sites_with_summits_at_the_largest_height():
 
 
 def test_each_model_has_its_name():
-    assert list(MODELS) == [
+    assert list(files.MODELS) == [
         "independent", "mean-field", "half-space", "layer", "block", "resolved", "automatic",
     ]  # fmt: skip
     models = [
         *(mf.Independent(), mf.MeanField(), mf.Interacting(), mf.Interacting(substrate=mf.BondedLayer())),
         *(mf.Interacting(substrate=mf.fe.Block3D()), mf.BoundaryElements(0.008), mf.Automatic(1e-3)),
     ]
-    assert [spec(model=f'kind = "{name}"').model for name in MODELS] == models
+    assert [spec(model=f'kind = "{name}"').model for name in files.MODELS] == models
     folder = mf.Independent(contact=mf.SphericalCap())
-    assert chosen_model(folder, None, None) is folder
-    assert chosen_model(folder, "independent", None) == folder
-    assert chosen_model(folder, None, "hertz") == mf.Independent()
-    assert chosen_model(mf.MeanField(), "independent", "power 3") == mf.Independent(contact=mf.PowerCap(3))
+    assert files.chosen_model(folder, None, None) is folder
+    assert files.chosen_model(folder, "independent", None) == folder
+    assert files.chosen_model(folder, None, "hertz") == mf.Independent()
+    assert files.chosen_model(mf.MeanField(), "independent", "power 3") == mf.Independent(
+        contact=mf.PowerCap(3)
+    )
     assert with_contact(mf.Interacting(), mf.KogutEtsion(10.0)).order == 1  # it has no profile
     assert with_contact(mf.Interacting(), mf.PowerCap(4)).order == 3
 
@@ -295,7 +280,7 @@ def test_tables_of_a_target_are_read_with_their_units_and_errors():
 
 def test_pairs_of_forces_are_read_in_the_order_of_the_loads(tmp_path):
     (tmp_path / "a.csv").write_text("load_mN,friction_force_N\n200,.3\n100,.1\n", "utf-8")
-    assert measured_pairs(tmp_path / "a.csv") == ([0.1, 0.2], [0.1, 0.3])
+    assert files.measured_pairs(tmp_path / "a.csv") == ([0.1, 0.2], [0.1, 0.3])
 
 
 def test_tables_are_kept_beside_the_specification():
@@ -307,8 +292,8 @@ def test_tables_are_kept_beside_the_specification():
         ("C:w µ.csv", "w µ.csv"),
     ):  # fmt: skip
         given = text(target=f'{remark}kind = "sampled"\nfile = "{name}"  # of June').replace("\n", "\r\n")
-        found = parsed(given, {name: table})
-        again = parsed(found.files["spec.toml"].decode(), {copy: found.files[copy]})
+        found = files.parsed(given, {name: table})
+        again = files.parsed(found.files["spec.toml"].decode(), {copy: found.files[copy]})
         assert again.files == found.files == {"spec.toml": again.text.encode(), copy: table}
         assert again.target == found.target
         comment = "" if copy == name else f'# The design read "{name}"; {copy} is a copy of it.\r\n'
@@ -318,7 +303,7 @@ def test_tables_are_kept_beside_the_specification():
         'target = {kind = "sampled", file = "sub/w.csv"}',
         '[target]\nkind = "sampled"\n"file"="""\\\n   sub/w.csv"""',
     ):  # fmt: skip
-        kept = parsed(f"{target}\n{text(target=None)}", {"sub/w.csv": table}).files["spec.toml"]
+        kept = files.parsed(f"{target}\n{text(target=None)}", {"sub/w.csv": table}).files["spec.toml"]
         assert tomllib.loads(kept.decode())["target"] == {"kind": "sampled", "file": "w.csv"}
 
 
@@ -334,17 +319,17 @@ def test_tables_of_two_sections_are_kept_under_two_names():
 def test_a_file_is_read_as_its_text(tmp_path):
     raw = text().replace("\n", "\r\n").encode("utf-8-sig")
     (tmp_path / "a.toml").write_bytes(raw)
-    found, same = mf.read_spec(tmp_path / "a.toml"), parsed(raw.decode())
+    found, same = mf.read_spec(tmp_path / "a.toml"), files.parsed(raw.decode())
     assert found.text == same.text == raw.decode()
     assert found.sha256 == same.sha256 == hashlib.sha256(raw).hexdigest()
     assert found.files == same.files == {"spec.toml": raw}
     assert (found.target, found.template, found.limits) == (same.target, same.template, same.limits)
-    assert toml_table("[layout]\nseed = 3") == {"layout": {"seed": 3}}
+    assert files.toml_table("[layout]\nseed = 3") == {"layout": {"seed": 3}}
 
 
 def test_the_published_surfaces_are_demos():
-    assert DEMOS == ("operating-points", "linear", "bilinear")
-    points, linear, bilinear = (parsed(demo_text(name)) for name in DEMOS)
+    assert files.DEMOS == ("operating-points", "linear", "bilinear")
+    points, linear, bilinear = (files.parsed(files.demo_text(name)) for name in files.DEMOS)
     assert linear.target == mf.LinearLaw(6.87)
     assert linear.limits == mf.Limits(0.12, offset=0.084, height_step=0.006, height_sd=0.0009)
     assert bilinear.target == mf.BilinearLaw((7.15, 12.52), 0.038)
@@ -394,7 +379,7 @@ def test_the_cost_of_many_sites_is_told():
 
 def test_all_problems_are_listed_and_survive_a_process():
     with pytest.raises(mf.InvalidInput) as caught:
-        parsed(text().replace('"1.5 mm"', "1.5").replace('"120 um"', "120"), name="mine.toml")
+        files.parsed(text().replace('"1.5 mm"', "1.5").replace('"120 um"', "120"), name="mine.toml")
     error = caught.value
     assert [problem.key for problem in error.problems] == ["lattice.pitch", "limits.max_height"]
     assert str(error) == "\n".join(f"mine.toml: {problem}" for problem in error.problems)
@@ -412,7 +397,7 @@ SECOND = {
     *("radius", "radii", "caps", "shear_strengths", "exponent_range", "exponent_step", "coefficient"),
 }
 THIRD = FIRST - {"radius"} | {"radii"}
-KEYS = all_keys()
+KEYS = files.all_keys()
 KINDS = sorted({key.kind for key in KEYS if key.section == "target"})
 
 
@@ -435,18 +420,20 @@ def made(kind, law, left_out):
 def test_the_examples_of_the_manual_make_specifications_that_follow_the_schema(left_out):
     editor = Draft7Validator(schema())
     for kind, law in [*((kind, "hertz") for kind in KINDS), *(("linear", law) for law in contacts())]:
-        parsed(made(kind, law, left_out))
+        files.parsed(made(kind, law, left_out))
         assert list(editor.iter_errors(tomllib.loads(made(kind, law, left_out)))) == []
 
 
 def test_the_manual_lists_every_section_kind_and_key():
-    whole = manual()
-    for form in section_forms():
+    whole = files.manual()
+    for form in files.section_forms():
         if "." not in form.name:
             words = "optional: " * form.optional + re.escape(form.meaning)
             assert re.search(rf"^\[{form.name}\] +# {words}$", whole, re.MULTILINE)
             assert all(f'\nkind = "{kind}"' in whole for kind in form.kinds)
-    assert [form.name for form in section_forms() if "." not in form.name] == list(Sections.model_fields)
+    assert [form.name for form in files.section_forms() if "." not in form.name] == list(
+        Sections.model_fields
+    )
     assert all(f"\n{key.name} = {as_toml(key.example)}" in whole for key in KEYS)
     lines = {line.split("=")[0].strip(): line for line in whole.splitlines()}
     for name, start in {
@@ -467,7 +454,7 @@ def test_forms_describe_the_values_of_keys():
         assert bool(key.units) == (key.value == "quantity")
         assert not key.units or all(entry.split(" ")[1] in key.units for entry in entries)
         assert not key.names or set(entries) <= set(key.names)
-    forms = {form.name: form for form in section_forms()}
+    forms = {form.name: form for form in files.section_forms()}
     needed = {
         (name, kind): [key.name for key in keys if key.needed]
         for name, form in forms.items() for kind, keys in form.keys.items()
@@ -486,45 +473,20 @@ def test_the_schema_describes_every_key_and_is_replaced_only_if_metafem_wrote_it
         described = found["properties"][key.section]["properties"][key.name]
         assert key.meaning in described["description"]
         assert key.example is None or key.example in described["examples"]
-    for name in DEMOS:
-        assert f"#:schema ./{SCHEMA_FILE}\n" in demo_text(name)
-        assert Draft7Validator(found).is_valid(tomllib.loads(demo_text(name)))
-    write_schema(path)
+    for name in files.DEMOS:
+        assert f"#:schema ./{SCHEMA_FILE}\n" in files.demo_text(name)
+        assert Draft7Validator(found).is_valid(tomllib.loads(files.demo_text(name)))
+    files.write_schema(path)
     assert json.loads(path.read_text("utf-8")) == found
-    write_schema(path)  # it holds the schema already
-    assert place_schema(tmp_path) is None
-    older = schema_text().replace('"additionalProperties": false', '"additionalProperties": true')
+    files.write_schema(path)  # it holds the schema already
+    assert files.place_schema(tmp_path) is None
+    older = files.schema_text().replace('"additionalProperties": false', '"additionalProperties": true')
     path.write_text(older, "utf-8")
-    assert str(path) in place_schema(tmp_path)
+    assert str(path) in files.place_schema(tmp_path)
     with pytest.raises(mf.InvalidInput, match="exists"):
-        write_schema(path)
-    write_schema(path, force=True)
-    assert path.read_text("utf-8") == schema_text()
+        files.write_schema(path)
+    files.write_schema(path, force=True)
+    assert path.read_text("utf-8") == files.schema_text()
     path.write_text("{}", "utf-8")
     with pytest.raises(mf.InvalidInput, match="not written by metafem"):
-        write_schema(path, force=True)
-
-
-# Sections that the parser and the schema refuse.
-UNKNOWN = [
-    {"target": "slope = 6.87"}, {"target": 'kind = "linaer"\nslope = 6.87'}, {"target": 'kind = "linear"'},
-    {"target": 'kind = "linear"\nslope = 6\nfriction_coefficient = 1'}, {"limits": "max_height = 120"},
-    {"target": 'kind = "linear"\nslopes = [6, 7]'}, {"target": 'kind = "linear"\nslope = "6"'},
-    {"limits": 'max_height = "120 MPa"'}, {"limits": ""}, {"limits": None}, {"limit": ""}, {"robust": ""},
-    {"lattice": SHAPE}, {"tools": ""}, {"tools": 'radii = ["1 mm"]'}, {"tools": "radii = []"},
-    {"lattice": SHAPE, "tools": 'radii = ["0 mm"]'}, {"lattice": SHAPE, "tools": 'radius_range = ["2 mm"]'},
-    {"layout": "seed = -1"}, {"layout": "seed = true"}, {"layout": 'follow_law = "yes"'},
-    {"part": 'formats = ["step"]'}, {"part": 'chord_error = "0 um"'}, {"checks": 'hardness = "-1 MPa"'},
-    {"model": 'kind = "flat"'}, {"sites": "empty = [-3]"}, {"cell": 'width = "0 mm"'},
-    {"contact": 'kind = "jkr"\nadhesion_energy = "9 mJ/m^2"\ncap.kind = "jkr"'},
-    {"contact": 'kind = "tabulated"'}, {"cap": 'kind = "power"'},
-]  # fmt: skip
-
-
-def test_what_the_parser_refuses_is_marked_by_the_schema():
-    editor = Draft7Validator(schema())
-    assert editor.is_valid(tomllib.loads(text()))
-    for sections in UNKNOWN:
-        assert not editor.is_valid(tomllib.loads(text(**sections))), sections
-        with pytest.raises(mf.InvalidInput):
-            spec(**sections)
+        files.write_schema(path, force=True)
