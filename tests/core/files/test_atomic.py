@@ -83,8 +83,7 @@ def test_force_replaces_a_result_folder_and_follows_a_link(tmp_path, target):
 @pytest.mark.parametrize(("name", "force", "change", "words"), [
     ("out", False, None, "out exists; choose another folder, or replace it with force=True"),
     ("file", True, None, "file is in the way and is not a folder"),
-    ("none/out", True, None, "none is not a folder"),
-    ("x" * 300, True, None, "File name too long"),
+    ("none/out", True, None, "none is not a folder"), ("x" * 300, True, None, "File name too long"),
     ("out", True, ("out/a.txt", "2"), "a.txt was changed since metafem wrote it"),
     ("out", False, ("out/a.txt", "2"), "a.txt was changed since metafem wrote it"),
     ("out", True, ("out/c.txt", "2"), "c.txt was not written by metafem"),
@@ -172,8 +171,7 @@ def test_a_file_that_cannot_be_written_leaves_nothing(tmp_path, target):
     before = {path.name for path in tmp_path.iterdir()}
     for name, words in (
         ("none/a", "No such file"), ("x" * 300, "File name"), ("out", "it is a folder"),
-        ("link", "it is a link"),
-        ("pipe", "it is no regular file"),
+        ("link", "it is a link"), ("pipe", "it is no regular file"),
     ):  # fmt: skip
         with pytest.raises(mf.InvalidInput, match=f"cannot be written: {words}"):
             write_text(tmp_path / name, "text", force=True)

@@ -17,7 +17,6 @@ from metafem._given import Names
 from metafem.calibration import fit_compression, shear
 from metafem.drawing import new_figure
 from metafem.files.measurement.calibrated import calibration_data
-from metafem.files.measurement.contacts import HEADER
 from metafem.files.measurement.images.find import natural, read_image
 from metafem.files.measurement.numbers import interval, published, rounded
 from metafem.progress import listening
@@ -69,11 +68,9 @@ def test_a_measured_law_is_read_in_any_unit_and_order(tmp_path):
 
 
 def test_contacts_have_one_line_for_each_image_and_contact(tmp_path):
-    assert HEADER == (
+    assert files.contacts_table(CONTACTS).splitlines()[:4] == [
         "image,test,load_N,friction_force_N,contact,site,x_mm,y_mm,area_mm2,area_error_mm2,sheared_area_mm2,"
-        "sheared_area_error_mm2,remark"
-    )
-    assert files.contacts_table(CONTACTS).splitlines()[1:4] == [
+        "sheared_area_error_mm2,remark",
         '"1, ""a"".tif:1",,0.03333333333333333,,1,7,0.0,-0.3333333333333333,0.1,0.001,0.08,0.001,'
         "table: dark | image: its background",
         '"1, ""a"".tif:1",,0.03333333333333333,,2,3,1500.0,0.0,0.0,0.0,,,',
@@ -176,9 +173,8 @@ def test_images_have_their_forces_in_their_own_order(tmp_path):
     assert (found[0].sheared, found[0].friction_force, found[1].sheared) == (images[1], 0.1, None)
     assert math.isnan(found[1].friction_force)
     assert (found[2].image.name, math.isnan(found[2].load), len(found)) == ("s.tif:1", True, 3)
-    assert [note.text.partition(":")[0] for note in notes] == [
-        "the sheared image is left out", "the line is left out", "s.tif",
-    ]  # fmt: skip
+    left_out = [note.text.partition(":")[0] for note in notes]
+    assert left_out == ["the sheared image is left out", "the line is left out", "s.tif"]
     alone, notes = files.shots(images)
     assert ([shot.image for shot in alone], notes) == (images, [])
 
@@ -257,17 +253,26 @@ def two_tests():
     return fit_compression(load, np.tile(np.pi * A**2, 2), 0.526, test=["a"] * 20 + ["b"] * 20)
 
 
+# Names of a calibration's data, and of a verdict.
+NAMES = (
+    "adhesion_energy_N_per_mm adhesion_energy_interval_N_per_mm area_ratio area_ratio_interval "
+    "area_ratio_sd area_ratio_verdict composite_modulus_MPa composite_modulus_interval_MPa "
+    "composite_modulus_sd_MPa compression_bootstrap_sd compression_heterogeneity compression_tests "
+    "compression_verdict covariance files kind modulus_without_adhesion_MPa "
+    "modulus_without_adhesion_sd_MPa parameters poisson_ratio records shear_bootstrap_sd "
+    "shear_heterogeneity shear_strength_MPa shear_strength_interval_MPa shear_strength_sd_MPa "
+    "shear_strength_verdict shear_tests units values"
+)
+VERDICT = (
+    "fits freedom chi_square probability runs runs_probability correlation correlation_probability largest "
+    "largest_probability"
+)
+
+
 def test_a_calibration_is_written_as_data(read):
     record = read(PULL).records
     data = calibration_data(PRESSED, SHEARED, ["a.csv"], record)
-    assert set(data) == set(
-        "kind files composite_modulus_MPa composite_modulus_sd_MPa composite_modulus_interval_MPa poisson_ratio "
-        "adhesion_energy_N_per_mm adhesion_energy_interval_N_per_mm modulus_without_adhesion_MPa "
-        "modulus_without_adhesion_sd_MPa compression_verdict compression_tests compression_heterogeneity "
-        "compression_bootstrap_sd area_ratio area_ratio_sd area_ratio_interval shear_strength_MPa "
-        "shear_strength_sd_MPa shear_strength_interval_MPa area_ratio_verdict shear_strength_verdict shear_tests "
-        "shear_heterogeneity shear_bootstrap_sd records parameters units values covariance".split()
-    )
+    assert sorted(data) == NAMES.split()
     assert (data["kind"], data["files"]) == ("metafem calibration", ["a.csv"])
     assert data["parameters"] == ["composite_modulus", "area_ratio", "shear_strength"]
     assert data["units"] == ["MPa", "1", "MPa"]
@@ -294,10 +299,7 @@ def test_a_calibration_is_written_as_data(read):
     assert moduli == pytest.approx([1.36, 2.72], rel=1e-6)
     assert list(tests["compression_heterogeneity"]) == ["agree", "chi_square", "freedom", "probability"]
     assert tests["compression_heterogeneity"]["agree"] is False
-    assert list(data["area_ratio_verdict"]) == (
-        "fits freedom chi_square probability runs runs_probability correlation correlation_probability largest "
-        "largest_probability".split()
-    )
+    assert list(data["area_ratio_verdict"]) == VERDICT.split()
     assert (data["area_ratio_verdict"]["fits"], data["area_ratio_verdict"]["freedom"]) == (True, 19)
     assert data["compression_bootstrap_sd"] is None
     draws = np.array([[1.0, 2.0], [2.0, 5.0]])
@@ -425,7 +427,8 @@ def test_height_maps_are_read_from_arrays_and_lists_of_points(tmp_path):
     np.savetxt(tmp_path / "sparse.xyz", [[i, i, 1] for i in range(30)])
     for name, options, words in (
         ("none.npy", (), "no such file"), ("map.npy", (), '--pixel "2 um" --height-unit "um"'),
-        ("map.npy", ("2", "um"), "--pixel"), ("map.npy", ("-2 um", "um"), "-0.002"), ("map.npy", ("2 um", "N"), '"N"'),
+        ("map.npy", ("2", "um"), "--pixel"), ("map.npy", ("-2 um", "um"), "-0.002"),
+        ("map.npy", ("2 um", "N"), '"N"'),
         *((name, ("2 um", "um"), words) for name, words in {
             "cube.npy": "rows and columns", "t.npy": "array of numpy", "two.xyz": "2 columns", "line.xyz": "the same y",
             "words.xyz": "not a list of points", "no.xyz": "no points", "off.xyz": "point 3, x = 2.4",

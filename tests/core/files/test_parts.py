@@ -2,7 +2,6 @@
 
 import io
 import math
-import re
 import zipfile
 from xml.etree import ElementTree
 
@@ -48,17 +47,14 @@ def test_part_and_mould_are_closed_and_fill_a_box_together(part):
     top = float(part.height.max())
     assert volume(block) + volume(mould) == pytest.approx(8.0 * 7.0 * (6.0 + top), rel=1e-12)
     exact = 8.0 * 7.0 * 3.0 + float(part.cap.volume(part.height, part.radius).sum())
-    shell = (
-        1e-3 * 2.0 * math.pi * float((part.radius * part.height).sum())
-    )  # chord error over the area of spheres
+    shell = 2e-3 * math.pi * float((part.radius * part.height).sum())  # chord error over the area of spheres
     area = float(part.cap.largest_area(part.height, part.radius).sum())
     assert exact - volume(block) == pytest.approx(0.0, abs=shell + 1e-3 * area)
     assert block.vertices[:, 2].max() == pytest.approx(top, rel=1e-12)
     assert block.vertices[:, 2].min() == -3.0
     deepest = mould.vertices[8 + mould.vertices[8:, 2].argmin()]  # from the open face: x is mirrored
-    assert tuple(deepest) == pytest.approx(
-        (*(part.position[part.height.argmax()] * (-1, 1)), -top), abs=1e-12
-    )
+    place = part.position[part.height.argmax()]
+    np.testing.assert_allclose(deepest, [-place[0], place[1], -top], atol=1e-12)
     assert (mould.vertices[:, 2].max(), mould.vertices[:, 2].min()) == (0.0, pytest.approx(-3.0 - top))
 
 
@@ -100,9 +96,8 @@ def test_solids_are_written_in_three_formats(tmp_path):
     content = (tmp_path / "a.stl").read_bytes()
     assert content[:80].rstrip() == b"metafem block; units: mm"
     assert len(content) == stl_size(len(mesh.faces)) == 84 + 50 * len(mesh.faces)
-    triangle = np.frombuffer(
-        content[84:], np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("no", "<u2")])
-    )
+    layout = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    triangle = np.frombuffer(content[84:], layout)
     a, b, c = np.moveaxis(triangle["corners"].astype(float), 1, 0)
     normal = np.cross(b - a, c - a)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
@@ -138,9 +133,8 @@ def test_a_plan_states_size_files_and_chord_error(tmp_path):
     assert part_notes(part) == ()
     assert planned(PART.replaced(block=None), PART, PartOptions()) is None
     assert part_notes(None)[0].text.startswith("no part was written")
-    many = mf.Surface.square_lattice(
-        0.2, (100, 100), 1.5, radius=0.526, material=MATERIAL, block=mf.Block(160, 160, 7)
-    )
+    lattice = {"radius": 0.526, "material": MATERIAL, "block": mf.Block(160, 160, 7)}
+    many = mf.Surface.square_lattice(0.2, (100, 100), 1.5, **lattice)
     coarse = planned(many, many, PartOptions())
     assert 0.8 * MOST_BY_DEFAULT < coarse.triangles <= MOST_BY_DEFAULT == 2_000_000
     (note,) = part_notes(coarse)
@@ -176,33 +170,22 @@ def test_the_mould_is_drawn_to_scale_mirrored_and_dimensioned():
     part = planned(PART, PART, PartOptions(0.5))
     text = mould_drawing(part.surface, part.asperities, part.block)
     root = ElementTree.fromstring(text)
-    outline = next(
-        g.find(f"{SVG}rect") for g in root.iter(f"{SVG}g") if g.find(f"{SVG}rect") is not None
-    ).attrib
-    scale = float(outline["width"]) / 8.0
-    assert (scale, float(outline["height"])) == (20.0, 140.0)
-    x = (float(outline["x"]) + 80.0 - np.array([float(hole["cx"]) for hole in holes(text)])) / scale
-    y = (float(outline["y"]) + 70.0 - np.array([float(hole["cy"]) for hole in holes(text)])) / scale
-    np.testing.assert_allclose(np.column_stack([x, y]), part.surface.position, atol=1e-3)
-    h = part.surface.height
+    outline = root.find(f"{SVG}g/{SVG}rect").attrib
+    assert (outline["width"], outline["height"]) == ("160", "140")  # 20:1
+    x, y, r = np.array([[float(hole[name]) for name in ("cx", "cy", "r")] for hole in holes(text)]).T / 20.0
+    left, top = float(outline["x"]) / 20.0, float(outline["y"]) / 20.0
     np.testing.assert_allclose(
-        [float(hole["r"]) / scale for hole in holes(text)], np.sqrt(h * (1.052 - h)), rtol=5e-3
+        np.column_stack([left + 4.0 - x, top + 3.5 - y]), part.surface.position, atol=1e-3
     )
-    words = [element.text for element in root.iter(f"{SVG}text")]
-    for word in ("8", "7", "Mould, seen from its open face",
-                 "10 holes, tool radius R 0.526, depths from 0.02 to 0.5",
+    np.testing.assert_allclose(r, part.surface.cap.foot_radius(part.surface.height, 0.526), rtol=5e-3)
+    words = [str(element.text) for element in root.iter(f"{SVG}text")]
+    for word in ("8", "7", "10 holes, tool radius R 0.526, depths from 0.02 to 0.5",
                  "Lengths in mm. Scale 20:1. Circles: rims of the holes in the face.",
                  *map(str, range(1, 11))):  # fmt: skip
         assert word in words
     assert words.count("pitch 1.5") == 2
-    assert (
-        sum(re.fullmatch(r"1(\.25)?", str(word)) is not None for word in words) >= 2
-    )  # from the edge to the first row
-    assert any("x is mirrored" in str(word) for word in words)
-    assert any("3 thick" in str(word) for word in words)
-    assert (
-        sum('stroke-width=".15"' in part for part in text.split("<path")) == 4 + 1
-    )  # crosses and centre lines
+    assert any("x is mirrored" in word for word in words)
+    assert any("3 thick" in word for word in words)
 
 
 def test_each_tool_has_its_line_and_each_profile_its_rims():

@@ -41,6 +41,17 @@ def number(column):
         return column
 
 
+# Names of the files of a folder, and of the members of its design.
+NAMES = "block.stl design.json heights.csv law.csv mould.csv mould.stl mould.svg report.html spec.toml surface.vtu"
+MEMBERS = {
+    "target": "of rescaled_friction rescaled_load type wording",
+    "surface": "block cap cell friction height material position radius type",
+    "law": "approach area cell friction friction_area material model model_error notes rescaled_load "
+    "rescaled_stiffness residual separation status type",
+    "limits": "height_sd height_step max_height min_height offset pinned type",
+}
+
+
 @pytest.fixture
 def folder(tmp_path):
     """The result folder of the small design."""
@@ -52,10 +63,7 @@ def folder(tmp_path):
 def test_the_folder_holds_all_files_and_their_hashes(folder):
     spec, _ = small()
     names = {path.name for path in folder.iterdir()} - {MANIFEST}
-    assert names == set(
-        "design.json heights.csv law.csv mould.csv mould.svg mould.stl block.stl surface.vtu spec.toml "
-        "report.html".split()
-    )
+    assert sorted(names) == NAMES.split()
     assert names <= RESERVED
     hashes = dict(line.split("  ")[::-1] for line in (folder / MANIFEST).read_text("utf-8").splitlines())
     assert hashes == {name: hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in names}
@@ -81,18 +89,9 @@ def test_the_record_has_its_keys(folder):
         "files": ["block.stl", "mould.stl", "mould.svg"],
     }  # fmt: skip
     found = record["design"]
-    for member, names in {
-        "target": "type rescaled_load rescaled_friction of wording",
-        "surface": "type position height radius material friction block cap cell",
-        "law": "type rescaled_load area separation approach rescaled_stiffness residual status model material "
-        "friction friction_area notes model_error cell",
-        "limits": "type max_height min_height offset height_step height_sd pinned",
-    }.items():  # fmt: skip
-        assert set(found[member]) == set(names.split())
-    assert set(found) == set(
-        "type surface law misfit status parameters sites target template limits notes density fits layout tools "
-        "robust pinned".split()
-    )
+    for member, names in {**MEMBERS, "": "density fits law layout limits misfit notes parameters pinned robust sites "
+                          "status surface target template tools type"}.items():  # fmt: skip
+        assert sorted(found[member] if member else found) == names.split()
     assert found["surface"]["height"] == {"float64": design.surface.height.tolist()}
     assert found["sites"] == {"int64": design.sites.tolist()}
     assert found["law"]["area"] == {"float64": design.law.area.tolist()}
@@ -103,7 +102,7 @@ def test_the_record_has_its_keys(folder):
 
 
 def test_heights_law_and_mould_have_their_columns(folder):
-    spec, design = small()
+    _, design = small()
     surface, law = design.surface, design.law
     heights = columns((folder / "heights.csv").read_text("utf-8"))
     assert list(heights) == ["site", "x_mm", "y_mm", "height_mm", "radius_mm"]
@@ -209,9 +208,7 @@ FLATTENED, _ = OF_MATERIALS[2].for_material(mf.Material(1.36)).unloaded(np.array
 
 def test_every_value_is_read_back_from_its_record():
     laws = [*CAPS, *OF_MATERIALS, *(law.for_material(mf.Material(1.0)) for law in OF_MATERIALS), FLATTENED]
-    lattice = mf.Surface.square_lattice(
-        0.12, (2, 3), 1.5, radius=0.526, material=mf.Material(1.36), cell=mf.PeriodicCell(4.5, 3.0)
-    )
+    lattice = small()[1].surface.replaced(cell=mf.PeriodicCell(4.5, 4.5))
     values = [
         *(make() for make in files.MODELS.values()), *(mf.Independent(law) for law in laws), lattice, MIXED,
         mf.Surface([[1e-7, -1.0 / 3.0]], [1e7], 1e7 / 3.0, mf.Material(1e-30)),
@@ -247,19 +244,15 @@ def test_designs_with_all_members_are_read_back():
 
 
 def test_records_of_earlier_versions_are_read():
-    record = to_record(MIXED)
-    old = {name: value for name, value in record.items() if name not in ("cap", "cell")}
-    assert from_record(old) == MIXED.replaced(cap=mf.Sphere())
     law = mf.friction_law(small()[1].surface, load=[0.01])
-    record = {name: value for name, value in to_record(law).items() if name not in ("friction_area", "cell")}
-    assert from_record(record) == law
+    line, sphere = mf.LinearLaw(6.87), MIXED.replaced(cap=mf.Sphere())
+    for value, added in ((sphere, {"cap", "cell"}), (law, {"friction_area", "cell"}), (line, {"of"})):
+        old = {name: member for name, member in to_record(value).items() if name not in added}
+        assert from_record(old) == value
     coated = to_record(mf.friction_law(MIXED, mf.Independent(mf.Elastic()), load=[0.1]))
     del coated["friction_area"]
     with pytest.raises(mf.InvalidInput, match="friction_area"):
         from_record(coated)
-    record = to_record(mf.LinearLaw(6.87))
-    del record["of"], record["wording"]["quantity"]
-    assert from_record(record) == mf.LinearLaw(6.87)
     design = to_record(mf.design(mf.LinearLaw(6.87), small()[1].template, tools=[0.3, 0.526]))
     design["radii"] = design.pop("tools")
     assert from_record(design).tools == (0.3, 0.526)
@@ -341,14 +334,11 @@ def test_a_damaged_member_is_named(folder):
     n, site = small()[1].surface.count, small()[1].sites[0]
     for place, value, message in (
         ("sites.int64", [0] * n, f"design: sites must hold {n} different sites"),
-        ("sites.int64", [9, *range(1, n)], "design: sites must be from 0 to 8"),
         ("misfit", "small", "design.misfit = 'small'"), ("misfit", -1.0, "design: misfit = -1"),
-        ("misfit", True, "design.misfit = True"),
         ("status", {"type": "Status", "name": "CONVERGED"}, "design.status"),
         ("parameters", 3, "design.parameters"), ("template.pitch", 3, "design.template, a Surface"),
         ("surface.position.float64", [[i, 0.0] for i in range(n)], "surface.position"),
         ("law.rescaled_load.float64", [1.0], "design.law: area"),
-        ("law.model", {"type": "Hertz"}, "design.law.model"),
         ("law.material.composite_modulus", 2.0, "law.material"),
         ("limits.max_height", 1e308, "max_height = 1e+308"),
         ("notes", "all well", "design.notes = 'all well'"), ("target", {"type": "Hertz"}, "design.target"),

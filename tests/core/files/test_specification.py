@@ -39,16 +39,13 @@ TARGETS = [
      mf.LinearLaw(6.87, (0.05, 0.2))),
     ('kind = "linear"\nslope = 6.87\nload_range = ["68 mN", "0.272 N"]', mf.LinearLaw(6.87, (0.05, 0.2))),
     ('kind = "linear"\nfriction_coefficient = 1.5', mf.LinearLaw(1.5 / COEFFICIENT)),
-    ('kind = "bilinear"\nslopes = [7, 12.5]\ncrossover_load = "0.038 mm2"\n'
-     'load_range = ["0.02 mm^2", "0.1 mm^2"]',
+    ('kind = "bilinear"\nslopes = [7, 12.5]\ncrossover_load = "0.038 mm2"\n' 'load_range = ["0.02 mm^2", "0.1 mm^2"]',
      mf.BilinearLaw((7.0, 12.5), 0.038, (0.02, 0.1))),
     ('kind = "bilinear"\nfriction_coefficients = [1.2, 1.9]\ncrossover_load = "0.0544 N"',
      mf.BilinearLaw((1.2 / COEFFICIENT, 1.9 / COEFFICIENT), 0.04)),
-    ('kind = "multilinear"\nslopes = [9.5, 7.0, 8.0]\ncrossover_loads = [["0.07 mm2", "0.18 mm2"], "0.2 mm2"]\n'
-     'load_range = ["0.03 mm^2", "0.26 mm^2"]',
+    ('kind = "multilinear"\nslopes = [9.5, 7.0, 8.0]\ncrossover_loads = [["0.07 mm2", "0.18 mm2"], "0.2 mm2"]\n' 'load_range = ["0.03 mm^2", "0.26 mm^2"]',
      mf.MultilinearLaw([9.5, 7.0, 8.0], [(0.07, 0.18), 0.2], (0.03, 0.26))),
-    ('kind = "multilinear"\nfriction_coefficients = [2, 1.5]\ncrossover_loads = [["0.136 N", "0.272 N"]]\n'
-     'load_range = ["0.068 N", "0.408 N"]',
+    ('kind = "multilinear"\nfriction_coefficients = [2, 1.5]\ncrossover_loads = [["0.136 N", "0.272 N"]]\n' 'load_range = ["0.068 N", "0.408 N"]',
      mf.MultilinearLaw([2.0 / COEFFICIENT, 1.5 / COEFFICIENT], [(0.1, 0.2)], (0.05, 0.3))),
     ('kind = "power"\nexponent = 1.2\nload_range = ["0.136 N", "0.544 N"]\nprefactor = 7.0',
      mf.PowerLaw(1.2, (0.1, 0.4), 7.0)),
@@ -62,8 +59,7 @@ TARGETS = [
     (f'kind = "sampled"\n{FORCES}{POINTS}', mf.SampledLaw([0.1, 0.2], [0.8, 1.5])),
     (f'kind = "band"\n{AREAS}lowest = ["0.8 mm^2", "1.4 mm^2"]\nhighest = ["0.9 mm^2", "1.6 mm^2"]',
      mf.Band([0.1, 0.2], [0.8, 1.4], [0.9, 1.6])),
-    (f'kind = "band"\n{FORCES}lowest_force = ["243.44 mN", "0.6086 N"]\n'
-     'highest_force = ["0.3043 N", "0.91290 N"]',
+    (f'kind = "band"\n{FORCES}lowest_force = ["243.44 mN", "0.6086 N"]\n' 'highest_force = ["0.3043 N", "0.91290 N"]',
      mf.Band([0.1, 0.2], [0.8, 2.0], [1.0, 3.0])),
     (f'kind = "band"\nof = "stiffness"\n{AREAS}lowest = ["3 mm", "5 mm"]\nhighest = ["4 mm", "6 mm"]',
      mf.Band([0.1, 0.2], [3.0, 5.0], [4.0, 6.0], of="stiffness")),
@@ -119,54 +115,43 @@ MEMBERS = [
     ({}, "material", MATERIAL),
     ({"material": 'young_modulus = "1020 kPa"'}, "material", mf.Material.from_young(1.02, 0.5)),
     ({"material": 'composite_modulus = "2 MPa"\npoisson_ratio = 0.3'}, "material", mf.Material(2.0, 0.3)),
-    ({}, "friction", FRICTION),
-    ({"friction": None}, "friction", None),
+    ({}, "friction", FRICTION), ({"friction": None}, "friction", None),
     ({"friction": 'shear_strength = "1 MPa"'}, "friction", mf.Friction(1.0, 1.0)),
     ({"friction": f"shear_strength = {COATED}"}, "friction", mf.Friction([0.4, *[0.1] * 62, 0.4])),
     ({}, "block", mf.Block(20.0, 20.0, 7.2)),
     ({"block": 'width = "30 mm"\nlength = "2 cm"\nthickness = "7.2 mm"'}, "block", mf.Block(30.0, 20.0, 7.2)),
-    ({"block": None}, "block", None),
-    ({"cell": ""}, "cell", mf.PeriodicCell(12.0, 12.0)),
+    ({"block": None}, "block", None), ({"cell": ""}, "cell", mf.PeriodicCell(12.0, 12.0)),
     ({"cell": 'width = "16 mm"\nlength = "15 mm"'}, "cell", mf.PeriodicCell(16.0, 15.0)),
     ({}, "limits", mf.Limits(0.12, offset=0.084)),
     ({"limits": 'max_height = "120 um"\nmin_height = "10 um"\nheight_step = "6 um"\nheight_sd = "0.9 um"'},
      "limits", mf.Limits(0.12, 0.01, height_step=0.006, height_sd=0.0009)),
-    ({}, "layout", None),
-    ({"layout": "follow_law = true"}, "layout", mf.Layout()),
+    ({}, "layout", None), ({"layout": "follow_law = true"}, "layout", mf.Layout()),
     ({"layout": 'tilt = "0.1 deg"\ntilt_weight = 2'}, "layout", mf.Layout(True, 0.1 * DEGREE, 2.0)),
     ({"layout": 'tilt = "0.1 deg"\nfollow_law = false'}, "layout", mf.Layout(False, 0.1 * DEGREE, 1.0)),
-    ({}, "seed", 0),
-    ({"layout": "seed = 3"}, "seed", 3),
-    ({}, "robust", None),
-    ({"robust": ROBUST}, "robust", mf.Tolerances(0.003, 0.1 * DEGREE, 0.002, 0.005)),
-    ({}, "hardness", None),
-    ({"checks": 'hardness = "10 MPa"'}, "hardness", 10.0),
-    ({}, "part", files.PartOptions()),
-    ({"part": 'alignment_height = "400 um"\nchord_error = "1 um"\nformats = ["3mf", "stl"]'},
-     "part", files.PartOptions(0.4, 0.001, ("3mf", "stl"))),
+    ({}, "seed", 0), ({"layout": "seed = 3"}, "seed", 3), ({}, "robust", None),
+    ({"robust": ROBUST}, "robust", mf.Tolerances(0.003, 0.1 * DEGREE, 0.002, 0.005)), ({}, "hardness", None),
+    ({"checks": 'hardness = "10 MPa"'}, "hardness", 10.0), ({}, "part", files.PartOptions()),
+    ({"part": 'alignment_height = "400 um"\nchord_error = "1 um"\nformats = ["3mf", "stl"]'}, "part",
+     files.PartOptions(0.4, 0.001, ("3mf", "stl"))),
     ({}, "pinned", {}),
-    ({"sites": 'empty = [17, 3]\npinned = [9, 12]\nheights = ["150 um", "0.12 mm"]'},
-     "pinned", {3: None, 17: None, 9: 0.15, 12: 0.12}),
-    ({}, "mixed", False),
-    ({"lattice": SHAPE, "tools": 'radii = ["526 um"]\nmixed = true'}, "mixed", True),
-    ({}, "tools", None),
-    ({"lattice": SHAPE, "tools": 'radii = ["526 um", "0.3 mm"]'}, "tools", (0.526, 0.3)),
+    ({"sites": 'empty = [17, 3]\npinned = [9, 12]\nheights = ["150 um", "0.12 mm"]'}, "pinned",
+     {3: None, 17: None, 9: 0.15, 12: 0.12}),
+    ({}, "mixed", False), ({"lattice": SHAPE, "tools": 'radii = ["526 um"]\nmixed = true'}, "mixed", True),
+    ({}, "tools", None), ({"lattice": SHAPE, "tools": 'radii = ["526 um", "0.3 mm"]'}, "tools", (0.526, 0.3)),
     ({"lattice": SHAPE, "radii": 'tools = ["526 um", "0.3 mm"]'}, "tools", (0.526, 0.3)),
     # of earlier versions
     ({"lattice": SHAPE, "radii": 'range = ["0.2 mm", "0.8 mm"]'}, "tools", mf.RadiusRange(0.2, 0.8, 0.01)),
-    ({"lattice": SHAPE, "tools": 'radius_range = ["0.2 mm", "0.8 mm"]\nstep = "25 um"'},
-     "tools", mf.RadiusRange(0.2, 0.8, 0.025)),
+    ({"lattice": SHAPE, "tools": 'radius_range = ["0.2 mm", "0.8 mm"]\nstep = "25 um"'}, "tools",
+     mf.RadiusRange(0.2, 0.8, 0.025)),
     ({"tools": "exponent_range = [1.2, 6]"}, "tools", mf.PowerRange(1.2, 6.0)),
-    ({"tools": "exponent_range = [2, 3]\nexponent_step = 0.5\ncoefficient = 1"},
-     "tools", mf.PowerRange(2, 3, 0.5, coefficient=1.0)),
+    ({"tools": "exponent_range = [2, 3]\nexponent_step = 0.5\ncoefficient = 1"}, "tools",
+     mf.PowerRange(2, 3, 0.5, coefficient=1.0)),
     ({"tools": "exponent_range = [1.2, 6]"}, "model", mf.Independent(mf.Elastic())),
-    ({"lattice": SHAPE, "tools": 'radii = ["300 um", "0.4 mm"]\ncaps = ["sphere", "power 4"]'},
-     "tools", (mf.Tool(0.3), mf.Tool(0.4, mf.Power(4)))),
-    ({"lattice": SHAPE, "contact": 'kind = "elastic"', "cap": 'kind = "power"\nexponent = 4.0',
-      "tools": 'radii = ["0.3 mm", "0.5 mm"]\nshear_strengths = ["0.1 MPa", "500 kPa"]'},
+    ({"lattice": SHAPE, "tools": 'radii = ["300 um", "0.4 mm"]\ncaps = ["sphere", "power 4"]'}, "tools",
+     (mf.Tool(0.3), mf.Tool(0.4, mf.Power(4)))),
+    ({"lattice": SHAPE, "contact": 'kind = "elastic"', "cap": 'kind = "power"\nexponent = 4.0', "tools": 'radii = ["0.3 mm", "0.5 mm"]\nshear_strengths = ["0.1 MPa", "500 kPa"]'},
      "tools", (mf.Tool(0.3, mf.Power(4), 0.1), mf.Tool(0.5, mf.Power(4), 0.5))),
-    ({}, "cap", mf.Sphere()),
-    ({"contact": 'kind = "power"\nexponent = 4.0'}, "cap", mf.Power(4)),
+    ({}, "cap", mf.Sphere()), ({"contact": 'kind = "power"\nexponent = 4.0'}, "cap", mf.Power(4)),
     *(({"contact": 'kind = "elastic"', "cap": keys}, "cap", cap) for keys, cap in {
         'kind = "sphere"': mf.Sphere(), 'kind = "paraboloid"': mf.Paraboloid(),
         'kind = "power"\nexponent = 4.0\ncoefficient = 0.3': mf.Power(4, 0.3),
@@ -192,9 +177,8 @@ def test_the_lattice_has_its_sites_with_summits_at_the_largest_height():
 
 
 def test_each_model_has_its_name():
-    assert list(files.MODELS) == [
-        "independent", "mean-field", "half-space", "layer", "block", "resolved", "automatic",
-    ]  # fmt: skip
+    names = "independent mean-field half-space layer block resolved automatic"
+    assert list(files.MODELS) == names.split()
     models = [
         *(mf.Independent(), mf.MeanField(), mf.Interacting(), mf.Interacting(substrate=mf.BondedLayer())),
         *(mf.Interacting(substrate=mf.fe.Block3D()), mf.BoundaryElements(0.008), mf.Automatic(1e-3)),
@@ -204,9 +188,8 @@ def test_each_model_has_its_name():
     assert files.chosen_model(folder, None, None) is folder
     assert files.chosen_model(folder, "independent", None) == folder
     assert files.chosen_model(folder, None, "hertz") == mf.Independent()
-    assert files.chosen_model(mf.MeanField(), "independent", "power 3") == mf.Independent(
-        contact=mf.PowerCap(3)
-    )
+    power = mf.Independent(contact=mf.PowerCap(3))
+    assert files.chosen_model(mf.MeanField(), "independent", "power 3") == power
     assert with_contact(mf.Interacting(), mf.KogutEtsion(10.0)).order == 1  # it has no profile
     assert with_contact(mf.Interacting(), mf.PowerCap(4)).order == 3
 
@@ -248,7 +231,6 @@ def test_each_contact_law_is_read_from_words_and_from_its_section(tmp_path, monk
 # Tables of a sampled target, with its loads, values, relative errors and weights.
 SAMPLES = [
     ("load_mN,friction_force_N,weight\n136,0.24344,1\n272,0.6086,2\n", [0.8, 2.0], None, [1.0, 2.0]),
-    ("# a remark\nload_N;friction_force_N\n0,136;0,24344\n0,272;0,6086\n", [0.8, 2.0], None, [1.0, 1.0]),
     ("Normal load [mN];Friction (N)\n136;0,24344\n272;0,6086\n", [0.8, 2.0], None, [1.0, 1.0]),
     ("rescaled_load_mm2,rescaled_friction_mm2,relative_error\n0.1,0.8,.01\n0.2,1.6,.02\n", [0.8, 1.6],
      [0.01, 0.02], [1e4, 2500]),
@@ -266,7 +248,7 @@ SAMPLES = [
 ]  # fmt: skip
 
 
-def test_tables_of_a_target_are_read_with_their_units_and_errors():
+def test_tables_of_a_target_are_read_with_their_units_and_errors(tmp_path):
     for table, values, error, weight in SAMPLES:
         found = spec({"w.csv": table}, target='kind = "sampled"\nfile = "w.csv"').target
         np.testing.assert_allclose(found.rescaled_load, [0.1, 0.2], rtol=1e-14, err_msg=table)
@@ -276,9 +258,6 @@ def test_tables_of_a_target_are_read_with_their_units_and_errors():
             np.testing.assert_allclose(found.relative_error, error, rtol=1e-12, err_msg=table)
         if weight is not None:
             np.testing.assert_allclose(found.weight, weight, rtol=1e-12, err_msg=table)
-
-
-def test_pairs_of_forces_are_read_in_the_order_of_the_loads(tmp_path):
     (tmp_path / "a.csv").write_text("load_mN,friction_force_N\n200,.3\n100,.1\n", "utf-8")
     assert files.measured_pairs(tmp_path / "a.csv") == ([0.1, 0.2], [0.1, 0.3])
 
@@ -286,10 +265,9 @@ def test_pairs_of_forces_are_read_in_the_order_of_the_loads(tmp_path):
 def test_tables_are_kept_beside_the_specification():
     remark, table = '# as measured, not file = "other.csv"\n', SAMPLES[0][0].encode()
     for name, copy in (
-        ("wanted.csv", "wanted.csv"), ("sub/w.csv", "w.csv"), ("../w.csv", "w.csv"),
-        ("law.csv", "wanted-law.csv"),
-        ("sub/SPEC.toml", "wanted-SPEC.toml"), (".metafem-files", "wanted-metafem-files"),
-        ("C:w µ.csv", "w µ.csv"),
+        ("wanted.csv", "wanted.csv"), ("sub/w.csv", "w.csv"), ("law.csv", "wanted-law.csv"),
+        ("C:w µ.csv", "w µ.csv"), ("sub/SPEC.toml", "wanted-SPEC.toml"),
+        (".metafem-files", "wanted-metafem-files"),
     ):  # fmt: skip
         given = text(target=f'{remark}kind = "sampled"\nfile = "{name}"  # of June').replace("\n", "\r\n")
         found = files.parsed(given, {name: table})
@@ -334,17 +312,17 @@ def test_the_published_surfaces_are_demos():
     assert linear.limits == mf.Limits(0.12, offset=0.084, height_step=0.006, height_sd=0.0009)
     assert bilinear.target == mf.BilinearLaw((7.15, 12.52), 0.038)
     assert points.target == mf.OperatingPoints([0.144, 0.336, 0.649], [0.84, 1.68, 4.12])
-    for demo, modulus, strength, ratio, top in (
-        (points, 1.36, 0.37, 0.85, 0.27), (linear, 1.36, 0.358, 0.85, 0.204),
-        (bilinear, 1.52, 0.225, 0.92, 0.17),
+    for demo, modulus, friction, top in (
+        (points, 1.36, (0.37, 0.85), 0.27), (linear, 1.36, (0.358, 0.85), 0.204),
+        (bilinear, 1.52, (0.225, 0.92), 0.17),
     ):  # fmt: skip
-        template = demo.template
-        assert template.material == mf.Material(modulus, 0.5)
-        assert template.friction == mf.Friction(strength, ratio)
-        assert (template.block, template.count) == (mf.Block(20.0, 20.0, 7.2), 64)
+        pair = {"material": mf.Material(modulus, 0.5), "friction": mf.Friction(*friction)}
+        lattice = mf.Surface.square_lattice(
+            top, (8, 8), 1.5, radius=0.526, block=mf.Block(20.0, 20.0, 7.2), **pair
+        )
+        assert demo.template.replaced(height=lattice.height) == lattice
+        np.testing.assert_allclose(demo.template.height, top, rtol=1e-15)
         assert (demo.model, demo.seed, demo.part.alignment_height) == (mf.Independent(), 0, 0.4)
-        np.testing.assert_allclose(template.height, top, rtol=1e-15)
-        np.testing.assert_array_equal(np.ptp(template.position, axis=0), [10.5, 10.5])
 
 
 def test_a_design_uses_all_keys():
@@ -355,11 +333,9 @@ def test_a_design_uses_all_keys():
     )  # fmt: skip
     result = found.design()
     assert dict(result.pinned) == {5: None, 2: 0.1}
-    assert result.surface.height[result.sites == 2] == 0.1
-    same = mf.design(
-        found.target, found.template, limits=mf.Limits(0.12, offset=0.084, pinned={5: None, 2: 0.1}), rng=3,
-        tools=[0.526, 0.3], common_radius=True,
-    )  # fmt: skip
+    limits = mf.Limits(0.12, offset=0.084, pinned={5: None, 2: 0.1})
+    tools = {"tools": [0.526, 0.3], "common_radius": True}
+    same = mf.design(found.target, found.template, limits=limits, rng=3, **tools)
     np.testing.assert_array_equal(result.surface.height, same.surface.height)
     draft = found.design(draft=True)
     assert (draft.target, dict(draft.pinned)) == (found.target, {5: None, 2: 0.1})
@@ -373,8 +349,7 @@ def test_the_cost_of_many_sites_is_told():
     with listening(lambda step, done: None, facts.append):
         tell_cost(64)
         tell_cost(1_000_000)
-    (fact,) = facts
-    assert fact.startswith("1,000,000 sites: about 45 s and 1.7 GiB of memory")
+    assert [fact[:55] for fact in facts] == ["1,000,000 sites: about 45 s and 1.7 GiB of memory for t"]
 
 
 def test_all_problems_are_listed_and_survive_a_process():
@@ -426,21 +401,16 @@ def test_the_examples_of_the_manual_make_specifications_that_follow_the_schema(l
 
 def test_the_manual_lists_every_section_kind_and_key():
     whole = files.manual()
-    for form in files.section_forms():
-        if "." not in form.name:
-            words = "optional: " * form.optional + re.escape(form.meaning)
-            assert re.search(rf"^\[{form.name}\] +# {words}$", whole, re.MULTILINE)
-            assert all(f'\nkind = "{kind}"' in whole for kind in form.kinds)
-    assert [form.name for form in files.section_forms() if "." not in form.name] == list(
-        Sections.model_fields
-    )
+    for form in (form for form in files.section_forms() if "." not in form.name):
+        words = "optional: " * form.optional + re.escape(form.meaning)
+        assert re.search(rf"^\[{form.name}\] +# {words}$", whole, re.MULTILINE)
+        assert all(f'\nkind = "{kind}"' in whole for kind in form.kinds)
     assert all(f"\n{key.name} = {as_toml(key.example)}" in whole for key in KEYS)
-    lines = {line.split("=")[0].strip(): line for line in whole.splitlines()}
     for name, start in {
         "poisson_ratio": "optional, default 0.5: ", "hardness": "optional: ", "slope": "either: ",
-        "max_height": "of the summits", "formats": 'optional, default ["stl"]: ',
+        "max_height": "of the summits", "formats": r'optional, default \["stl"\]: ',
     }.items():  # fmt: skip
-        assert f"# {start}" in lines[name]
+        assert re.search(rf"^{name} = .* # {start}", whole, re.MULTILINE)
 
 
 def test_forms_describe_the_values_of_keys():
@@ -448,19 +418,13 @@ def test_forms_describe_the_values_of_keys():
     for key in KEYS:
         entries = key.example if key.listed else [key.example]
         entries = [part for entry in entries for part in (entry if isinstance(entry, list) else [entry])]
-        if key.example is not None:
-            assert {type(entry) for entry in entries} == {kinds[key.value]}, key
-            assert key.pairs == (key.example != entries and key.listed and key.value == "quantity")
-        assert bool(key.units) == (key.value == "quantity")
+        assert key.example is None or {type(entry) for entry in entries} == {kinds[key.value]}, key
         assert not key.units or all(entry.split(" ")[1] in key.units for entry in entries)
         assert not key.names or set(entries) <= set(key.names)
+    assert [key.name for key in KEYS if key.pairs] == ["crossover_loads"]
     forms = {form.name: form for form in files.section_forms()}
-    needed = {
-        (name, kind): [key.name for key in keys if key.needed]
-        for name, form in forms.items() for kind, keys in form.keys.items()
-    }  # fmt: skip
-    assert needed["target", "sampled"] == ["rescaled_load", "rescaled_friction"]
-    assert needed["lattice", ""] == ["shape", "pitch"]
+    needed = [key.name for key in forms["target"].keys["sampled"] if key.needed]
+    assert needed == ["rescaled_load", "rescaled_friction"]
     assert [key.name for key in KEYS if key.several] == ["shear_strength", "area_ratio"]
     assert (forms["robust"].fewest, forms["limits"].fewest) == (1, 0)
     assert list(forms["contact.cap"].kinds) == ["hertz", "elastic", "sphere", "power", "profile"]

@@ -59,9 +59,9 @@ def test_prefixes_are_those_of_the_si():
 def test_a_quantity_is_rounded_once():
     for text, unit, value in (
         ("526um", "mm", 0.526), (" 0.526 mm ", "mm", 0.526), ("5.26e-4 m", "mm", 0.526),
-        ("120.1 um", "mm", 0.1201),
-        ("-.5 mm", "mm", -0.5), ("+1. mm", "mm", 1.0), ("0.5 mm*mm", "mm^2", 0.5), ("85 %", "%", 0.85),
-        ("3%", "%", 0.03), ("0.85", "1", 0.85), ("180 deg", "rad", math.pi), ("526 microns", "mm", 0.526),
+        ("120.1 um", "mm", 0.1201), ("-.5 mm", "mm", -0.5), ("+1. mm", "mm", 1.0), ("0.5 mm*mm", "mm^2", 0.5),
+        ("85 %", "%", 0.85), ("3%", "%", 0.03), ("0.85", "1", 0.85), ("180 deg", "rad", math.pi),
+        ("526 microns", "mm", 0.526),
     ):  # fmt: skip
         assert quantity("key", text, unit) == value
 

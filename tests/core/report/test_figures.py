@@ -10,7 +10,7 @@ from matplotlib.collections import EllipseCollection
 
 import metafem as mf
 from metafem import report
-from metafem.calibration import MeasuredLaw, Priors, compare, explain
+from metafem.calibration import MeasuredLaw, compare, explain
 from metafem.drawing import TARGET
 from metafem.reference import single_contacts
 from metafem.report import elements, study_figures
@@ -21,7 +21,7 @@ from metafem.report.sections.exactness import QUESTIONS, exactness_section
 from metafem.report.sections.explanation import errors_figure, explanation_section, heights_figure
 from metafem.report.sections.measured import measured_figure, measured_section
 from metafem.report.sections.sliding import sliding_section
-from metafem.report.views import MOST_SHAPED, contact_figure, height_figure, shape_figure
+from metafem.report.views import contact_figure, height_figure, shape_figure
 from metafem.studies.measurements import explained, measured
 from tests.core.report.test_page import LATTICE, POINTS
 
@@ -50,12 +50,9 @@ def test_laws_are_drawn_with_their_target_reach_and_forces(design):
     left, right = force_figure(design, design.surface.friction).axes
     np.testing.assert_allclose(left.lines[0].get_ydata()[1:], strength * law.area, rtol=1e-12)
     np.testing.assert_allclose(right.lines[0].get_ydata(), strength * law.area / law.load, rtol=1e-12)
-    np.testing.assert_allclose(
-        np.array(left.lines[1].get_data()), [[0.0272, 0.068], strength * POINTS.rescaled_friction]
-    )
-    np.testing.assert_allclose(
-        right.lines[1].get_ydata(), strength * POINTS.rescaled_friction / [0.0272, 0.068]
-    )
+    load, force = np.array([0.0272, 0.068]), strength * POINTS.rescaled_friction
+    np.testing.assert_allclose(left.lines[1].get_data(), [load, force])
+    np.testing.assert_allclose(right.lines[1].get_ydata(), force / load)
     line = mf.design(mf.PowerLaw(0.9, (0.02, 0.05)), LATTICE, limits=mf.Limits(0.16))
     above, _ = law_figure(line).axes
     low, high = mf.feasible_region(LATTICE, [0.05], mf.Limits(0.16))
@@ -87,31 +84,20 @@ def test_interaction_and_sensitivity_are_drawn(design):
     assert compared(of_surface(design, crowd)) == ((), ())
     (mesh,) = sensitivity_figure(design).axes[0].collections
     values, order = np.asarray(mesh.get_array()), np.argsort(-design.surface.height)
-    assert values.shape == (len(design.law.load[:: max(1, len(design.law.load) // 33)]), design.surface.count)
-    step, surface = 1e-6, design.surface
+    step, surface, last = 1e-6, design.surface, design.law.load[-1:]
     for column, i in ((0, order[0]), (-1, order[-1])):
         ends = [surface.height + sign * step * (np.arange(surface.count) == i) for sign in (1.0, -1.0)]
-        high, low = (
-            mf.friction_law(surface.replaced(height=h), load=design.law.load[-1:]).area[0] for h in ends
-        )
+        high, low = (mf.friction_law(surface.replaced(height=h), load=last).area[0] for h in ends)
         assert values[-1, column] == pytest.approx((high - low) / (2.0 * step), rel=1e-5, abs=1e-5)
-    assert mesh.get_clim() == pytest.approx((-np.abs(values).max(), np.abs(values).max()))
 
 
 def test_heights_shapes_and_contacts_are_shown(design):
-    empty = design.template.count - design.surface.count
     ax = height_figure(design).axes[0]
-    assert (len(ax.collections[0].get_offsets()), ax.get_title()) == (
-        empty,
-        f"{empty} sites stay empty (rings)",
-    )
+    assert ax.get_title() == f"{len(ax.collections[0].get_offsets())} sites stay empty (rings)"
     lattice = {"radius": 0.526, "material": MATERIAL, "block": mf.Block(20.0, 18.0, 7.2)}
     few, many = (mf.Surface.square_lattice(0.1, (n, n), pitch=0.6, **lattice) for n in (8, 21))
-    words = [
-        [text.get_text() for text in shape_figure(of_surface(design, each)).axes[0].texts]
-        for each in (few, many)
-    ]
-    assert words == [["x: 20 mm", "y: 18 mm"], ["x: 12 mm", "y: 12 mm"]]  # the whole block, and an excerpt
+    for each, sides in ((few, ["x: 20 mm", "y: 18 mm"]), (many, ["x: 12 mm", "y: 12 mm"])):  # an excerpt
+        assert [text.get_text() for text in shape_figure(of_surface(design, each)).axes[0].texts] == sides
     surface = mf.Surface.square_lattice([0.1, 0.1, 0.2, 0.2], (2, 2), radius=0.526, material=MATERIAL)
     first, _, last = contact_figure(of_surface(design, surface)).axes
     for ax, count, load in ((first, 2, 0.05), (last, 4, 0.5)):
@@ -126,17 +112,16 @@ def test_heights_shapes_and_contacts_are_shown(design):
     crowd = mf.Surface.square_lattice(height, (30, 30), radius=0.526, material=MATERIAL)
     ax = contact_figure(of_surface(design, crowd, 0.3)).axes[0]
     low, high = np.array([ax.get_xlim(), ax.get_ylim()]).T
-    assert ((crowd.position[899] > low) & (crowd.position[899] < high)).all()
-    shown = ((crowd.position > low) & (crowd.position < high)).all(axis=1).sum()
-    assert 0.5 * MOST_SHAPED < shown < 1.3 * MOST_SHAPED
+    shown = ((crowd.position > low) & (crowd.position < high)).all(axis=1)
+    assert shown[899]
+    assert 200 < shown.sum() < 520  # of at most about 400
     assert "1 of 900 in contact" in ax.get_title()
 
 
 def test_a_cap_is_drawn_at_its_projection_and_hides_what_is_behind_it():
     red, corners = np.array([[1.0, 0.0, 0.0, 1.0]]), np.array([[-1.0, -1.0], [1.0, 1.0]])
-    image, (left, right, low, high), factor = relief(
-        np.zeros((1, 2)), np.array([0.5]), np.array([0.5]), red, corners
-    )
+    cap = np.zeros((1, 2)), np.array([0.5]), np.array([0.5])
+    image, (left, right, low, high), factor = relief(*cap, red, corners)
     rows, columns = image.shape[:2]
 
     def pixel(place, height):
@@ -149,12 +134,7 @@ def test_a_cap_is_drawn_at_its_projection_and_hides_what_is_behind_it():
         assert pixel(place, height)[0] > 1.2 * pixel(place, height)[1]
     assert pixel([0.9, -0.9], 0.0)[0] == pytest.approx(pixel([0.9, -0.9], 0.0)[1])  # the base is grey
     assert (factor, image[-1, 0, 3]) == (1, 0.0)  # nothing beside the block
-    areas = []
-    for cap in (mf.Sphere(), mf.Power(8)):
-        image, *_ = relief(np.zeros((1, 2)), np.array([0.3]), np.array([0.5]), red, corners, cap)
-        areas.append(int((image[..., 0] > 1.1 * image[..., 1]).sum()))
-    assert areas[0] < areas[1]  # nearly those of the feet
-    assert relief(np.zeros((1, 2)), np.array([0.02]), np.array([0.5]), red, corners)[2] == 20
+    assert relief(cap[0], np.array([0.02]), cap[2], red, corners, mf.Power(8))[2] == 20
     np.testing.assert_allclose(projected(np.array([1.0, 0.0]), 1.0), [
         math.cos(math.radians(30)), math.cos(math.radians(38)) - 0.5 * math.sin(math.radians(38)),
     ])  # fmt: skip
@@ -227,18 +207,14 @@ def test_measured_laws_are_drawn_and_compared(design):
     for span, name in zip(spans, ("rescaled_load_sd", "rescaled_friction_sd"), strict=True):
         np.testing.assert_allclose(span, 2.0 * points[name])
     assert above.get_xlim()[1] == pytest.approx(1.08 * (study.rescaled_load + study.rescaled_load_sd).max())
-    names = [text.get_text() for text in above.get_legend().get_texts()]
-    assert {"measured: static", "measured: sliding", "crossover, 68 %: static"} <= set(names)
-    section = measured_section(bilinear, {"measured": measured_study(
-        bilinear, 1.1, parameters={"composite_modulus": 0.04, "area_ratio": 0.01}
-    )})  # fmt: skip
+    study = measured_study(bilinear, 1.1, parameters={"composite_modulus": 0.04, "area_ratio": 0.01})
+    section = measured_section(bilinear, {"measured": study})
     assert (section["differs"], section["shaded"]) == (True, True)
     assert section["bars"] == ", which include the errors of E* and B"
     assert [row[1].split(",")[0] for row in section["features"]] == ["slope 1", "slope 2", "crossover"]
     assert measured_section(design, {}) is None
-    for laws in ([], [compare(MeasuredLaw([0.03, 0.06], area=[0.2, 0.4], material=MATERIAL), design)] * 2):
-        with pytest.raises(mf.InvalidInput, match="must be different"):
-            measured(laws, design.law.model)
+    with pytest.raises(mf.InvalidInput, match="must be different"):
+        measured([], design.law.model)
 
 
 def test_what_explains_a_law_is_drawn():
@@ -255,12 +231,9 @@ def test_what_explains_a_law_is_drawn():
     np.testing.assert_allclose(ax.containers[0].lines[0].get_xdata(), study["mean"] / study["prior_sd"])
     (ax,) = heights_figure(study).axes
     np.testing.assert_allclose(ax.containers[0].lines[0].get_ydata(), 1e3 * study["height"])
-    assert ax.patches[0].get_height() == pytest.approx(
-        2e3 * float(study["single_prior_sd"].sel(kind="height"))
-    )
+    sd = float(study["single_prior_sd"].sel(kind="height"))
+    assert ax.patches[0].get_height() == pytest.approx(2e3 * sd)
     assert explanation_section({}) is None
-    only = explained(explain(law, lattice, Priors(0.0, 0.0, 0.0, 0.0, radius_sd=0.0), model=mf.Independent()))
-    assert len(explanation_section({"explained": only})["figures"]) == 1
 
 
 def test_the_onset_of_sliding_is_stated(design):

@@ -175,12 +175,12 @@ def test_other_inputs_are_stated():
     robust = replace(design, robust=mf.Tolerances(0.003, math.radians(0.1)), tools=mf.PowerRange(1.2, 6.0))
     tools = replace(design, template=coated, tools=(mf.Tool(0.3), mf.Tool(0.5, mf.Sphere(), 0.1)))
     for changed, rows in (
-        (other, [["summit radius R", "300 – 800", "µm"], ["radii to choose from", "200 – 800 in steps of 10", "µm"],
-                 ["site", "x [mm]", "y [mm]", "height [µm]", "radius [µm]"]]),
-        (robust, [["exponents of power caps to choose from", "1.2 – 6 in steps of 0.1, coefficient 0.5", ""],
-                  ["robust.height_sd", "3", "µm"], ["robust.angle", "0.1", "°"]]),
-        (tools, [["tools to choose from", "Sphere() of R = 300 µm; Sphere() of R = 500 µm, σ = 0.1 MPa", ""],
-                 ["shear strength σ", "0.1 – 0.4", "MPa"]]),
+        (other,
+         [["summit radius R", "300 – 800", "µm"], ["radii to choose from", "200 – 800 in steps of 10", "µm"], ["site", "x [mm]", "y [mm]", "height [µm]", "radius [µm]"]]),
+        (robust,
+         [["exponents of power caps to choose from", "1.2 – 6 in steps of 0.1, coefficient 0.5", ""], ["robust.height_sd", "3", "µm"], ["robust.angle", "0.1", "°"]]),
+        (tools,
+         [["tools to choose from", "Sphere() of R = 300 µm; Sphere() of R = 500 µm, σ = 0.1 MPa", ""], ["shear strength σ", "0.1 – 0.4", "MPa"]]),
     ):  # fmt: skip
         found = rows_of(words_of(changed))
         assert all(row in found for row in rows)
@@ -225,8 +225,10 @@ def test_models_are_written_in_words_and_in_python():
     for model, words, code in (
         (mf.Independent(), "independent", "Independent()"),
         (mf.Interacting(order=1), "half-space, order 1", "Interacting(order=1)"),
-        (mf.Independent(mf.SphericalCap()), "independent, spherical caps", "Independent(contact=SphericalCap())"),
-        (mf.Independent(mf.JKR(1.604e-5, mf.PowerCap(4))), "independent, JKR, w = 16 mJ/m², power cap, exponent 4",
+        (mf.Independent(mf.SphericalCap()), "independent, spherical caps",
+         "Independent(contact=SphericalCap())"),
+        (mf.Independent(mf.JKR(1.604e-5, mf.PowerCap(4))),
+         "independent, JKR, w = 16 mJ/m², power cap, exponent 4",
          "Independent(contact=JKR(adhesion_energy=1.604e-05, cap=PowerCap(exponent=4.0)))"),
         (mf.Independent(mf.KogutEtsion(10.0)), "independent, Kogut and Etsion, hardness 10 MPa",
          "Independent(contact=KogutEtsion(hardness=10.0))"),
