@@ -94,7 +94,7 @@ def test_a_panel_without_names_takes_those_of_the_axis_that_it_shares():
     left.plot([1.0], [1.0])
     heads, _ = table(left)
     assert [head.partition(": ")[2] for head in heads] == [
-        "x = load P [N], y = area A0 [mm²]", "x = load P [mN], y = area A0 [mm²]", "x = load P [mN], y = slope",
+        *(f"x = load P [{unit}], y = area A0 [mm²]" for unit in ("N", "mN")), "x = load P [mN], y = slope",
     ]  # fmt: skip
 
 

@@ -419,8 +419,10 @@ def test_height_maps_are_read_from_arrays_and_lists_of_points(tmp_path):
         assert found.pixel == pytest.approx(sides, rel=1e-12)
         np.testing.assert_allclose(found.values, size * (HEIGHTS - np.nanmedian(HEIGHTS)), rtol=1e-6)
     for name, content in {
-        "two.xyz": "0 0\n1 1\n", "line.xyz": "0 0 1\n1 0 1\n2 0 1\n", "words.xyz": "0 0 high\n", "no.xyz": "# a\n",
-        "off.xyz": "0 0 1\n1 0 1\n2.4 0 1\n3 0 1\n4 0 1\n0 1 1\n", "t.npy": "no array", "nan.xyz": "0 0 1\nNaN 0 1\n",
+        "two.xyz": "0 0\n1 1\n", "line.xyz": "0 0 1\n1 0 1\n2 0 1\n", "words.xyz": "0 0 high\n",
+        "off.xyz": "0 0 1\n1 0 1\n2.4 0 1\n3 0 1\n4 0 1\n0 1 1\n", "nan.xyz": "0 0 1\nNaN 0 1\n",
+        "t.npy": "no",
+        "no.xyz": "# a\n",
     }.items():  # fmt: skip
         (tmp_path / name).write_text(content)
     np.save(tmp_path / "cube.npy", np.zeros((3, 3, 3)))
@@ -430,9 +432,9 @@ def test_height_maps_are_read_from_arrays_and_lists_of_points(tmp_path):
         ("map.npy", ("2", "um"), "--pixel"), ("map.npy", ("-2 um", "um"), "-0.002"),
         ("map.npy", ("2 um", "N"), '"N"'),
         *((name, ("2 um", "um"), words) for name, words in {
-            "cube.npy": "rows and columns", "t.npy": "array of numpy", "two.xyz": "2 columns", "line.xyz": "the same y",
-            "words.xyz": "not a list of points", "no.xyz": "no points", "off.xyz": "point 3, x = 2.4",
-            "nan.xyz": "point 2", "sparse.xyz": "30 x 30 pixels",
+            "cube.npy": "rows and columns", "t.npy": "array of numpy", "two.xyz": "2 columns",
+            "line.xyz": "the same y", "words.xyz": "not a list of points", "no.xyz": "no points",
+            "off.xyz": "point 3, x = 2.4", "nan.xyz": "point 2", "sparse.xyz": "30 x 30 pixels",
         }.items()),
     ):  # fmt: skip
         with pytest.raises(mf.InvalidInput) as error:

@@ -39,13 +39,16 @@ TARGETS = [
      mf.LinearLaw(6.87, (0.05, 0.2))),
     ('kind = "linear"\nslope = 6.87\nload_range = ["68 mN", "0.272 N"]', mf.LinearLaw(6.87, (0.05, 0.2))),
     ('kind = "linear"\nfriction_coefficient = 1.5', mf.LinearLaw(1.5 / COEFFICIENT)),
-    ('kind = "bilinear"\nslopes = [7, 12.5]\ncrossover_load = "0.038 mm2"\n' 'load_range = ["0.02 mm^2", "0.1 mm^2"]',
+    ('kind = "bilinear"\nslopes = [7, 12.5]\ncrossover_load = "0.038 mm2"\n'
+     'load_range = ["0.02 mm^2", "0.1 mm^2"]',
      mf.BilinearLaw((7.0, 12.5), 0.038, (0.02, 0.1))),
     ('kind = "bilinear"\nfriction_coefficients = [1.2, 1.9]\ncrossover_load = "0.0544 N"',
      mf.BilinearLaw((1.2 / COEFFICIENT, 1.9 / COEFFICIENT), 0.04)),
-    ('kind = "multilinear"\nslopes = [9.5, 7.0, 8.0]\ncrossover_loads = [["0.07 mm2", "0.18 mm2"], "0.2 mm2"]\n' 'load_range = ["0.03 mm^2", "0.26 mm^2"]',
+    ('kind = "multilinear"\nslopes = [9.5, 7.0, 8.0]\ncrossover_loads = [["0.07 mm2", "0.18 mm2"],'
+     '"0.2 mm2"]\nload_range = ["0.03 mm^2", "0.26 mm^2"]',
      mf.MultilinearLaw([9.5, 7.0, 8.0], [(0.07, 0.18), 0.2], (0.03, 0.26))),
-    ('kind = "multilinear"\nfriction_coefficients = [2, 1.5]\ncrossover_loads = [["0.136 N", "0.272 N"]]\n' 'load_range = ["0.068 N", "0.408 N"]',
+    ('kind = "multilinear"\nfriction_coefficients = [2, 1.5]\ncrossover_loads = [["0.136 N", "0.272 N"]]\n'
+     'load_range = ["0.068 N", "0.408 N"]',
      mf.MultilinearLaw([2.0 / COEFFICIENT, 1.5 / COEFFICIENT], [(0.1, 0.2)], (0.05, 0.3))),
     ('kind = "power"\nexponent = 1.2\nload_range = ["0.136 N", "0.544 N"]\nprefactor = 7.0',
      mf.PowerLaw(1.2, (0.1, 0.4), 7.0)),
@@ -59,7 +62,8 @@ TARGETS = [
     (f'kind = "sampled"\n{FORCES}{POINTS}', mf.SampledLaw([0.1, 0.2], [0.8, 1.5])),
     (f'kind = "band"\n{AREAS}lowest = ["0.8 mm^2", "1.4 mm^2"]\nhighest = ["0.9 mm^2", "1.6 mm^2"]',
      mf.Band([0.1, 0.2], [0.8, 1.4], [0.9, 1.6])),
-    (f'kind = "band"\n{FORCES}lowest_force = ["243.44 mN", "0.6086 N"]\n' 'highest_force = ["0.3043 N", "0.91290 N"]',
+    (f'kind = "band"\n{FORCES}lowest_force = ["243.44 mN", "0.6086 N"]\n'
+     'highest_force = ["0.3043 N", "0.91290 N"]',
      mf.Band([0.1, 0.2], [0.8, 2.0], [1.0, 3.0])),
     (f'kind = "band"\nof = "stiffness"\n{AREAS}lowest = ["3 mm", "5 mm"]\nhighest = ["4 mm", "6 mm"]',
      mf.Band([0.1, 0.2], [3.0, 5.0], [4.0, 6.0], of="stiffness")),
@@ -149,7 +153,8 @@ MEMBERS = [
     ({"tools": "exponent_range = [1.2, 6]"}, "model", mf.Independent(mf.Elastic())),
     ({"lattice": SHAPE, "tools": 'radii = ["300 um", "0.4 mm"]\ncaps = ["sphere", "power 4"]'}, "tools",
      (mf.Tool(0.3), mf.Tool(0.4, mf.Power(4)))),
-    ({"lattice": SHAPE, "contact": 'kind = "elastic"', "cap": 'kind = "power"\nexponent = 4.0', "tools": 'radii = ["0.3 mm", "0.5 mm"]\nshear_strengths = ["0.1 MPa", "500 kPa"]'},
+    ({"lattice": SHAPE, "contact": 'kind = "elastic"', "cap": 'kind = "power"\nexponent = 4.0',
+      "tools": 'radii = ["0.3 mm", "0.5 mm"]\nshear_strengths = ["0.1 MPa", "500 kPa"]'},
      "tools", (mf.Tool(0.3, mf.Power(4), 0.1), mf.Tool(0.5, mf.Power(4), 0.5))),
     ({}, "cap", mf.Sphere()), ({"contact": 'kind = "power"\nexponent = 4.0'}, "cap", mf.Power(4)),
     *(({"contact": 'kind = "elastic"', "cap": keys}, "cap", cap) for keys, cap in {

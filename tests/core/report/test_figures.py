@@ -1,4 +1,4 @@
-"""The figures and sections of the page show the numbers of the design, its law, its studies and its checks."""
+"""The figures of the page show the numbers of the design, its law, its studies and its checks."""
 
 import math
 from dataclasses import replace
@@ -240,16 +240,15 @@ def test_the_onset_of_sliding_is_stated(design):
     onset = mf.onset(design.surface, load=0.02)
     data = report.onset_data(onset)
     law = mf.friction_law(design.surface, load=[0.02])
-    assert list(data) == [
-        "load_N", "sliding_displacement_mm", "stiffness_N_per_mm", "displacement_mm", "friction_force_N", "asperity",
-    ]  # fmt: skip
+    names = "load_N sliding_displacement_mm stiffness_N_per_mm displacement_mm friction_force_N asperity"
+    assert list(data) == names.split()
     assert (data["load_N"], data["stiffness_N_per_mm"]) == (pytest.approx(0.02), onset.stiffness)
     assert data["friction_force_N"][-1] == pytest.approx(law.friction_force[0], rel=1e-12)
     assert data["sliding_displacement_mm"] == data["displacement_mm"][-1]
     assert sorted(data["asperity"]) == np.flatnonzero(onset.state.asperity_area > 0.0).tolist()
     words = report.onset_words(onset)
-    for number in (0.02, 1e3 * onset.displacement[0], 1e3 * onset.sliding_displacement, onset.friction_force[-1],
-                   onset.stiffness):  # fmt: skip
+    ends = 1e3 * onset.displacement[0], 1e3 * onset.sliding_displacement
+    for number in (0.02, *ends, onset.friction_force[-1], onset.stiffness):
         assert f"{number:.3g}" in words
     one = mf.onset(mf.Surface([[0, 0]], [0.1], 0.5, MATERIAL, mf.Friction(0.4)), load=0.02)
     assert "the only contact slides from" in report.onset_words(one)

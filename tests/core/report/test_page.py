@@ -13,6 +13,7 @@ from jinja2 import UndefinedError
 import metafem as mf
 from metafem.drawing.inline import Drawn
 from metafem.report import all_notes, parameter_rows
+from metafem.report.figures import law_figure
 from metafem.report.fits import fit_table
 from metafem.report.html import headings, render
 from metafem.report.names import error_data, error_words, in_python, model_data, model_words
@@ -40,10 +41,9 @@ def words_of(design, **options):
 
 def rows_of(text):
     """Return the rows of all tables of a page as texts."""
-    return [
-        [unescape(re.sub("<[^>]+>", "", cell)) for cell in re.findall(r"<t[dh][^>]*>(.*?)</t[dh]>", row, re.DOTALL)]
-        for row in re.findall(r"<tr>(.*?)</tr>", text, re.DOTALL)
-    ]  # fmt: skip
+    rows = re.findall(r"<tr>(.*?)</tr>", text, re.DOTALL)
+    cells = (re.findall(r"<t[dh][^>]*>(.*?)</t[dh]>", row, re.DOTALL) for row in rows)
+    return [[unescape(re.sub("<[^>]+>", "", cell)) for cell in row] for row in cells]
 
 
 def rms(values):
@@ -57,7 +57,8 @@ def test_the_page_states_the_numbers_of_the_design():
     rows = rows_of(text)
     base = 4.0 / 3.0 * 1.36 * math.sqrt(0.526) * float((surface.height**1.5).sum())  # Hertz's load at d = h
     for row in (
-        ["composite modulus E*", "1.36", "MPa"], ["Poisson's ratio ν", "0.5", ""], ["shear strength σ", "0.358", "MPa"],
+        ["composite modulus E*", "1.36", "MPa"], ["Poisson's ratio ν", "0.5", ""],
+        ["shear strength σ", "0.358", "MPa"],
         ["area ratio B", "0.85", ""], ["summit radius R", "526", "µm"], ["sites for asperities", "16", ""],
         ["block", "12 × 10 × 3", "mm"], ["largest height h_m", "120", "µm"], ["offset h_0", "84", "µm"],
         ["height step", "6", "µm"], ["height error", "0.9", "µm"], ["given height of site 5", "100", "µm"],
@@ -95,7 +96,8 @@ def test_the_page_states_the_numbers_of_the_design():
         change, sinking = other.area / law.area - 1.0, 1e3 * (law.separation - other.separation)[-1]
         (row,) = [row for row in rows if row[0] == name]
         assert row[1:] == [
-            f"{100.0 * rms(change):.2f} %", f"{100.0 * change[np.abs(change).argmax()]:+.2f} %", f"{sinking:.1f} µm",
+            f"{100.0 * rms(change):.2f} %", f"{100.0 * change[np.abs(change).argmax()]:+.2f} %",
+            f"{sinking:.1f} µm",
         ]  # fmt: skip
     assert "the true block is left out" in text
     assert "Model: independent, in Python Independent()" in text
@@ -119,37 +121,36 @@ def test_the_page_is_self_contained():
     assert "friction coefficient  μ = F/P" in text
 
 
-@pytest.mark.parametrize(("target", "meaning"), [
-    (POINTS, "largest difference from the target"),
-    (mf.LinearLaw(6.87), "rms difference from the law of the height density"),
-    (mf.LinearLaw(9.0, (0.01, 0.05)), "largest difference from the target"),
-    (mf.PowerLaw(1.2, (0.02, 0.05)), "rms difference from the target"),
-])  # fmt: skip
-def test_the_misfit_is_that_of_the_drawn_difference(target, meaning):
-    from metafem.report.figures import law_figure
-
-    design = mf.design(target, LATTICE, limits=mf.Limits(0.16))
-    law = design.target_law
-    difference = law.difference(mf.friction_law(design.surface, load=1.36 * law.load).area)
-    figure = law_figure(design)
-    drawn = figure.axes[1].lines[-1]
-    np.testing.assert_array_equal(drawn.get_xdata(), law.load)
-    np.testing.assert_allclose(drawn.get_ydata(), 100.0 * difference, rtol=1e-9, atol=1e-9)
-    misfit = np.abs(difference).max() if law.pointwise else rms(difference)
-    assert design.misfit == pytest.approx(misfit, rel=1e-9, abs=1e-12)
-    assert f"misfit: {meaning}" in unescape(words_of(design))
+def test_the_misfit_is_that_of_the_drawn_difference():
+    for target, meaning in (
+        (POINTS, "largest difference from the target"),
+        (mf.LinearLaw(6.87), "rms difference from the law of the height density"),
+        (mf.LinearLaw(9.0, (0.01, 0.05)), "largest difference from the target"),
+        (mf.PowerLaw(1.2, (0.02, 0.05)), "rms difference from the target"),
+    ):
+        design = mf.design(target, LATTICE, limits=mf.Limits(0.16))
+        law = design.target_law
+        difference = law.difference(mf.friction_law(design.surface, load=1.36 * law.load).area)
+        drawn = law_figure(design).axes[1].lines[-1]
+        np.testing.assert_array_equal(drawn.get_xdata(), law.load)
+        np.testing.assert_allclose(drawn.get_ydata(), 100.0 * difference, rtol=1e-9, atol=1e-9)
+        misfit = np.abs(difference).max() if law.pointwise else rms(difference)
+        assert design.misfit == pytest.approx(misfit, rel=1e-9, abs=1e-12)
+        assert f"misfit: {meaning}" in words_of(design)
 
 
 # Printed unit of each parameter, and its factor.
 UNITS = {
-    ("µm", 1e3): "scale crossover_height levels adjustment_heights span radius tried_radii used_radii lowest_radius "
-    "highest_radius level_radii adjustment_radii step_levels",
-    ("mm²", 1.0): "intercept foot_load intercepts load_range", ("mm^(2-2β)", 1.0): "prefactor",
-    ("%", 100.0): "radius_misfits layout_before layout_after expected_misfit plain_expected_misfit robust_gain "
-    "robust_gain_error irreducible_share band_margin step_loss",
-    ("", 1.0): "weight counts adjustment_counts lowest_coefficients highest_coefficients radius_counts tool_counts "
-    "used_exponents exponent_counts reachable_coefficients plasticity_index largest_modulus_ratio step_counts",
-}  # fmt: skip
+    ("µm", 1e3): "scale crossover_height levels adjustment_heights span radius tried_radii used_radii "
+    "lowest_radius highest_radius level_radii adjustment_radii step_levels",
+    ("mm²", 1.0): "intercept foot_load intercepts load_range",
+    ("mm^(2-2β)", 1.0): "prefactor",
+    ("%", 100.0): "radius_misfits layout_before layout_after expected_misfit plain_expected_misfit "
+    "robust_gain robust_gain_error irreducible_share band_margin step_loss",
+    ("", 1.0): "weight counts adjustment_counts lowest_coefficients highest_coefficients radius_counts "
+    "tool_counts used_exponents exponent_counts reachable_coefficients plasticity_index "
+    "largest_modulus_ratio step_counts",
+}
 
 
 def test_parameters_have_their_units_and_no_false_digits():
@@ -176,11 +177,14 @@ def test_other_inputs_are_stated():
     tools = replace(design, template=coated, tools=(mf.Tool(0.3), mf.Tool(0.5, mf.Sphere(), 0.1)))
     for changed, rows in (
         (other,
-         [["summit radius R", "300 – 800", "µm"], ["radii to choose from", "200 – 800 in steps of 10", "µm"], ["site", "x [mm]", "y [mm]", "height [µm]", "radius [µm]"]]),
+         [["summit radius R", "300 – 800", "µm"], ["radii to choose from", "200 – 800 in steps of 10", "µm"],
+          ["site", "x [mm]", "y [mm]", "height [µm]", "radius [µm]"]]),
         (robust,
-         [["exponents of power caps to choose from", "1.2 – 6 in steps of 0.1, coefficient 0.5", ""], ["robust.height_sd", "3", "µm"], ["robust.angle", "0.1", "°"]]),
+         [["exponents of power caps to choose from", "1.2 – 6 in steps of 0.1, coefficient 0.5", ""],
+          ["robust.height_sd", "3", "µm"], ["robust.angle", "0.1", "°"]]),
         (tools,
-         [["tools to choose from", "Sphere() of R = 300 µm; Sphere() of R = 500 µm, σ = 0.1 MPa", ""], ["shear strength σ", "0.1 – 0.4", "MPa"]]),
+         [["tools to choose from", "Sphere() of R = 300 µm; Sphere() of R = 500 µm, σ = 0.1 MPa", ""],
+          ["shear strength σ", "0.1 – 0.4", "MPa"]]),
     ):  # fmt: skip
         found = rows_of(words_of(changed))
         assert all(row in found for row in rows)
