@@ -111,15 +111,13 @@ def test_marks_and_grids_are_drawn_to_scale(ax):
     assert (place.left, place.right, place.bottom, place.top) == pytest.approx((0.1, 0.8, 0.1, 0.7))
 
 
-def test_onsets_and_trade_offs_are_drawn(ax):
-    drawing.onset(ax, X, 0.1 * X)
-    assert points(ax.lines[0]) == [[0.0, 0.0], [1.0, 0.1], [2.0, 0.2], [4.0, 0.4]]
-    assert points(ax.lines[1]) == [[1.0, 0.1], [2.0, 0.2]]
-    assert names(ax) == ("tangential displacement  x [µm]", "friction force  F [N]")
-    both = drawing.new_figure(5.0, 4.0).add_subplot()
-    drawing.trade_off(both, PLACES, 2, ["a", "b"])
-    assert (points(both.lines[0]), points(both.lines[1])) == (PLACES.tolist(), [[3.0, 1.0]])
-    assert (names(both), len(labels(both))) == (("a", "b"), 2)
+def test_onsets_and_trade_offs_are_drawn():
+    left, right = drawing.new_figure(9.0, 4.0).subplots(1, 2)
+    drawing.onset(left, X, 0.1 * X)
+    assert points(left.lines[0]) == [[0.0, 0.0], [1.0, 0.1], [2.0, 0.2], [4.0, 0.4]]
+    assert points(left.lines[1]) == [[1.0, 0.1], [2.0, 0.2]]
+    drawing.trade_off(right, PLACES, 2, ["a", "b"])
+    assert (points(right.lines[0]), points(right.lines[1])) == (PLACES.tolist(), [[3.0, 1.0]])
 
 
 def test_an_image_lies_in_its_frame():

@@ -51,7 +51,6 @@ def test_part_and_mould_are_closed_and_fill_a_box_together(part):
     area = float(part.cap.largest_area(part.height, part.radius).sum())
     assert exact - volume(block) == pytest.approx(0.0, abs=shell + 1e-3 * area)
     assert block.vertices[:, 2].max() == pytest.approx(top, rel=1e-12)
-    assert block.vertices[:, 2].min() == -3.0
     deepest = mould.vertices[8 + mould.vertices[8:, 2].argmin()]  # from the open face: x is mirrored
     place = part.position[part.height.argmax()]
     np.testing.assert_allclose(deepest, [-place[0], place[1], -top], atol=1e-12)
@@ -185,7 +184,6 @@ def test_the_mould_is_drawn_to_scale_mirrored_and_dimensioned():
         assert word in words
     assert words.count("pitch 1.5") == 2
     assert any("x is mirrored" in word for word in words)
-    assert any("3 thick" in word for word in words)
 
 
 def test_each_tool_has_its_line_and_each_profile_its_rims():
@@ -193,7 +191,6 @@ def test_each_tool_has_its_line_and_each_profile_its_rims():
     text = mould_drawing(mixed, 6, BLOCK)
     assert "3 holes, tool radius R 0.3, depth 0.1" in text
     assert "3 holes, tool radius R 0.5, depth 0.1" in text
-    assert "Profile" not in text
     many = mould_drawing(mixed.replaced(radius=np.linspace(0.3, 0.55, 6)), 6, BLOCK)
     assert "6 holes, 6 tools, radii R from 0.3 to 0.55, depth 0.1" in many
     caps = mixed.replaced(cap=[mf.Power(4, 0.3), *[mf.Sphere()] * 4, mf.Paraboloid()])

@@ -201,7 +201,6 @@ def test_measured_laws_are_drawn_and_compared(design):
     np.testing.assert_allclose(drawn[1], (study.deviation / study.deviation_sd).values[14:])
     line, _, (across, up) = above.containers[1].lines
     points = study.isel(point=slice(14, 28))
-    np.testing.assert_array_equal(line.get_xdata(), points.rescaled_load)
     np.testing.assert_array_equal(line.get_ydata(), points.rescaled_friction)
     spans = (np.ptp(np.array(bar.get_segments())[:, :, k], axis=1) for k, bar in ((0, across), (1, up)))
     for span, name in zip(spans, ("rescaled_load_sd", "rescaled_friction_sd"), strict=True):
@@ -212,7 +211,6 @@ def test_measured_laws_are_drawn_and_compared(design):
     assert (section["differs"], section["shaded"]) == (True, True)
     assert section["bars"] == ", which include the errors of E* and B"
     assert [row[1].split(",")[0] for row in section["features"]] == ["slope 1", "slope 2", "crossover"]
-    assert measured_section(design, {}) is None
     with pytest.raises(mf.InvalidInput, match="must be different"):
         measured([], design.law.model)
 
@@ -224,7 +222,6 @@ def test_what_explains_a_law_is_drawn():
     law = MeasuredLaw(load, area=tilted.area, material=MATERIAL)
     study = explained(explain(law, lattice, model=mf.Independent()))
     section = explanation_section({"explained": study})
-    assert any("tilt (" in sentence for sentence in section["answers"])
     assert ([row[0] for row in section["rows"]].count("tilt along x"), len(section["figures"])) == (1, 2)
     (ax,) = errors_figure(study).axes
     assert ax.get_yticklabels()[0].get_text() == "tilt along x"
@@ -233,7 +230,6 @@ def test_what_explains_a_law_is_drawn():
     np.testing.assert_allclose(ax.containers[0].lines[0].get_ydata(), 1e3 * study["height"])
     sd = float(study["single_prior_sd"].sel(kind="height"))
     assert ax.patches[0].get_height() == pytest.approx(2e3 * sd)
-    assert explanation_section({}) is None
 
 
 def test_the_onset_of_sliding_is_stated(design):
@@ -283,6 +279,3 @@ def test_checks_of_the_finite_elements_are_tabulated_and_drawn(design, monkeypat
         assert curve.get_xdata().max() == pytest.approx(x[1])
         closed = (single_contacts.hertz_pressure, single_contacts.hertz_displacement)[ax is right]
         np.testing.assert_allclose(curve.get_ydata(), factor * closed(0.1 * curve.get_xdata(), 0.1, 0.526))
-    (ax,) = elements.cap_pressure_figure([(press(0.1, 0.526, 0.5), 0.12)], 0.526).axes
-    assert ax.get_title() == "h = 0.12 mm, a = 0.1 mm"
-    assert (ax.lines[0].get_xdata() <= 1.0).all()
