@@ -104,6 +104,7 @@ def test_a_broken_image_is_named_and_the_others_are_measured(run, pictures):
     assert json.loads(data.stdout)["failed"] == ["10.tif"]
 
 
+@pytest.mark.slow
 def test_a_stack_without_forces(run, tmp_path):
     tifffile.imwrite(tmp_path / "stack.tif", np.stack([shot(i) for i in range(3)]), photometric="minisblack")
     result = run(
@@ -124,14 +125,7 @@ def test_what_would_be_lost_is_refused_first(run, pictures):
     assert [run(*arguments, *force).exit_code for force in ([], [], ["--force"])] == [0, 2, 0]
 
 
-def test_a_pixel_size_that_disagrees_and_images_without_forces(run, pictures):
-    Path("forces.csv").write_text("image,load_mN\n11.tif,40\n", encoding="utf-8")
-    result = run("images", "pictures", "--forces", "forces.csv", "--pixel", "10 um")
-    text = " ".join(result.output.split())
-    assert "states pixels of 20 um by its resolution tags, and --pixel 10 um is used" in text
-    assert "are not in the table of forces: the load is empty" in text
-
-
+@pytest.mark.slow
 def test_a_drawing_in_the_folder_is_no_image_and_an_image_is_no_drawing(run, pictures):
     (pictures / "s10.tif").unlink()
     arguments = ["images", "pictures", "--pixel", "20 um", "--picture", "pictures/found.png", "--json"]
@@ -147,40 +141,7 @@ def test_a_drawing_in_the_folder_is_no_image_and_an_image_is_no_drawing(run, pic
     assert (pictures / "11.png").read_bytes() == before
 
 
-def test_an_image_without_contacts_is_named_once_as_the_reason(run, pictures):
-    Image.fromarray(np.full((220, 230), 180, dtype=np.uint8)).save("blank.png")
-    result = run("images", "pictures/11.tif", "blank.png", "--pixel", "20 um")
-    assert result.exit_code == 1
-    text = " ".join(result.output.split())
-    assert (
-        "remark: 11.tif: threshold and levels are from this image, because blank.png cannot be measured"
-        in text
-    )
-    assert text.count("image is constant") == 1
-    wrong = " ".join(run("images", "blank.png", "--pixel", "20 um", "--bright-contacts").output.split())
-    assert "none of the images can be measured: blank.png is not measured" in wrong
-    assert "images[" not in wrong
-    assert "--bright-contacts is given" in wrong
-
-
-@pytest.mark.parametrize(("arguments", "message"), [
-    (["nosuchfolder"], "nosuchfolder: no such file or folder"),
-    (["--pixel", "20"], '--pixel = "20" needs a unit; write for example "5.3 um"'),
-    (["--pixel", "0 um"], "must be greater than 0"),
-    (["--sites", "nothing.csv"], "no such file or folder"),
-    (["--rotation", "1 mm"], "does not measure in rad"),
-    (["--picture-of", "9.tif"], "--picture-of needs --picture"),
-    (["--picture", "a.jpg"], "must end with .svg or .png"),
-    (["--picture", "a.png", "--picture-of", "x.tif"], "--picture-of = x.tif is not among the images"),
-    (["--forces", "heights.csv"], "lacks image, load_mN: it has"),
-    (["--sites", "heights.csv", "--rotation", "45 deg"], "11.tif: the 9 contacts are not on the sites"),
-])  # fmt: skip
-def test_bad_input(run, pictures, arguments, message):
-    result = run("images", *(f"pictures/{name}.tif" for name in (9, 11)), *arguments)
-    assert result.exit_code == 2
-    assert message in " ".join(result.output.split())
-
-
+@pytest.mark.slow
 def test_the_areas_of_a_design_tell_a_wrong_viewing_side(run, demo, tmp_path):
     demo("linear")
     surface = mf.load("linear").surface

@@ -9,7 +9,6 @@ import pytest
 import metafem as mf
 from metafem import progress
 from metafem.cli.study.parameters import with_calibration
-from metafem.errors import InvalidInput
 
 SURFACE = mf.Surface.square_lattice(
     0.1, (1, 2), radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.37, 0.85)
@@ -56,23 +55,3 @@ def test_values_that_differ_are_told(written):
         assert told == []
         with_calibration(written(values=[0.526, 1.46, 0.85, 0.37]), {}, SURFACE)
     assert "composite_modulus of the design is 1.36, and that of the calibration 1.46 ± 0.02" in told[0]
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"kind": "study"}, "is not a calibration; write one with metafem calibrate"),
-        ({"parameters": ["radius"]}, "do not fit together"),
-        ({"parameters": ["radius", "radius", "area_ratio", "shear_strength"]}, "do not fit together"),
-        ({"values": "x"}, "do not fit together"),
-        ({"covariance": None}, "do not fit together"),
-    ],
-)
-def test_other_files_are_refused(written, changes, message):
-    with pytest.raises(InvalidInput, match=message):
-        with_calibration(written(**changes), {}, SURFACE)
-
-
-def test_one_error_is_given_once(written):
-    with pytest.raises(InvalidInput, match="--sd radius and --calibration both give the error of radius"):
-        with_calibration(written(), {"radius": 0.002}, SURFACE)

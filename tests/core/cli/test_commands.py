@@ -1,25 +1,12 @@
 """The commands and their options, each in an empty folder."""
 
 import json
-import re
 from pathlib import Path
 
 import pytest
 
 import metafem as mf
-from metafem import cli
 from metafem.files import DEMOS, MODELS, all_keys, demo_text, manual, schema_text
-
-
-def test_models_have_the_names_that_the_command_lists():
-    assert [model().name for model in MODELS.values()] == list(MODELS)
-
-
-def test_help_and_readme_name_every_section_and_kind_of_target(run):
-    page = Path(__file__).parents[2] / "validation" / "guide" / "commands.md"
-    for text in (run("design", "--help").output, page.read_text("utf-8")):
-        words = set(re.findall(r"[a-z-]+", " ".join(text.split())))
-        assert {name for key in all_keys() for name in (key.section, key.kind) if name} <= words
 
 
 def test_spec_prints_every_key(run):
@@ -74,22 +61,6 @@ def test_empty_sites_and_given_heights_are_designed(run):
     report = Path("sites/report.html").read_text("utf-8")
     assert '<tr><td>given height of site 9</td><td class="number">150</td><td>µm</td></tr>' in report
     assert dict(mf.load("sites").pinned) == {3: None, 9: 0.15}
-
-
-@pytest.mark.parametrize(
-    "command",
-    [
-        (),
-        *((name,) for name in cli.main.commands),
-        *(("study", name) for name in cli.main.commands["study"].commands),
-    ],
-)
-def test_every_command_has_help(run, command):
-    result = run(*command, "--help")
-    assert result.exit_code == 0
-    assert "Usage:" in result.output
-    if len(command) == 2:
-        assert "Example: metafem study " in result.output
 
 
 @pytest.mark.usefixtures("plain_reports")
@@ -148,24 +119,6 @@ def test_a_friction_coefficient_is_printed_at_the_terminal_and_as_json(run):
     assert data["misfit_meaning"] == "largest difference from the target"
     assert data["slopes"][0]["target_friction_coefficient"] == 1.5
     assert "target friction coefficient" in run("design", "mu.toml", "-o", "again").output
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "code", "words"),
-    [
-        ("slope = 6.87", "slope = 3.0", 1, "slope 3 is not above the bound"),
-        ("slope = 6.87", "friction_coefficient = 0.9", 1, "friction coefficient 0.9 is not above the bound"),
-        ('"120 um"', "120", 2, "limits.max_height"),
-        ("[target]", "[target", 2, "line"),
-        ('kind = "linear"', 'kind = "linar"', 2, "linear"),
-    ],
-)
-def test_bad_specifications_end_with_a_reason_and_no_folder(run, old, new, code, words):
-    assert old in demo_text("linear")
-    Path("bad.toml").write_text(demo_text("linear").replace(old, new), "utf-8")
-    result = run("design", "bad.toml", "-o", "bad")
-    assert (result.exit_code, words in result.output) == (code, True), result.output
-    assert [path.name for path in Path().iterdir()] == ["bad.toml"]
 
 
 @pytest.mark.usefixtures("plain_reports")
@@ -239,47 +192,6 @@ TABLE = ("predict", "h.csv", "--composite-modulus", "1.36 MPa")
 SIDES = ("--width", "20 mm", "--length", "20 mm")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (("predict", "none.csv"), "none.csv: no such file or folder"),
-        (("predict", "table.csv"), "needs either --composite-modulus or --young-modulus"),
-        (
-            ("predict", "table.csv", "--composite-modulus", "1 MPa", "--young-modulus", "1 MPa"),
-            "either --composite",
-        ),
-        (
-            ("predict", "table.csv", "--composite-modulus", "1 MPa", "--area-ratio", "0.85"),
-            "needs --shear-strength",
-        ),
-        (("predict", ".", "--poisson-ratio", "0.3"), "--poisson-ratio: only for tables of heights"),
-        (("predict", "table.csv", "--composite-modulus", "1.36 MPa"), "table.csv is empty"),
-        (("predict", "."), "no such file; name a result folder"),
-        (("report", "."), "no such file; name a result folder"),
-        ((*TABLE, "--model", "layer"), 'add --thickness "7.2 mm"; for --model layer'),
-        ((*TABLE, "--model", "block", *SIDES), 'add --thickness "7.2 mm";'),
-        ((*TABLE, "--thickness", "7.2 mm"), 'a table does not hold; add --width "20 mm" --length "20 mm"'),
-        ((*TABLE, "--thickness", "7.2"), '--thickness = "7.2" needs a unit'),
-        (("design", "linear.toml", "-o", ""), "the name is empty"),
-        (
-            ("predict", "linear.toml"),
-            "linear.toml is a specification; run metafem design linear.toml -o FOLDER",
-        ),
-        (("design", "linear.toml", "-o", "x", "--chord-error", "1"), 'write for example "1 um"'),
-        (("design", "linear.toml", "-o", "/proc/x"), "No such file or directory; choose another folder"),
-        (("design", "none.toml", "-o", "x"), "none.toml"),
-        (("design", "none.toml", "-o", "no/where"), "no is not a folder"),
-    ],
-)
-def test_bad_arguments_exit_with_two(run, arguments, words):
-    Path("linear.toml").write_text(demo_text("linear"), "utf-8")
-    Path("h.csv").write_text("x_mm,y_mm,height_um,radius_um\n0,0,120,526\n")
-    Path("table.csv").touch()
-    result = run(*arguments)
-    assert (result.exit_code, words in " ".join(result.output.split())) == (2, True), result.output
-    assert not Path("x").exists()
-
-
 def test_report_is_written_anew_and_the_same(run, demo):
     demo("operating-points")
     path = Path("operating-points/report.html")
@@ -306,15 +218,7 @@ def test_a_table_is_predicted_on_a_layer_of_a_thickness(run, demo):
         assert json.loads(result.stdout)["area_mm2"] == pytest.approx(folder["area_mm2"], rel=1e-11)
 
 
-@pytest.mark.parametrize("model", ["layer", "block"])
-def test_a_model_without_its_block_names_the_section(run, model):
-    text = demo_text("linear")
-    start, end = text.index("[block]"), text.index("[limits]")
-    Path("bare.toml").write_text(text[:start] + text[end:], "utf-8")
-    result = run("design", "bare.toml", "-o", "bare", "--model", model)
-    assert (result.exit_code, "add [block]" in result.output) == (2, True), result.output
-
-
+@pytest.mark.slow
 @pytest.mark.usefixtures("plain_reports")
 @pytest.mark.parametrize(
     ("changes", "words"),
@@ -341,13 +245,6 @@ def test_a_design_warns_of_what_its_model_leaves_out(run, changes, words):
     assert words in output
 
 
-@pytest.mark.parametrize("name", DEMOS)
-def test_the_demos_are_free_of_false_alarms(demo_results, name):
-    notes = demo_results(name)[1]["notes"]
-    warnings = [note["text"] for note in notes if note["level"] == "warning"]
-    assert not [text for text in warnings if "A0" in text or "contacts" in text or "base plane" in text]
-
-
 def test_a_table_is_predicted_with_its_material_and_friction(run):
     Path("h.csv").write_text("x_mm,y_mm,height_um,radius_um\n0,0,100,526\n1.5,0,120,526\n", "utf-8")
     composite = run("predict", "h.csv", "--composite-modulus", "1.2 MPa", "--load", "0.1 N", "--json")
@@ -366,17 +263,6 @@ def test_a_table_is_predicted_with_its_material_and_friction(run):
     assert "model independent, converged" in output
     refused = run("predict", "h.csv", *young[:3], "0.7")
     assert (refused.exit_code, "--poisson-ratio" in refused.output) == (2, True), refused.output
-
-
-def test_a_column_that_is_not_read_is_reported_once(run):
-    Path("h.csv").write_text("x_mm,y_mm,height_um,radius_um,site,Bemerkung\n0,0,120,526,0,gut\n")
-    options = ("--composite-modulus", "1.36 MPa", "--shear-strength", "0.4 MPa", "--json")
-    result = run("predict", "h.csv", *options)
-    assert result.exit_code == 0, result.output
-    assert result.stderr.count("h.csv: the column Bemerkung is not read") == 1
-    # without an area ratio it is 1
-    law = json.loads(result.stdout)
-    assert law["friction_force_N"][-1] == pytest.approx(0.4 * law["area_mm2"][-1], rel=1e-12)
 
 
 def test_the_schema_is_printed_and_written(run):

@@ -64,6 +64,7 @@ def test_json_holds_the_heights_and_the_correction(run, part):
     assert data["correction"]["expected_error_mm"] < data["correction"]["error_mm"]
 
 
+@pytest.mark.slow
 def test_a_missing_summit_is_named(run, part, heights):
     gone = heights.copy()
     gone[:320, :320] = np.nan  # on the upper left: site 6
@@ -73,6 +74,7 @@ def test_a_missing_summit_is_named(run, part, heights):
     assert "asperity 6 of the design, at (-1.500, 1.500) mm, is missing" in result.output.replace("\n", " ")
 
 
+@pytest.mark.slow
 def test_a_scale_is_about_the_mean_height(run, part):
     design = DESIGN.surface.replaced(height=np.linspace(0.08, 0.16, 9))
     mf.save(replace(DESIGN, surface=design), "steps")
@@ -80,31 +82,3 @@ def test_a_scale_is_about_the_mean_height(run, part):
     result = run("topography", "part.npy", "--pixel", "5 um", "--height-unit", "mm", "--design", "steps")
     assert "mean height error +2.4" in result.output
     assert "% of the height above or below the mean of 120 um" in " ".join(result.output.split())
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (
-            ("part.npy", "--design", "design"),
-            "does not state the size of its pixels and the unit of its heights",
-        ),
-        (("none.x3p", "--design", "design"), "no such file"),
-        (("part.npy", *PIXEL, "--design", "none"), "none"),
-        (("part.npy", *PIXEL, "--design", "design", "--picture", "made.pdf"), "must end with .svg or .png"),
-        (("part.npy", *PIXEL, "--design", "design", "-o", "part.npy"), "exists"),
-        (("part.npy", *PIXEL, "--design", "design", "-o", "a.csv", "--corrected", "./a.csv"), "both name"),
-        (("part.npy", *PIXEL, "--design", "design", "--mould"), "no cap of a radius near 0.526 mm"),
-        (("part.npy", "--pixel", "5 um", "--height-unit", "parsec", "--design", "design"), "micron or nm"),
-        (
-            ("part.npy", "--pixel", "15 um", "--height-unit", "um", "--design", "design"),
-            "check --pixel, --height-unit and --mould",
-        ),
-        (("empty.npy", *PIXEL, "--design", "design"), "empty.npy: the map holds no heights"),
-    ],
-)
-def test_what_cannot_be_measured_ends_with_a_message(run, part, arguments, message):
-    np.save(part / "empty.npy", np.full((400, 400), np.nan))
-    result = run("topography", *arguments)
-    assert result.exit_code == 2
-    assert message in " ".join(result.output.split())

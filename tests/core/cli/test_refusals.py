@@ -1,0 +1,140 @@
+"""What each command refuses, with the key and the value that its message holds, and its exit code."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from metafem import cli
+from metafem.files import demo_text
+
+LINEAR = demo_text("linear")
+
+# A specification with one change; what the message holds; the exit code.
+SPECIFICATIONS = [
+    ("slope = 6.87", "slope = 3.0", ("slope", "3"), 1),
+    ("slope = 6.87", "friction_coefficient = 0.9", ("friction coefficient", "0.9"), 1),
+    ('"120 um"', "120", ("limits.max_height", "120"), 2),
+    ("[target]", "[target", ("line",), 2),
+    ('kind = "linear"', 'kind = "linar"', ("target.kind", "linar"), 2),
+]
+
+TABLE = ("predict", "h.csv", "--composite-modulus", "1.36 MPa")
+BARE = ("predict", "bare.csv", "--composite-modulus", "1 MPa")
+STUDY = ("study", "uncertainty", "linear", "--sd")
+COMPARE = ("compare", "linear", "measured.csv")
+MAP = ("topography", "part.npy", "--pixel", "5 um", "--height-unit", "um", "--design", "linear")
+RADIUS = ("--contacts", "5", "--radius", "526 um")
+
+# A call, the key and the value.
+REFUSALS = [
+    (("predict", "none.csv"), "none.csv", "no such file"),
+    (("predict", "h.csv"), "--composite-modulus", "--young-modulus"),
+    ((*TABLE, "--young-modulus", "1 MPa"), "--composite-modulus", "--young-modulus"),
+    ((*TABLE, "--area-ratio", "0.85"), "--area-ratio", "--shear-strength"),
+    (("predict", "linear", "--poisson-ratio", "0.3"), "--poisson-ratio", "tables"),
+    (("predict", "empty.csv", *TABLE[2:]), "empty.csv", "empty"),
+    (("predict", "."), ".", "result folder"),
+    (("predict", "linear.toml"), "linear.toml", "specification"),
+    (("report", "."), ".", "result folder"),
+    ((*TABLE, "--model", "layer"), "--thickness", "layer"),
+    ((*TABLE, "--thickness", "7.2 mm"), "--width", "--length"),
+    ((*TABLE, "--thickness", "7.2"), "--thickness", "7.2"),
+    ((*BARE, "--radius", "-5 um"), "--radius", "-5 um"),
+    ((*BARE, "--radius", "1,5 mm"), "--radius", "1,5 mm"),
+    ((*BARE[:3], "-1 kPa"), "--composite-modulus", "-1 kPa"),
+    ((*TABLE, "--model", "resolved", "--contact", "jkr 9 mJ/m^2"), "contact", "JKR("),
+    (("design", "linear.toml", "-o", ""), "--output", "empty"),
+    (("design", "linear.toml", "-o", "x", "--chord-error", "1"), "--chord-error", "1"),
+    (("design", "none.toml", "-o", "x"), "none.toml", "no such file"),
+    (("design", "linear.toml", "-o", "no/where"), "no", "not a folder"),
+    (("design", "bare.toml", "-o", "x", "--model", "layer"), "layer", "[block]"),
+    (("study", "misalignment", "linear", "--angle", "50deg"), "--angle", "50 deg"),
+    (("study", "misalignment", "linear", "--angle", "0.1deg,0.05deg"), "--angle[1]", "0.05 deg"),
+    (("study", "misalignment", "linear", "--load-range", "0.5N", "0.2N"), "--load-range[1]", "0.2 N"),
+    (("study", "manufacturing", "linear", "--height-sd", "-3um"), "--height-sd", "-3 um"),
+    (("study", "manufacturing", "linear", "--position-sd", "1N"), "--position-sd", "1N"),
+    (("study", "manufacturing", "linear", "--radius-sd", "100um"), "--radius-sd", "100 um"),
+    (("study", "manufacturing", "linear", "--draws", "9", "--error", "9 %"), "--draws", "--error"),
+    (("study", "combined", "linear"), "no error is given", "--height-sd"),
+    (("study", "combined", "linear", "--height-sd", "3um", "--misfit", "3"), "--misfit", "3 %"),
+    (("study", "combined", "linear", "--angle", "1deg", "--probability", "120 %"), "--probability", "120 %"),
+    (("study", "uncertainty", "linear"), "--sd", "no error"),
+    ((*STUDY, "radius"), "--sd radius", '""'),
+    ((*STUDY, "wear=2um"), "--sd", "wear=2um"),
+    ((*STUDY, "radius=2MPa"), "--sd radius", "2MPa"),
+    ((*STUDY, "radius=2um", "--sd", "radius=3um"), "--sd radius", "twice"),
+    ((*STUDY, "composite_modulus=1MPa"), "--sd composite_modulus", "1 MPa"),
+    ((*STUDY, "young_modulus=1MPa"), "--sd young_modulus", "1 MPa"),
+    ((*STUDY, "area_ratio=1%"), "area_ratio", "1%"),
+    (("study", "uncertainty", "linear", "--calibration", "measured.csv"), "measured.csv", "calibration"),
+    ((*COMPARE, "--composite-modulus", "1.4"), "--composite-modulus", "1.4"),
+    ((*COMPARE, "--sd", "radius=1um"), "--sd", "radius=1um"),
+    ((*COMPARE, "--sliding-area-ratio", "-1"), "--sliding-area-ratio", "-1"),
+    ((*COMPARE, "--angle-sd", "0.1deg"), "--angle-sd", "--explain"),
+    ((*COMPARE, "--explain", "--friction-sd", "3"), "--friction-sd", "3"),
+    ((*COMPARE, "--explain", "--height-scale-sd", "90%"), "--height-scale-sd", "90 %"),
+    (("compare", ".", "measured.csv"), ".", "result folder"),
+    (("calibrate",), "table", "calibrate"),
+    (("calibrate", "compression.csv"), "--radius", "E*"),
+    (("calibrate", "compression.csv", "--radius", "-1 mm"), "--radius", "-1 mm"),
+    (("calibrate", "shear.csv", "--load-error", "5 mm"), "--load-error", "5 mm"),
+    (("calibrate", "shear.csv", "--friction-relative-error", "3"), "--friction-relative-error", "3"),
+    (("calibrate", "shear.csv", "-o", "a.txt"), "a.txt", ".toml"),
+    (("calibrate", "shear.csv", "--figure", "a.gif"), "a.gif", ".svg"),
+    (("calibrate", "compression.csv", *RADIUS, "--thickness", "7 mm"), "--thickness", "--model"),
+    (("calibrate", "negative.csv", *RADIUS), "negative.csv, line 3", "area = -1 mm^2"),
+    ((*MAP[:2], "--design", "linear"), "part.npy", "pixels"),
+    ((*MAP, "--picture", "made.pdf"), "made.pdf", ".svg"),
+    ((*MAP, "-o", "part.npy"), "part.npy", "exists"),
+    (("images", "nosuchfolder"), "nosuchfolder", "no such file"),
+]  # fmt: skip
+
+
+def table(name, header, *rows):
+    """Write a table."""
+    Path(name).write_text("\n".join([header, *rows]) + "\n", "utf-8")
+
+
+def refused(result, *words):
+    """Whether a message holds all of some words."""
+    text = " ".join(result.output.split())
+    return [word for word in words if word not in text] == [] or text
+
+
+@pytest.mark.parametrize(("old", "new", "words", "code"), SPECIFICATIONS)
+def test_a_specification_is_refused_and_leaves_no_folder(run, old, new, words, code):
+    assert old in LINEAR
+    Path("bad.toml").write_text(LINEAR.replace(old, new), "utf-8")
+    result = run("design", "bad.toml", "-o", "bad")
+    assert (result.exit_code, refused(result, *words)) == (code, True)
+    assert [path.name for path in Path().iterdir()] == ["bad.toml"]
+
+
+@pytest.mark.parametrize(("arguments", "key", "value"), REFUSALS)
+def test_a_call_is_refused_by_its_key_and_value(run, demo, arguments, key, value):
+    demo("linear")
+    start, end = LINEAR.index("[block]"), LINEAR.index("[limits]")
+    Path("bare.toml").write_text(LINEAR[:start] + LINEAR[end:], "utf-8")
+    table("h.csv", "x_mm,y_mm,height_um,radius_um", "0,0,120,526")
+    table("bare.csv", "x_mm,y_mm,height_um", "0,0,5")
+    table("measured.csv", "load_N,friction_force_N", "0.1,0.2", "0.3,0.5")
+    table("compression.csv", "load_mN,area_mm2", "10,1", "20,2", "30,3")
+    table("negative.csv", "load_mN,area_mm2", "30,1", "20,-1", "10,3")
+    table(
+        "shear.csv", "load_N,area_before_mm2,area_sheared_mm2,friction_force_N",
+        "0.1,0.5,0.42,0.16", "0.2,0.8,0.68,0.26",
+    )  # fmt: skip
+    Path("empty.csv").touch()
+    np.save("part.npy", np.zeros((40, 40)))
+    before = sorted(path for path in Path().rglob("*"))
+    result = run(*arguments)
+    assert (result.exit_code, refused(result, key, value)) == (2, True)
+    assert sorted(path for path in Path().rglob("*")) == before
+
+
+def test_every_command_has_help(run):
+    studies = [("study", name) for name in cli.main.commands["study"].commands]
+    for command in [(), *((name,) for name in cli.main.commands), *studies]:
+        result = run(*command, "--help")
+        assert (result.exit_code, "Usage:" in result.output) == (0, True), command
