@@ -1,0 +1,262 @@
+"""Handles of target laws: where they are, where they go, what follows them, and what the text is then."""
+
+import math
+import tomllib
+from functools import cache
+
+import numpy as np
+import pytest
+
+from metafem.explorer.text.handles import MARKS, added, moved, removed, scene_of
+from metafem.explorer.text.points import MOST
+from metafem.explorer.text.written import between, digits_of, rounded, stated
+from metafem.files import demo_text, parsed
+from tests.explorer.scenes import TABLES, TARGETS, text_of
+
+# What a browser can tell apart, and digits that tell a thousandth of a move apart.
+RESOLUTION, FINE = 1e-3, 1e-12
+
+
+@cache
+def known(name):
+    """Return the text of a target, its specification and its design, which points do not need."""
+    text = text_of(name)
+    specification = parsed(text, TABLES)
+    points = hasattr(specification.target, "rescaled_friction")
+    return text, specification, None if points else specification.design()
+
+
+def scene(name):
+    return scene_of(*known(name))
+
+
+def target_of(text):
+    return parsed(text, TABLES).target
+
+
+def after(name, text):
+    """Return the handles of a changed text, before its own design."""
+    return {each.id: each for each in scene_of(text, parsed(text, TABLES), known(name)[2]).handles()}
+
+
+KINDS = [
+    "points forces one", "samples table", "linear coefficient line", "bilinear lines", "power prefactor",
+    "multilinear",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("names", KINDS)
+def test_a_handle_is_on_the_law_goes_where_it_is_moved_and_comes_back(names):
+    for name in names.split():
+        assert_moved(name)
+
+
+def assert_moved(name):
+    text, specification, design = known(name)
+    target, found = specification.target, scene(name).handles()
+    assert len({each.id for each in found}) == len(found) > 0
+    law = target.curve() if target.last_load is not None else None
+    opened = law is not None and law.is_open
+    before = tomllib.loads(text)
+    for each in found:
+        if law is not None and not opened:
+            assert each.friction == pytest.approx(np.interp(each.load, law.load, law.base), rel=0.01)
+        load = each.load * (1.02 if "x" in each.moves else 1.0)
+        friction = each.friction * (1.03 if "y" in each.moves else 1.0)
+        new = moved(scene(name), each.id, load, friction, RESOLUTION)
+        now = after(name, new)[each.id]
+        assert now.load == pytest.approx(load, rel=RESOLUTION)
+        if "y" in each.moves and not opened:  # differences lose digits
+            assert now.friction == pytest.approx(friction, rel=5 * RESOLUTION)
+        changed = tomllib.loads(new)
+        assert {**before, "target": 0} == {**changed, "target": 0}
+        if name != "table":
+            assert units(before["target"]) == units(changed["target"])
+        # the level of an open law is another one after the move
+        fine = moved(scene(name), each.id, load, friction, FINE)
+        back = scene(name) if opened else scene_of(fine, parsed(fine, TABLES), design)
+        again = after(name, moved(back, each.id, each.load, each.friction, FINE))
+        for old in found:
+            assert again[old.id].moves == old.moves
+            assert again[old.id].load == pytest.approx(old.load, rel=1e-9)
+            assert again[old.id].friction == pytest.approx(old.friction, rel=1e-6)
+
+
+def units(value):
+    """Return a target without its numbers."""
+    if isinstance(value, dict):
+        return {key: units(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [units(each) for each in value]
+    return value.lstrip("0123456789.e+-") if isinstance(value, str) else float
+
+
+SHAPED = {
+    "linear": TARGETS["linear"],
+    "line": TARGETS["line"],
+    "bilinear": TARGETS["bilinear"],
+    "lines": 'kind = "bilinear"\nslopes = [7.0, 12.0]\ncrossover_load = "0.04 mm^2"\n'
+    'load_range = ["0.02 mm^2", "0.13 mm^2"]',
+    "joined": 'kind = "multilinear"\nslopes = [9.5, 8.0, 7.0]\nload_range = ["0.03 mm^2", "0.26 mm^2"]\n'
+    'crossover_loads = ["0.07 mm^2", "0.16 mm^2"]',
+    "parted": 'kind = "multilinear"\nslopes = [9.5, 8.0, 7.0]\nload_range = ["0.03 mm^2", "0.26 mm^2"]\n'
+    'crossover_loads = ["0.07 mm^2", ["0.15 mm^2", "0.18 mm^2"]]',
+}
+
+
+def followed(shape, found, id, by):
+    """Return corners (k, 2) and places of handles that follow a move of a handle, as the browser has them."""
+    corners = np.stack([shape.load, shape.friction], axis=1)
+    before = {each.id: np.array([each.load, each.friction]) for each in found}
+    places = before | {id: before[id] + by}
+    for key, shift in shape.follows[id].items():
+        move = np.array([shift.x * by[0], shift.across * by[0] + shift.y * by[1]])
+        if isinstance(key, int):
+            corners[key] += move
+        else:
+            places[key] = before[key] + move
+    return corners, places
+
+
+@pytest.mark.parametrize("names", ["linear bilinear", "line lines", "joined parted"])
+def test_what_follows_a_handle_at_once_is_what_the_text_says_then(names):
+    for name in names.split():
+        assert_followed(name)
+
+
+def assert_followed(name):
+    text = text_of(SHAPED[name])
+    specification = parsed(text)
+    ranged = specification.target.last_load is not None  # else the lines are those of the design
+    at = scene_of(text, specification, None if ranged else specification.design())
+    found, shape = at.handles(), at.shape()
+    for handle in found:
+        by = np.array([0.001 * handle.load, 0.0] if handle.moves == "x" else [0.0, 0.01 * handle.friction])
+        corners, places = followed(shape, found, handle.id, by)
+        new = moved(at, handle.id, handle.load + by[0], handle.friction + by[1], FINE)
+        then = scene_of(new, parsed(new), at.design)
+        target = then.shape()
+        if name in ("line", "lines"):  # whose intercepts are known
+            np.testing.assert_allclose(corners.T, [target.load, target.friction], rtol=1e-9)
+            for each in then.handles():
+                np.testing.assert_allclose(places[each.id], [each.load, each.friction], rtol=1e-9)
+        elif handle.id != "crossover-1-start":
+            wanted = np.diff(target.friction) / np.diff(target.load)
+            slopes = np.diff(corners[:, 1]) / np.diff(corners[:, 0])
+            bound = np.isfinite(slopes)
+            bound[2:3] &= name != "parted"  # between a pair of loads the law is free
+            np.testing.assert_allclose(slopes[bound], wanted[bound], rtol=1e-9)
+        if ranged:  # else the branches of the next design end elsewhere
+            np.testing.assert_allclose(corners[:, 0], target.load, rtol=1e-9)
+        drawn = corners[np.isfinite(corners[:, 0])]
+        for id, (load, friction) in places.items():
+            if drawn[0, 0] <= load <= drawn[-1, 0] and "crossover" not in id:
+                assert friction == pytest.approx(np.interp(load, *drawn.T), rel=1e-9), (handle.id, id)
+
+
+def test_shapes_of_points_curves_bands_and_lines_without_a_design():
+    at = scene("points")
+    corners, places = followed(at.shape(), at.handles(), "point-1", np.array([0.01, 0.5]))
+    np.testing.assert_allclose(corners[1], [0.346, 2.18])
+    np.testing.assert_allclose([places["point-1"], places["point-0"]], [corners[1], [0.144, 0.84]])
+    at = scene("prefactor")
+    np.testing.assert_allclose(at.shape().friction, 7.0 * at.shape().load ** 0.9)
+    assert at.shape().follows == {}
+    text, specification, _ = known("bilinear")
+    at = scene_of(text, specification, None)
+    first, second, crossover = at.handles()
+    load, friction = at.shape().load, at.shape().friction
+    np.testing.assert_allclose(np.diff(friction) / np.diff(load), [7.15, 12.52])
+    assert load[1] == crossover.load == 0.038
+    np.testing.assert_allclose((load[:-1] + load[1:]) / 2.0, [first.load, second.load])
+    (slope,) = scene_of(*known("linear")[:2], None).handles()
+    assert (slope.load, slope.carried) == (pytest.approx(0.05 * 64 * 0.12 * 0.526), "slope = 6.87")
+    assert scene("coefficient").handles()[0].carried == "μ = 1.55"
+    assert all("shape" in vars(each) for each in MARKS.values())
+
+
+def test_slopes_and_exponents_turn_about_their_pivots():
+    first, second, *_ = scene("multilinear").handles()
+    target = target_of(moved(scene("multilinear"), "slope-0", first.load, 1.02 * first.friction, 1e-9))
+    assert target.slopes[0] == pytest.approx(9.5 + 0.02 * first.friction / first.load)
+    target = target_of(moved(scene("multilinear"), "slope-1", second.load, second.friction + 0.1, 1e-9))
+    assert target.slopes[1] == pytest.approx(8.0 + 0.1 / (second.load - 0.07))
+    handle, *_ = scene("power").handles()
+    target = target_of(moved(scene("power"), handle.id, handle.load, 1.1 * handle.friction, 1e-9))
+    assert target.exponent == pytest.approx(0.9 + math.log(1.1) / math.log(handle.load / 0.2))
+
+
+def test_numbers_have_the_digits_of_the_resolution_and_stay_between_their_neighbours():
+    for resolution, load in ((1e-2, "0.234 mm^2"), (1e-3, "0.2345 mm^2"), (1e-5, "0.234457 mm^2")):
+        new = moved(scene("points"), "point-1", 0.234457, 1.6, resolution)
+        assert tomllib.loads(new)["target"]["rescaled_load"][1] == load
+    assert [digits_of(r) for r in (0.1, 1e-3, 1e-30)] == [2, 4, 15]
+    assert rounded(12345.6, 1e-3) == 12350.0
+    assert stated(1e-7, "1 mm^2", None, 1e-3) == "1e-07 mm^2"
+    assert stated(0.25, "140 mN", 1.36, 1e-3) == "340 mN"
+    for point, to, load, friction in (
+        ("point-1", 9.0, 0.649 * 0.998, 4.12 * 0.998),
+        ("point-1", 0.0, 0.144 * 1.002, 0.84 * 1.002),
+        ("point-0", 0.0, 0.336e-3, 1.68e-3),
+    ):
+        target, i = target_of(moved(scene("points"), point, to, to)), int(point[-1])
+        assert target.rescaled_load[i] == pytest.approx(load, rel=1e-3)
+        assert target.rescaled_friction[i] == pytest.approx(friction, rel=1e-3)
+    for value in (0.0, 1.0, 1.0 + 1e-13, 5.0):
+        for gap in (1e-12, 1e-6, 1e-3, 1.0):
+            placed, fine = between(value, 1.0, 1.0 + gap, RESOLUTION)
+            assert 1.0 < rounded(placed, fine) < 1.0 + gap
+            assert fine <= RESOLUTION
+
+
+@pytest.mark.parametrize("name", ["one", "samples"])
+def test_a_point_is_added_and_removed_again(name):
+    before = known(name)[1].target
+    for load, friction in ((0.01, 0.02), (0.3, 1.5), (0.9, 5.0), (0.336, 1.68)):
+        new = added(scene(name), load, friction)
+        after = parsed(new, TABLES).target
+        assert len(after.rescaled_load) == len(before.rescaled_load) + 1
+        (i,) = set(range(len(after.rescaled_load))) - {
+            int(np.abs(after.rescaled_load - other).argmin()) for other in before.rescaled_load
+        }
+        if load == 0.9:
+            np.testing.assert_allclose([after.rescaled_load[i], after.rescaled_friction[i]], [0.9, 5.0], 1e-3)
+        again = parsed(removed(scene_of(new, parsed(new), None), f"point-{i}")).target
+        np.testing.assert_allclose(again.rescaled_load, before.rescaled_load, rtol=1e-13)
+        np.testing.assert_allclose(again.rescaled_friction, before.rescaled_friction, rtol=1e-13)
+        if name == "samples":
+            np.testing.assert_array_equal(again.weight, before.weight)
+
+
+def test_points_near_the_law_are_on_it_and_the_fifth_makes_a_curve():
+    text = demo_text("operating-points")
+    design = parsed(text).design()
+    for count in (4, 5):
+        at = scene_of(text, parsed(text), design)
+        load = 0.1 * count
+        friction = np.interp(load, design.law.rescaled_load, design.law.rescaled_friction)
+        text = added(at, load, friction + 0.04, 0.05)
+        target = parsed(text).target
+        i = int(np.abs(target.rescaled_load - load).argmin())
+        assert target.rescaled_friction[i] == pytest.approx(friction, rel=1e-6)
+    assert tomllib.loads(text)["target"]["kind"] == "sampled"
+    far = parsed(added(at, load, friction + 0.06, 0.05)).target
+    assert far.rescaled_friction[i] == pytest.approx(friction + 0.06, rel=1e-3)
+
+
+def test_tables_optional_values_and_crowds():
+    new = moved(scene("table"), "point-1", 0.15, 0.9)
+    section = tomllib.loads(new)["target"]
+    assert "file" not in section
+    assert section["load"] == ["0.1 N", "0.204 N", "0.3 N"]
+    assert section["friction_force"][::2] == ["0.17 N", "0.5 N"]
+    assert section["weight"] == [1.0, 2.0, 1.0]
+    assert target_of(removed(scene("line"), "range-low")).load_range is None
+    assert target_of(removed(scene("prefactor"), "prefactor")).prefactor is None
+    for count in (MOST, MOST + 1):
+        rows = "".join(f"{0.001 * i},{0.01 * i}\n" for i in range(1, count + 1))
+        table = {"wanted.csv": f"rescaled_load_mm2,rescaled_friction_mm2\n{rows}".encode()}
+        at = scene_of(text_of("table"), parsed(text_of("table"), table), None)
+        many = count > MOST
+        assert len(at.handles()) == len(at.shape().follows) == (0 if many else count)
+        assert at.crowd == (count if many else 0)
