@@ -60,7 +60,7 @@ def text_of(target):
 
 
 def on_page(scene, *panels, state=None):
-    """Run a scene on a page whose browser does not answer, with some panels; return what the scene returns."""
+    """Return what a scene returns on a page whose browser does not answer, with some panels."""
 
     async def begun():
         client = Client(page_of("/"))
@@ -78,7 +78,7 @@ def on_page(scene, *panels, state=None):
 async def shown(page):
     """Wait until all answers are shown."""
     while page.queue.running:
-        await asyncio.sleep(0.001)
+        await asyncio.wait([page.queue.task])
 
 
 def calls_of(widget):

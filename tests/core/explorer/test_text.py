@@ -212,8 +212,8 @@ def test_what_is_typed_becomes_the_value_of_its_key_alone():
 def test_a_problem_is_at_its_key_and_its_line_in_the_words_of_the_page():
     for key, typed, reason, offers in (
         ("limits.min_height", "12", "unit", {"limits.min_height": "10 um"}),
-        ("limits.max_height", "120 kg", "mm", {}),
-        ("lattice.pitch", "1,500 mm", "decimals", {}),
+        ("limits.max_height", "120 kg", "mm", {"limits.max_height": "120 um"}),
+        ("lattice.pitch", "1,500 mm", "decimals", {"lattice.pitch": "1.5 mm"}),
         ("lattice.shape", "8, a", "Entry 2 = 'a'", {}),
         ("material.poisson_ratio", "0.7", "0.5", {}),
         ("model.kind", "rigid", "nknown", {}),

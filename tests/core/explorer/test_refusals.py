@@ -1,0 +1,205 @@
+"""What the explorer refuses: by the name of what is wrong, and the value that was given."""
+
+import base64
+import json
+import math
+import socket
+import zlib
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from metafem.errors import InvalidInput
+from metafem.explorer.answer import Answer, answered, specification_of
+from metafem.explorer.certainty.long_studies import run
+from metafem.explorer.last_run import HOST, token_and_port
+from metafem.explorer.law.dropped import MOST, as_target, read_points
+from metafem.explorer.law.nearest import reachable, with_nearest
+from metafem.explorer.session import Session, State
+from metafem.explorer.start import explore, first_state
+from metafem.explorer.surface.sites_text import edited, typed_height
+from metafem.explorer.take.figure import figure_files
+from metafem.explorer.text.document import Document
+from metafem.explorer.text.fields import with_field
+from metafem.explorer.text.handles import added, moved, removed, scene_of
+from metafem.explorer.text.kinds import with_kind
+from metafem.explorer.text.link import LARGEST, LONGEST, from_link
+from metafem.explorer.text.written import rounded
+from metafem.explorer.workshop.loading import Given, loaded
+from metafem.explorer.workshop.new_part import new_part
+from metafem.explorer.workshop.part_fields import FIRST
+from metafem.files import demo_text, parsed
+from metafem.material import Material
+from metafem.surface import Friction
+from tests.explorer.scenes import SAMPLED, text_of
+
+TEXT = demo_text("operating-points")
+SPECIFIED = Given("a.toml", SAMPLED)
+PAIR = Material(1.36), Friction(0.37, 0.85)
+TITLES = "load_N,friction_force_N\n"
+
+
+@cache
+def demo():
+    return answered(State(TEXT), 1)
+
+
+def target(name):
+    """Return a target with its handles, before any design."""
+    return scene_of(text_of(name), parsed(text_of(name)), None)
+
+
+def points(text, friction=PAIR[1]):
+    return lambda: read_points("m.csv", text, PAIR[0], friction)
+
+
+def link(plain):
+    return lambda: from_link("1." + base64.urlsafe_b64encode(zlib.compress(plain)).decode().rstrip("="))
+
+
+def state(**members):
+    return lambda: State.from_json(json.dumps({"text": "", **members}))
+
+
+def history(**members):
+    whole = {"states": [State("").to_json()], "first": 0, "at": 0}
+    return lambda: Session.restored(whole | members)
+
+
+def sites(action, numbers, height="", design=demo):
+    return lambda: edited(
+        TEXT, demo().design if design else None, {"action": action, "sites": numbers, "height": height}
+    )
+
+
+def part(**typed):
+    return lambda: new_part(FIRST | typed)
+
+
+def hindered(name, **changes):
+    """Start a study of a design whose surface, or whose block, is changed."""
+    design = demo().design
+    bare = {key: value for key, value in changes.items() if key == "block"}
+    changed = replace(
+        design, surface=design.surface.replaced(**changes), template=design.template.replaced(**bare)
+    )
+    return run(name, changed, None)
+
+
+def in_use():
+    """Ask for a port that another program has."""
+    with socket.socket() as other, pytest.MonkeyPatch.context() as patch:
+        patch.setenv("METAFEM_CACHE_DIR", str(Path.cwd()))
+        other.bind((HOST, 0))
+        other.listen()
+        token_and_port(other.getsockname()[1])
+
+
+STIFFNESS = text_of(
+    'kind = "sampled"\nof = "stiffness"\nrescaled_load = ["0.1 mm^2"]\nrescaled_friction = ["3.5 mm"]'
+)
+STEEP = 'kind = "power"\nexponent = 500\nload_range = ["0.1 N", "0.4 N"]\nprefactor = 7'
+
+# Each a call, the name of what is wrong, and the value that the message has.
+TEXTS = [
+    (lambda: Document("[limits"), "TOML", "line 1"),
+    (lambda: Document("limits = 3").with_values({"limits.offset": "1 um"}), "section", "limits"),
+    (lambda: with_field(TEXT, "limits.depth", "3 um"), "no key", "limits.depth"),
+    (lambda: with_kind(State(TEXT), None, "cubic"), "kind", "cubic"),
+    (lambda: specification_of(State(STIFFNESS)), "target.of", "stiffness"),
+    (lambda: scene_of(TEXT, None, None), "specification", "problems"),
+    (lambda: moved(target("points"), "point-7", 0.1, 1.0), "handle", "point-7"),
+    (lambda: moved(target("points"), "point-0", -0.1, 1.0), "load", "-0.1"),
+    (lambda: moved(target("points"), "point-0", 0.1, math.nan), "friction", "nan"),
+    (lambda: added(target("linear"), 0.1, math.inf), "friction", "inf"),
+    (lambda: added(target("linear"), 0.1, 1.0), "points", "linear"),
+    (lambda: removed(target("one"), "point-0"), "last point", "one"),
+    (lambda: removed(target("multilinear"), "range-low"), "removed", "multilinear"),
+    (lambda: removed(target("power"), "exponent"), "removed", "power"),
+    (lambda: moved(target(STEEP), "exponent", 0.1, 1.0), "target.load_range", "by hand"),
+    (lambda: rounded(math.inf, 1e-3), "finite", "inf"),
+]
+STATES = [
+    (lambda: State.from_json("[" * 10**5), "state", "JSON"),
+    (state(other=1), "state", "other members"),
+    (state(load=-1.0), "state", "another kind"),
+    (state(load=math.nan), "state", "another kind"),
+    (state(tables={"a": 1}), "state", "another kind"),
+    (state(newtons=1), "state", "another kind"),
+    (state(models=[1]), "state", "another kind"),
+    (history(at=1), "history", "damaged"),
+    (history(first=None), "history", "damaged"),
+    (lambda: from_link("1." + "A" * LONGEST), f"{LONGEST + 2:,}", f"{LONGEST:,}"),
+    (lambda: from_link("2.abc"), "link", "version"),
+    (link(b"{}"), "link", "damaged"),
+    (link(b"0" * (LARGEST + 1)), "link", "16 MiB"),
+]
+LAWS = [
+    (points("\0"), "m.csv", "null"),
+    (points("load_N,friction_N\n0.1,0.12\n"), "m.csv", "friction_force_N instead of friction_N"),
+    (points(TITLES + "0.1,many\n"), "m.csv", "many"),
+    (points(TITLES + "0.1,0.2\n", None), "friction", "[friction]"),
+    (points(TITLES + "".join(f"{i},{i}\n" for i in range(1, MOST + 2))), "m.csv", f"{MOST + 1:,}"),
+    (lambda: as_target(demo()), "measured points", "target"),
+    (
+        lambda: as_target(
+            replace(demo(), state=State(TEXT, measured=TITLES + "0,0\n0,1\n", measured_name="m"))
+        ),
+        "m ",
+        "above 0",
+    ),
+    (lambda: with_nearest(demo()), "nearest law", "known"),
+    (lambda: reachable(Answer(1, State(TEXT))), "law", "known"),
+]
+FILES = [
+    (sites("pin", [1], design=None), "surface", "sites"),
+    (sites("pin", []), "sites", "select"),
+    (sites("shave", [1]), "sites", "select"),
+    (sites("pin", [64]), "sites", "select"),
+    (sites("pin", [True]), "sites", "select"),
+    (lambda: typed_height("-3"), "height", "-3"),
+    (lambda: figure_files(demo(), "svg", "wide", "75"), "width", "wide"),
+    (lambda: figure_files(demo(), "svg", "85", "400.1"), "height", "400.1"),
+    (lambda: figure_files(demo(), "svg", "39.9", "75"), "width", "39.9"),
+    (lambda: figure_files(demo(), "svg", "70", "60"), "width", "70"),
+    (lambda: hindered("block", block=None), "Block", "needs"),
+    (lambda: hindered("draws", height=[0.1] * 58), "summits", "height"),
+    (lambda: loaded(State(TEXT), [SPECIFIED, Given("b.toml", SAMPLED)]), "specifications", "several"),
+    (lambda: loaded(State(TEXT), [SPECIFIED, Given("wanted.csv", why="is bad")]), "wanted.csv", "is bad"),
+    (lambda: loaded(State(TEXT), [Given("law.csv", TITLES)]), "law.csv", "table"),
+    (lambda: loaded(State(TEXT), [Given("p.toml", "[project]")]), "p.toml", "sections"),
+    (lambda: loaded(State(TEXT), [Given("p.png", why="is no text")]), "p.png", "is no text"),
+]
+PARTS = [
+    (part(size="20 × 20"), "size", "3 numbers"),
+    (part(asperities="1 × 1"), "asperities", "4 to 2,500"),
+    (part(radius="1,526"), "radius", "526"),
+    (part(modulus="soft"), "modulus", "1.36"),
+    (part(coefficient="20"), "coefficient", "3.13"),
+    (part(coefficient="0.9"), "coefficient", "1.33"),
+    (part(height="600"), "height", "600"),
+    (part(size="5 5 2"), "asperities", "pitch"),
+]
+STARTS = [
+    (lambda: first_state("."), "spec.toml", "holds no"),
+    (lambda: first_state("gone.toml"), "gone.toml", "no such file"),
+    (lambda: explore(port=0), "port", "0"),
+    (lambda: explore(port=65536), "port", "65536"),
+    (in_use, "port", "in use"),
+]
+REFUSALS = {
+    "texts": TEXTS, "states": STATES, "laws": LAWS, "files": FILES, "parts": PARTS, "starts": STARTS
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("border", REFUSALS)
+def test_what_is_wrong_is_named_with_its_value(border, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for row, (call, key, value) in enumerate(REFUSALS[border]):
+        with pytest.raises(InvalidInput) as error:
+            call()
+        words, field = str(error.value), getattr(error.value, "field", "")
+        assert key in (field or words), row
+        assert value in words, row
