@@ -1,0 +1,216 @@
+"""Answers equal the design of the command, and say what is wrong by key and by the nearest law."""
+
+import builtins
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.explorer.answer import _advised, answered, pinned_answer
+from metafem.explorer.largest import largest_line
+from metafem.explorer.law.law_data import law_data
+from metafem.explorer.law.nearest import offer, reachable, with_nearest, with_point
+from metafem.explorer.session import State
+from metafem.explorer.text.document import Document
+from metafem.explorer.text.fields import with_field
+from metafem.explorer.workshop.changes import with_section
+from metafem.explorer.workshop.header import STOPPED, header_data
+from metafem.files import demo_text, parsed
+from metafem.models import Independent
+from tests.explorer.scenes import SAMPLED, WANTED
+
+TEXT, LINEAR = demo_text("operating-points"), demo_text("linear")
+FORCES = """[target]
+kind = "operating-points"
+load = ["0.2 N", "0.4 N", "0.6 N"]
+friction_force = ["0.3 N", "0.9 N", "1.0 N"]
+"""
+
+
+def to(text, **how):
+    return answered(State(text), 1, **how)
+
+
+def line(**values):
+    return Document(TEXT).with_kind("target", "linear", values)
+
+
+def test_an_answer_is_the_design_of_the_command_once_for_each_text():
+    answer = answered(State(TEXT), 3)
+    assert (answer.number, answer.current, answer.refused) == (3, True, "")
+    assert answer.design == parsed(TEXT).design()
+    again = answered(State(TEXT, newtons=False, load=0.2), 4, answer)
+    assert again.design is answer.design
+    assert (again.number, again.state.load) == (4, 0.2)
+    assert answered(State(TEXT + "\n"), 5, answer).design is not answer.design
+    assert answered(State(SAMPLED, {"wanted.csv": WANTED}), 6).current
+    assert pinned_answer(State(TEXT).to_json()).design == answer.design
+    assert pinned_answer("") is pinned_answer(State("[target]").to_json()) is None
+    header = header_data(answer)
+    assert (header["status"], header["kind"], header["model"]) == (
+        "meets the target exactly", "good", "independent",
+    )  # fmt: skip
+    assert header["title"] == answer.specification.target.title
+    assert header_data(replace(answer, stopped=True))["status"] == STOPPED
+
+
+def test_problems_have_their_keys_and_the_last_design_stays():
+    before = to(TEXT)
+    text = TEXT.replace('"270 um"', "270").replace('pitch = "1.5 mm"', 'pitch = "1.5 kg"')
+    answer = answered(State(text), 2, before)
+    assert set(answer.problems) == {"limits.max_height", "lattice.pitch"}
+    assert (answer.specification, answer.current) == (None, False)
+    assert answer.design is before.design
+    assert answer.template is before.design.template
+    header = header_data(answer)
+    assert (header["status"], header["kind"]) == ("2 problems in the specification", "warn")
+    assert header["meaning"] == answer.refused
+    assert set(to("[target").problems) == {""}
+    assert "model" not in header_data(to("[model"))
+    assert header_data(replace(before, problems={"": "no"}, failed=True))["kind"] == "warn"
+    surrogate = LINEAR.replace('"linear"', '"sampled"').replace("slope = 6.87", 'file = "a.csv"')
+    assert list(answered(State(surrogate, {"a.csv": "load_N,\ud800"}), 1).problems) == ["target.file"]
+
+
+@pytest.mark.parametrize("name", ["secret.csv", "/etc/passwd"])
+def test_files_of_the_machine_are_not_read(name, tmp_path, monkeypatch):
+    (tmp_path / "secret.csv").write_text(WANTED, "utf-8")
+    monkeypatch.chdir(tmp_path)
+    to(TEXT)  # imports and compiled functions are files too
+
+    def refused(*given, **options):
+        raise AssertionError(f"a file is opened: {given}")
+
+    for section, kind in (("target", "sampled"), ("contact", "profile")):
+        text = Document(TEXT).with_kind(section, kind, {"file": name})
+        with monkeypatch.context() as patched:
+            patched.setattr(io, "open", refused)
+            patched.setattr(builtins, "open", refused)
+            assert "not loaded" in to(text).problems[f"{section}.file"]
+
+
+def test_a_draft_is_simplified_where_it_would_be_slow_and_followed_by_the_design():
+    for rows, model, drafted in (
+        (8, "layer", "layer"),
+        (8, "resolved", "half-space"),
+        (12, "layer", "independent"),
+    ):
+        text = TEXT.replace('kind = "independent"', f'kind = "{model}"').replace(
+            "[8, 8]", f"[{rows}, {rows}]"
+        )
+        draft = to(text.replace('pitch = "1.5 mm"', 'pitch = "1.2 mm"'), draft=True)
+        assert (draft.current, draft.design.law.model.name) == (True, drafted)
+        assert draft.simplified == (model != drafted)
+        assert law_data(draft)["model"] == (f"{drafted}, draft" if draft.simplified else model)
+        assert header_data(draft)["status"].startswith("draft under") == draft.simplified
+    adhesive = with_field(with_section(TEXT, "contact"), "contact.kind", "jkr")
+    draft = to(with_field(adhesive, "model.kind", "layer"), draft=True)
+    assert draft.design.law.model == Independent(draft.specification.model.contact)
+    arranged = to(with_field(TEXT, "layout.tilt", "0.1 deg"), draft=True)
+    assert "layout_after" not in arranged.design.parameters
+    again = answered(State(TEXT), 2, to(TEXT, draft=True), draft=True)
+    found = answered(State(TEXT), 3, again)
+    assert (again.draft, found.draft) == (True, False)
+    assert answered(State(TEXT), 4, found, draft=True).design is found.design
+
+
+@pytest.mark.parametrize("forces", [False, True])
+def test_a_refusal_has_the_nearest_law_which_can_be_taken(forces):
+    rescaled = TEXT.replace('"1.68 mm^2"', '"2.9 mm^2"')
+    text = FORCES + TEXT[TEXT.index("[material]") :] if forces else rescaled
+    refused = answered(State(text, newtons=forces), 1, to(TEXT))
+    assert refused.refused == refused.refusal
+    assert (" N (" if forces else " mm^2 (") in refused.refusal
+    assert not refused.current
+    assert header_data(refused)["status"] == "refused: no surface reaches the target"
+    np.testing.assert_allclose(refused.nearest[1], refused.nearest_target.rescaled_friction)
+    found = with_nearest(refused)
+    assert to(found).current
+    assert parsed(found).target.rescaled_friction == pytest.approx(
+        refused.nearest_target.rescaled_friction, rel=1e-8
+    )
+    assert ("friction_force = " in found) == forces
+    assert to(reachable(refused)).current
+
+
+def test_buttons_say_which_points_the_nearest_law_moves_or_drops():
+    for old, new, words in (
+        ('"1.68 mm^2"', '"2.9 mm^2"', "Move point 2 to the nearest law"),
+        ('"4.12 mm^2"', '"14.12 mm^2"', "Move point 3 to the nearest law"),
+        ('max_height = "270 um"', 'max_height = "120 um"', ""),
+    ):
+        refused = to(TEXT.replace(old, new))
+        assert refused.refusal
+        assert offer(refused) == words
+    short = replace(refused, nearest_target=mf.OperatingPoints([0.144, 0.336], [0.84, 1.7]))
+    assert offer(short) == "Move point 2 to the nearest law and drop point 3"
+    low = to(TEXT.replace('"270 um"', '"40 um"'))  # without a nearest law: that of the last design
+    assert to(reachable(replace(low, design=to(TEXT).design))).current
+
+
+@pytest.mark.parametrize(
+    "target",
+    [
+        'kind = "sampled"\nrescaled_load = ["0.1 mm^2"]\nrescaled_friction = ["0.1 mm^2"]',
+        'kind = "linear"\nslope = 20.0\nload_range = ["0.1 mm^2", "0.4 mm^2"]',
+        'kind = "linear"\nslope = 1.0',
+    ],
+)
+def test_the_nearest_law_keeps_the_kind_of_the_target(target):
+    refused = to(f"[target]\n{target}\n\n{TEXT[TEXT.index('[material]') :]}")
+    assert refused.refusal
+    found = with_nearest(refused)
+    assert to(found).current
+    assert Document(found).value("target.kind") == Document(refused.state.text).value("target.kind")
+
+
+def test_a_line_that_is_too_steep_has_the_largest_that_is_met():
+    specification = parsed(line(slope=40.0))
+    steepest = largest_line(specification, Independent())[0].slope
+    assert largest_line(parsed(line(slope=400.0)), Independent())[0].slope == pytest.approx(
+        steepest, rel=0.03
+    )
+    assert to(line(slope=1.1 * steepest)).design.misfit > 0.1
+    ranged = {"slope": 7.0, "load_range": ["0.1 mm^2", "0.4 mm^2"]}
+    assert largest_line(parsed(line(**ranged)), Independent()) is None
+    missed = to(line(friction_coefficient=20.0))
+    assert not missed.refusal
+    words = offer(missed).removeprefix("Use ")
+    assert words.startswith(missed.nearest_target.wording.name())
+    assert missed.advice.endswith(f"is {words}")
+    assert law_data(missed)["advice"] == missed.advice
+    used = to(with_nearest(missed))
+    assert used.design.status is not mf.DesignStatus.MISSED
+    assert used.advice == ""
+    coupled = replace(missed.specification, model=mf.Interacting(contact=mf.JKR(9e-6)))
+    assert "without interaction" in _advised(replace(missed, specification=coupled), missed.design).advice
+    assert not to(line(friction_coefficient=20.0), draft=True).advice
+
+
+@pytest.mark.parametrize("coefficient", [1.7, 20.0])
+def test_a_coefficient_over_loads_is_the_ratio_of_the_law(coefficient):
+    refused = to(line(friction_coefficient=coefficient, load_range=["0.1 N", "0.9 N"]))
+    assert refused.refusal
+    words = offer(refused).removeprefix("Use ")
+    assert words.startswith("friction coefficient 1.5")
+    assert f"The largest over these loads is {words}" in refused.refusal
+    used = to(with_nearest(refused))
+    law = used.design.law
+    rows = (law.load >= 0.1) & (law.load <= 0.9)
+    ratio = law.friction_force[rows] / law.load[rows]
+    np.testing.assert_allclose(ratio, float(words.split()[-1]), rtol=0.01)
+    shown = law_data(used)["handles"][0]["carried"]
+    assert shown == f"μ = {words.split()[-1]}"
+
+
+def test_points_drawn_on_the_law_are_never_refused():
+    answer = to(TEXT)
+    for share in (0.2, 0.35, 0.62, 0.75, 0.9):
+        law = answer.design.law
+        load = share * law.rescaled_load[-1]
+        friction = np.interp(load, law.rescaled_load, law.area) + 0.1
+        answer = to(with_point(answer, float(load), float(friction), 0.16))
+        assert answer.current
+    assert Document(answer.state.text).value("target.kind") == "sampled"

@@ -1,0 +1,269 @@
+"""The data of the plot of the law: curves, bands, further laws, measured points, and the comparison."""
+
+import asyncio
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.explorer.answer import answered, pinned_answer
+from metafem.explorer.certainty.background import Tasks
+from metafem.explorer.law.comparison import comparison
+from metafem.explorer.law.dropped import as_target, better_titles, measured_of, read_points
+from metafem.explorer.law.further import NO_BLOCK, NO_FORCES, Block, Further, other_law, own_name, tools_data
+from metafem.explorer.law.law_data import band_data, law_data
+from metafem.explorer.law.reach import reach_of
+from metafem.explorer.law.shown import Units, numbers
+from metafem.explorer.session import State
+from metafem.explorer.surface.surface_data import difference
+from metafem.explorer.text.document import Document
+from metafem.files import demo_text
+
+TEXT = demo_text("operating-points")
+BARE = TEXT[: TEXT.index("[block]")] + TEXT[TEXT.index("[limits]") :].split("[part]")[0]
+PAIR = mf.Material(1.36), mf.Friction(0.37, 0.85)
+STRESS = 0.37 * 0.85
+FORCES = "load_mN,friction_force_mN\n200,260\n100,120\n400,530\n"
+
+
+@pytest.fixture(scope="module")
+def answer():
+    return answered(State(TEXT, newtons=False, models=("half-space",)), 7)
+
+
+def test_curves_are_the_laws_in_rescaled_units_and_in_newtons(answer):
+    law, data = answer.design.law, law_data(answer)
+    assert (data["number"], data["marked"], data["model"], data["crowd"]) == (7, True, "independent", "")
+    assert (data["x"]["unit"], data["y"]["label"]) == ("mm²", "friction F/(σB)")
+    np.testing.assert_allclose(data["achieved"]["x"], law.rescaled_load, rtol=1e-4)
+    np.testing.assert_allclose(data["achieved"]["y"], law.area, rtol=1e-4)
+    np.testing.assert_allclose(data["wanted"]["y"], [0.84, 1.68, 4.12])
+    forces = law_data(answered(State(TEXT, load=0.2), 8, answer))
+    np.testing.assert_allclose(forces["achieved"]["x"], law.load, rtol=1e-4)
+    np.testing.assert_allclose(forces["achieved"]["y"], law.friction_force, rtol=1e-4)
+    assert (forces["y"]["unit"], forces["load_scale"]) == ("N", 1.36)
+    assert forces["cursor"] == pytest.approx(0.2 * 1.36)
+    handle = forces["handles"][1]
+    assert (handle["id"], handle["x"], handle["y"]) == (
+        "point-1", pytest.approx(0.336 * 1.36), pytest.approx(1.68 * STRESS),
+    )  # fmt: skip
+    assert forces["wanted"]["follows"]["point-1"] == {"corners": [[1, 1.0, 0.0, 1.0]], "handles": []}
+    bent = {"slopes": [7.0, 12.0], "crossover_load": "0.1 mm^2", "load_range": ["0.05 mm^2", "0.3 mm^2"]}
+    follows = law_data(answered(State(Document(TEXT).with_kind("target", "bilinear", bent)), 9, answer))
+    moved = {key: row for key, *row in follows["wanted"]["follows"]["range-low"]["corners"]}
+    assert moved[0] == pytest.approx([1.0, 7.0 * STRESS / 1.36, 0.0])
+
+
+def test_the_last_law_keeps_the_newtons_of_its_own_material(answer):
+    stiff = TEXT.replace('"1.36 MPa"', '"2 MPa"').replace('"1.68 mm^2"', '"3.9 mm^2"')
+    data = law_data(answered(State(stiff, load=0.2), 8, answer))
+    np.testing.assert_allclose(data["achieved"]["x"], answer.design.law.load, rtol=1e-4)
+    assert data["wanted"]["x"] == pytest.approx([2.0 * load for load in (0.144, 0.336, 0.649)])
+    assert data["cursor"] == pytest.approx(0.2 * 1.36)
+    broken = law_data(answered(State(TEXT.replace('"270 um"', "270")), 9, answer))
+    assert (broken["x"]["unit"], broken["handles"]) == ("N", None)
+    units = Units.of(answer.template, True)
+    assert units.rescaled(units.load * 0.3, units.friction * 1.7) == pytest.approx((0.3, 1.7))
+    without = replace(answer.template, friction=None)
+    assert Units.of(without, True) == Units()
+
+
+def test_curves_are_thinned_and_crowds_of_points_are_lines():
+    x = np.linspace(0.0, 1.0, 5001)
+    curve = Units().curve(x, x**2)
+    assert (len(curve["x"]), curve["x"][-1]) == (200, 1.0)
+    assert numbers([1.23456789, np.nan, np.inf]) == [1.2346, None, None]
+    load = np.linspace(0.01, 0.6, 500)
+    crowd = {
+        "target.rescaled_load": [f"{value:.6g} mm^2" for value in load],
+        "target.rescaled_friction": [f"{7.0 * value:.6g} mm^2" for value in load],
+    }
+    data = law_data(answered(State(Document(TEXT).with_values(crowd)), 1))
+    assert (data["crowd"][:10], data["marked"], data["handles"]) == ("500 points", False, [])
+
+
+def test_slopes_are_drawn_along_their_branches_and_open_laws_at_their_level():
+    answer = answered(State(demo_text("bilinear"), newtons=False), 1)
+    wanted = law_data(answer)["wanted"]
+    gap = wanted["x"].index(None)
+    for start, (branch, _) in zip((0, gap + 1), answer.design.fits, strict=True):
+        rise = wanted["y"][start + 1] - wanted["y"][start]
+        assert rise / (wanted["x"][start + 1] - wanted["x"][start]) == pytest.approx(branch.slope, rel=1e-3)
+    power = {"exponent": 1.1, "load_range": ["0.1 mm^2", "0.4 mm^2"]}
+    answer = answered(State(Document(TEXT).with_kind("target", "power", power), newtons=False), 1)
+    wanted, law = law_data(answer)["wanted"], answer.design.law
+    assert np.polyfit(np.log(wanted["x"]), np.log(wanted["y"]), 1)[0] == pytest.approx(1.1, rel=1e-4)
+    np.testing.assert_allclose(wanted["y"], np.interp(wanted["x"], law.rescaled_load, law.area), rtol=0.03)
+
+
+def test_the_reach_is_that_of_equal_asperities_and_is_computed_once(answer):
+    band = load, low, high = reach_of(answer.specification)
+    single = np.pi * 0.526 * (0.75 * load / np.sqrt(0.526)) ** (2 / 3)
+    np.testing.assert_allclose(low, single, rtol=1e-9)
+    np.testing.assert_allclose(high, 64 ** (1 / 3) * single, rtol=1e-9)
+    # it ends where 64 summits of the largest height are pressed to the base plane
+    assert load[-1] == pytest.approx(64 * 4 / 3 * np.sqrt(0.526) * 0.27**1.5)
+    assert load[0] == pytest.approx(1e-4 * load[-1])
+    assert reach_of(answered(State(TEXT.replace('"0.84', '"0.85')), 1).specification) is band
+    assert reach_of(answered(State(TEXT.replace('"270 um"', '"280 um"')), 1).specification) is not band
+    _, low, high = reach_of(answered(State(TEXT + "\n[sites]\nempty = [0, 1, 2, 3]\n"), 1).specification)
+    np.testing.assert_allclose(high / low, 60 ** (1 / 3), rtol=1e-9)
+    adhesive = TEXT + '\n[contact]\nkind = "jkr"\nadhesion_energy = "9 mJ/m^2"\n'
+    assert reach_of(answered(State(adhesive), 1).specification) is None
+    shown = band_data(band, Units(2.0, 3.0, True), name="a")
+    assert (shown["x"][-1], shown["high"][-1]) == tuple(numbers([2.0 * load[-1], 3.0 * band[2][-1]]))
+    coupled = answered(State(TEXT.replace('kind = "independent"', 'kind = "half-space"')), 1)
+    assert law_data(answer)["reach"] == "possible at one load"
+    assert law_data(coupled)["reach"] != "possible at one load"
+
+
+def test_a_further_law_is_that_of_the_same_surface(answer):
+    design = answer.design
+    other = other_law(design, "layer")
+    law = mf.friction_law(design.surface, mf.Interacting(substrate=mf.BondedLayer()), load=design.law.load)
+    np.testing.assert_allclose(other.friction, np.interp(other.load, law.rescaled_load, law.area))
+    whole = np.sqrt(((law.area / design.law.area - 1.0) ** 2).mean())
+    assert other.difference == pytest.approx(whole, rel=0.1)
+    assert (other.name, other.error, other.load[-1]) == ("layer", "", design.law.rescaled_load[-1])
+    assert own_name(design) == "independent"
+    assert other_law(design, "independent").difference == pytest.approx(0.0, abs=1e-12)
+    bare = answered(State(BARE), 1)
+    lost = other_law(bare.design, "layer")
+    assert (lost.error[:5], lost.load.size) == ("layer", 0)
+    tools = tools_data(answer)
+    assert tools["models"] == [{"name": "half-space", "on": True}, {"name": "layer", "on": False}]
+    assert (tools["block"], tools["newtons"], tools["no_forces"]) == (True, False, "")
+    assert tools_data(replace(answer, design=None))["no_forces"] == NO_FORCES
+    block = Block(Tasks(), lambda: None)
+    idle = {"running": False, "step": "", "shown": False}
+    assert block.data(design) == {**idle, "missing": ""}
+    assert block.data(bare.design) == {**idle, "missing": NO_BLOCK}
+
+
+class Answering:
+    """Tasks of a page that end at once with a value or an error."""
+
+    def __init__(self, value):
+        self.value = value
+
+    def start(self, *given):
+        done = asyncio.get_running_loop().create_future()
+        end = done.set_exception if isinstance(self.value, Exception) else done.set_result
+        end(self.value)
+        return done
+
+    def running(self, name):
+        return False
+
+    def stop(self, name):
+        pass
+
+
+def test_the_plot_gets_the_newest_band_and_laws(answer):
+    drawn = []
+    pinned = replace(answer, state=replace(answer.state, pinned=State(TEXT).to_json()))
+    tasks = Answering(other_law(answer.design, "independent"))
+
+    async def run():
+        further = Further(tasks, drawn.append)
+        further.put(pinned)
+        while further.newest.running:
+            await asyncio.wait([further.newest.task])
+        await further.block.start(answer.design)
+        tasks.value = mf.errors.NotConverged("no solution")
+        await further.block.start(answer.design)
+        return further
+
+    further = asyncio.run(run())
+    first, *_, shown, _, failed = drawn
+    assert first["number"] == 7
+    assert [each["name"].split(",")[0] for each in first["others"]] == ["half-space"]
+    assert [each["name"].split(",")[0] for each in shown["others"]] == ["half-space", "independent"]
+    assert (shown["block"]["shown"], failed["errors"]) == (True, ["block: no solution"])
+    tolerance, law = first["tolerance"], answer.design.law
+    middle = (np.array(tolerance["low"]) + tolerance["high"]) / 2
+    np.testing.assert_allclose(middle, np.interp(tolerance["x"], law.rescaled_load, law.area), rtol=1e-4)
+    assert "SD" in tolerance["name"]
+    np.testing.assert_allclose(first["pinned"]["y"], law.area, rtol=1e-4)
+    again = answered(State(TEXT), 6).design
+    assert further.block.of(again) is further.block.law  # after undo
+    assert further.block.of(answered(State(TEXT.replace("0.84", "0.85")), 7).design) is None
+
+
+def test_measured_points_are_rescaled_compared_and_become_a_target(answer):
+    found = read_points("m.csv", FORCES, *PAIR)
+    np.testing.assert_allclose(found.load, np.array([0.1, 0.2, 0.4]) / 1.36)
+    np.testing.assert_allclose(found.friction, np.array([0.12, 0.26, 0.53]) / STRESS)
+    assert (found.load_sd, found.friction_sd) == (None, None)
+    assert found.data(Units(1.36, STRESS, True), None)["x"] == [0.1, 0.2, 0.4]
+    law = answer.design.law
+    pairs = zip(law.rescaled_load.tolist(), (1.1 * law.area).tolist(), strict=True)
+    rows = "\n".join(
+        ["rescaled_load_mm2,rescaled_friction_mm2", *(f"{x!r},{y!r}" for x, y in pairs), "50,60"]
+    )
+    rescaled = read_points("m.csv", rows, PAIR[0], None)
+    error, near = rescaled.difference(answer.design)
+    assert (near, error) == (100, pytest.approx(1.0 / 11.0))
+    assert (
+        rescaled.words(answer.design) == "m.csv: the achieved law differs by 9.1 % (rms at 100 of 101 points)"
+    )
+    measured = {"measured": FORCES + "400,550\n0,0\n", "measured_name": "m.csv"}
+    text = as_target(answered(State(TEXT, newtons=False, **measured), 1))
+    target = answered(State(text), 2).specification.target
+    np.testing.assert_allclose(target.rescaled_load, found.load)
+    # two values at one load are replaced by their mean
+    assert target.rescaled_friction[-1] == pytest.approx(0.54 / STRESS)
+    assert ' N"' in as_target(answered(State(TEXT, **measured), 1))
+    points = measured_of(answered(State(TEXT, measured=FORCES, measured_name="m.csv"), 2, answer))
+    changed = State(TEXT.replace("0.84", "0.85"), measured=FORCES, measured_name="m.csv")
+    assert measured_of(answered(changed, 3)) is points
+    assert measured_of(answer) is None
+
+
+@pytest.mark.parametrize(
+    "header",
+    ["Load [mN],Friction force [mN],Friction force SD [mN]", "P [mN];F [mN];friction_force_sd_mN"],
+)
+def test_labels_with_their_unit_are_column_names(header):
+    text = f"{header}\n200,260,1\n100,120,2\n"
+    found = read_points("m.csv", text.replace(",", ";") if ";" in header else text, *PAIR)
+    np.testing.assert_allclose(found.load, np.array([0.1, 0.2]) / 1.36)
+    np.testing.assert_allclose(found.friction_sd, np.array([0.002, 0.001]) / STRESS)
+    assert found.remarks == ()
+    unread = read_points("m.csv", "load_N,friction_force_N,colour\n0.1,0.2,red\n", *PAIR)
+    assert "colour" in unread.remarks[0]
+    assert better_titles(["P [mN]", "contact area (mm²)", "load_N", "temperature", ""]) == {
+        "P [mN]": "load_mN", "contact area (mm²)": "area_mm²",
+    }  # fmt: skip
+
+
+def test_a_pinned_design_is_compared_with_the_one_that_is_shown(answer):
+    def compared(**values):
+        text = Document(TEXT).with_values({key.replace("__", "."): value for key, value in values.items()})
+        return answered(State(text, pinned=State(TEXT).to_json()), 1)
+
+    same = compared()
+    rows = {name: (before, now) for name, before, now in comparison(same)}
+    assert all(before == now for before, now in rows.values())
+    assert rows["Largest load"][1] == "0.971 N"
+    found = difference(same.design, pinned_answer(same.state.pinned).design)
+    assert {each for each in found if each is not None} == {0.0}
+    assert found.count(None) == 64 - same.design.surface.count
+    other = compared(limits__height_sd="1.8 um", limits__offset="10 um")
+    rows = {
+        name: [float(each.split()[0]) for each in pair]
+        for name, *pair in comparison(other)
+        if "%" in pair[0] or "mm³" in pair[0]
+    }
+    before, now = rows["Scatter of the law of made surfaces"]
+    assert now == pytest.approx(2.0 * before, abs=0.02)  # by linear response, with two digits
+    surface = other.design.surface
+    volume = (np.pi * surface.height**2 * (surface.radius - surface.height / 3)).sum()
+    assert rows["Volume of the caps"][1] == pytest.approx(volume, rel=5e-3)
+    assert rows["Volume of the caps"][0] < 0.99 * volume
+    found = difference(other.design, pinned_answer(other.state.pinned).design)
+    assert np.unique([each for each in found if each is not None]) == pytest.approx(10.0)
+    moved = compared(lattice__pitch="1.6 mm")
+    assert difference(moved.design, answer.design) is difference(moved.design, None) is None
+    assert comparison(answer) == []

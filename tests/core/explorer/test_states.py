@@ -1,0 +1,119 @@
+"""States of a page: their history, what the browser keeps, links, and files that are loaded."""
+
+import json
+import re
+from dataclasses import replace
+
+import pytest
+
+from metafem.errors import InvalidInput
+from metafem.explorer.browser import record_of
+from metafem.explorer.session import MOST_STATES, Session, State
+from metafem.explorer.start import first_state
+from metafem.explorer.text import link as module
+from metafem.explorer.text.link import from_link, restored, to_link
+from metafem.explorer.workshop.loading import Given, loaded, table_names
+from metafem.files import demo_text, read_spec, save
+from tests.explorer.scenes import SAMPLED, WANTED
+
+FIRST = State("a = 1", {"wanted.csv": "load_N\n1\n"}, "1,2\n", "m.csv", False, ("layer",), 0.2, "{}")
+
+
+def named(text):
+    return replace(FIRST, text=text)
+
+
+def test_the_history_is_that_of_an_editor():
+    session = Session((FIRST,)).after(named("b")).after(named("c"))
+    texts = []
+    for steps in (-1, -1, -1, 1):
+        session = session.moved(steps)
+        texts.append(session.state.text)
+    assert texts == ["b", "a = 1", "a = 1", "b"]
+    session = session.after(named("d"))
+    assert [each.text for each in session.states] == ["a = 1", "b", "d"]
+    assert session.moved(1) == session
+    record = {
+        "states": [each.to_json() for each in session.states],
+        "first": session.first,
+        "at": session.first + session.at,
+    }
+    assert Session.restored(json.loads(json.dumps(record))) == session
+    assert Session.restored({"states": []}) is Session.restored("") is None
+    for number in range(MOST_STATES):
+        session = session.after(named(str(number)))
+    assert (len(session.states), session.first, session.states[0].text) == (MOST_STATES, 3, "0")
+    found = record_of(session)
+    assert (found["first"], found["end"], found["at"]) == (3, 3 + MOST_STATES, 2 + MOST_STATES)
+    assert State.from_json(found["state"]) == from_link(found["link"]) == session.state
+
+
+def test_display_settings_are_no_step_and_the_pinned_state_stays():
+    session = Session((FIRST,)).after(named("b")).moved(-1)
+    shown = replace(FIRST, newtons=True, load=0.3, models=())
+    assert session.after(shown) == Session((shown, named("b")))
+    assert len(session.after(replace(shown, measured="0.1,0.2")).states) == 2
+    pinned = replace(named("b"), pinned=FIRST.to_json())
+    session = Session((FIRST,)).after(named("b")).after(pinned)
+    assert session.states == (FIRST, pinned)
+    assert session.moved(-1).state == replace(FIRST, pinned=pinned.pinned)
+    assert session.moved(-1).moved(1).state == pinned
+
+
+def test_a_state_comes_back_from_its_link_and_damaged_ones_are_refused(monkeypatch):
+    for state in (FIRST, State(""), State("µ\ud800\n" * 99, newtons=True), State(demo_text("bilinear"))):
+        link = to_link(state)
+        assert re.fullmatch(r"[A-Za-z0-9_.-]+", link)
+        assert from_link(f"#{link}") == state
+    assert len(link) < 0.75 * len(state.text)
+    refused = 0
+    for i in range(len(link)):
+        for wrong in (link[:i], f"{link[:i]}A{link[i + 1 :]}", f"{link[:i]}\u00e9{link[i + 1 :]}"):
+            try:
+                assert from_link(wrong) == state
+            except InvalidInput:
+                refused += 1
+    assert refused > 2.9 * len(link)
+    monkeypatch.setattr(module, "LARGEST", 1000)
+    assert to_link(State("a" * 2000)) == ""
+
+
+def test_a_page_begins_with_its_history_and_what_the_address_holds():
+    states = (State("a"), State("b"))
+    kept = {"first": 0, "at": 1, "states": [state.to_json() for state in states], "link": to_link(states[1])}
+    first = Session((State("first"),))
+    assert restored(kept, first) == (Session(states, 1), "")
+    assert restored({**kept, "link": to_link(State("c"))}, first) == (Session((*states, State("c")), 2), "")
+    session, problem = restored({**kept, "link": "1.eJyr"}, first)
+    assert (session, "link" in problem) == (Session(states, 1), True)
+    session, problem = restored({**kept, "at": 7}, first)
+    assert (session, "history" in problem) == (first.after(states[1]), True)
+    assert restored({}, first) == restored(None, first) == (first, "")
+
+
+def test_a_page_begins_with_a_demo_a_specification_or_a_result(tmp_path):
+    assert first_state(None) == State(demo_text("operating-points"))
+    (tmp_path / "mine.toml").write_text(SAMPLED)
+    (tmp_path / "wanted.csv").write_text(WANTED)
+    state = first_state(tmp_path / "mine.toml")
+    assert state == State(SAMPLED, {"wanted.csv": WANTED})
+    specification = read_spec(tmp_path / "mine.toml")
+    save(specification.design(), tmp_path / "made", specification=specification)
+    assert first_state(tmp_path / "made") == state
+    (tmp_path / "bad.toml").write_text("[target]\n")
+    with pytest.raises(InvalidInput, match=r"bad\.toml"):
+        first_state(tmp_path / "bad.toml")
+
+
+def test_files_that_are_loaded_replace_the_text_and_the_named_tables():
+    text = SAMPLED.replace("wanted.csv", "laws/wanted.csv")
+    found = loaded(FIRST, [Given("spec.toml", text), Given("wanted.csv", WANTED), Given("x.csv", "1\n")])
+    assert found == replace(FIRST, text=text, tables={"laws/wanted.csv": WANTED})
+    again = loaded(found, [Given("wanted.csv", WANTED * 2)])
+    assert again == replace(found, tables={"laws/wanted.csv": WANTED * 2})
+    assert loaded(FIRST, [Given("other.toml", "[a]"), Given("spec.toml", text)]).text == text
+    broken = "[limits]\nmax_height = \n"
+    assert loaded(FIRST, [Given("mine.toml", broken)]).text == broken  # to be repaired
+    cap = '[contact]\nkind = "jkr"\ncap = {kind = "profile", file = "cap.csv"}'
+    assert table_names(text + cap) == ("laws/wanted.csv", "cap.csv")
+    assert table_names("[target") == table_names("target = 3\n[contact]\nfile = 4") == ()
