@@ -1,0 +1,197 @@
+"""Files that the page hands out, and those that it cannot; and the specification of a new part."""
+
+import io
+import re
+import tomllib
+import zipfile
+from dataclasses import replace
+from xml.etree import ElementTree
+
+import pytest
+import rtoml
+from click.testing import CliRunner
+
+from metafem.cli import main
+from metafem.explorer.answer import Answer, answered
+from metafem.explorer.certainty.figures import Standing, figures
+from metafem.explorer.session import State
+from metafem.explorer.take.figure import figure_files
+from metafem.explorer.take.files import (
+    NO_DESIGN,
+    archive,
+    command_of,
+    hindrance,
+    law_picture,
+    said_above,
+    specification_file,
+    tables_of,
+)
+from metafem.explorer.text.document import Document
+from metafem.explorer.workshop.changes import without_section
+from metafem.explorer.workshop.new_part import new_part
+from metafem.explorer.workshop.part_fields import FIRST, Collision, filled, told
+from metafem.files import demo_text, parsed, planned, read_spec
+from tests.explorer.scenes import SAMPLED, WANTED
+
+TEXT = demo_text("operating-points")
+STATE = State(SAMPLED, {"wanted.csv": WANTED})
+POINTS = rtoml.dumps({"target": tomllib.loads(TEXT)["target"]})
+
+
+@pytest.fixture(scope="module")
+def answer():
+    return answered(State(TEXT), 1)
+
+
+def names_of(content):
+    return zipfile.ZipFile(io.BytesIO(content)).namelist()
+
+
+def test_the_tables_are_those_of_the_command_that_the_page_shows(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    name, content = specification_file(STATE)
+    assert sorted(names_of(content)) == ["spec.toml", "wanted.csv"]
+    zipfile.ZipFile(io.BytesIO(content)).extractall(tmp_path)
+    words = command_of(STATE).split(" && ")[-1].split()[1:]
+    done = CliRunner().invoke(main, [*words[:-1], str(tmp_path / words[-1])])
+    assert done.exit_code in (0, 1), done.output
+    tables = tables_of(answered(STATE, 1))
+    assert list(tables) == ["heights.csv", "law.csv", "mould.csv"]
+    for name, table in tables.items():
+        assert (tmp_path / words[-1] / name).read_bytes() == table
+
+
+@pytest.mark.parametrize(
+    "name", ["../wanted.csv", "/etc/wanted.csv", "..\\wanted.csv", "C:wanted.csv", "spec.toml"]
+)
+def test_tables_of_a_link_are_not_unpacked_elsewhere(name, tmp_path):
+    state = State(SAMPLED.replace('"wanted.csv"', f"'{name}'"), {name: WANTED})
+    content = specification_file(state)[1]
+    names = names_of(content)
+    assert (names[0], len(set(names))) == ("spec.toml", 2)
+    assert not any("/" in each or ".." in each for each in names)
+    zipfile.ZipFile(io.BytesIO(content)).extractall(tmp_path)
+    assert read_spec(tmp_path / "spec.toml").target.rescaled_load[-1] == 0.05
+    assert names_of(specification_file(replace(state, text=state.text + "["))[1]) == ["spec.toml"]
+
+
+def test_texts_archives_and_pictures(answer):
+    inner = State(SAMPLED.replace("wanted.csv", "tables/wanted.csv"), {"tables/wanted.csv": WANTED})
+    assert sorted(names_of(specification_file(inner)[1])) == ["spec.toml", "tables/wanted.csv"]
+    assert specification_file(State("# \ud800")) == ("spec.toml", b"# ?")
+    files = {"a.csv": b"1\n" * 1000, "b.csv": b"2\n"}
+    read = zipfile.ZipFile(io.BytesIO(archive(files)))
+    assert {name: read.read(name) for name in read.namelist()} == files
+    assert archive(files) == archive(dict(files))
+    refused = State(demo_text("linear").replace("6.87", "-1.0"))
+    assert tables_of(answered(refused, 1, answer)) == {}
+    picture = law_picture(answer.design).decode("utf-8")
+    assert ElementTree.fromstring(picture).tag == "{http://www.w3.org/2000/svg}svg"
+    assert answer.design.target.title in picture
+
+
+@pytest.mark.parametrize(
+    ("kind", "width", "size", "axes"),
+    [("svg", "85,5", (85.5, 120), "newtons"), ("pdf", " 170 mm", (170, 120), "rescaled")],
+)
+def test_a_figure_has_its_size_caption_and_data(answer, kind, width, size, axes):
+    newtons = axes == "newtons"
+    files = figure_files(answered(State(TEXT, newtons=newtons), 2, answer), kind, width, "120mm")
+    assert list(files) == [f"figure.{kind}", "caption.txt", "law.csv", "heights.csv"]
+    text = files[f"figure.{kind}"].decode("latin-1")
+    svg = r'<svg [^>]*?{}="(\S+)pt"'
+    patterns = (svg.format("width"), svg.format("height")) if kind == "svg" else (
+        r"/MediaBox \[ 0 0 (\S+) ", r"/MediaBox \[ 0 0 \S+ (\S+) \]",
+    )  # fmt: skip
+    found = [25.4 / 72 * float(re.search(each, text)[1]) for each in patterns]  # points
+    assert found == pytest.approx(size, abs=1e-5)
+    if kind == "svg":
+        drawn = files["figure.svg"].decode("utf-8")
+        assert "load P [N]" in drawn
+        assert "friction force F [N]" in drawn
+    tables = tables_of(answer)
+    assert (files["law.csv"], files["heights.csv"]) == (tables["law.csv"], tables["heights.csv"])
+    caption = files["caption.txt"].decode("utf-8")
+    for words in (
+        "3 operating points", "[0.144, 0.336, 0.649]", "independent", "E* 1.36 MPa",
+        "shear strength 0.37 MPa", "58 asperities", "64 sites", "radius 0.526 mm", "Largest height: 0.27 mm", "4.8 %",
+    ):  # fmt: skip
+        assert words in caption
+
+
+def test_what_hinders_a_file_is_told(answer):
+    every = ["mould.csv", "heights.csv", "law.csv", "block.stl", "mould.stl", "mould.svg", "surface.zip"]
+
+    def hindered(answer, problem=""):
+        return [name for name in every if hindrance(name, answer, problem)]
+
+    assert (hindered(answer), said_above(answer)) == ([], "")
+    problem = "no part can be made: asperity 7 has the height 0 mm"
+    assert hindered(answer, problem) == [name for name in every if name not in ("heights.csv", "law.csv")]
+    assert "height 0 mm" in said_above(answer, problem)
+    bare = answered(State(without_section(without_section(TEXT, "part"), "block")), 2)
+    assert hindered(bare) == ["block.stl", "mould.stl", "mould.svg"]
+    assert "“Block”" in hindrance("block.stl", bare)
+    other = answered(State(TEXT + 'formats = ["3mf"]\n'), 3)
+    assert hindered(other) == ["block.stl", "mould.stl"]
+    assert "“stl”" in hindrance("mould.stl", other)
+    none = Answer(1, State(TEXT), refusal="the target ends above the reach")
+    assert hindered(none) == every
+    assert said_above(none) == f"{NO_DESIGN} the target ends above the reach"
+
+
+def made(text):
+    """Return the design of a specification whose part can be made, with a base that stays clear."""
+    found = answered(State(text), 1)
+    assert found.current, found.refused
+    design = found.design
+    part = planned(design.surface, design.template, found.specification.part)
+    assert part.surface.count == design.surface.count + 4
+    assert design.law.separation[-1] > 0.0
+    return design
+
+
+def test_the_values_of_a_new_part_are_those_of_its_specification():
+    text = new_part(FIRST)
+    design = made(text)
+    # the alignment caps are a pitch outside the corners: 0.398 mm high, the radius of their base is 0.51 mm
+    assert design.template.position.max() + 2.1 + 0.51 == pytest.approx(10.0, abs=0.04)
+    assert design.law.friction_coefficient[50] == pytest.approx(1.5, rel=0.01)
+    in_units = {"radius": "0,526 mm", "modulus": "1360 kPa", "size": "2 cm x 20 mm x 7,2", "ratio": ".85"}
+    assert new_part(FIRST | in_units) == text
+    typed = {**FIRST, "size": "30.5 × 20 × 6", "asperities": "9 × 6", "height": "200", "error": "1.5"}
+    text = new_part(typed | {"coefficient": "2"})
+    assert filled(parsed(text)) == {**typed, "coefficient": "2"}
+    assert Document(text).value("limits.height_sd") == "1.5 um"
+    kept = new_part(FIRST | {"law": POINTS, "asperities": "9 9"})
+    assert Document(kept).value("target") == tomllib.loads(TEXT)["target"]
+    assert made(kept).template.count == 81
+    strengths = {"friction.shear_strength": [f"0.{3 + i % 2} MPa" for i in range(54)]}
+    assert filled(parsed(Document(text).with_values(strengths)))["strength"] == FIRST["strength"]
+
+
+@pytest.mark.parametrize(
+    ("typed", "field", "offers"),
+    [
+        ({"coefficient": "20"}, "coefficient", ["Use friction coefficient μ 3.13"]),
+        ({"law": POINTS, "asperities": "3 3"}, "law", ["Use a friction coefficient"]),
+    ],
+)  # fmt: skip
+def test_a_collision_names_the_field_and_offers_values_that_work(typed, field, offers):
+    with pytest.raises(Collision) as caught:
+        new_part(FIRST | typed)
+    assert caught.value.field == field
+    assert [told(offer) for offer in caught.value.offers] == offers
+    for offer in caught.value.offers:
+        made(new_part(FIRST | typed | offer))
+
+
+def test_the_offset_is_raised_until_the_base_stays_clear():
+    text = new_part(FIRST | {"coefficient": "2", "height": "120"})
+    assert Document(text).value("limits.offset") == "4 um"
+    base = next(
+        each for each in figures(answered(State(text), 1)) if each.name.startswith("load at which the plane")
+    )
+    assert base.standing is Standing.GOOD
+    lower = Document(text).with_values({"limits.offset": "3 um"})
+    assert parsed(lower).design().law.separation[-1] < 0.0
