@@ -64,6 +64,7 @@ def on_page(scene, *panels, state=None):
 
     async def begun():
         client = Client(page_of("/"))
+        client.run_javascript = lambda code, **how: None
         with client:
             page = Control(state or State(demo_text("operating-points")))
             made = [kind(page) for kind in panels]

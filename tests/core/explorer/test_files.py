@@ -114,7 +114,8 @@ def test_a_figure_has_its_size_caption_and_data(answer, kind, width, size, axes)
     caption = files["caption.txt"].decode("utf-8")
     for words in (
         "3 operating points", "[0.144, 0.336, 0.649]", "independent", "E* 1.36 MPa",
-        "shear strength 0.37 MPa", "58 asperities", "64 sites", "radius 0.526 mm", "Largest height: 0.27 mm", "4.8 %",
+        "shear strength 0.37 MPa", "58 asperities", "64 sites", "radius 0.526 mm",
+        "Largest height: 0.27 mm", "4.8 %",
     ):  # fmt: skip
         assert words in caption
 

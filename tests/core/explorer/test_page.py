@@ -1,0 +1,380 @@
+"""A page without a browser: what its panels send, and what their buttons, fields and drags change."""
+
+import asyncio
+import threading
+
+import pytest
+from nicegui import Client
+from nicegui.page import page as page_of
+
+from metafem.errors import InvalidInput
+from metafem.explorer import queue
+from metafem.explorer.control import Panel, Request, patience, whole_of
+from metafem.explorer.law.panel import LawPanel
+from metafem.explorer.page import build
+from metafem.explorer.session import State
+from metafem.explorer.surface.panel import SurfacePanel
+from metafem.explorer.surface.sites_text import asked_sites
+from metafem.explorer.take.panel import Taking
+from metafem.explorer.text.document import Document
+from metafem.explorer.widget import Widget
+from metafem.explorer.workshop.header import FIRST, Header
+from metafem.explorer.workshop.panel import Workshop
+from metafem.files import demo_text, parsed
+from metafem.progress import doing
+from tests.explorer.scenes import calls_of, on_page, shown
+
+TEXT = demo_text("operating-points")
+
+
+def friction(value):
+    """Return a change that moves the second point."""
+    return lambda state: state.text.replace('"1.68 mm^2"', f'"{value} mm^2"')
+
+
+def test_a_change_is_a_step_and_a_draft_is_none():
+    async def scene(page):
+        numbers, answers = [await page.make(friction(1.7), draft=True)], []
+        await shown(page)
+        answers.append(page.answer)
+        history = [len(page.session.states)]
+        numbers += [await page.make(friction(1.71)), await page.alter(newtons=False)]
+        history.append(len(page.session.states))
+        await page.moved(-1)
+        await shown(page)
+        with pytest.raises(InvalidInput, match="TOML"):
+            await page.make(lambda state: Document("letters").text)
+        await shown(page)
+        return numbers, history, *answers, page
+
+    numbers, history, draft, page = on_page(scene)
+    assert (numbers, history) == ([1, 2, 3], [1, 2])
+    assert draft.draft
+    assert '"1.7 mm^2"' in draft.state.text
+    assert (page.answer.number, page.state) == (5, State(TEXT))
+    assert page.answer.design == parsed(TEXT).design()
+
+
+def held(page):
+    """Let the computations of a page wait until they are stopped; return the event of their begin."""
+    begun, work = threading.Event(), page.queue.work
+
+    def delayed(request):
+        begun.set()
+        while not request.stopped:
+            with doing("waiting"):
+                threading.Event().wait(0.001)
+        return work(request)
+
+    page.queue.work = delayed
+    return begun
+
+
+def test_stopping_leads_back_to_what_is_shown():
+    async def scene(page):
+        free = page.queue.work
+        await page.alter()
+        await shown(page)
+        begun = held(page)
+        await page.make(friction(1.7))
+        await asyncio.to_thread(begun.wait, 10.0)
+        running = page.running
+        await page.stop()
+        await shown(page)
+        back = page.answer
+        page.queue.work = free
+        await page.make(friction(1.72), draft=True)
+        await shown(page)
+        begun = held(page)
+        await page.make(friction(1.72))
+        await asyncio.to_thread(begun.wait, 10.0)
+        await page.stop()
+        await shown(page)
+        return running, back, page.answer
+
+    running, back, draft = on_page(scene)
+    assert running == (0, 2)
+    assert (back.state.text, back.current, back.stopped, back.number) == (TEXT, True, False, 3)
+    assert (draft.current, draft.draft, draft.stopped) == (True, True, True)
+    assert '"1.72 mm^2"' in draft.state.text
+
+
+def test_the_first_computation_is_stopped_and_begun_again():
+    async def scene(page):
+        free, begun = page.queue.work, held(page)
+        await page.alter()
+        await asyncio.to_thread(begun.wait, 10.0)
+        await page.stop()
+        await shown(page)
+        stopped = page.answer
+        page.queue.work = free
+        await page.compute()
+        await shown(page)
+        return stopped, page.answer, len(page.session.states)
+
+    stopped, answer, count = on_page(scene)
+    assert (stopped.stopped, stopped.design, stopped.refused) == (True, None, "")
+    assert stopped.specification.target.title == answer.design.target.title
+    assert (answer.current, answer.stopped, count) == (True, False, 1)
+
+
+class Each(Panel):
+    """Collects the numbers of the answers that are shown, and the warnings."""
+
+    def __init__(self, page):
+        super().__init__(page)
+        self.shown, self.warned = [], []
+
+    def show(self, answer, _):
+        self.shown.append(answer.number)
+
+    def warn(self, places):
+        self.warned.append(places)
+
+
+class Paced(Each):
+    pace = 1e3
+
+
+class Failing(Each):
+    """Cannot prepare the first answer, and show no warnings."""
+
+    def prepare(self, answer):
+        return 1 / (answer.number - 1)
+
+    def warn(self, places):
+        if places:
+            raise KeyError(3)
+
+
+def test_panels_show_what_is_new_and_fail_alone(caplog):
+    words = []
+
+    async def scene(page, *panels):
+        page.say = words.append
+        for value in (1.7, 1.71):
+            await page.make(friction(value), draft=True)
+            await shown(page)
+        await page.make(friction(1.71), by=panels[0])
+        panels[0].asked = 5
+        await shown(page)
+        page.warn({"law": ["no"]})
+        await page.renew(panels[1])
+        return panels
+
+    each, paced, failing = on_page(scene, Each, Paced, Failing)
+    assert (each.shown, paced.shown, failing.shown) == ([1, 2], [1, 3, 3], [2, 3])
+    assert (each.warned, failing.warned) == ([{"law": ["no"]}], [])
+    assert ["ZeroDivisionError" in words[0], "KeyError: 3" in words[1], len(words)] == [True, True, 2]
+    assert "ZeroDivisionError" in caplog.text
+
+
+def test_a_search_ends_when_the_drag_goes_on_and_a_draft_is_computed_fully_at_rest(monkeypatch):
+    one, other = (Request(1, State(text), False) for text in "ab")
+    assert patience(one, other._replace(draft=True)) == 0.0
+    assert patience(one, one._replace(number=2)) > 1e9
+    assert patience(one, other) == patience(one._replace(draft=True), other) == queue.PATIENCE
+    assert patience(*[each._replace(draft=True) for each in (one, other)]) == 5.0
+    assert (whole_of(one), whole_of(one._replace(draft=True))) == (None, one)
+
+    async def scene(page):
+        page.queue.pause = 0.0
+        await page.make(friction(1.7), draft=True)
+        while page.answer.draft or page.answer.number < 1:
+            await asyncio.sleep(0)
+        return page.answer
+
+    assert on_page(scene).current
+
+
+def test_the_plot_of_the_law_moves_adds_and_removes_points():
+    async def scene(page, law):
+        sent, texts = calls_of(law.plot), []
+
+        async def event(kind, **given):
+            await law._handle(getattr(law, f"on_{kind}"), given)
+            await shown(page)
+            texts.append(page.state.text)
+
+        await page.alter()
+        await shown(page)
+        at = {"x": 0.4, "y": 0.6}
+        await event("drag", id="point-1", number=7, released=False, **at)
+        await event("drag", id="point-1", number=8, released=True, **at)
+        await event("add", x=0.6, y=0.7)
+        await event("remove", id="point-2")
+        await event("drag", id="point-9", number=9, released=True, **at)
+        await event("cursor", x=0.272)
+        await event("axes", newtons=False)
+        await event("model", name="layer", on=True)
+        await event("pin", on=True)
+        table = "load_N,friction_force_N\n0.1,0.12\n0.3,0.4\n"
+        await event("dropped", name="m.csv", text=table, left="")
+        await event("measured", action="use")
+        await event("measured", action="remove")
+        return sent, texts, page.session.states, page.state
+
+    sent, texts, states, last = on_page(scene, LawPanel)
+    drawn = [given[1] for given in sent if given[0] == "draw"]
+    assert [each["request"] for each in drawn[:3]] == [0, 7, 8]
+    assert texts[0] == TEXT
+    target = parsed(texts[1]).target
+    assert target.rescaled_load[1] == pytest.approx(0.4 / 1.36, rel=1e-3)
+    assert target.rescaled_friction[1] == pytest.approx(0.6 / (0.37 * 0.85), rel=1e-3)
+    assert parsed(texts[2]).target.rescaled_load[2] == pytest.approx(0.6 / 1.36, rel=1e-3)
+    assert parsed(texts[3]).target.rescaled_load.tolist() == target.rescaled_load.tolist()
+    (refused,) = [given for given in sent if given[0] == "refuse"]
+    assert (refused[1], "point-9" in refused[2]) == (9, True)
+    assert (last.load, last.newtons, last.models) == (pytest.approx(0.2), False, ("layer",))
+    assert State.from_json(last.pinned).text == texts[4]
+    assert (states[-2].measured_name, last.measured) == ("m.csv", "")
+    assert parsed(last.text).target.rescaled_load == pytest.approx([0.1 / 1.36, 0.3 / 1.36])
+    assert len(drawn[0]["band"]["x"]) == 120
+    assert "band" not in drawn[1]
+    assert any(given[0] == "say" and "2 points of m.csv" in given[1] for given in sent)
+
+
+def test_the_nearest_law_is_taken_by_a_button_and_a_refused_drag_goes_back():
+    async def scene(page, law):
+        calls_of(law.plot)
+        await page.alter(newtons=False)
+        await shown(page)
+        far = {"id": "point-1", "number": 1, "x": 0.336, "y": 3.9}
+        await law.on_drag({**far, "released": False})
+        await shown(page)
+        refused = page.answer
+        await law.on_drag({**far, "released": True, "back": True})
+        await shown(page)
+        back = page.answer
+        await law.on_nearest({})
+        await shown(page)
+        return refused, back, page.answer
+
+    refused, back, nearest = on_page(scene, LawPanel)
+    assert refused.refusal
+    assert (back.state.text, back.current) == (TEXT, True)
+    assert nearest.current
+    assert parsed(nearest.state.text).target.rescaled_friction[1] == pytest.approx(
+        refused.nearest_target.rescaled_friction[1], rel=1e-3
+    )
+
+
+def test_the_pictures_of_the_surface_get_what_changed_and_edit_sites():
+    async def scene(page, surface):
+        sent = calls_of(surface.view)
+        surface.contacts.pause = 0.0
+        await page.alter(load=0.3)
+        await shown(page)
+        while "pressed" not in [name for name, _ in sent]:
+            await asyncio.sleep(0)
+        await surface._edit({"action": "empty", "sites": [3, 4], "height": ""})
+        await shown(page)
+        surface._colour("sensitivity")
+        while not any("sensitivity" in given for _, given in sent):
+            await asyncio.sleep(0)
+        return sent, page.answer
+
+    sent, answer = on_page(scene, SurfacePanel)
+    first, second = [given for name, given in sent if name == "show"]
+    assert len(first["layout"]["x"]) == len(first["height"]) == 64
+    assert "layout" not in second
+    assert [second["height"][i] for i in (3, 4)] == [None, None]
+    assert asked_sites(answer.state.text).empty == {3, 4}
+    contacts = [given for name, given in sent if name == "contact"]
+    assert contacts[0]["load"] == pytest.approx(0.3, rel=1e-9)
+
+
+def test_header_and_fields_show_what_is_chosen_and_what_is_refused():
+    async def scene(page, header, fields):
+        bar, sent = calls_of(header.bar), calls_of(fields.fields)
+        await page.alter()
+        await shown(page)
+        bar.clear(), sent.clear()
+        steps = (
+            lambda: header._choose("half-space"),
+            lambda: fields._typed("limits.max_height", "280"),
+            lambda: fields._kind("target", "linear"),
+            lambda: fields._kind("contact", "jkr"),
+            lambda: fields._kind("contact", ""),
+            lambda: fields._choice("target", 1),
+            lambda: header._begin("bilinear"),
+            lambda: header._begin("unknown"),
+            lambda: header._begin(FIRST),
+            lambda: page.alter(text="limits = 3\n"),
+            lambda: fields._typed("limits.max_height", "120 um"),
+        )
+        texts = []
+        for step in steps:
+            await step()
+            await shown(page)
+            texts.append(page.state.text)
+        page.warn({"take": ["no part can be made"], "limits.offset": ["raise it"]})
+        return bar, sent, texts
+
+    bar, sent, texts = on_page(scene, Header, Workshop)
+    shown_first = bar[0][1]
+    assert ("model" in shown_first, shown_first["solved"], shown_first["undo"]) == (False, "half-space", True)
+    assert sent[1][1]["values"]["limits.max_height"] == "280 um"
+    documents = [Document(text) for text in texts[:6]]
+    assert documents[0].value("model.kind") == "half-space"
+    assert documents[2].value("target.kind") == "linear"
+    assert (documents[3].value("contact.kind"), documents[4].value("contact")) == ("jkr", None)
+    assert "friction_coefficient" in documents[5].section("target")
+    assert texts[6:9] == [demo_text("bilinear")] * 2 + [TEXT]
+    (refused,) = [given for name, given in sent if name == "refuse"]
+    assert (refused["key"], "limits" in refused["words"]) == ("limits.max_height", True)
+    assert bar[-1] == ("show", {"part": "no part can be made"})
+    assert sent[-1] == ("show", {"warnings": {"limits.offset": ["raise it"]}})
+
+
+def test_files_are_taken_or_it_is_said_why_not(monkeypatch):
+    taken = {}
+    monkeypatch.setattr("nicegui.ui.download.content", lambda content, name: taken.update({name: content}))
+
+    async def scene(page, files):
+        await files.take("law.csv")
+        before = files.label.text
+        await page.alter()
+        await shown(page)
+        for name in ("spec.toml", "law.csv", "mould.csv", "law.svg", "figure.zip"):
+            await files.take(name)
+        offered = files.offered["mould.csv"][0].enabled
+        page.warn({"take": ["no part can be made: it is low"]})
+        return before, files.label.text, offered, files.offered["mould.csv"][0].enabled
+
+    before, after, offered, hindered = on_page(scene, Taking)
+    assert ("not downloaded" in before, after) == (True, "figure.zip was downloaded.")
+    assert (offered, hindered) == (True, False)
+    assert list(taken) == ["spec.toml", "law.csv", "mould.csv", "law.svg", "figure.zip"]
+    assert taken["spec.toml"] == TEXT.encode()
+    assert taken["mould.csv"].count(b"\n") > 60
+
+
+def test_what_a_tab_holds_is_created_once_and_elements_send_what_has_changed():
+    sent = []
+
+    async def scene():
+        client = Client(page_of("/"))
+        with client:
+            tabs = build(State(TEXT)).tabs
+            one, other = Widget({"names": ["a"]}), Widget()
+        counts = [len(client.elements)]
+        for name in ("Take it", "How sure", "Specification", "Take it"):
+            tabs.set_value(name)
+            counts.append(len(client.elements))
+        await asyncio.sleep(0)
+        client.run_javascript = sent.append
+        one.show({"a": 1, "b": [2]})
+        one.show({"a": 1, "b": [3]})
+        other.call("draw", [2])
+        await asyncio.sleep(0)
+        client.delete()
+        one.call("draw", [4])
+        return counts, one.id, other.id
+
+    counts, one, other = asyncio.run(scene())
+    assert counts[0] < counts[1] < counts[2] < counts[3] == counts[4]
+    (message,) = sent
+    parts = [f'runMethod({one}, \'show\', [{{"a":1,"b":[2]}}])', f"runMethod({one}, 'show', [{{\"b\":[3]}}])"]
+    for part, words in zip(message.split(";"), [*parts, f"runMethod({other}, 'draw', [[2]])"], strict=True):
+        assert words in part

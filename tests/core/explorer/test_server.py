@@ -1,0 +1,268 @@
+"""The server of a page: the requests that it answers, its token and port, and its queue."""
+
+import asyncio
+import socket
+import threading
+
+import pytest
+from click.testing import CliRunner
+
+from metafem.cli import main
+from metafem.errors import InvalidInput
+from metafem.explorer import last_run
+from metafem.explorer.access import REFUSED, Guard
+from metafem.explorer.last_run import HOST
+from metafem.explorer.queue import Dropped, Queue
+from metafem.progress import doing
+
+OWN, TOKEN = "127.0.0.1:8123", "c0ffee"
+
+
+def asked(path=f"/{TOKEN}/", kind="http", left=True, fails=False, **headers):
+    """Return what an application behind the guard receives, and what is sent."""
+    received, sent = [], []
+
+    async def application(scope, receive, send):
+        received.append(scope)
+        await receive()
+        if fails:
+            raise RuntimeError("No response returned.")
+        await send({"type": "http.response.start", "status": 200, "headers": []})
+
+    async def receive():
+        return {"type": "http.disconnect" if left else "http.request"}
+
+    async def send(message):
+        sent.append(message)
+
+    given = [(name.encode(), value.encode()) for name, value in ({"host": OWN} | headers).items()]
+    scope = {"type": kind, "path": path, "headers": given}
+    asyncio.run(Guard(application, TOKEN, 8123)(scope, receive, send))
+    return received, sent
+
+
+def test_the_token_opens_the_page_and_nothing_else_does():
+    for headers in (
+        {},
+        {"origin": f"http://{OWN}"},
+        {"host": "localhost:8123", "origin": "http://localhost:8123"},
+    ):
+        received, sent = asked(**headers)
+        assert received[0]["root_path"] == f"/{TOKEN}"
+        assert (b"referrer-policy", b"no-referrer") in sent[0]["headers"]
+    for path, headers in (
+        ("/", {}),
+        ("*", {}),  # OPTIONS * has no path
+        ("/c0ffe/", {}),
+        ("/other/c0ffee", {}),
+        (f"/{TOKEN}/", {"origin": "null"}),
+        (f"/{TOKEN}/", {"origin": "http://127.0.0.1:9999"}),
+        (f"/{TOKEN}/", {"origin": f"https://{OWN}"}),
+        (f"/{TOKEN}/", {"host": "example.org:8123"}),  # a name that its owner points to this machine
+        (f"/{TOKEN}/", {"host": "example.org:8123", "origin": "http://example.org:8123"}),
+    ):
+        received, sent = asked(path, **headers)
+        assert (received, sent[0]["status"], sent[1]["body"].decode()) == ([], 403, REFUSED)
+        received, sent = asked(path, "websocket", **headers)
+        assert (received, sent[0]["type"], sent[0]["code"]) == ([], "websocket.close", 1008)
+    assert asked(kind="lifespan")[0][0]["type"] == "lifespan"
+    asked(fails=True)  # a page that is closed while it loads is no error
+    with pytest.raises(RuntimeError):
+        asked(fails=True, left=False)
+
+
+def ended():
+    """End all runs: their locks are free again."""
+    while last_run._HELD:
+        last_run._HELD.pop().release()
+
+
+def run(wanted=None):
+    """Return token and port of a run after all others have ended, which then ends as well."""
+    ended()
+    found = last_run.token_and_port(wanted)
+    ended()
+    return found
+
+
+def test_the_next_run_has_the_token_and_the_port_of_the_last(tmp_path, monkeypatch):
+    folder = tmp_path / "cache"
+    monkeypatch.setenv("METAFEM_CACHE_DIR", str(folder))
+    token, port = run()
+    assert len(token) == 32
+    assert run() == (token, port)
+    assert (folder / "explorer.json").stat().st_mode & 0o777 == 0o600
+    assert {each.name for each in folder.iterdir()} - {"explorer.lock"} == {"explorer.json"}
+    # of runs at the same time, the first alone keeps its port
+    assert last_run.token_and_port(None) == (token, port)
+    others = [last_run.token_and_port(None) for _ in range(3)]
+    assert {each for each, _ in others} == {token}
+    assert port not in [free for _, free in others]
+    assert run() == (token, port)
+    with socket.socket() as other:  # a port in use is left to its owner
+        other.bind((HOST, port))
+        other.listen()
+        again, free = run()
+        assert (again, free != port) == (token, True)
+        with pytest.raises(InvalidInput, match=str(port)):
+            run(port)
+    for text in ("", "{}", '{"token": "", "port": 1}', '{"token": 7, "port": []}'):
+        (folder / "explorer.json").write_text(text)
+        assert run() == run()
+        assert len(run()[0]) == 32
+    monkeypatch.setenv("METAFEM_CACHE_DIR", str(tmp_path / "cache" / "explorer.json"))
+    assert run()[0] != run()[0]  # without a folder
+
+
+def test_a_missing_extra_is_named(monkeypatch):
+    monkeypatch.setattr("metafem._extras.find_spec", lambda name: None)
+    done = CliRunner().invoke(main, ["explore"])
+    assert done.exit_code == 2
+    assert "metafem[explorer]" in done.output
+
+
+class Held:
+    """Work that waits for its step until it is let go."""
+
+    def __init__(self, answers, **options):
+        self.started, self.go, self.steps = threading.Event(), threading.Event(), []
+        self.failures = []
+        self.queue = Queue(
+            self.work,
+            answers.append,
+            lambda request, error: self.failures.append((request, str(error))),
+            **options,
+        )
+
+    def work(self, request):
+        if request == "wrong":
+            raise ZeroDivisionError("of it")
+        if request != "draft":
+            self.started.set()
+            self.go.wait(10.0)
+        with doing(f"step {request}"):
+            self.steps.append((request, self.queue.step))
+        return request
+
+    async def put(self, *requests):
+        """Put a first request, the others once it has begun, and let all go."""
+        self.queue.put(requests[0])
+        await asyncio.to_thread(self.started.wait, 10.0)
+        for request in requests[1:]:
+            self.queue.put(request)
+        await self.end()
+
+    async def end(self):
+        self.go.set()
+        while self.queue.running:
+            await asyncio.wait([self.queue.task])
+
+
+@pytest.mark.parametrize(
+    ("patience", "answers"), [(60.0, [1, 9]), (0.0, [9])], ids=["patient", "at the next step"]
+)
+def test_the_newest_request_alone_is_answered(patience, answers):
+    found = []
+
+    async def scene():
+        held = Held(found, patience=lambda running, waiting: patience)
+        await held.put(*range(1, 10))
+        return held.steps
+
+    steps = asyncio.run(scene())
+    assert found == answers
+    assert steps == [(each, f"step {each}") for each in answers]
+
+
+@pytest.mark.parametrize(
+    ("newer", "patience", "answers"),
+    [
+        ([], 0.0, ["draft", "whole"]),
+        (["same"], 60.0, ["draft", "whole", "same"]),
+        (["other"], 0.0, ["draft", "other"]),
+    ],
+)
+def test_a_better_answer_follows_at_rest_until_something_else_is_asked_for(newer, patience, answers):
+    found = []
+
+    async def scene():
+        held = Held(
+            found, better={"draft": "whole"}.get, rest=0.0, patience=lambda running, waiting: patience
+        )
+        await held.put("draft", *newer)
+
+    asyncio.run(scene())
+    assert found == answers
+
+
+def test_an_error_of_the_program_is_told_and_the_next_request_is_answered(caplog):
+    found = []
+
+    async def scene():
+        held = Held(found)
+        held.queue.put("wrong")
+        await held.end()
+        held.queue.put("next")
+        await held.end()
+        return held.failures
+
+    assert asyncio.run(scene()) == [("wrong", "of it")]
+    assert found == ["next"]
+    assert "ZeroDivisionError" in caplog.text
+
+
+def test_a_stopped_computation_is_not_waited_for():
+    found = []
+
+    async def scene():
+        held = Held(found)
+        number = await held.queue.change(lambda: 1, lambda number, request: held.queue.put(request))
+        await asyncio.to_thread(held.started.wait, 10.0)
+        held.queue.stop()
+        held.queue.work = lambda request: request
+        held.queue.put(2)
+        await asyncio.wait([held.queue.task])
+        told = list(found)
+        held.go.set()
+        return number, told
+
+    assert asyncio.run(scene()) == (1, [2])
+    assert found == [2]
+
+
+def test_changes_are_made_in_their_order_and_what_is_replaceable_ends():
+    text, ended = [], []
+
+    async def scene():
+        begun, go = asyncio.Event(), threading.Event()
+        loop, changes = asyncio.get_running_loop(), Queue(lambda request: request, print, print)
+
+        def make(letter):
+            loop.call_soon_threadsafe(begun.set)
+            go.wait(10.0)
+            try:
+                with doing("a step"):
+                    if letter == "x":
+                        raise InvalidInput("no")
+                    return letter
+            except Dropped:
+                ended.append(letter)
+                raise
+
+        def change(letter, **how):
+            return asyncio.ensure_future(
+                changes.change(lambda: make(letter), lambda number, made: text.append((number, made)), **how)
+            )
+
+        tasks = [change("a", replaceable=True)]
+        await begun.wait()
+        tasks += [change("b", replaceable=True), change("x"), change("c", replaceable=True)]
+        await asyncio.sleep(0)
+        known = changes.asked, changes.made
+        go.set()
+        return known, await asyncio.gather(*tasks, return_exceptions=True), changes.made
+
+    known, (first, second, error, last), made = asyncio.run(scene())
+    assert (known, made) == ((4, 0), 4)
+    assert (first, second, str(error), last) == (None, None, "no", 4)
+    assert (text, ended) == ([(4, "c")], ["a"])
