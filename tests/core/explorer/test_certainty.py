@@ -1,6 +1,5 @@
 """How sure a design is: figures, the band of made surfaces, warnings at their places, and the studies."""
 
-import asyncio
 import json
 import warnings
 from dataclasses import replace
@@ -11,7 +10,6 @@ import pytest
 import metafem as mf
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.certainty import band
-from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.figures import Standing, figures
 from metafem.explorer.certainty.long_studies import STUDIES, Found, LongStudy, run
 from metafem.explorer.certainty.panel import (
@@ -30,7 +28,7 @@ from metafem.files import demo_text
 from metafem.notes import Note, information
 from metafem.prediction import Tolerances
 from metafem.prediction.validity import WIDTH, base_contact_load
-from metafem.progress import doing, listening
+from metafem.progress import listening
 from metafem.studies.sampling.slope import Slope
 
 LINEAR, TEXT = demo_text("linear"), demo_text("operating-points")
@@ -252,18 +250,3 @@ def test_a_long_study_is_that_of_the_package(small, monkeypatch):
 
     monkeypatch.setitem(STUDIES, "block", LongStudy("Block", "?", "a second", warning))
     assert run("block", small, None).notes == (Note("the block is coarse"),)
-
-
-def stepping(text):
-    with doing("a step"):
-        return text
-
-
-def test_a_computation_beside_the_page_returns_its_result_and_tells_its_steps():
-    steps, long = [], "0.12 mm" * 100_000  # longer than a pipe holds
-
-    async def scene():
-        return await Tasks().start("study", stepping, (long,), lambda *step: steps.append(step))
-
-    assert asyncio.run(scene()) == long
-    assert steps == [("a step", None)]

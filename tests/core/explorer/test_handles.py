@@ -40,8 +40,8 @@ def after(name, text):
 
 
 KINDS = [
-    "points forces one", "samples table", "linear coefficient line", "bilinear lines", "power prefactor",
-    "multilinear",
+    "points forces one samples table", "linear coefficient line bilinear lines",
+    "power prefactor multilinear",
 ]  # fmt: skip
 
 
@@ -118,9 +118,8 @@ def followed(shape, found, id, by):
     return corners, places
 
 
-@pytest.mark.parametrize("names", ["linear bilinear", "line lines", "joined parted"])
-def test_what_follows_a_handle_at_once_is_what_the_text_says_then(names):
-    for name in names.split():
+def test_what_follows_a_handle_at_once_is_what_the_text_says_then():
+    for name in SHAPED:
         assert_followed(name)
 
 
@@ -209,8 +208,12 @@ def test_numbers_have_the_digits_of_the_resolution_and_stay_between_their_neighb
             assert fine <= RESOLUTION
 
 
-@pytest.mark.parametrize("name", ["one", "samples"])
-def test_a_point_is_added_and_removed_again(name):
+def test_a_point_is_added_and_removed_again():
+    for name in ("one", "samples"):
+        assert_added(name)
+
+
+def assert_added(name):
     before = known(name)[1].target
     for load, friction in ((0.01, 0.02), (0.3, 1.5), (0.9, 5.0), (0.336, 1.68)):
         new = added(scene(name), load, friction)

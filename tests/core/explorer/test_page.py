@@ -99,25 +99,6 @@ def test_stopping_leads_back_to_what_is_shown():
     assert '"1.72 mm^2"' in draft.state.text
 
 
-def test_the_first_computation_is_stopped_and_begun_again():
-    async def scene(page):
-        free, begun = page.queue.work, held(page)
-        await page.alter()
-        await asyncio.to_thread(begun.wait, 10.0)
-        await page.stop()
-        await shown(page)
-        stopped = page.answer
-        page.queue.work = free
-        await page.compute()
-        await shown(page)
-        return stopped, page.answer, len(page.session.states)
-
-    stopped, answer, count = on_page(scene)
-    assert (stopped.stopped, stopped.design, stopped.refused) == (True, None, "")
-    assert stopped.specification.target.title == answer.design.target.title
-    assert (answer.current, answer.stopped, count) == (True, False, 1)
-
-
 class Each(Panel):
     """Collects the numbers of the answers that are shown, and the warnings."""
 
@@ -293,7 +274,7 @@ def test_header_and_fields_show_what_is_chosen_and_what_is_refused():
         steps = (
             lambda: header._choose("half-space"),
             lambda: fields._typed("limits.max_height", "280"),
-            lambda: fields._kind("target", "linear"),
+            lambda: fields._kind("target", "sampled"),
             lambda: fields._kind("contact", "jkr"),
             lambda: fields._kind("contact", ""),
             lambda: fields._choice("target", 1),
@@ -317,9 +298,9 @@ def test_header_and_fields_show_what_is_chosen_and_what_is_refused():
     assert sent[1][1]["values"]["limits.max_height"] == "280 um"
     documents = [Document(text) for text in texts[:6]]
     assert documents[0].value("model.kind") == "half-space"
-    assert documents[2].value("target.kind") == "linear"
+    assert documents[2].value("target.kind") == "sampled"
     assert (documents[3].value("contact.kind"), documents[4].value("contact")) == ("jkr", None)
-    assert "friction_coefficient" in documents[5].section("target")
+    assert "friction_force" in documents[5].section("target")
     assert texts[6:9] == [demo_text("bilinear")] * 2 + [TEXT]
     (refused,) = [given for name, given in sent if name == "refuse"]
     assert (refused["key"], "limits" in refused["words"]) == ("limits.max_height", True)

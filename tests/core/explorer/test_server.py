@@ -5,9 +5,7 @@ import socket
 import threading
 
 import pytest
-from click.testing import CliRunner
 
-from metafem.cli import main
 from metafem.errors import InvalidInput
 from metafem.explorer import last_run
 from metafem.explorer.access import REFUSED, Guard
@@ -114,13 +112,6 @@ def test_the_next_run_has_the_token_and_the_port_of_the_last(tmp_path, monkeypat
     assert run()[0] != run()[0]  # without a folder
 
 
-def test_a_missing_extra_is_named(monkeypatch):
-    monkeypatch.setattr("metafem._extras.find_spec", lambda name: None)
-    done = CliRunner().invoke(main, ["explore"])
-    assert done.exit_code == 2
-    assert "metafem[explorer]" in done.output
-
-
 class Held:
     """Work that waits for its step until it is let go."""
 
@@ -158,10 +149,12 @@ class Held:
             await asyncio.wait([self.queue.task])
 
 
-@pytest.mark.parametrize(
-    ("patience", "answers"), [(60.0, [1, 9]), (0.0, [9])], ids=["patient", "at the next step"]
-)
-def test_the_newest_request_alone_is_answered(patience, answers):
+def test_the_newest_request_alone_is_answered():
+    assert_answered(60.0, [1, 9])
+    assert_answered(0.0, [9])  # the first one ends at its next step
+
+
+def assert_answered(patience, answers):
     found = []
 
     async def scene():
@@ -174,15 +167,13 @@ def test_the_newest_request_alone_is_answered(patience, answers):
     assert steps == [(each, f"step {each}") for each in answers]
 
 
-@pytest.mark.parametrize(
-    ("newer", "patience", "answers"),
-    [
-        ([], 0.0, ["draft", "whole"]),
-        (["same"], 60.0, ["draft", "whole", "same"]),
-        (["other"], 0.0, ["draft", "other"]),
-    ],
-)
-def test_a_better_answer_follows_at_rest_until_something_else_is_asked_for(newer, patience, answers):
+def test_a_better_answer_follows_at_rest_until_something_else_is_asked_for():
+    assert_rested([], 0.0, ["draft", "whole"])
+    assert_rested(["same"], 60.0, ["draft", "whole", "same"])
+    assert_rested(["other"], 0.0, ["draft", "other"])
+
+
+def assert_rested(newer, patience, answers):
     found = []
 
     async def scene():

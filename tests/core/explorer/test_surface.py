@@ -226,8 +226,6 @@ def test_the_states_of_a_press_and_the_loads_at_which_sites_touch(design, monkey
         else:
             assert 0.0 <= entry <= first if before > 0.0 else first <= entry <= last
 
-
-def test_a_model_without_a_state_has_no_entry_loads(design, monkeypatch):
     def refused(*given):
         raise mf.InvalidInput("no load is possible")
 

@@ -121,13 +121,10 @@ def test_a_changed_text_is_written_in_the_order_of_the_manual_and_ends_comments(
         assert not loses_comments(text, text + "# more")
 
 
-SECTION_NAMES = [form.name for form in section_forms() if "." not in form.name]
-
-
-@pytest.mark.parametrize("sections", [SECTION_NAMES[:1], SECTION_NAMES[1:]], ids=["target", "others"])
-def test_each_kind_and_choice_of_a_section_can_be_read_and_removed(sections):
-    for section in sections:
-        assert_changed(section)
+def test_each_kind_and_choice_of_a_section_can_be_read_and_removed():
+    for section in section_forms():
+        if "." not in section.name:
+            assert_changed(section.name)
 
 
 def assert_changed(section):
@@ -268,7 +265,7 @@ def test_the_form_has_a_field_for_each_key_and_the_names_of_messages():
     assert (broken["broken"][:14], broken["problems"]) == ("not valid TOML", {})
 
 
-@pytest.mark.parametrize("kinds", ["sampled linear bilinear", "power", "multilinear", "band"])
+@pytest.mark.parametrize("kinds", ["sampled linear bilinear", "power multilinear band"])
 def test_a_target_of_another_kind_is_near_the_law(kinds):
     design = parsed(POINTS).design()
     for kind in kinds.split():
@@ -292,9 +289,8 @@ def test_units_stay_with_another_kind_and_examples_serve_without_a_design():
         assert with_kind(state, known, "power") == Document(state.text).with_kind("target", "power")
 
 
-@pytest.mark.parametrize("kinds", ["operating-points linear", "bilinear multilinear"])
-def test_a_target_in_other_units_keeps_its_law(kinds):
-    for kind in kinds.split():
+def test_a_target_in_other_units_keeps_its_law():
+    for kind in ("operating-points", "linear", "bilinear", "multilinear"):
         assert_restated(kind)
 
 
