@@ -1,6 +1,7 @@
 """Targets of every kind, a specification with a table, and a page without a browser."""
 
 import asyncio
+import threading
 
 from nicegui import Client
 from nicegui.page import page as page_of
@@ -13,6 +14,7 @@ from metafem.explorer.text.handles import moved, scene_of
 from metafem.explorer.text.kinds import with_kind
 from metafem.explorer.workshop.changes import with_choice, with_section
 from metafem.files import demo_text
+from metafem.progress import doing
 
 # A specification of a sampled law, and its table.
 SAMPLED = """
@@ -80,6 +82,21 @@ async def shown(page):
     """Wait until all answers are shown."""
     while page.queue.running:
         await asyncio.wait([page.queue.task])
+
+
+def held(page):
+    """Let the computations of a page wait until they are stopped; return the event of their begin."""
+    begun, work = threading.Event(), page.queue.work
+
+    def delayed(request):
+        begun.set()
+        while not request.stopped:
+            with doing("waiting"):
+                threading.Event().wait(0.001)
+        return work(request)
+
+    page.queue.work = delayed
+    return begun
 
 
 def calls_of(widget):

@@ -1,7 +1,6 @@
 """A page without a browser: what its panels send, and what their buttons, fields and drags change."""
 
 import asyncio
-import threading
 
 import pytest
 from nicegui import Client
@@ -21,8 +20,7 @@ from metafem.explorer.widget import Widget
 from metafem.explorer.workshop.header import FIRST, Header
 from metafem.explorer.workshop.panel import Workshop
 from metafem.files import demo_text, parsed
-from metafem.progress import doing
-from tests.explorer.scenes import calls_of, on_page, shown
+from tests.explorer.scenes import calls_of, held, on_page, shown
 
 TEXT = demo_text("operating-points")
 
@@ -53,21 +51,6 @@ def test_a_change_is_a_step_and_a_draft_is_none():
     assert '"1.7 mm^2"' in draft.state.text
     assert (page.answer.number, page.state) == (5, State(TEXT))
     assert page.answer.design == parsed(TEXT).design()
-
-
-def held(page):
-    """Let the computations of a page wait until they are stopped; return the event of their begin."""
-    begun, work = threading.Event(), page.queue.work
-
-    def delayed(request):
-        begun.set()
-        while not request.stopped:
-            with doing("waiting"):
-                threading.Event().wait(0.001)
-        return work(request)
-
-    page.queue.work = delayed
-    return begun
 
 
 def test_stopping_leads_back_to_what_is_shown():

@@ -83,7 +83,7 @@ class Drawing:
         steps[self.rng.choice(5, p=(0.4, 0.2, 0.15, 0.1, 0.15))]()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_every_state_is_left_by_the_next_drag():
     refused = 0
     for seed in range(SEQUENCES):
@@ -107,7 +107,7 @@ def test_a_refused_law_is_left_by_a_drag():
         assert drawing.shown.current
 
 
-@pytest.mark.parametrize("kind", ["operating-points", "sampled", "bilinear", "multilinear", "power"])
+@pytest.mark.parametrize("kind", ["sampled", "bilinear", "power"])
 def test_a_law_that_lower_limits_refuse_is_left_by_a_drag(kind):
     first = answered(State(demo_text("operating-points")), 0)
     drawing = Drawing(with_kind(first.state, first.design, kind), 2)
@@ -115,16 +115,3 @@ def test_a_law_that_lower_limits_refuse_is_left_by_a_drag(kind):
     assert drawing.shown.refusal
     drawing.drag(0.2)
     assert drawing.shown.current, drawing.shown.refused
-
-
-def test_ten_points_on_the_achieved_law_are_never_refused():
-    rng = np.random.default_rng(1)
-    drawing = Drawing(demo_text("operating-points"), 1)
-    for count in range(4, 14):
-        design = drawing.shown.design
-        load = float(rng.uniform(0.02, 0.7))
-        friction = float(np.interp(load, design.law.rescaled_load, design.law.rescaled_friction))
-        off = rng.uniform(-0.9, 0.9) * NEAR
-        drawing.commit(with_point(drawing.shown, load, friction + off, NEAR))
-        assert drawing.shown.current, (count, drawing.shown.refused)
-        assert count < 5 or 'kind = "sampled"' in drawing.states[-1]

@@ -18,7 +18,7 @@ from metafem.progress import doing
 # Starts a computation that never ends by itself, prints that it has begun, and ends in one of several ways.
 PARENT = """
 import asyncio, os, signal
-from tests.explorer.certainty import test_background as scene
+from tests.explorer import test_background as scene
 async def main():
     begun = asyncio.Event()
     task = scene.Tasks().start("study", scene.endless, (), lambda *step: begun.set())
@@ -132,18 +132,6 @@ def test_other_errors_are_reported_in_words(function, words):
         outcome(function)
 
 
-def test_the_terminal_shows_where_a_program_error_happened(capfd):
-    with pytest.raises(MetafemError):
-        outcome(faulty)
-    assert "in faulty" in capfd.readouterr().err
-
-
-def test_the_first_step_is_reported_at_once():
-    steps = []
-    assert outcome(stepping, on_step=lambda *step: steps.append(step)) is None
-    assert steps == [("first", None)]
-
-
 def test_a_stopped_process_ends():
     async def scene():
         tasks, begun = Tasks(), asyncio.get_running_loop().create_future()
@@ -180,7 +168,6 @@ def test_a_computation_that_is_stopped_at_once_never_begins(monkeypatch):
     asyncio.run(scene())
 
 
-@pytest.mark.slow
 def test_starting_again_stops_the_one_of_that_name_alone():
     async def scene():
         tasks, begun = Tasks(), [asyncio.Event() for _ in range(2)]
@@ -201,7 +188,6 @@ def test_starting_again_stops_the_one_of_that_name_alone():
     assert asyncio.run(scene()) == ((True, False, False), False, False)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "ending",
     [

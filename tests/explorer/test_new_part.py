@@ -1,0 +1,91 @@
+"""Values of a new part that collide, and the values that are offered in their place."""
+
+import tomllib
+
+import pytest
+import rtoml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from metafem.explorer.answer import answered
+from metafem.explorer.session import State
+from metafem.explorer.workshop.new_part import new_part
+from metafem.explorer.workshop.part_fields import FIRST, Collision, told
+from metafem.files import demo_text, planned
+
+
+def target_of(demo):
+    """Return the target of a demo, as the dialog keeps it."""
+    return rtoml.dumps({"target": tomllib.loads(demo_text(demo))["target"]})
+
+
+POINTS = target_of("operating-points")
+
+
+def assert_made(text):
+    """Assert that the part of a specification can be made, with a base that stays clear."""
+    found = answered(State(text), 1)
+    assert found.current, found.refused
+    part = planned(found.design.surface, found.design.template, found.specification.part)
+    assert part.surface.count == found.design.surface.count + 4
+    assert found.design.law.separation[-1] > 0.0
+
+
+@pytest.mark.parametrize(
+    ("typed", "field", "offers"),
+    [
+        ({"coefficient": "20"}, "coefficient", ["Use friction coefficient μ 3.13"]),
+        ({"coefficient": "0.9"}, "coefficient", ["Use friction coefficient μ 1.33"]),
+        (
+            {"height": "120"}, "coefficient",
+            ["Use friction coefficient μ 2", "Use largest height of the summits 212 µm"],
+        ),
+        (
+            {"height": "600"}, "height",
+            ["Use largest height of the summits 499 µm", "Use radius of curvature 632 µm"],
+        ),
+        ({"size": "5 5 2"}, "asperities", ["Use asperities 3 × 3", "Use block 9.3 × 9.3 × 2 mm"]),
+        (
+            {"law": POINTS, "height": "100"}, "law",
+            ["Use largest height of the summits 165 µm", "Use friction coefficient μ 2.19"],
+        ),
+        ({"law": POINTS, "asperities": "3 3"}, "law", ["Use a friction coefficient"]),
+    ],
+)  # fmt: skip
+def test_a_collision_names_the_field_and_offers_values_that_work(typed, field, offers):
+    with pytest.raises(Collision) as caught:
+        new_part(FIRST | typed)
+    assert caught.value.field == field
+    assert [told(offer) for offer in caught.value.offers] == offers
+    for offer in caught.value.offers:
+        assert_made(new_part(FIRST | typed | offer))
+
+
+def times(low, high):
+    """Factors from low to high, evenly on a logarithmic scale."""
+    return st.floats(0.0, 1.0).map(lambda part: f"{low * (high / low) ** part:.4g}")
+
+
+TYPED = {
+    "size": st.tuples(times(3.0, 60.0), times(3.0, 60.0), times(1.0, 10.0)).map(" × ".join),
+    "asperities": st.sampled_from(["1 × 3", "2 × 2", "3 × 5", "1 × 64", "12 × 9"]),
+    "coefficient": times(0.05, 30.0),
+    "height": times(5.0, 2000.0),
+    "radius": times(20.0, 5000.0),
+    "modulus": times(0.01, 1000.0),
+    "strength": times(0.01, 100.0),
+    "law": st.sampled_from(["", POINTS, target_of("bilinear")]),
+}
+
+
+@settings(max_examples=8)
+@given(st.fixed_dictionaries({}, optional=TYPED))
+def test_any_values_make_a_part_or_are_offered_some_that_do(typed):
+    offers = [{}]
+    try:
+        new_part(FIRST | typed)
+    except Collision as error:
+        offers = error.offers
+    assert offers
+    for offer in offers:
+        assert_made(new_part(FIRST | typed | offer))
