@@ -1,10 +1,6 @@
 """The explorer in a browser."""
 
-import pytest
-
 from validation.scenes.explorer import visited
-
-pytestmark = pytest.mark.slow
 
 # Most requests of the first page up to its first law; NiceGUI makes twelve of them itself.
 MOST_REQUESTS = 30

@@ -1,16 +1,12 @@
 """How sure the design is, in a browser."""
 
+import time
 from pathlib import Path
-
-import pytest
 
 from metafem.explorer.answer import answered
 from metafem.explorer.certainty.figures import figures
 from metafem.explorer.session import State
-from metafem.files import demo_text
-from validation.scenes.explorer import PATIENCE, served, visited
-
-pytestmark = pytest.mark.slow
+from validation.scenes.explorer import PATIENCE
 
 # Texts of the rows of the table, by their names.
 ROWS = """() => Object.fromEntries([...document.querySelectorAll('tr[data-standing]')].map(row => [
@@ -59,11 +55,10 @@ def runs(process):
 
 def ended(visit, server, before):
     """Wait until a server has no more processes than before."""
-    for _ in range(int(10 * PATIENCE)):
-        if children(server) <= before:
-            return True
-        visit.page.wait_for_timeout(100)
-    return False
+    start = time.monotonic()
+    while not children(server) <= before and time.monotonic() < start + PATIENCE:
+        visit.at_rest()
+    return children(server) <= before
 
 
 def test_the_figures_are_those_of_the_specification_and_have_words_for_their_states(visit):
@@ -108,25 +103,6 @@ def test_a_study_ends_when_it_is_stopped_and_with_its_page(visit, server):
     assert ended(visit, server, before)
     study(visit, "elements").get_by_role("button", name="Run").wait_for()
     assert "Stopped before its end." in study(visit, "elements").inner_text()
-
-
-@pytest.fixture(scope="module")
-def rough(browser, tmp_path_factory):
-    """A page with its own server, of a design whose law scatters by the errors of its heights."""
-    path = tmp_path_factory.mktemp("rough") / "spec.toml"
-    text = demo_text("operating-points").replace('height_sd = "0.9 um"', 'height_sd = "9 um"')
-    path.write_text(text.replace('kind = "independent"', 'kind = "layer"'), "utf-8")
-    with served(path) as own, visited(browser, own) as visit:
-        yield visit
-
-
-def test_warnings_stand_where_they_belong(rough):
-    line = rough.page.locator("section.law .place-warnings")
-    line.locator("summary").wait_for()
-    line.locator("summary").click()
-    assert "Scatter of the law of made surfaces" in line.inner_text()
-    assert not rough.page.locator("section.surface .place-warnings").is_visible()
-    assert rough.errors == []
 
 
 def test_a_study_ends_with_the_server(rough):

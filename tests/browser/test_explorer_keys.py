@@ -1,13 +1,9 @@
 """The explorer by keys alone: from the target law to the mould table, with the focus where it is expected."""
 
-import re
-
 import pytest
 
 from metafem.explorer.surface.sites_text import asked_sites
 from metafem.files import parsed
-
-pytestmark = pytest.mark.slow
 
 # Name, role and part of what is in focus, and whether the focus is seen: an outline, or a ring at a point.
 FOCUS = """() => {
@@ -119,18 +115,6 @@ def test_a_law_becomes_a_mould_table(keys, tmp_path):
     assert (tmp_path / "mould.csv").read_text("utf-8").count("\n") > 50
 
 
-def test_undo_and_redo_keep_the_focus(keys):
-    keys.to("point 1 of 3")
-    keys.changes("ArrowRight")
-    keys.to("Undo", "Shift+Tab")
-    keys.changes("Enter")
-    assert keys.focus["name"] == "Undo"
-    keys.to("Redo")
-    keys.changes("Enter")
-    assert keys.focus["name"] == "Redo"
-    assert keys.visit.page.get_by_role("button", name="Redo").is_disabled()
-
-
 def test_tab_runs_through_every_part_in_the_order_of_reading(keys):
     keys.page.locator("h1").click()
     seen = []
@@ -144,18 +128,6 @@ def test_tab_runs_through_every_part_in_the_order_of_reading(keys):
         seen.append(focus["part"].split(" ")[0])
     parts = [part for part, before in zip(seen, ["", *seen[:-1]], strict=True) if part != before]
     assert parts == ["bar", "law", "surface", "inspector"]
-
-
-def test_a_refusal_is_announced_with_its_reason(keys):
-    page = keys.page
-    keys.to("point 3 of 3")
-    keys.changes(*["Shift+ArrowUp"] * 6)
-    words = page.locator(".law-live.wrong span")
-    words.wait_for()
-    assert re.match(r"Refused. The point is back to .*: load .*N, friction .*N\. \S", words.inner_text())
-    assert words.get_attribute("aria-live") == "polite"
-    page.wait_for_function("() => document.querySelector('.bar [role=status]').innerText !== ''")
-    assert page.locator(".bar [role=status]").inner_text().startswith("meets the target")
 
 
 def test_the_names_and_roles_are_those_of_the_page(keys):

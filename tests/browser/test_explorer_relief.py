@@ -5,8 +5,6 @@ import pytest
 from validation.scenes.browser import browser_path
 from validation.scenes.explorer import visited
 
-pytestmark = pytest.mark.slow
-
 # The picture in three dimensions, once it shows the surface; and where the top of a site, or its hole, is on
 # the screen.
 RELIEF = """() => {
@@ -23,11 +21,6 @@ PLACE = f"""([site, mould]) => {{
   return [box.left + box.width * (1 + x) / 2, box.top + box.height * (1 - y) / 2];
 }}"""
 
-# The middle of the nth cap of the profile, which each frame draws anew.
-MIDDLE = """n => {
-  const { x, y, width, height } = document.querySelectorAll('[data-row-site]')[n].getBoundingClientRect();
-  return [x + width / 2, y + height / 2];
-}"""
 
 FRAMES = f"""async () => {{
   const frame = () => new Promise(requestAnimationFrame);
@@ -89,11 +82,6 @@ def test_a_cap_marks_its_entry_load_and_a_tick_its_caps(relief):
     assert relief.evaluate(FRAMES) == 0
 
 
-def test_a_tap_on_a_cap_shows_its_tip(relief):
-    relief.touchscreen.tap(*relief.evaluate(PLACE, [27, False]))
-    relief.locator(".tip", has_text="site 27").wait_for()
-
-
 def test_the_mould_has_the_holes_of_the_sites(relief):
     relief.get_by_role("button", name="Mould").click()
     relief.wait_for_function(f"() => ({RELIEF})().mould")
@@ -104,43 +92,3 @@ def test_the_mould_has_the_holes_of_the_sites(relief):
     assert "hole 270.0 µm deep" in tip.inner_text()
     relief.get_by_role("button", name="Press it").click()  # what is pressed is the part
     relief.wait_for_function(f"() => !({RELIEF})().mould")
-
-
-def test_a_mould_that_cannot_be_made_says_why(visit, relief):
-    button = relief.get_by_role("button", name="Mould")
-    button.click()
-    visit.entered("limits.max_height", "450 um")
-    relief.wait_for_function(
-        "() => [...document.querySelectorAll('button[disabled]')].some(b => b.innerText === 'Mould')"
-    )
-    assert "must exceed the tallest summit" in button.get_attribute("title")
-    relief.wait_for_function(f"() => !({RELIEF})().mould")
-
-
-def test_a_profile_follows_keys_pointer_and_load(visit, page):
-    page.get_by_role("tab", name="Profile").click()
-    row = page.locator("[data-row-site]")
-    row.first.wait_for()
-    picture = page.get_by_role("application", name="Profile")
-    picture.focus()
-    first = {int(each.get_attribute("data-row-site")) // 8 for each in row.all()}
-    page.keyboard.press("ArrowUp")
-    page.wait_for_function(
-        "first => Number(document.querySelector('[data-row-site]').dataset.rowSite) >= 8 * (first + 1)",
-        arg=min(first),
-    )
-    assert len(first) == 1
-    shown = [int(each.get_attribute("data-row-site")) for each in row.all()]
-    assert {site // 8 for site in shown} == {min(first) + 1}
-    page.mouse.move(*page.evaluate(MIDDLE, 2))
-    page.locator(".tip", has_text=f"site {shown[2]}").wait_for()
-    page.locator(".law-readout", has_text=f"site {shown[2]} comes into contact at").wait_for()
-    pane = page.locator(".pane")
-    slider = page.get_by_label("Load", exact=True)
-    slider.focus()
-    before = pane.get_attribute("d")
-    page.keyboard.press("Home")
-    page.wait_for_function(
-        "before => document.querySelector('.pane').getAttribute('d') !== before", arg=before
-    )
-    assert "heights ×" in page.locator(".heights").text_content()

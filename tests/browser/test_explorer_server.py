@@ -1,7 +1,6 @@
 """The explorer's server: stopped while its page is open, started again, and asked by others."""
 
 import signal
-import socket
 import urllib.error
 import urllib.request
 
@@ -9,8 +8,6 @@ import pytest
 
 from metafem.files import demo_text
 from validation.scenes.explorer import PATIENCE, served, visited
-
-pytestmark = pytest.mark.slow
 
 
 def status(address, **headers):
@@ -68,14 +65,6 @@ def test_a_drag_that_a_stopped_server_did_not_take_is_made_by_the_next_one(brows
             visit.settled()
             assert visit.middle("point-1") == pytest.approx((x + 12, y - 15), abs=2)
             assert "1.68" not in visit.text
-
-
-def test_a_request_without_a_path_is_refused(server):
-    host, port = server.origin.removeprefix("http://").strip("/").split(":")
-    with socket.create_connection((host, int(port)), PATIENCE) as asked:
-        asked.sendall(f"OPTIONS * HTTP/1.1\r\nHost: {host}:{port}\r\nConnection: close\r\n\r\n".encode())
-        assert asked.recv(100).startswith(b"HTTP/1.1 403")
-    assert server.said == ""
 
 
 def test_others_are_refused(server):

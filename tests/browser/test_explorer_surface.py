@@ -7,8 +7,6 @@ import pytest
 from metafem.explorer.surface.sites_text import asked_sites
 from metafem.files import parsed
 
-pytestmark = pytest.mark.slow
-
 
 def site(visit, number):
     return visit.page.locator(f'[data-site="{number}"]')
@@ -56,22 +54,6 @@ def test_a_typed_height_and_an_empty_site(visit):
     assert found[9] == pytest.approx(120.5, rel=1e-12)
     site(visit, 10).click()
     assert after(visit, menu(visit, "release").click).empty == set()
-
-
-def test_keys_move_keep_and_empty(visit):
-    keys = visit.page.keyboard
-    visit.page.locator(".surface-view svg").focus()
-    keys.press("ArrowUp")
-    keys.press("ArrowRight")
-    # the sites are numbered row by row along x, from the lowest row
-    assert visit.page.locator(".spoken").inner_text().startswith("site 9,")
-    assert set(after(visit, lambda: keys.press("p")).pinned) == {9}
-    keys.press("ArrowRight")
-    assert after(visit, lambda: keys.press("e")).empty == {10}
-    keys.press("Enter")
-    visit.page.get_by_role("button", name="Fill this site").wait_for()
-    assert after(visit, lambda: keys.press("Enter")).empty == set()
-    assert visit.page.locator(".menu").count() == 0
 
 
 def test_a_rectangle_and_further_clicks_select_several(visit):

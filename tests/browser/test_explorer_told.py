@@ -9,33 +9,17 @@ from metafem.explorer.text.link import to_link
 from metafem.files import demo_text
 from validation.scenes.explorer import SCRIPT, Visit, served
 
-pytestmark = pytest.mark.slow
 
-# Contrast of the text of an element with its background, both opaque.
-CONTRAST = """node => {
-  const light = colour => {
-    const [r, g, b] = colour.match(/[\\d.]+/g).map(Number)
-      .map(part => part / 255).map(part => part <= 0.03928 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4);
-    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
-  };
-  const { color, backgroundColor } = getComputedStyle(node);
-  const [low, high] = [light(color), light(backgroundColor)].sort((a, b) => a - b);
-  return (high + 0.05) / (low + 0.05);
-}"""
-
-
-@pytest.mark.parametrize("theme", ["Light", "Dark"])
-def test_a_message_can_be_read_and_goes_with_the_next_success(visit, theme):
+def test_a_message_can_be_read_and_goes_with_the_next_success(visit):
     page = visit.page
     page.get_by_role("button", name="Menu").click()
-    page.get_by_role("menuitemradio", name=theme).click()
+    page.get_by_role("menuitemradio", name="Dark").click()
     page.keyboard.press("Escape")
     page.evaluate("() => { location.hash = 'm1.damaged'; }")
     message = page.locator(".q-notification")
     message.wait_for()
     visit.at_rest()  # the answer that shows the state once more leaves the message
     assert "leave" not in message.evaluate("node => node.className")
-    assert message.evaluate(CONTRAST) > 4.5
     visit.entered("limits.max_height", "271 um")
     message.wait_for(state="detached")
 
@@ -63,16 +47,8 @@ def test_own_comments_end_with_the_first_edit_by_hand_which_is_said_once(visit):
     assert message.count() == 0
 
 
-def test_numbers_as_people_write_them_are_taken(visit):
-    visit.entered("lattice.pitch", "1,6 mm")
-    field = visit.page.locator('[data-key="lattice.pitch"]')
-    assert field.input_value() == "1.6 mm"
-    visit.entered("limits.height_step", ".8")
-    before = visit.asked
-    visit.page.get_by_role("button", name="Use 0.8 um").click()
-    visit.settled(before)
-    assert visit.page.locator('[data-key="limits.height_step"]').input_value() == "0.8 um"
-
+# Two frames: what has moved is known then.
+FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 # Collects the shifts of the layout, each with its value and the elements that moved.
 SHIFTS = """() => {
@@ -88,7 +64,9 @@ SHIFTS = """() => {
 }"""
 
 
-@pytest.mark.parametrize("width", [1400, 1000, 390])
+@pytest.mark.parametrize(
+    "width", [1400, *(pytest.param(width, marks=pytest.mark.nightly) for width in (1000, 390))]
+)
 def test_nothing_moves_under_the_hand(visit, width):
     page = visit.page
     visit.anew(width, 900)
@@ -97,7 +75,7 @@ def test_nothing_moves_under_the_hand(visit, width):
     done = []
 
     def still(what):
-        page.wait_for_timeout(700)
+        page.evaluate(FRAMES)
         done.append(what)
         assert page.evaluate("() => shifts") == [], what
 
@@ -128,25 +106,6 @@ def test_nothing_moves_under_the_hand(visit, width):
     visit.settled(before)
     page.locator(".law-refusal span").first.wait_for()
     still("refused state")
-
-
-def test_a_model_that_is_computed_is_shown_as_chosen_and_can_be_stopped(visit):
-    page, text = visit.page, visit.text
-    model, stop = page.get_by_label("Model", exact=True), page.get_by_role("button", name="Stop", exact=True)
-    assert not stop.is_visible()
-    model.select_option("resolved")
-    stop.wait_for()
-    assert model.input_value() == "resolved"
-    assert page.locator("select.pending").count() == 1
-    before = visit.asked
-    page.wait_for_timeout(1000)
-    assert model.input_value() == "resolved"
-    stop.click()
-    visit.settled(before)
-    stop.wait_for(state="hidden")
-    assert model.input_value() == "independent"
-    assert page.locator("select.pending").count() == 0
-    assert visit.text == text
 
 
 # An explorer in which resolved contacts are computed until the computation is stopped.

@@ -6,8 +6,6 @@ from metafem.explorer.surface.sites_text import asked_sites
 from metafem.files import parsed
 from validation.scenes.explorer import visited
 
-pytestmark = pytest.mark.slow
-
 TABS = ("Specification", "How sure", "Take it", "Workshop")
 
 # Smallest target of a finger, and of a handle of the law [px], as in WCAG 2.2, criteria 2.5.8 and 2.5.5.
@@ -71,7 +69,11 @@ FAINT = """([text, drawn]) => {
 }"""
 
 
-@pytest.fixture(scope="module", params=[(768, 1024), (390, 844)], ids=["tablet", "phone"])
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param((768, 1024), marks=pytest.mark.nightly), (390, 844)],
+    ids=["tablet", "phone"],
+)
 def tablet(browser, server, request):
     """A page of a tablet or a phone."""
     with visited(browser, server, *request.param, touch=True) as visit:
@@ -158,19 +160,3 @@ def test_nothing_is_too_small_too_faint_or_cut_off(hand, colours):
         assert page.evaluate("() => document.getAnimations().length") == 0
     box = page.locator('.handle[data-id="point-0"] .touch').bounding_box()
     assert round(min(box["width"], box["height"])) >= HANDLE
-
-
-def test_dialogs_and_menus_lie_within_the_window(hand):
-    page, (width, _) = hand.page, hand.size_of_screen
-    page.get_by_role("button", name="Menu").tap()
-    shown = [page.get_by_role("menu").bounding_box()]
-    page.get_by_role("menuitem", name="Help").tap()
-    shown.append(page.get_by_role("dialog").bounding_box())
-    page.get_by_role("button", name="Close", exact=True).tap()
-    page.locator(".law-beside").tap()
-    shown.append(page.locator(".law-models").bounding_box())
-    for site in (0, 7):
-        page.locator(f'[data-site="{site}"]').tap()
-        shown.append(page.locator(".menu").bounding_box())
-        page.get_by_role("button", name="Close", exact=True).tap()
-    assert all(box["x"] >= 0 and box["x"] + box["width"] <= width for box in shown)

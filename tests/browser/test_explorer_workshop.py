@@ -2,11 +2,7 @@
 
 import tomllib
 
-import pytest
-
 from metafem.files import demo_text
-
-pytestmark = pytest.mark.slow
 
 
 def value(visit, key):
@@ -30,18 +26,6 @@ def pressed(visit, keys):
     visit.page.locator(".bar h1").click()
     visit.page.keyboard.press(keys)
     visit.settled(before)
-
-
-def test_a_refusal_offers_the_value_that_it_names(visit):
-    page = visit.page
-    visit.entered("lattice.radius", "300 um")  # with which no cap is as high as those for alignment
-    page.locator("#field-part-alignment_height-wrong").wait_for()
-    before = visit.asked
-    page.get_by_role("button", name="Use 0.285 mm").click()
-    visit.settled(before)
-    page.locator("#field-part-alignment_height-wrong").wait_for(state="detached")
-    assert page.locator(".fields button", has_text="Use ").count() == 0
-    assert page.get_by_label("alignment height").input_value() == "0.285 mm"
 
 
 def test_values_are_typed_refused_where_they_stand_and_undone(visit):
@@ -170,89 +154,3 @@ def test_the_text_and_the_fields_follow_each_other(visit, tmp_path):
     assert visit.text == demo_text("bilinear")
     page.locator(".bar").evaluate(DROP, ["law.csv", "load_N,friction_force_N\n1,2\n"])
     page.get_by_text("law.csv is a table.").wait_for()
-
-
-# Overflow, the order of the parts, the colours, and controls without a name.
-SHAPE = """() => {
-  const page = document.documentElement, controls = [...document.querySelectorAll('button, input, select')];
-  const top = part => document.querySelector(`.explorer > .${part}`).getBoundingClientRect().top;
-  const named = each => each.ariaLabel || each.labels?.length || each.innerText.trim() || each.title;
-  return {
-    wide: page.scrollWidth - innerWidth, high: page.scrollHeight - innerHeight,
-    order: ['law', 'surface', 'inspector'].map(top), dark: document.body.classList.contains('body--dark'),
-    unnamed: controls.filter(each => each.checkVisibility() && !named(each)).map(each => each.outerHTML),
-  };
-}"""
-
-FOCUSED = "() => document.activeElement.ariaLabel ?? document.activeElement.innerText"
-
-
-def test_the_page_fits_wide_and_narrow_windows_light_and_dark(visit):
-    page = visit.page
-    shape = page.evaluate(SHAPE)
-    assert (shape["wide"], shape["high"], shape["dark"], shape["unnamed"]) == (0, 0, False, [])
-    page.get_by_role("button", name="Menu").click()
-    page.get_by_role("menuitemradio", name="Dark").click()
-    page.reload()
-    visit.settled()
-    assert page.evaluate(SHAPE)["dark"]
-    for width in (768, 390):
-        page.set_viewport_size({"width": width, "height": 900})
-        for tab in ("Specification", "How sure", "Take it", "Workshop"):
-            page.get_by_role("tab", name=tab).click()
-            shape = page.evaluate(SHAPE)
-            assert (shape["wide"], shape["order"], shape["unnamed"]) == (0, sorted(shape["order"]), [])
-
-
-def test_law_and_surface_are_large(visit):
-    visit.page.set_viewport_size({"width": 1400, "height": 900})
-    visit.page.wait_for_function(
-        "() => document.querySelector('.law-svg').getBoundingClientRect().width < 620"
-    )
-    box = {
-        part: visit.page.locator(part).bounding_box()
-        for part in (".law-svg", ".law", ".surface", ".inspector")
-    }
-    assert box[".law-svg"]["height"] >= 480
-    assert box[".law"]["width"] + box[".surface"]["width"] >= 0.7 * 1400
-    assert box[".inspector"]["y"] == box[".law"]["y"]
-    visit.page.get_by_role("tab", name="How sure").click()
-    row = visit.page.locator(".sure-figures tbody tr").first
-    row.wait_for()
-    assert row.bounding_box()["width"] > 0.8 * box[".inspector"]["width"]
-    visit.page.get_by_role("button", name="Pin as A").click()
-    visit.page.get_by_role("tab", name="A and B").wait_for()
-    tabs = [each.bounding_box() for each in visit.page.locator(".inspector [role=tab]").all()]
-    assert len({each["y"] for each in tabs}) == 1
-    assert tabs[0]["x"] >= box[".inspector"]["x"]
-    assert tabs[-1]["x"] + tabs[-1]["width"] <= box[".inspector"]["x"] + box[".inspector"]["width"]
-
-
-def test_keys_lead_through_the_head_of_the_page(visit):
-    page, names = visit.page, []
-    for _ in range(7):
-        page.keyboard.press("Tab")
-        names.append(page.evaluate(FOCUSED))
-    status = "meets the target exactly"
-    assert names == ["Skip to the law", status, "Model", "Undo", "Redo", "New part", "Menu"]
-    for keys, name in (("Enter", "as first opened"), ("ArrowUp", "Help: mouse, touch and keys (?)")):
-        page.keyboard.down(keys)
-        page.wait_for_function(f"name => ({FOCUSED})() === name", arg=name)
-        page.keyboard.up(keys)
-        assert page.evaluate(FOCUSED) == name  # a key that is released chooses nothing
-    page.keyboard.press("ArrowDown")
-    page.keyboard.down("Enter")
-    page.wait_for_function(f"() => ({FOCUSED})() === 'Menu'")
-    page.keyboard.up("Enter")
-    visit.settled()
-    assert page.get_by_role("menu").count() == 0  # nor does it open the menu again
-    page.keyboard.press("Enter")
-    page.wait_for_function(f"() => ({FOCUSED})() === 'as first opened'")
-    page.keyboard.press("Escape")
-    page.wait_for_function(f"() => ({FOCUSED})() === 'Menu'")
-    page.keyboard.press("?")
-    page.get_by_role("dialog").wait_for()
-    page.keyboard.press("Escape")
-    page.locator(".skip").focus()
-    page.keyboard.press("Enter")
-    assert page.evaluate("() => document.activeElement.className") == "law"

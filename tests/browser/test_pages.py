@@ -13,8 +13,6 @@ from validation.results import collected
 from validation.scenes.browser import problems
 from validation.verdicts import QUESTIONS
 
-pytestmark = pytest.mark.slow
-
 
 @pytest.fixture(scope="module")
 def look(browser):
@@ -57,6 +55,7 @@ def test_a_report_with_studies_and_finite_elements_is_in_order(look, full_report
     look(full_report)
 
 
+@pytest.mark.nightly
 def test_the_whole_site_is_in_order(look, whole_site):
     pages = sorted(whole_site.rglob("*.html"))
     assert len(pages) > 20
@@ -80,6 +79,7 @@ def test_pages_of_whole_chapters_are_short_enough(browser, tmp_path, monkeypatch
     assert [each for each in found if "px tall" in each] == []
 
 
+@pytest.mark.nightly
 def test_links_open_what_is_folded_and_prints_show_it(browser, whole_site):
     """The rows of a claim's checks, and the members of a class, stand in folded parts."""
     page = browser.new_page()

@@ -34,11 +34,6 @@ def endless():
         signal.pause()
 
 
-def printing(text):
-    print(text)
-    return text
-
-
 def faulty():
     raise ZeroDivisionError("1/0")
 
@@ -51,10 +46,10 @@ def killed():
     signal.raise_signal(signal.SIGKILL)
 
 
-def stepping():
-    for name in ("first", "second"):
-        with doing(name):
-            pass
+def stepping(text):
+    print(text)  # which is no part of the result
+    with doing("a step"):
+        return os.getcwd(), text
 
 
 def exhausting():
@@ -83,26 +78,14 @@ def gone(process):
     return False
 
 
-def test_a_process_begins_also_where_the_folder_of_the_server_has_gone(tmp_path, monkeypatch):
-    folder = tmp_path / "gone"
-    folder.mkdir()
-    monkeypatch.chdir(folder)
-    folder.rmdir()
-    assert outcome(os.getcwd) == os.path.realpath(tempfile.gettempdir())
-
-
-def test_the_result_is_that_of_the_function_whatever_it_prints():
-    # longer than a pipe holds, in both directions
-    text = "0.12 mm" * 100_000
-    assert outcome(printing, text) == text
-
-
-def test_errors_of_metafem_arrive_as_they_are():
-    with pytest.raises(InvalidInput) as error:
-        outcome(Material, -1.36)
-    with pytest.raises(InvalidInput) as direct:
-        Material(-1.36)
-    assert str(error.value) == str(direct.value)
+def test_a_process_returns_its_result_also_where_the_folder_of_the_server_has_gone(tmp_path, monkeypatch):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    text, steps = "0.12 mm" * 100_000, []  # longer than a pipe holds, in both directions
+    found = outcome(stepping, text, on_step=lambda *step: steps.append(step))
+    assert found == (os.path.realpath(tempfile.gettempdir()), text)
+    assert steps == [("a step", None)]
 
 
 def test_an_error_of_the_page_ends_the_computation():
@@ -120,16 +103,22 @@ def test_an_error_of_the_page_ends_the_computation():
 @pytest.mark.parametrize(
     ("function", "words"),
     [
-        (killed, r"exit code -9.*lack of memory; start it again"),
-        (lambda: 1, r"no process could be started: .*pickle"),
-        (unsendable, r"an error within metafem, TypeError: cannot pickle .*; the terminal shows where"),
-        (faulty, r"^an error within metafem, ZeroDivisionError: 1/0; the terminal shows where$"),
-        (exhausting, r"^there is not enough memory for this computation$"),
+        (killed, "-9"),
+        (lambda: 1, "pickle"),
+        (unsendable, "TypeError"),
+        (faulty, "1/0"),
+        (exhausting, "memory"),
     ],
 )
-def test_other_errors_are_reported_in_words(function, words):
+def test_other_errors_are_reported(function, words, capfd):
     with pytest.raises(MetafemError, match=words):
         outcome(function)
+    assert function is not faulty or "in faulty" in capfd.readouterr().err
+
+
+def test_errors_of_metafem_arrive_as_they_are():
+    with pytest.raises(InvalidInput, match="composite_modulus"):
+        outcome(Material, -1.36)
 
 
 def test_a_stopped_process_ends():
@@ -147,25 +136,11 @@ def test_a_stopped_process_ends():
     assert gone(asyncio.run(scene()))
 
 
-def test_a_process_that_ends_before_it_has_read_its_request_is_reported(monkeypatch, tmp_path):
-    monkeypatch.setattr(sys, "executable", "/bin/false")
-    with pytest.raises(MetafemError, match=r"exit code 1"):
-        outcome(printing, "0.12 mm" * 100_000)
-    monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
-    with pytest.raises(MetafemError, match=r"no process could be started: .*No such file"):
-        outcome(printing, "0.12 mm")
-
-
-def test_a_computation_that_is_stopped_at_once_never_begins(monkeypatch):
-    async def scene():
-        tasks = Tasks()
-        study = tasks.start("study", printing, ("no",), print)
-        monkeypatch.setattr(asyncio, "create_subprocess_exec", None)
-        tasks.stop("study")
-        with pytest.raises(asyncio.CancelledError):
-            await study
-
-    asyncio.run(scene())
+def test_a_process_that_cannot_begin_is_reported(monkeypatch, tmp_path):
+    for program, words in (("/bin/false", "exit code 1"), (str(tmp_path / "python"), "No such file")):
+        monkeypatch.setattr(sys, "executable", program)
+        with pytest.raises(MetafemError, match=words):
+            outcome(stepping, "0.12 mm" * 100_000)
 
 
 def test_starting_again_stops_the_one_of_that_name_alone():

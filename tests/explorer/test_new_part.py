@@ -32,32 +32,24 @@ def assert_made(text):
 
 
 @pytest.mark.parametrize(
-    ("typed", "field", "offers"),
+    ("field", "typed", "count"),
     [
-        ({"coefficient": "20"}, "coefficient", ["Use friction coefficient μ 3.13"]),
-        ({"coefficient": "0.9"}, "coefficient", ["Use friction coefficient μ 1.33"]),
-        (
-            {"height": "120"}, "coefficient",
-            ["Use friction coefficient μ 2", "Use largest height of the summits 212 µm"],
-        ),
-        (
-            {"height": "600"}, "height",
-            ["Use largest height of the summits 499 µm", "Use radius of curvature 632 µm"],
-        ),
-        ({"size": "5 5 2"}, "asperities", ["Use asperities 3 × 3", "Use block 9.3 × 9.3 × 2 mm"]),
-        (
-            {"law": POINTS, "height": "100"}, "law",
-            ["Use largest height of the summits 165 µm", "Use friction coefficient μ 2.19"],
-        ),
-        ({"law": POINTS, "asperities": "3 3"}, "law", ["Use a friction coefficient"]),
+        ("coefficient", {"coefficient": "20"}, 1),
+        ("coefficient", {"coefficient": "0.9"}, 1),
+        ("coefficient", {"height": "120"}, 2),
+        ("height", {"height": "600"}, 2),
+        ("asperities", {"size": "5 5 2"}, 2),
+        ("law", {"law": POINTS, "height": "100"}, 2),
+        ("law", {"law": POINTS, "asperities": "3 3"}, 1),
     ],
-)  # fmt: skip
-def test_a_collision_names_the_field_and_offers_values_that_work(typed, field, offers):
+)
+def test_a_collision_names_the_field_and_offers_values_that_work(field, typed, count):
     with pytest.raises(Collision) as caught:
         new_part(FIRST | typed)
     assert caught.value.field == field
-    assert [told(offer) for offer in caught.value.offers] == offers
+    assert len(caught.value.offers) == count
     for offer in caught.value.offers:
+        assert told(offer).startswith("Use ")
         assert_made(new_part(FIRST | typed | offer))
 
 

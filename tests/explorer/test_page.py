@@ -5,7 +5,7 @@ import asyncio
 from metafem.explorer.answer import answered
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.law.further import Block
-from metafem.explorer.session import Session, State
+from metafem.explorer.session import State
 from metafem.files import demo_text
 from tests.explorer.scenes import held, on_page, shown
 
@@ -29,18 +29,6 @@ def test_the_first_computation_is_stopped_and_begun_again():
     assert (stopped.stopped, stopped.design, stopped.refused) == (True, None, "")
     assert stopped.specification.target.title == answer.design.target.title
     assert (answer.current, answer.stopped, count) == (True, False, 1)
-
-
-def test_stopping_keeps_the_state_of_a_page_that_has_shown_nothing_yet():
-    async def scene(page):
-        page.session = Session((State(TEXT), State(TEXT, newtons=False), State(demo_text("linear"))), 2)
-        await page.stop()
-        await shown(page)
-        return page
-
-    page = on_page(scene)
-    assert page.answer.stopped
-    assert page.state == page.answer.state == State(demo_text("linear"))
 
 
 def test_the_law_under_the_block_is_computed_in_a_process_that_can_be_stopped(monkeypatch):

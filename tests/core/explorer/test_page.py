@@ -1,6 +1,8 @@
 """A page without a browser: what its panels send, and what their buttons, fields and drags change."""
 
 import asyncio
+import threading
+from importlib import import_module
 
 import pytest
 from nicegui import Client
@@ -23,6 +25,38 @@ from metafem.files import demo_text, parsed
 from tests.explorer.scenes import calls_of, held, on_page, shown
 
 TEXT = demo_text("operating-points")
+
+
+# What takes long where texts are long or surfaces large.
+LONG = [
+    "control.answered", "browser.to_link", "law.panel.law_data", "law.panel.moved", "law.panel.removed",
+    "law.panel.with_point", "law.panel.reach_of", "law.panel.read_points", "law.panel.as_target",
+    "law.further.other_law", "law.further.tolerance_band", "surface.panel.site_data",
+    "surface.panel.layout_data", "surface.panel.contact_data", "surface.panel.press_data",
+    "surface.panel.edited", "workshop.header.header_data", "workshop.header.with_field",
+    "workshop.panel.contents", "workshop.panel.with_kind", "take.files.specification_file",
+    "take.files.tables_of", "take.panel.figure_files",
+]  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def watched(monkeypatch):
+    """Watch that nothing long is called in the event loop, where others would wait for it."""
+    called = set()
+
+    def watch(name, function):
+        def call(*given, **named):
+            called.update({name} if threading.current_thread() is threading.main_thread() else ())
+            return function(*given, **named)
+
+        return call
+
+    for name in LONG:
+        module, _, function = name.rpartition(".")
+        owner = import_module(f"metafem.explorer.{module}")
+        monkeypatch.setattr(owner, function, watch(name, getattr(owner, function)))
+    yield
+    assert called == set()
 
 
 def friction(value):
@@ -196,31 +230,6 @@ def test_the_plot_of_the_law_moves_adds_and_removes_points():
     assert len(drawn[0]["band"]["x"]) == 120
     assert "band" not in drawn[1]
     assert any(given[0] == "say" and "2 points of m.csv" in given[1] for given in sent)
-
-
-def test_the_nearest_law_is_taken_by_a_button_and_a_refused_drag_goes_back():
-    async def scene(page, law):
-        calls_of(law.plot)
-        await page.alter(newtons=False)
-        await shown(page)
-        far = {"id": "point-1", "number": 1, "x": 0.336, "y": 3.9}
-        await law.on_drag({**far, "released": False})
-        await shown(page)
-        refused = page.answer
-        await law.on_drag({**far, "released": True, "back": True})
-        await shown(page)
-        back = page.answer
-        await law.on_nearest({})
-        await shown(page)
-        return refused, back, page.answer
-
-    refused, back, nearest = on_page(scene, LawPanel)
-    assert refused.refusal
-    assert (back.state.text, back.current) == (TEXT, True)
-    assert nearest.current
-    assert parsed(nearest.state.text).target.rescaled_friction[1] == pytest.approx(
-        refused.nearest_target.rescaled_friction[1], rel=1e-3
-    )
 
 
 def test_the_pictures_of_the_surface_get_what_changed_and_edit_sites():
