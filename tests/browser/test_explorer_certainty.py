@@ -103,14 +103,3 @@ def test_a_study_ends_when_it_is_stopped_and_with_its_page(visit, server):
     assert ended(visit, server, before)
     study(visit, "elements").get_by_role("button", name="Run").wait_for()
     assert "Stopped before its end." in study(visit, "elements").inner_text()
-
-
-def test_a_study_ends_with_the_server(rough):
-    own = rough.server
-    before = children(own)
-    open_tab(rough)
-    started(rough, "elements")
-    (process,) = children(own) - before
-    own.process.terminate()
-    own.process.wait(PATIENCE)
-    assert not runs(process)

@@ -67,6 +67,7 @@ def relief(page):
 
 
 def hovered(page, site, mould=False):
+    page.wait_for_function(f"async () => await ({FRAMES})() === 0")  # the picture is at rest
     page.mouse.move(*page.evaluate(PLACE, [site, mould]))
 
 
