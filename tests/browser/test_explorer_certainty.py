@@ -1,12 +1,8 @@
 """How sure the design is, in a browser."""
 
-import time
-from pathlib import Path
-
 from metafem.explorer.answer import answered
 from metafem.explorer.certainty.figures import figures
 from metafem.explorer.session import State
-from validation.scenes.explorer import PATIENCE
 
 # Texts of the rows of the table, by their names.
 ROWS = """() => Object.fromEntries([...document.querySelectorAll('tr[data-standing]')].map(row => [
@@ -29,36 +25,6 @@ def started(visit, name):
     study(visit, name).get_by_role("button").click()
     study(visit, name).locator(".step", has_not_text="starting a process").wait_for()
     study(visit, name).locator(".step", has_text=" ").wait_for()
-
-
-def children(server):
-    """Processes that a server has started and that run."""
-    tasks = Path(f"/proc/{server.process.pid}/task").iterdir()
-    return {int(each) for task in tasks for each in started_by(task) if runs(each)}
-
-
-def started_by(task):
-    """Processes that a thread has started; none if it has ended since it was listed."""
-    try:
-        return task.joinpath("children").read_text("ascii").split()
-    except FileNotFoundError:
-        return []
-
-
-def runs(process):
-    """Whether a process runs; one that has ended may still be listed as a zombie."""
-    try:
-        return Path(f"/proc/{process}/stat").read_text("utf-8").rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
-        return False
-
-
-def ended(visit, server, before):
-    """Wait until a server has no more processes than before."""
-    start = time.monotonic()
-    while not children(server) <= before and time.monotonic() < start + PATIENCE:
-        visit.at_rest()
-    return children(server) <= before
 
 
 def test_the_figures_are_those_of_the_specification_and_have_words_for_their_states(visit):
@@ -92,14 +58,3 @@ def test_a_study_shows_its_answer_which_stays_at_a_reload_and_is_marked_after_a_
     visit.drag(visit.handles()[0], 3, 8)
     stale.wait_for()
     assert "found for another specification" in stale.inner_text()
-
-
-def test_a_study_ends_when_it_is_stopped_and_with_its_page(visit, server):
-    before = children(server)
-    open_tab(visit)
-    started(visit, "elements")
-    assert children(server) > before
-    study(visit, "elements").get_by_role("button", name="Stop").click()
-    assert ended(visit, server, before)
-    study(visit, "elements").get_by_role("button", name="Run").wait_for()
-    assert "Stopped before its end." in study(visit, "elements").inner_text()

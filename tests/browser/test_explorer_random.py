@@ -18,6 +18,12 @@ STEPS, BATCH = 400, 40
 FIELDS = """() => [...document.querySelectorAll('.fields input.text')]
   .filter(each => each.dataset.key !== 'lattice.shape').map(each => [each.dataset.key, each.value])"""
 
+# Middles of all handles [pixels].
+MIDDLES = """() => [...document.querySelectorAll('.handle .mark')].map(each => {
+  const box = each.getBoundingClientRect();
+  return [each.closest('.handle').dataset.id, box.x + box.width / 2, box.y + box.height / 2];
+})"""
+
 ARROWS = ["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight"]
 KINDS = ["linear", "bilinear", "power", "multilinear", "sampled", "operating-points"]
 
@@ -34,15 +40,15 @@ class Hand:
         steps[self.rng.choice(len(steps), p=(0.4, 0.23, 0.2, 0.08, 0.07, 0.02))]()
 
     def chosen(self):
-        """Return a random handle that is on the screen, or None."""
-        found = self.visit.handles()
+        """Return a random handle with its middle, or None."""
+        found = self.page.evaluate(MIDDLES)
         return found[self.rng.integers(len(found))] if found else None
 
     def drag(self):
         """Drag a handle, at times far out of what can be reached."""
         if (handle := self.chosen()) is None:
             return
-        x, y = self.visit.middle(handle)
+        _, x, y = handle
         self.page.mouse.move(x, y)
         self.page.mouse.down()
         for right, down in self.rng.uniform(-1.0, 1.0, (3, 2)) * self.rng.choice(
@@ -54,7 +60,7 @@ class Hand:
     def key(self):
         """Move a handle by the keyboard, add a point or remove one."""
         if (handle := self.chosen()) is not None:
-            self.page.locator(f'.handle[data-id="{handle}"]').focus()
+            self.page.evaluate(f"""() => document.querySelector('.handle[data-id="{handle[0]}"]')?.focus()""")
             self.page.keyboard.press(self.rng.choice([*ARROWS, "Shift+ArrowUp", "a", "Delete"]))
 
     def history(self):

@@ -1,23 +1,11 @@
 """The explorer's server: stopped while its page is open, started again, and asked by others."""
 
 import signal
-import urllib.error
-import urllib.request
 
 import pytest
 
 from metafem.files import demo_text
 from validation.scenes.explorer import PATIENCE, served, visited
-
-
-def status(address, **headers):
-    """The status of a request."""
-    asked = urllib.request.Request(address, headers=headers)
-    try:
-        with urllib.request.urlopen(asked, timeout=PATIENCE) as answer:
-            return answer.status
-    except urllib.error.HTTPError as error:
-        return error.code
 
 
 def test_a_page_outlives_its_server(browser):
@@ -65,13 +53,3 @@ def test_a_drag_that_a_stopped_server_did_not_take_is_made_by_the_next_one(brows
             visit.settled()
             assert visit.middle("point-1") == pytest.approx((x + 12, y - 15), abs=2)
             assert "1.68" not in visit.text
-
-
-def test_others_are_refused(server):
-    assert status(server.address) == 200
-    assert status(server.origin) == 403
-    assert status(server.address.replace(server.address.split("/")[3], "0" * 32)) == 403
-    assert status(server.address, Origin="https://example.org") == 403
-    assert status(server.address, Host="example.org") == 403
-    parts = f"{server.address}_nicegui_ws/socket.io/?EIO=4&transport=polling"
-    assert status(parts, Origin="https://example.org") == 403

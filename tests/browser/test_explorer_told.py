@@ -4,8 +4,6 @@ from contextlib import closing
 
 import pytest
 
-from metafem.explorer.session import State
-from metafem.explorer.text.link import to_link
 from metafem.files import demo_text
 from validation.scenes.explorer import SCRIPT, Visit, served
 
@@ -22,29 +20,6 @@ def test_a_message_can_be_read_and_goes_with_the_next_success(visit):
     assert "leave" not in message.evaluate("node => node.className")
     visit.entered("limits.max_height", "271 um")
     message.wait_for(state="detached")
-
-
-def test_own_comments_end_with_the_first_edit_by_hand_which_is_said_once(visit):
-    page, own = visit.page, State("# for the fair\n" + demo_text("operating-points"))
-    before = visit.asked
-    page.evaluate("link => { location.hash = link; }", to_link(own))
-    visit.settled(before)
-    message = page.locator(".q-notification", has_text="The comments in your specification end")
-    visit.drag("point-1", 20, 10)
-    message.wait_for()
-    assert "#" not in visit.text
-    visit.entered("limits.max_height", "272")  # the message outlives later answers
-    assert message.count() == 1
-    message.get_by_role("button", name="Close").click()
-    message.wait_for(state="detached")
-    for _ in range(2):
-        before = visit.asked
-        page.get_by_role("button", name="Undo").click()
-        visit.settled(before)
-    assert visit.text == own.text
-    visit.drag("point-1", 20, 10)
-    assert "#" not in visit.text
-    assert message.count() == 0
 
 
 # Two frames: what has moved is known then.

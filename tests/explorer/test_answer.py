@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.explorer.answer import answered, specification_of
+from metafem.explorer.answer import answered
 from metafem.explorer.law.law_data import SEARCHED, law_data
 from metafem.explorer.session import State
-from metafem.explorer.text.fields import with_field
-from metafem.files import demo_text, parsed, section_forms
+from metafem.files import demo_text, parsed
 
 TEXT = demo_text("operating-points")
 
@@ -103,29 +102,3 @@ def test_what_a_draft_refuses_the_whole_search_refuses(kind):
             with pytest.raises(mf.Infeasible):
                 parsed(text).design()
     assert refused > 0
-
-
-WRONG = ("", "-1", "12 12", ".8", "abc", "1e9 mm", "100 um", "0 mm", "5 N", "0.1, 0.2", "[", "300 um; 2 um")
-
-
-def ends(text, offers, most=2):
-    """Return whether no offer is left after two steps: a value that is mended can need another one."""
-    for key, value in offers.items():
-        text = with_field(text, key, value)
-    try:
-        return bool(specification_of(State(text)))
-    except mf.InvalidInput:
-        offers = answered(State(text), 1).offers
-        return not offers or (most > 1 and ends(text, offers, most - 1))
-
-
-def test_the_values_that_are_offered_for_a_wrong_one_work():
-    before, offered = answered(State(TEXT), 0), 0
-    forms = [form for form in section_forms() if "." not in form.name]
-    for key in [f"{form.name}.{key.name}" for form in forms for key in form.keys.get("", ())]:
-        for typed in WRONG:
-            wrong = with_field(TEXT, key, typed)
-            offers = answered(State(wrong), 1, before, draft=True).offers
-            offered += bool(offers)
-            assert ends(wrong, offers), (key, typed)
-    assert offered > 20

@@ -1,11 +1,15 @@
 """The long studies of the panel, against the studies of the package."""
 
+import warnings
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import metafem as mf
 from metafem.explorer.certainty import long_studies
-from metafem.explorer.certainty.long_studies import run
+from metafem.explorer.certainty.long_studies import STUDIES, Found, LongStudy, run
+from metafem.notes import Note
 from metafem.prediction import Tolerances
 
 TOLERANCES = Tolerances(height_sd=0.001)
@@ -43,3 +47,25 @@ def test_resolved_contacts_are_those_of_the_model(design):
         f"{area:.4g}",
     )
     assert {len(row) for row in found.rows} == {len(found.columns)}
+
+
+def test_a_long_study_is_that_of_the_package(design, monkeypatch):
+    # the influence of a block takes half a minute; the layer in its place takes none
+    monkeypatch.setattr("metafem.studies.substrates._true_block", lambda *given: (mf.BondedLayer(), ""))
+    found = run("block", design, None)
+    study = mf.studies.fidelity(design, elements=False)
+    change = study.area_change.sel(model="block").values
+    assert found.rows == mf.studies.summary(study).rows
+    assert f"{100 * np.sqrt((change**2).mean()):.2g} %" in found.answer
+    assert found.picture.startswith("<svg ")
+    law = mf.friction_law(design.surface, mf.Independent(mf.KogutEtsion(10.0)), load=design.law.load)
+    assert STUDIES["resolved"].hindered(replace(design, law=law)) != ""
+    assert STUDIES["resolved"].hindered(design) == ""
+
+    def warning(design, tolerances):
+        for _ in range(2):
+            warnings.warn("the block is coarse", mf.MetafemWarning, stacklevel=1)
+        return Found("title", (), (), (), "Done.")
+
+    monkeypatch.setitem(STUDIES, "block", LongStudy("Block", "?", "a second", warning))
+    assert run("block", design, None).notes == (Note("the block is coarse"),)

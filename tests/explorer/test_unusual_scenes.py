@@ -25,24 +25,19 @@ TABULATED = "indentation_um,load_mN,area_mm2\n" + "".join(
 )
 SCENES = {
     "one asperity": {"lattice.shape": [1, 1], "part": None},
-    "two": {"lattice.shape": [1, 2]},
     "a row": {"lattice.shape": [1, 50], "block.width": "80 mm"},
     "steep": {"target.slope": 1e4},
-    "flat": {"target.slope": 1e-3},
     "a thousand points": POINTS
     | {
         "target.rescaled_load": [f"{load:.6g} mm^2" for load in MANY],
         "target.rescaled_friction": [f"{7 * load:.6g} mm^2" for load in MANY],
         "lattice.shape": [2, 2],
     },
-    "several radii": TOOLS,
     "kept heights of several radii": TOOLS | PINS,
-    "kept heights under interaction": PINS | {"model.kind": "half-space"},
     "kept heights with adhesion": PINS
     | {"lattice.shape": [2, 5], "contact.kind": "jkr", "contact.adhesion_energy": "9 mJ/m^2"},
     "kept heights, robust": PINS | {"robust.height_sd": "3 um"},
     "incompressible layer": {"model.kind": "layer", "material.poisson_ratio": 0.5},
-    "cones": {"contact.kind": "power", "contact.exponent": 1.0, "contact.coefficient": 0.3},
     "plastic": {"contact.kind": "jackson-green", "contact.yield_strength": "4 MPa"},
     "a tabulated contact": {"contact.kind": "tabulated", "contact.file": "contact.csv"},
     "plastic contacts, resolved": {

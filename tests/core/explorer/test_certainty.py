@@ -1,7 +1,6 @@
 """How sure a design is: figures, the band of made surfaces, warnings at their places, and the studies."""
 
 import json
-import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +10,7 @@ import metafem as mf
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.certainty import band
 from metafem.explorer.certainty.figures import Standing, figures
-from metafem.explorer.certainty.long_studies import STUDIES, Found, LongStudy, run
+from metafem.explorer.certainty.long_studies import STUDIES, Found
 from metafem.explorer.certainty.panel import (
     NO_DESIGN,
     NOT_CURRENT,
@@ -221,32 +220,3 @@ def test_tables_and_notes_are_no_markup():
     count, texts = note_list([Note("a"), information("b <"), information("c")])
     assert count == "1 warning, 2 notes on the design"
     assert "b &lt;" in texts
-
-
-@pytest.fixture(scope="module")
-def small():
-    block = mf.Block(10.0, 10.0, 7.2)
-    template = mf.Surface.square_lattice(0.2, (3, 3), radius=0.526, material=mf.Material(1.36), block=block)
-    return mf.design(mf.OperatingPoints([0.05, 0.1], [0.25, 0.45]), template)
-
-
-def test_a_long_study_is_that_of_the_package(small, monkeypatch):
-    # the influence of a block takes half a minute; the layer in its place takes none
-    monkeypatch.setattr("metafem.studies.substrates._true_block", lambda *given: (mf.BondedLayer(), ""))
-    found = run("block", small, None)
-    study = mf.studies.fidelity(small, elements=False)
-    change = study.area_change.sel(model="block").values
-    assert found.rows == mf.studies.summary(study).rows
-    assert f"{100 * np.sqrt((change**2).mean()):.2g} %" in found.answer
-    assert found.picture.startswith("<svg ")
-    law = mf.friction_law(small.surface, mf.Independent(mf.KogutEtsion(10.0)), load=small.law.load)
-    assert STUDIES["resolved"].hindered(replace(small, law=law)) != ""
-    assert STUDIES["resolved"].hindered(small) == ""
-
-    def warning(design, tolerances):
-        for _ in range(2):
-            warnings.warn("the block is coarse", mf.MetafemWarning, stacklevel=1)
-        return Found("title", (), (), (), "Done.")
-
-    monkeypatch.setitem(STUDIES, "block", LongStudy("Block", "?", "a second", warning))
-    assert run("block", small, None).notes == (Note("the block is coarse"),)

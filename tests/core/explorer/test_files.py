@@ -1,7 +1,6 @@
 """Files that the page hands out, and those that it cannot; and the specification of a new part."""
 
 import io
-import re
 import tomllib
 import zipfile
 from dataclasses import replace
@@ -14,7 +13,6 @@ from click.testing import CliRunner
 from metafem.cli import main
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.session import State
-from metafem.explorer.take.figure import figure_files
 from metafem.explorer.take.files import (
     NO_DESIGN,
     archive,
@@ -89,36 +87,6 @@ def test_texts_archives_and_pictures(answer):
     picture = law_picture(answer.design).decode("utf-8")
     assert ElementTree.fromstring(picture).tag == "{http://www.w3.org/2000/svg}svg"
     assert answer.design.target.title in picture
-
-
-def test_a_figure_has_its_size_caption_and_data(answer):
-    assert_sized(answer, "svg", "85,5", (85.5, 120))
-    assert_sized(answer, "pdf", " 170 mm", (170, 120))
-
-
-def assert_sized(answer, kind, width, size):
-    files = figure_files(answer, kind, width, "120mm")
-    assert list(files) == [f"figure.{kind}", "caption.txt", "law.csv", "heights.csv"]
-    text = files[f"figure.{kind}"].decode("latin-1")
-    svg = r'<svg [^>]*?{}="(\S+)pt"'
-    patterns = (svg.format("width"), svg.format("height")) if kind == "svg" else (
-        r"/MediaBox \[ 0 0 (\S+) ", r"/MediaBox \[ 0 0 \S+ (\S+) \]",
-    )  # fmt: skip
-    found = [25.4 / 72 * float(re.search(each, text)[1]) for each in patterns]  # points
-    assert found == pytest.approx(size, abs=1e-5)
-    if kind == "svg":
-        drawn = files["figure.svg"].decode("utf-8")
-        assert "load P [N]" in drawn
-        assert "friction force F [N]" in drawn
-    tables = tables_of(answer)
-    assert (files["law.csv"], files["heights.csv"]) == (tables["law.csv"], tables["heights.csv"])
-    caption = files["caption.txt"].decode("utf-8")
-    for words in (
-        "3 operating points", "[0.144, 0.336, 0.649]", "independent", "E* 1.36 MPa",
-        "shear strength 0.37 MPa", "58 asperities", "64 sites", "radius 0.526 mm",
-        "Largest height: 0.27 mm", "4.8 %",
-    ):  # fmt: skip
-        assert words in caption
 
 
 def test_what_hinders_a_file_is_told(answer):

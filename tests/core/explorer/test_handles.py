@@ -39,15 +39,8 @@ def after(name, text):
     return {each.id: each for each in scene_of(text, parsed(text, TABLES), known(name)[2]).handles()}
 
 
-KINDS = [
-    "points forces one samples table", "linear coefficient line bilinear lines",
-    "power prefactor multilinear",
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("names", KINDS)
-def test_a_handle_is_on_the_law_goes_where_it_is_moved_and_comes_back(names):
-    for name in names.split():
+def test_a_handle_is_on_the_law_goes_where_it_is_moved_and_comes_back():
+    for name in TARGETS:
         assert_moved(name)
 
 

@@ -189,6 +189,8 @@ def test_the_plot_gets_the_newest_band_and_laws(answer):
     again = answered(State(TEXT), 6).design
     assert further.block.of(again) is further.block.law  # after undo
     assert further.block.of(answered(State(TEXT.replace("0.84", "0.85")), 7).design) is None
+    further.block.stop()
+    assert further.block.of(again) is None
 
 
 def test_measured_points_are_rescaled_compared_and_become_a_target(answer):
@@ -220,8 +222,6 @@ def test_measured_points_are_rescaled_compared_and_become_a_target(answer):
     assert measured_of(answered(changed, 3)) is points
     assert measured_of(answer) is None
 
-
-def test_labels_with_their_unit_are_column_names():
     for text in (
         "Load [mN],Friction force [mN],Friction force SD [mN]\n200,260,1\n100,120,2\n",
         "P [mN];F [mN];friction_force_sd_mN\n200;260;1\n100;120;2\n",

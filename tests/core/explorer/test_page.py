@@ -25,6 +25,7 @@ from metafem.files import demo_text, parsed
 from tests.explorer.scenes import calls_of, held, on_page, shown
 
 TEXT = demo_text("operating-points")
+OWN = f"# for the fair\n{TEXT}"
 
 
 # What takes long where texts are long or surfaces large.
@@ -65,12 +66,18 @@ def friction(value):
 
 
 def test_a_change_is_a_step_and_a_draft_is_none():
+    said = []
+
+    def raised(state):
+        return Document(state.text).with_values({"limits.max_height": "280 um"})
+
     async def scene(page):
+        page.say = lambda words, passing=True: said.append((page.asked, passing))
         numbers, answers = [await page.make(friction(1.7), draft=True)], []
         await shown(page)
         answers.append(page.answer)
         history = [len(page.session.states)]
-        numbers += [await page.make(friction(1.71)), await page.alter(newtons=False)]
+        numbers += [await page.make(raised), await page.alter(newtons=False)]
         history.append(len(page.session.states))
         await page.moved(-1)
         await shown(page)
@@ -79,11 +86,12 @@ def test_a_change_is_a_step_and_a_draft_is_none():
         await shown(page)
         return numbers, history, *answers, page
 
-    numbers, history, draft, page = on_page(scene)
+    numbers, history, draft, page = on_page(scene, state=State(OWN))
     assert (numbers, history) == ([1, 2, 3], [1, 2])
+    assert said == [(2, False)]  # comments end with the first edit by hand
     assert draft.draft
     assert '"1.7 mm^2"' in draft.state.text
-    assert (page.answer.number, page.state) == (5, State(TEXT))
+    assert (page.answer.number, page.state) == (5, State(OWN))
     assert page.answer.design == parsed(TEXT).design()
 
 
