@@ -15,23 +15,19 @@ def test_the_fit_keeps_its_error_on_the_whole_table():
         np.testing.assert_allclose(fitted, row, rtol=cap_compliance.FIT_ERROR)
 
 
-# c_p [1/mm] at R = 0.526 mm of another small-strain computation, printed to two decimals, at contacts of
-# about a tenth of R, with which the compliance changes by a few hundredths.
-@pytest.mark.parametrize(("height", "printed"), [(0.12, 0.27), (0.20, 0.46), (0.27, 0.64)])
-def test_other_computations_agree(height, printed):
-    assert cap_compliance.pedestal_compliance(height, 0.526, 0.05) == pytest.approx(printed, abs=0.02)
+def test_other_computations_agree():
+    """c_p [1/mm] at R = 0.526 mm, printed to two decimals, at contacts of about a tenth of R.
+
+    With the contact the compliance changes by a few hundredths.
+    """
+    found = cap_compliance.pedestal_compliance(np.array([0.12, 0.20, 0.27]), 0.526, 0.05)
+    np.testing.assert_allclose(found, [0.27, 0.46, 0.64], atol=0.02)
 
 
 def test_lengths_scale():
     assert cap_compliance.pedestal_compliance(0.2, 0.5, 0.1) == pytest.approx(
         10.0 * cap_compliance.pedestal_compliance(2.0, 5.0, 1.0), rel=1e-12
     )
-
-
-@pytest.mark.parametrize(("height", "contact"), [(0.01, 0.0), (0.7, 0.0), (0.2, -0.1), (0.2, 0.5)])
-def test_outside_the_table_is_refused(height, contact):
-    with pytest.raises(mf.InvalidInput, match="must lie from"):
-        cap_compliance.pedestal_compliance(height, 1.0, contact)
 
 
 HEIGHT, RADIUS = np.array([0.03, 0.12, 0.30]), np.array([0.526, 0.526, 0.6])

@@ -6,7 +6,9 @@ import pytest
 
 import metafem as mf
 
-RADIUS, EXPONENTS = 0.526, [1.2, 1.5, 2.0, 3.0, 4.0, 6.5]
+RADIUS = 0.526
+
+
 QUARTER = [0, mpmath.pi / 2]
 
 
@@ -34,9 +36,8 @@ def exact(slope, a):
     ]
 
 
-@pytest.mark.parametrize("n", [1.5, 3.0])
-def test_single_integrals_are_the_double_ones(n):
-    slope, _ = power("radius", n, 0.3)
+def test_single_integrals_are_the_double_ones():
+    slope, _ = power("radius", 1.5, 0.3)
     of_radius, a = (lambda rho: slope(rho, RADIUS)), mpmath.mpf(0.17)
     depth, (*_, load, moment) = depth_of(of_radius), exact(of_radius, a)
     expected = 2 * (a * depth(a) - mpmath.quad(depth, [0, a]))
@@ -66,11 +67,10 @@ def assert_rates(rates, slope, at, a, tolerance=1e-10):
 
 
 @pytest.mark.parametrize("by", ["radius", "exponent", "coefficient"])
-@pytest.mark.parametrize("n", [1.5, 3.0])
-def test_power_caps(n, by):
-    surface = mf.Surface([[0.0, 0.0]], [0.1], RADIUS, mf.Material(1.0), cap=mf.Power(n, 0.3))
+def test_power_caps(by):
+    surface = mf.Surface([[0.0, 0.0]], [0.1], RADIUS, mf.Material(1.0), cap=mf.Power(1.5, 0.3))
     rates = mf.Elastic().shape_rates(by, np.array([0.17]), surface)
-    assert_rates(rates, *power(by, n, 0.3), 0.17)
+    assert_rates(rates, *power(by, 1.5, 0.3), 0.17)
 
 
 @pytest.mark.parametrize(
@@ -83,7 +83,7 @@ def test_spheres_and_paraboloids(contact, slope):
     assert_rates(contact.shape_rates("radius", np.array([0.17]), surface), slope, mpmath.mpf(RADIUS), 0.17)
 
 
-@pytest.mark.parametrize("n", EXPONENTS)
+@pytest.mark.parametrize("n", [1.2, 4.0])
 def test_at_given_load_the_indentation_changes_by_the_mean_of_the_change_of_d(n):
     # dd/ds at given P is the mean of dD/ds over the contact radius: 1/(n + 1) of dD/dc for power caps
     surface = mf.Surface([[0.0, 0.0]], [0.1], RADIUS, mf.Material(1.0), cap=mf.Power(n, 0.3))

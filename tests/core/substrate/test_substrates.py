@@ -54,16 +54,18 @@ def test_table_is_continuous_and_ends_below_its_bound():
             assert (np.abs(a - b) * joints ** (power + 1)).max() < 1e-9
 
 
-@pytest.mark.parametrize(
-    ("poisson_ratio", "distance", "ratio"),
-    [
-        (0.5, [0.5, 1, 1.5, 3, 5, 6, 10], [0.877, 0.757, 0.640, 0.327, 0.032, -0.059, -0.161]),
-        (0.49, [0.5, 1, 1.5, 3, 5, 6, 10], [0.880, 0.761, 0.646, 0.338, 0.047, -0.043, -0.149]),
-    ],
-)
-def test_layer_against_half_space_at_the_block_of_the_paper(poisson_ratio, distance, ratio):
-    computed = mf.BondedLayer(7.2, poisson_ratio).influence(distance) / mf.HalfSpace().influence(distance)
-    assert_allclose(computed, ratio, rtol=0, atol=5e-4)  # half of the last printed digit
+# Ratios to the half-space, printed to three digits.
+PRINTED = {
+    0.5: [0.877, 0.757, 0.640, 0.327, 0.032, -0.059, -0.161],
+    0.49: [0.880, 0.761, 0.646, 0.338, 0.047, -0.043, -0.149],
+}
+
+
+def test_layer_against_half_space_at_the_block_of_the_paper():
+    distance = [0.5, 1, 1.5, 3, 5, 6, 10]
+    for poisson_ratio, ratio in PRINTED.items():
+        computed = mf.BondedLayer(7.2, poisson_ratio).influence(distance) / mf.HalfSpace().influence(distance)
+        assert_allclose(computed, ratio, rtol=0, atol=5e-4)
 
 
 @pytest.mark.parametrize(
@@ -106,10 +108,6 @@ def test_layer_reads_its_values_from_the_surface():
     matrix = mf.BondedLayer().influence_matrix(surface)
     assert matrix[0, 1] == matrix[1, 0] == mf.BondedLayer(7.2, 0.45).influence(1.0)
     assert matrix[0, 0] == mf.BondedLayer(7.2, 0.45).self_influence
-    with pytest.raises(mf.InvalidInput, match="thickness = 5"):
-        mf.BondedLayer(5.0).for_surface(surface)
-    with pytest.raises(mf.InvalidInput, match="needs the surface's block"):
-        mf.BondedLayer().for_surface(surface.replaced(block=None))
 
 
 def test_gradient_points_away_from_the_source():
@@ -118,17 +116,3 @@ def test_gradient_points_away_from_the_source():
     assert_allclose([gx[0, 1], gy[0, 1]], np.array([3, 4]) / (np.pi * 125), rtol=1e-14)
     assert_allclose(gx, -gx.T, rtol=0)
     assert_allclose(laplacian, [[0, 1 / (np.pi * 125)], [1 / (np.pi * 125), 0]], rtol=1e-14)
-
-
-@pytest.mark.parametrize(
-    ("build", "words"),
-    [
-        (lambda: mf.BondedLayer(0.0), "thickness = 0 must be greater"),
-        (lambda: mf.BondedLayer(1.0, 0.51), "poisson_ratio = 0.51 must be at most"),
-        (lambda: mf.BondedLayer().influence(1.0), "for_surface"),
-        *((lambda r=r: mf.HalfSpace().influence(r), "distance") for r in (0.0, -1.0, np.nan, "far")),
-    ],
-)
-def test_refuses_values_out_of_range(build, words):
-    with pytest.raises(mf.InvalidInput, match=words):
-        build()

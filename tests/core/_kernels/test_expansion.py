@@ -1,3 +1,5 @@
+"""Products of the expansions of pairs of patches."""
+
 import numpy as np
 
 from metafem._kernels.expansion import apply_pairs

