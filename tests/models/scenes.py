@@ -35,14 +35,9 @@ LAWS = {
 
 
 def with_law(name, length=1.0, modulus=1.0):
-    """Models of a contact law: those that couple have its largest order."""
+    """Models of a contact law, without and with interaction, of the law's largest order."""
     law = LAWS[name](length, modulus)
-    return (
-        mf.Independent(contact=law),
-        mf.Interacting(order=law.largest_order, contact=law),
-        mf.MeanField(contact=law),
-        mf.Interacting(order=law.largest_order, substrate=mf.BondedLayer(), contact=law),
-    )
+    return mf.Independent(contact=law), mf.Interacting(order=law.largest_order, contact=law)
 
 
 # Those whose asperities interact.
