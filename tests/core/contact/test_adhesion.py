@@ -110,8 +110,7 @@ def test_without_adhesion_the_law_is_that_of_the_cap(cap):
         assert_allclose(law.contact_radius(d, RADIUS, 0.2), a[1:], rtol=1e-9)
 
 
-@pytest.mark.parametrize("energy", [0.0, ENERGY])
-@pytest.mark.parametrize("cap", CAPS, ids=repr)
+@pytest.mark.parametrize(("cap", "energy"), [*((cap, ENERGY) for cap in CAPS), (mf.SphericalCap(), 0.0)])
 def test_the_energy_of_a_contact(cap, energy):
     """U = int_0^a (d - d_cap(s))^2 ds - pi w a^2 is stationary at a, and dU/dd = P, dU/dk = -M/2."""
     law = mf.JKR(energy, cap, MATERIAL)

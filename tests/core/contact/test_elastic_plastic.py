@@ -56,10 +56,9 @@ def test_the_sizes_of_the_blends():
         assert_allclose(sizes(mf.JacksonGreen(softness * 1.36), 0.3)[0][1], area, atol=5e-4)
 
 
-@pytest.mark.parametrize("material", MATERIALS[1:], ids=lambda m: str(m.poisson_ratio))
 @pytest.mark.parametrize("law", LAWS, ids=repr)
-def test_stiffness_and_area_slope_are_the_derivatives_and_continuous(law, material):
-    bound = law.for_material(material)
+def test_stiffness_and_area_slope_are_the_derivatives_and_continuous(law):
+    bound = law.for_material(MATERIALS[2])
     d = np.geomspace(1e-8, 0.5, 2000) * RADIUS
     a = bound.contact_radius(d, RADIUS)
     assert_allclose(bound.indentation(a, RADIUS), d, rtol=1e-13)
@@ -98,34 +97,34 @@ def test_load_and_area_increase_with_the_indentation(kind, strain, nu, size):
     assert (law.area_slope(a, radius) > 0.0).all()
 
 
-@pytest.mark.parametrize("law", [mf.KogutEtsion(1e6), mf.JacksonGreen(1e6), mf.JacksonGreen(1e50)], ids=repr)
-def test_a_strong_material_is_elastic(law):
-    bound, hertz = law.for_material(mf.Material(1.36)), mf.Hertz()
-    d = np.geomspace(1e-9, 0.5, 50)
-    a = hertz.contact_radius(d, RADIUS)
-    assert_allclose(bound.contact_radius(d, RADIUS), a, rtol=1e-9)
-    for name in ("load", "stiffness", "area_slope"):
-        assert_allclose(getattr(bound, name)(a, RADIUS), getattr(hertz, name)(a, RADIUS), rtol=1e-9)
+def test_a_strong_material_is_elastic():
+    for law in (mf.KogutEtsion(1e6), mf.JacksonGreen(1e6), mf.JacksonGreen(1e50)):
+        bound, hertz = law.for_material(mf.Material(1.36)), mf.Hertz()
+        d = np.geomspace(1e-9, 0.5, 50)
+        a = hertz.contact_radius(d, RADIUS)
+        assert_allclose(bound.contact_radius(d, RADIUS), a, rtol=1e-9)
+        for name in ("load", "stiffness", "area_slope"):
+            assert_allclose(getattr(bound, name)(a, RADIUS), getattr(hertz, name)(a, RADIUS), rtol=1e-9)
 
 
-@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
-def test_outside_the_blends_the_laws_are_the_published_formulas(nu):
+def test_outside_the_blends_the_laws_are_the_published_formulas():
     """The strength is 1 % of E*; at w* = 200 the contact of Kogut and Etsion is fully plastic, P = H A."""
-    factors = 0.454 + 0.41 * nu, 1.295 * np.exp(0.736 * nu)
-    formulas = (
-        partial(published.kogut_etsion, poisson_ratio=nu),
-        partial(published.jackson_green, poisson_ratio=nu, strain=0.01),
-    )
-    for law, factor, formula in zip(
-        (mf.KogutEtsion(0.0136), mf.JacksonGreen(0.0136)), factors, formulas, strict=True
-    ):
-        bound, start = law.for_material(mf.Material(1.36, nu)), (0.005 * np.pi * factor) ** 2
-        for w in (1e-6, 0.5, 1.0, 4.0, 50.0, 200.0):
-            a = bound.contact_radius(w * start * RADIUS, RADIUS)
-            scaled = bound.load(a, RADIUS) / (4.0 / 3.0 * start**1.5), bound.area(a) / (np.pi * start)
-            assert_allclose(np.divide(scaled, RADIUS**2), formula(w), rtol=1e-12)
-        assert bound.contact_radius(-0.1, RADIUS) == 0.0
-        assert bound.stiffness(0.0, RADIUS) == bound.area_slope(0.0, RADIUS) == 0.0
+    for nu in (0.0, 0.3, 0.5):
+        factors = 0.454 + 0.41 * nu, 1.295 * np.exp(0.736 * nu)
+        formulas = (
+            partial(published.kogut_etsion, poisson_ratio=nu),
+            partial(published.jackson_green, poisson_ratio=nu, strain=0.01),
+        )
+        for law, factor, formula in zip(
+            (mf.KogutEtsion(0.0136), mf.JacksonGreen(0.0136)), factors, formulas, strict=True
+        ):
+            bound, start = law.for_material(mf.Material(1.36, nu)), (0.005 * np.pi * factor) ** 2
+            for w in (1e-6, 0.5, 1.0, 4.0, 50.0, 200.0):
+                a = bound.contact_radius(w * start * RADIUS, RADIUS)
+                scaled = bound.load(a, RADIUS) / (4.0 / 3.0 * start**1.5), bound.area(a) / (np.pi * start)
+                assert_allclose(np.divide(scaled, RADIUS**2), formula(w), rtol=1e-12)
+            assert bound.contact_radius(-0.1, RADIUS) == 0.0
+            assert bound.stiffness(0.0, RADIUS) == bound.area_slope(0.0, RADIUS) == 0.0
 
 
 def test_a_law_belongs_to_its_first_material():

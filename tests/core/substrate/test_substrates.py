@@ -36,13 +36,13 @@ def layer_oracle(s, poisson_ratio):
         )
 
 
-@pytest.mark.parametrize(("poisson_ratio", "s"), [(0.5, 0.21), (0.5, 3.7), (0.3, 1.06), (0.0, 0.83)])
-def test_layer_agrees_with_the_hankel_integral(poisson_ratio, s):
-    layer = mf.BondedLayer(thickness=1.0, poisson_ratio=poisson_ratio)
-    computed = np.array(layer.regular_derivatives(np.array([s]))).ravel() * np.pi
-    half_space = np.array([1 / s, 1 / s**2, 2 / s**3])
-    error = np.abs(computed - layer_oracle(s, poisson_ratio)) / half_space
-    assert (error < 1e-12).all()
+def test_layer_agrees_with_the_hankel_integral():
+    for poisson_ratio, s in ((0.5, 0.21), (0.5, 3.7), (0.3, 1.06), (0.0, 0.83)):
+        layer = mf.BondedLayer(thickness=1.0, poisson_ratio=poisson_ratio)
+        computed = np.array(layer.regular_derivatives(np.array([s]))).ravel() * np.pi
+        half_space = np.array([1 / s, 1 / s**2, 2 / s**3])
+        error = np.abs(computed - layer_oracle(s, poisson_ratio)) / half_space
+        assert (error < 1e-12).all()
 
 
 def test_table_is_continuous_and_ends_below_its_bound():
@@ -68,17 +68,19 @@ def test_layer_against_half_space_at_the_block_of_the_paper():
         assert_allclose(computed, ratio, rtol=0, atol=5e-4)
 
 
-@pytest.mark.parametrize(
-    ("poisson_ratio", "influence", "curvature"),
-    [(0.5, 1.770, 3.831), (0.45, 1.625, 3.346), (0.3, 1.377, 2.510)],
-)
-def test_self_terms_of_the_layer(poisson_ratio, influence, curvature):
-    layer = mf.BondedLayer(7.2, poisson_ratio)
-    assert -layer.self_influence * np.pi * 7.2 == pytest.approx(influence, abs=5e-4)
-    assert layer.self_curvature * 2 * np.pi * 7.2**3 == pytest.approx(curvature, abs=1e-3)
-    assert layer.self_influence == pytest.approx(float(layer.regular(0.0)), rel=1e-12)
-    curvature_at_zero = float(layer.regular_derivatives(np.array([0.0]))[2][0])
-    assert layer.self_curvature == pytest.approx(curvature_at_zero, rel=1e-12)
+def test_self_terms_of_the_layer():
+    """Integrals of the deficit and of its second moment, printed to three decimals."""
+    for poisson_ratio, influence, curvature in (
+        (0.5, 1.770, 3.831),
+        (0.45, 1.625, 3.346),
+        (0.3, 1.377, 2.510),
+    ):
+        layer = mf.BondedLayer(7.2, poisson_ratio)
+        assert -layer.self_influence * np.pi * 7.2 == pytest.approx(influence, abs=5e-4)
+        assert layer.self_curvature * 2 * np.pi * 7.2**3 == pytest.approx(curvature, abs=1e-3)
+        assert layer.self_influence == pytest.approx(float(layer.regular(0.0)), rel=1e-12)
+        curvature_at_zero = float(layer.regular_derivatives(np.array([0.0]))[2][0])
+        assert layer.self_curvature == pytest.approx(curvature_at_zero, rel=1e-12)
 
 
 @given(st.sampled_from(RATIOS), st.floats(0.3, 1e6), st.floats(1e-3, 100.0))

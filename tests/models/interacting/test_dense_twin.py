@@ -1,4 +1,4 @@
-"""The dense twin against the kernels for paraboloids, and against the energy for other caps."""
+"""The dense twin against the energy of its contacts."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 import metafem as mf
 from tests.models.interacting.dense_twin import Twin
-from tests.models.scenes import lattice, scene
+from tests.models.scenes import scene
 
 
 def sharpened(rho):
@@ -20,25 +20,6 @@ LAWS = [
     mf.SphericalCap(),
     mf.AxisymmetricCap(sharpened, 0.45),
 ]
-
-
-@pytest.mark.parametrize("order", [1, 3])
-@pytest.mark.parametrize("substrate", [mf.HalfSpace(), mf.BondedLayer(), mf.BondedLayer(1.0, 0.3)], ids=repr)
-@pytest.mark.parametrize("law", [mf.Hertz(), mf.PowerCap(2)], ids=repr)
-def test_paraboloids_are_those_of_the_kernels(order, substrate, law):
-    model, thin = mf.Interacting(order, substrate), substrate == mf.BondedLayer(1.0, 0.3)
-    layer = {"thickness": 1.0, "poisson_ratio": 0.3} if thin else {}
-    for surface in (scene(**layer), lattice(0.1 + 0.01 * np.arange(9.0), **layer)):
-        twin = Twin(surface, law, order, substrate)
-        for load in (0.01, 0.1):
-            state = mf.equilibrium(surface, model, load=load)
-            approach, p, area, residual = twin.solve(load=load / 1.36)
-            assert residual <= 1e-12
-            assert approach == pytest.approx(state.approach, rel=1e-11)
-            assert_allclose(p, state.asperity_load / 1.36, rtol=1e-10, atol=1e-15)
-            assert_allclose(area, state.asperity_area, rtol=1e-10, atol=1e-15)
-            at = twin.solve(approach=approach)
-            assert at[1].sum() == pytest.approx(load / 1.36, rel=1e-10)
 
 
 def energy(twin, load, approach):
@@ -65,10 +46,9 @@ def energy(twin, load, approach):
     return float((elastic - 2.0 / 3.0 * own**3 * slope).sum() + work)
 
 
-@pytest.mark.parametrize("substrate", [mf.HalfSpace(), mf.BondedLayer()])
 @pytest.mark.parametrize("law", LAWS, ids=repr)
-def test_the_equations_are_the_gradient_of_the_energy(law, substrate):
-    twin = Twin(scene(), law, substrate=substrate)
+def test_the_equations_are_the_gradient_of_the_energy(law):
+    twin = Twin(scene(), law, substrate=mf.BondedLayer())
     z = np.array([0.02, 0.03, 0.01, 0.025, 0.03, 0.015])
     approach = 0.06
     error, load, _, matrix = twin.equations(z, approach)

@@ -1,0 +1,272 @@
+"""Large scenes: fast sums and Newton-Krylov against the dense kernel."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import metafem as mf
+from metafem._kernels import coupling
+from metafem._kernels import interacting as interacting_kernel
+from metafem.models.contact_tables import tables
+from metafem.models.interacting import elastic as interacting
+from metafem.models.interacting.coarse import coarsen
+from metafem.models.interacting.influence import coupling_between
+from metafem.models.interacting.newton_krylov import ContactEquations
+from metafem.models.interacting.sums.ewald_sums import ScatteredSums
+from metafem.models.interacting.sums.fft_sums import LatticeSums, find_lattice
+from metafem.models.interacting.sums.lattice_sums import CompiledLatticeSums
+from tests.models.scenes import PEDESTAL, lattice, scene
+
+SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5)]
+
+
+def rough(count, seed=0):
+    return 0.12 - np.minimum(np.random.default_rng(seed).exponential(0.035, count), 0.12)
+
+
+def turned(position, angle=0.3):
+    return position @ np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]) + 7.0
+
+
+@pytest.fixture
+def large(monkeypatch):
+    """Small scenes take the way of large ones."""
+    for limit in ("LATTICE_LIMIT", "DENSE_LIMIT"):  # of order 3 on a lattice, and of all others
+        monkeypatch.setattr(interacting, limit, 1)
+
+
+def products(surface, substrate, sums):
+    """Differences of every product from the dense matrices, over the largest value."""
+    rng = np.random.default_rng(3)
+    load, size = rng.random((2, surface.count))
+    influence = substrate.influence_matrix(surface)
+    np.fill_diagonal(influence, 0.0)
+    gx, gy, laplacian = substrate.influence_derivatives(surface)
+    pairs = [
+        (sums.displacement(load), influence @ load),
+        (sums.field(load)[0], laplacian @ load),
+        (np.hypot(*sums.field(load)[1:]), np.hypot(gx @ load, gy @ load)),
+        # sources with moments along their own slope: free of the choice of axes
+        (
+            sums.displacement(load, size, *(load * s for s in sums.field(load)[1:])),
+            influence @ load + laplacian.T @ size + gx.T @ (load * (gx @ load)) + gy.T @ (load * (gy @ load)),
+        ),
+    ]
+    return [float(np.abs(a - b).max() / np.abs(b).max()) for a, b in pairs]
+
+
+def test_lattice_products_are_exact():
+    for substrate in SUBSTRATES:
+        for kind in (LatticeSums, CompiledLatticeSums):
+            surface = lattice(rough(49))
+            keep = np.random.default_rng(1).permutation(49)[:40]  # missing sites, any order
+            surface = scene(turned(surface.position[keep]), surface.height[keep], 0.526)
+            assert max(products(surface, substrate, kind(find_lattice(surface.position), substrate))) < 1e-13
+
+
+def test_compiled_sums_agree_with_those_of_scipy():
+    for shape in ((1, 9), (7, 3), (16, 15)):
+        lattice = find_lattice(
+            mf.Surface.square_lattice(0.1, shape, radius=0.1, material=mf.Material(1)).position
+        )
+        arguments = np.random.default_rng(0).random((4, *lattice.site.shape[:1]))
+        for substrate in SUBSTRATES:
+            sums = [kind(lattice, substrate) for kind in (LatticeSums, CompiledLatticeSums)]
+            for number in (1, 4):
+                expected, found = (each.displacement(*arguments[:number]) for each in sums)
+                assert_allclose(found, expected, rtol=0.0, atol=1e-13 * np.abs(expected).max())
+            # across a single row the slope is zero: rounding is that of the other slope
+            (one, *slopes), (other, *others) = (each.field(arguments[0]) for each in sums)
+            for expected, found in ((one, other), (np.array(slopes), np.array(others))):
+                assert_allclose(found, expected, rtol=0.0, atol=1e-13 * np.abs(expected).max())
+            changed = arguments[0]
+            changed[0] += 1.0  # transforms are computed again for other loads in the same array
+            assert_allclose(sums[1].displacement(changed), sums[0].displacement(changed), rtol=1e-12)
+
+
+def loose(count, seed=0, **arguments):
+    """Places anywhere, no nearer than half a millimetre."""
+    shift = np.random.default_rng(seed).uniform(-0.5, 0.5, (count, 2))
+    columns = round(np.sqrt(count))
+    grid = 1.5 * np.column_stack([np.arange(count) % columns, np.arange(count) // columns])
+    return scene(grid + shift, rough(count), 0.526, **arguments)
+
+
+@pytest.mark.parametrize("substrate", [*SUBSTRATES, mf.BondedLayer(0.3, 0.5)])
+def test_scattered_products_are_nearly_exact(substrate):
+    surface = loose(400)
+    if substrate != SUBSTRATES[0]:
+        block = mf.Block(20, 20, substrate.thickness)
+        surface = surface.replaced(material=mf.Material(1, substrate.poisson_ratio), block=block)
+    sums = ScatteredSums(surface.position, substrate)
+    errors = products(surface, substrate, sums)
+    assert errors[0] < 1e-10
+    assert max(errors) < 1e-9  # derivatives lose the shortest wave on the grid, 5 per mean distance
+    load = np.linspace(0.0, 1.0, 400)
+    assert sums.error(load) < 1e-10 * np.abs(sums.displacement(load)).max()
+    assert products(surface, substrate, sums.rough)[0] < 1e-4
+
+
+def test_sums_over_two_clusters_and_along_a_line():
+    rng = np.random.default_rng(0)
+    clusters = np.vstack([loose(100).position, loose(100).position + 400.0])
+    line = np.column_stack([np.arange(200.0) + rng.uniform(-0.3, 0.3, 200), np.zeros(200)])
+    for position in (clusters, line):
+        surface = scene(position, rough(200), 0.526)
+        assert max(products(surface, mf.HalfSpace(), ScatteredSums(position, mf.HalfSpace()))) < 1e-9
+
+
+def test_lattices_are_found_in_any_direction():
+    for shape in ((1, 9), (7, 1), (5, 8)):
+        surface = mf.Surface.square_lattice(0.1, shape, 0.7, radius=0.1, material=mf.Material(1))
+        for position in (surface.position, turned(surface.position), surface.position + 1e5):
+            found = find_lattice(position)
+            assert sorted(found.shape) == sorted(shape)
+            assert found.pitch == pytest.approx(0.7, rel=1e-9)
+
+
+def test_scattered_places_are_no_lattice():
+    rng = np.random.default_rng(0)
+    assert find_lattice(rng.random((50, 2))) is None
+    position = lattice(rough(49)).position
+    assert find_lattice(position + 1e-6 * rng.random((49, 2))) is None
+    apart = np.vstack([position[:4], position[:4] + 150.0])
+    assert find_lattice(apart) is None
+
+
+def test_a_lattice_with_few_of_its_sites_is_found():
+    rng = np.random.default_rng(0)
+    position = turned(lattice(rough(2500)).position)[rng.permutation(2500)[:300]]
+    assert find_lattice(position).pitch == pytest.approx(1.5, rel=1e-9)
+
+
+def test_lattices_with_few_sites_use_the_sums_that_take_less_time():
+    position = lattice(rough(2500)).position
+    for count, fast in ((450, False), (2000, True)):
+        surface = scene(position[np.random.default_rng(0).permutation(2500)[:count]], rough(count), 0.526)
+        bound = mf.Interacting().bound(surface)
+        assert (bound.summed is not None) == fast
+
+
+QUARTIC = mf.Interacting(3, contact=mf.PowerCap(4))
+
+
+@pytest.mark.parametrize("model", [mf.Interacting(1), PEDESTAL, QUARTIC], ids=repr)
+def test_newton_krylov_agrees_with_the_dense_kernel(model, request):
+    load, radius = np.array([0.0, 0.05, 0.5, 2.0]), np.random.default_rng(0).uniform(0.4, 0.7, 144)
+    surfaces = [part.replaced(radius=radius) for part in (lattice(rough(144)), loose(144))]
+    matrices = [model.sensitivity(surface, load) for surface in surfaces]
+    request.getfixturevalue("large")
+    for surface, dense in zip(surfaces, matrices, strict=True):
+        fast = model.sensitivity(surface, load)
+        assert fast.curve.residual.max() < 1e-9
+        slope = 1e-5 if model == QUARTIC else 1e-6  # of the load, by an inner iteration
+        for name, rtol in (("area", 1e-8), ("approach", 1e-8), ("stiffness", slope)):
+            assert_allclose(getattr(fast.curve, name), getattr(dense.curve, name), rtol=rtol)
+        error = (1e-5 if model == QUARTIC else 1e-7) * np.abs(dense.gradient).max()
+        assert_allclose(fast.gradient, dense.gradient, rtol=0.0, atol=error)
+        assert_allclose(fast.indentation, dense.indentation, rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.usefixtures("large")
+def test_load_and_approach_are_inverse_for_large_scenes():
+    layer = mf.Interacting(pedestal=True, substrate=mf.BondedLayer())
+    cases = (
+        (lattice(rough(100)), mf.Interacting(), "FFT"),
+        (lattice(rough(100)), layer, "FFT"),
+        (loose(100), mf.Interacting(order=1), "scattered"),
+    )
+    for surface, model, way in cases:
+        state = mf.equilibrium(surface, model, load=0.5)
+        assert way in state.notes[0].text
+        again = mf.equilibrium(surface, model, approach=state.approach)
+        assert again.load == pytest.approx(0.5, rel=1e-8)
+        step = 1e-4 * state.approach
+        low, high = (mf.equilibrium(surface, model, approach=state.approach + s).load for s in (-step, step))
+        assert (high - low) / (2 * step) == pytest.approx(state.stiffness, rel=1e-4)
+        assert mf.equilibrium(surface, model, approach=-1.0).load == 0.0
+
+
+@pytest.mark.usefixtures("large")
+def test_an_ill_posed_large_scene_raises():
+    """At order 1 the layer's self term wins over Hertz's compliance above a = 0.89 t."""
+    surface = lattice(0.5 * np.ones(4), radius=1.0, thickness=0.3)
+    with pytest.raises(mf.MetafemError):
+        mf.equilibrium(surface, mf.Interacting(order=1, substrate=mf.BondedLayer()), approach=0.3)
+
+
+@pytest.mark.parametrize("places", [lattice, lambda height: loose(height.size)])
+def test_coarse_model_has_the_long_waves_of_the_displacement(places):
+    surface = places(rough(400))
+    coarse = coarsen(surface.position, mf.HalfSpace())
+    across = np.ptp(surface.position[:, 0])
+    load = 1.0 + 0.5 * np.cos(2.0 * np.pi * surface.position[:, 0] / across)
+    assert coarse.loads(load).sum() == pytest.approx(load.sum(), rel=1e-12)
+    exact = mf.HalfSpace().influence_matrix(surface) @ load
+    smooth = coarse.displacement(load)
+    # seven nodes per side: only the mean matters for a preconditioner
+    assert np.abs(smooth - exact).mean() < 0.15 * np.ptp(exact)
+
+
+def test_coarse_preconditioner_is_symmetric_and_positive_definite():
+    surface = lattice(rough(100))
+    rng = np.random.default_rng(0)
+    inverse = np.where(rng.random(100) < 0.7, rng.uniform(0.1, 1.0, 100), 0.0)
+    precondition = coarsen(surface.position, mf.HalfSpace()).preconditioner(inverse)
+    matrix = np.array([precondition(unit) for unit in np.eye(100)])
+    closed = inverse > 0.0
+    assert_allclose(matrix, matrix.T, rtol=0.0, atol=1e-13)
+    assert np.linalg.eigvalsh(matrix[closed][:, closed]).min() > 0.0
+    assert not matrix[~closed].any()
+
+
+class DenseSums:
+    """The sums of `ContactEquations` in dense matrices."""
+
+    def __init__(self, coupling):
+        self.coupling = coupling
+
+    def displacement(self, load, size=None, *moment):
+        found = load @ self.coupling.influence
+        if size is not None:
+            x, y = moment
+            found += size @ self.coupling.laplacian + x @ self.coupling.slope_x + y @ self.coupling.slope_y
+        return found
+
+    def field(self, load):
+        found = self.coupling
+        return load @ found.laplacian_at, load @ found.slope_x_at, load @ found.slope_y_at
+
+
+@pytest.mark.parametrize("law", [mf.Hertz(), mf.PowerCap(4), mf.SphericalCap()], ids=repr)
+def test_the_equations_over_sums_are_those_of_the_kernel(law):
+    """Response and derivatives, to rounding, with open and closed asperities."""
+    for order in (1, 3):
+        surface, z = scene(), np.array([0.02, 0.03, -0.01, 0.025, 0.03, 0.015])
+        field, self_term = coupling_between(surface, mf.BondedLayer().for_surface(surface), order)
+        table, state = tables(law, surface.radius), coupling.empty_state(6)
+        state.z[:] = z
+        count = coupling.respond(field, order, table, self_term, state)
+        residual, load = coupling.measure(order, surface.gap, 0.06, 0.1, state, count)
+        equations = ContactEquations(DenseSums(field), order, table, self_term, surface.gap, None)
+        found = equations.respond(z, 0.06, 0.1)
+        names = (
+            "load",
+            "indentation",
+            "displacement",
+            "bend",
+            "square",
+            *(("moment",) if order == 3 else ()),
+        )
+        for name in names:
+            assert_allclose(getattr(found.state, name), getattr(state, name), rtol=1e-13, atol=1e-16)
+        assert found.state.load.sum() == pytest.approx(load, rel=1e-14)
+        assert found.residual == pytest.approx(residual, rel=1e-13)
+        closed, change = state.closed[:count], np.zeros(6)
+        change[closed] = np.random.default_rng(0).random(count)
+        image = equations.jacobian(found, change, exact=True) + equations.diagonal(found) * change
+        work = np.empty((count, count)), np.empty((6, count))
+        coupling.spread(order, table, state)
+        interacting_kernel.hessian(field, order, self_term, state, count, *work)
+        hessian = np.tril(work[0]) + np.tril(work[0], -1).T
+        assert_allclose(image[closed], hessian @ change[closed], rtol=1e-12)
